@@ -1,0 +1,1 @@
+"""Contacts between blocks: detection, corners, memory, laws."""

@@ -1,0 +1,100 @@
+"""Contacts of one step as flat arrays, and what a contact law answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from clast.model import Bools, Floats, Ints
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contacts:
+    """Vertex-edge contacts of one step, in order of block pairs; m contacts, q touching pairs.
+
+    ``gap`` and the rows belong to the start of the step: the gap at its end is
+    ``gap + normal_vertex . d_i + normal_edge . d_j`` to first order in the displacements of the
+    vertex's block i and the edge's block j; the slip of the vertex along the edge is
+    ``tangent_vertex . d_i + tangent_edge . d_j``.
+    """
+
+    vertex: Ints
+    """Invading vertex P, shape (m,)."""
+    edge: Ints
+    """Entrance edge: index of its first vertex, shape (m,)."""
+    vertex_block: Ints
+    """Block i of the vertex, shape (m,)."""
+    edge_block: Ints
+    """Block j of the edge, shape (m,)."""
+    pair: Ints
+    """Index into ``pairs``, shape (m,)."""
+    pairs: Ints
+    """Pairs of blocks (lower, higher) that share contacts, sorted, shape (q, 2)."""
+    gap: Floats
+    """Signed distance of P to the edge's line, m, negative in penetration, shape (m,)."""
+    normal: Floats
+    """Outward unit normal of the edge, shape (m, 2)."""
+    foot: Floats
+    """Foot Q of P on the edge's line, m, shape (m, 2)."""
+    length: Floats
+    """Length of joint that the contact stands for (cohesion, tensile strength), m, shape (m,)."""
+    normal_vertex: Floats
+    """T_i(P)^T n, shape (m, 6)."""
+    normal_edge: Floats
+    """-T_j(Q)^T n, shape (m, 6)."""
+    tangent_vertex: Floats
+    """T_i(P)^T t with t the edge's direction, shape (m, 6)."""
+    tangent_edge: Floats
+    """-T_j(Q)^T t, shape (m, 6)."""
+    friction: Floats
+    """tan(friction angle) of the joint, shape (m,)."""
+    cohesion: Floats
+    """Cohesion of the joint while bonded, Pa (0 once broken), shape (m,)."""
+    tensile_strength: Floats
+    """Tensile strength of the joint while bonded, Pa (0 once broken), shape (m,)."""
+    bonded: Bools
+    """True while cohesion and tensile strength are intact, shape (m,)."""
+    known: Bools
+    """True where the contact memory held this contact, shape (m,)."""
+    shear_force: Floats
+    """Remembered shear force on the vertex along t, N/m, shape (m,)."""
+    normal_force: Floats
+    """Remembered normal force, N/m, shape (m,)."""
+    multiplier: Floats
+    """Remembered Lagrange multiplier, N/m, shape (m,)."""
+    mode: Ints
+    """Remembered mode: 0 open, 1 slide, 2 lock, shape (m,)."""
+
+    def __len__(self) -> int:
+        return len(self.vertex)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactResponse:
+    """Forces of the contacts at the end of a step and how they change with gap and slip.
+
+    The law is linear about the evaluated point: N = normal_force - normal_stiffness (gap' - gap),
+    T = shear_force - shear_stiffness (slip' - slip) + coupling (N' - N).
+    """
+
+    normal_force: Floats
+    """Normal force N, N/m, compression positive, shape (m,)."""
+    shear_force: Floats
+    """Shear force T on the vertex along the edge's direction, N/m, shape (m,)."""
+    normal_stiffness: Floats
+    """-dN/dgap, N/m per m, shape (m,)."""
+    shear_stiffness: Floats
+    """-dT/dslip, N/m per m, shape (m,)."""
+    coupling: Floats
+    """dT/dN of sliding friction solved inside the step (signed tan phi, else 0), shape (m,)."""
+    mode: Ints
+    """0 open, 1 slide, 2 lock, shape (m,)."""
+    bonded: Bools
+    """True while cohesion and tensile strength are intact, shape (m,)."""
+    energy: Floats
+    """Energy in the contact's springs, J/m, shape (m,)."""
+    dissipation: Floats
+    """Work lost in sliding during the step, J/m, >= 0, shape (m,)."""
+
+
+OPEN, SLIDE, LOCK = 0, 1, 2
+"""Modes of a contact (Shi 1988)."""

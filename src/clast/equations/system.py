@@ -1,0 +1,98 @@
+"""The block-sparse system K d = F of one pass, assembled from its contributions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clast.contact.arrays import ContactResponse, Contacts
+from clast.equations.terms import DiagonalTerms
+from clast.kernels import assembly
+from clast.model import Bools, Floats, Ints
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockSystem:
+    """6 x 6 blocks of K and the right-hand side; pairs (i, j) with i < j, sorted."""
+
+    diagonal: Floats
+    """K_ii, shape (n, 6, 6)."""
+    pairs: Ints
+    """Coupled blocks (i, j), i < j, shape (q, 2)."""
+    upper: Floats
+    """K_ij, shape (q, 6, 6)."""
+    lower: Floats
+    """K_ji, the transpose of K_ij unless friction is solved inside the step, shape (q, 6, 6)."""
+    force: Floats
+    """F, shape (n, 6)."""
+
+
+def gap_at_end(contacts: Contacts, displacement: Floats) -> Floats:
+    """Return the gap of each contact at the end of the step, m, shape (m,): gap + n.d."""
+    return contacts.gap + assembly.contact_motion(
+        contacts.vertex_block,
+        contacts.edge_block,
+        contacts.normal_vertex,
+        contacts.normal_edge,
+        displacement,
+    )
+
+
+def slip_in_step(contacts: Contacts, displacement: Floats) -> Floats:
+    """Return the slip of each contact in the step, m, shape (m,): t.d."""
+    return assembly.contact_motion(
+        contacts.vertex_block,
+        contacts.edge_block,
+        contacts.tangent_vertex,
+        contacts.tangent_edge,
+        displacement,
+    )
+
+
+def assemble(
+    base: DiagonalTerms,
+    contacts: Contacts,
+    response: ContactResponse,
+    gap: Floats,
+    slip: Floats,
+    fixed: Bools,
+) -> BlockSystem:
+    """Return the system with the contact law linearised about (gap, slip) at the end of the step.
+
+    ``gap`` and ``slip`` (m,) are where ``response`` was evaluated, in m; F then holds the forces
+    that the linearised law gives at d = 0.
+    """
+    # N(d) = N - k_n (gap0 + n.d - gap), so at d = 0:
+    offset = contacts.gap - gap
+    normal_load = response.normal_force - response.normal_stiffness * offset
+    shear_load = (
+        response.shear_force
+        + response.shear_stiffness * slip
+        + response.coupling * (normal_load - response.normal_force)
+    )
+    diagonal, force = base.diagonal.copy(), base.force.copy()
+    upper = np.zeros((len(contacts.pairs), 6, 6))
+    lower = np.zeros((len(contacts.pairs), 6, 6))
+    assembly.add_contacts(
+        diagonal,
+        upper,
+        lower,
+        force,
+        contacts.pair,
+        contacts.vertex_block,
+        contacts.edge_block,
+        contacts.normal_vertex,
+        contacts.normal_edge,
+        contacts.tangent_vertex,
+        contacts.tangent_edge,
+        response.normal_stiffness,
+        response.shear_stiffness,
+        response.coupling,
+        normal_load,
+        shear_load,
+    )
+    assembly.hold_blocks(diagonal, upper, lower, force, contacts.pairs, fixed)
+    return BlockSystem(
+        diagonal=diagonal, pairs=contacts.pairs, upper=upper, lower=lower, force=force
+    )

@@ -1,0 +1,134 @@
+"""Contributions to the equations K d = F of a step, one function each.
+
+Each adds to the block diagonal of the system; contacts, which couple blocks, are added in
+:mod:`clast.equations.system`.  Blocks keep their start area in the elastic terms, as they keep
+their mass: the strain energy 1/2 A sigma.C.sigma is then the same before and after a rotation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clast.equations.frames import BlockFrames
+from clast.interfaces import DisplacementFunction, Integrator
+from clast.model import Floats, Ints, Model
+from clast.state import State
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiagonalTerms:
+    """Block diagonal and right-hand side: everything of a step but the contacts."""
+
+    diagonal: Floats
+    """Diagonal 6 x 6 blocks of K, shape (n, 6, 6)."""
+    force: Floats
+    """Right-hand side, shape (n, 6)."""
+
+
+def inertia(
+    frames: BlockFrames, integrator: Integrator, velocity: Floats, step: float
+) -> tuple[Floats, Floats]:
+    """Return c_m M (n, 6, 6) and c_v M v (n, 6); constant acceleration: 2/h2 and 2/h."""
+    matrix = integrator.inertia_factor(step) * frames.mass_matrix
+    momentum = np.einsum("nij,nj->ni", frames.mass_matrix, velocity)
+    return matrix, integrator.velocity_factor(step) * momentum
+
+
+def elasticity(model: Model) -> Floats:
+    """Return A E' on the strain block, Pa m2, shape (n, 6, 6)."""
+    matrix = np.zeros((model.block_count, 6, 6))
+    matrix[:, 3:, 3:] = model.area[:, None, None] * model.elasticity
+    return matrix
+
+
+def stress(model: Model, state: State) -> Floats:
+    """Return -A sigma on the strain rows (initial stress and what has built up), shape (n, 6)."""
+    force = np.zeros((model.block_count, 6))
+    force[:, 3:] = -model.area[:, None] * state.stress
+    return force
+
+
+def body_force(model: Model) -> Floats:
+    """Return the weight rho A g at the centroid, N/m, shape (n, 6)."""
+    force = np.zeros((model.block_count, 6))
+    force[:, :2] = model.mass[:, None] * model.gravity
+    return force
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointSlices:
+    """Rows of ``State.points`` by kind (see ``Model.material_points``)."""
+
+    fixed: slice
+    loaded: slice
+    line_start: slice
+    line_end: slice
+    measured: slice
+
+
+def point_slices(model: Model) -> PointSlices:
+    """Return which rows of ``State.points`` belong to which kind of point."""
+    counts = [
+        len(model.fixed_points.block),
+        len(model.point_loads.block),
+        len(model.line_loads.block),
+        len(model.line_loads.block),
+        len(model.measured_points.block),
+    ]
+    stops = np.cumsum(counts)
+    rows = [slice(int(stop) - count, int(stop)) for stop, count in zip(stops, counts, strict=True)]
+    return PointSlices(
+        fixed=rows[0], loaded=rows[1], line_start=rows[2], line_end=rows[3], measured=rows[4]
+    )
+
+
+def load_rows(
+    model: Model, frames: BlockFrames, displacement: DisplacementFunction, state: State
+) -> tuple[Ints, Floats]:
+    """Return block (k,) and generalised force (k, 6) of every point and line load.
+
+    A uniform traction q along a line of length L gives L T(midpoint)^T q, exact because T is
+    linear.
+    """
+    rows = point_slices(model)
+    start, end = state.points[rows.line_start], state.points[rows.line_end]
+    length = np.hypot(*(end - start).T)
+    block = np.concatenate([model.point_loads.block, model.line_loads.block])
+    at = np.concatenate([state.points[rows.loaded], 0.5 * (start + end)])
+    force = np.concatenate([model.point_loads.force, length[:, None] * model.line_loads.traction])
+    basis = displacement.basis(at - frames.centroid[block])
+    return block, np.einsum("kxi,kx->ki", basis, force)
+
+
+def fixed_point_rows(
+    model: Model, frames: BlockFrames, displacement: DisplacementFunction, state: State
+) -> tuple[Floats, Floats]:
+    """Return T (k, 2, 6) at the fixed points and their distance (k, 2) from the anchor, m."""
+    at = state.points[point_slices(model).fixed]
+    basis = displacement.basis(at - frames.centroid[model.fixed_points.block])
+    return basis, at - model.fixed_points.at
+
+
+def diagonal_terms(
+    model: Model,
+    frames: BlockFrames,
+    displacement: DisplacementFunction,
+    integrator: Integrator,
+    fixed_point_stiffness: float,
+    state: State,
+    velocity: Floats,
+    step: float,
+) -> DiagonalTerms:
+    """Return the base system of a step: inertia, elasticity, stress, weight, loads, fixed points."""
+    matrix, force = inertia(frames, integrator, velocity, step)
+    matrix = matrix + elasticity(model)
+    force = force + stress(model, state) + body_force(model)
+    block, load = load_rows(model, frames, displacement, state)
+    np.add.at(force, block, load)
+    basis, drift = fixed_point_rows(model, frames, displacement, state)
+    held = model.fixed_points.block
+    np.add.at(matrix, held, fixed_point_stiffness * np.einsum("kxi,kxj->kij", basis, basis))
+    np.add.at(force, held, -fixed_point_stiffness * np.einsum("kxi,kx->ki", basis, drift))
+    return DiagonalTerms(diagonal=matrix, force=force)

@@ -1,0 +1,155 @@
+"""Where to plug in: what a displacement function, contact law, corner rule, solver or process is.
+
+Algorithms are frozen dataclasses of their own numbers.  Nothing needs to be inherited or
+registered: an object with these methods can be put into a :class:`Method` from a script.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from clast.errors import StepOutcome
+from clast.model import Bools, Floats, Ints, Model
+from clast.state import State
+
+if TYPE_CHECKING:
+    from clast.contact.arrays import ContactResponse, Contacts
+    from clast.contact.detection import Candidates
+    from clast.equations.system import BlockSystem
+
+
+class DisplacementFunction(Protocol):
+    """How a block moves and strains with its six unknowns about its centroid."""
+
+    def basis(self, offset: Floats) -> Floats:
+        """Return T (m, 2, 6) at offsets (m, 2) from the centroid, m."""
+        ...
+
+    def mass_matrix(self, mass: Floats, moments: Floats) -> Floats:
+        """Return M (n, 6, 6) from mass (n,) and mass moments (n, 3): int x2, y2, xy dm, kg m2."""
+        ...
+
+    def place(self, offset: Floats, displacement: Floats) -> Floats:
+        """Return the new offsets (m, 2) from the *old* centroid after displacements d (m, 6)."""
+        ...
+
+    def turn(self, displacement: Floats) -> Floats:
+        """Return the rotation, rad, of displacements d (n, 6); nan where it is impossible."""
+        ...
+
+
+class Integrator(Protocol):
+    """An implicit time scheme: M (c_m d - c_v v) = forces at the end of the step."""
+
+    def inertia_factor(self, step: float) -> float:
+        """Return c_m, 1/s2."""
+        ...
+
+    def velocity_factor(self, step: float) -> float:
+        """Return c_v, 1/s."""
+        ...
+
+    def next_velocity(self, displacement: Floats, velocity: Floats, step: float) -> Floats:
+        """Return the velocity at the end of the step, same shape as ``velocity``."""
+        ...
+
+
+class ContactLaw(Protocol):
+    """Forces between blocks from gap and slip.  Evaluating a law never changes its memory."""
+
+    @property
+    def normal_stiffness(self) -> float:
+        """Normal contact stiffness p (the penalty), N/m per m."""
+        ...
+
+    def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
+        """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
+        ...
+
+
+class CornerRule(Protocol):
+    """Chooses entrance edges among the candidate edges of a vertex at a corner of a block."""
+
+    def choose(self, candidates: Candidates, vertices: Floats) -> Bools:
+        """Return True for the candidates that become contacts, shape (m,)."""
+        ...
+
+
+class LinearSolver(Protocol):
+    """Solves the 6 x 6 block system of a step."""
+
+    def solve(self, system: BlockSystem) -> Floats:
+        """Return d (n, 6); raises StepRejected where the system has no unique solution."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepResult:
+    """What one accepted step leaves."""
+
+    state: State
+    """State at the end of the step."""
+    contacts: Contacts
+    """Contacts of the step."""
+    response: ContactResponse
+    """Contact forces at the end of the step."""
+    passes: int
+    """Assemblies and solves in the step."""
+    travel: float
+    """Largest movement of a vertex, m."""
+    penetration: float
+    """Largest penetration at the end of the step, m, >= 0."""
+    seconds: dict[str, float]
+    """Wall time of each stage of the step, s."""
+    outcome: StepOutcome = StepOutcome.ACCEPTED
+    """How the step ended."""
+
+
+class StepProcess(Protocol):
+    """Carries the state over one step."""
+
+    def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
+        """Return the state ``step`` seconds later, or raise StepRejected (a smaller step helps)."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Method:
+    """How the system is simulated: one choice of each kind, and the numbers that they share."""
+
+    process: StepProcess
+    """Process of a step."""
+    contact_law: ContactLaw
+    """Contact law."""
+    corner_rule: CornerRule
+    """Rule that picks the entrance edge at corners."""
+    displacement: DisplacementFunction
+    """Displacement function of a block, with its rotation rule."""
+    integrator: Integrator
+    """Time integration scheme."""
+    solver: LinearSolver
+    """Solver of the block system."""
+    fixed_point_stiffness: float
+    """Stiffness of the springs that hold fixed points, N/m per m."""
+    critdis: float
+    """Critical distance: edges are lengthened by it in contact detection, m."""
+    max_displacement: float
+    """Largest vertex movement allowed in a step, m."""
+    dynamic_ratio: float = 1.0
+    """Share of velocity carried to the next step: 0 static, 1 dynamic."""
+
+
+__all__ = [
+    "Bools",
+    "ContactLaw",
+    "CornerRule",
+    "DisplacementFunction",
+    "Floats",
+    "Integrator",
+    "Ints",
+    "LinearSolver",
+    "Method",
+    "StepProcess",
+    "StepResult",
+]

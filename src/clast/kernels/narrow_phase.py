@@ -1,0 +1,354 @@
+"""Vertices against edges: candidate edges, corners, contact lengths, tunnelling.
+
+The signed gap of a vertex to an edge's line is (P - A) . n with n the outward normal; with
+counter-clockwise polygons and edge direction t = (tx, ty), n = (ty, -tx).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+SMALL_ANGLE = np.sin(np.radians(3.0))
+"""Sine of the angle within which edges count as parallel (Shi 1988: 3 degrees)."""
+ROUND_OFF = 1e-9
+"""Share of an edge's length that is treated as zero along the edge."""
+
+
+@njit(cache=True)
+def _previous(k, first, last):
+    return k - 1 if k > first else last - 1
+
+
+@njit(cache=True)
+def _following(k, first, last):
+    return k + 1 if k + 1 < last else first
+
+
+@njit(cache=True)
+def find_key(vertex, block, memory_vertex, memory_block):
+    """Return the first row of the sorted memory with this (vertex, block), or -1."""
+    low, high = 0, len(memory_vertex)
+    while low < high:
+        middle = (low + high) // 2
+        if memory_vertex[middle] < vertex or (
+            memory_vertex[middle] == vertex and memory_block[middle] < block
+        ):
+            low = middle + 1
+        else:
+            high = middle
+    if low < len(memory_vertex) and memory_vertex[low] == vertex and memory_block[low] == block:
+        return low
+    return -1
+
+
+@njit(cache=True)
+def remembered_depth(vertex, block, row, memory_vertex, memory_block, memory_gap):
+    """Return the largest remembered penetration of (vertex, block), m; ``row`` from find_key."""
+    depth = 0.0
+    if row < 0:
+        return depth
+    while (
+        row < len(memory_vertex) and memory_vertex[row] == vertex and memory_block[row] == block
+    ):
+        depth = max(depth, -memory_gap[row])
+        row += 1
+    return depth
+
+
+@njit(cache=True)
+def _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, beyond_end, critdis, tip_reach):
+    """Return how far beyond the edge's end the foot may lie, m.
+
+    critdis where the vertex's own edge runs back along the candidate edge within 3 degrees (face
+    to face: the corners coincide, as in walls and arches); else ``tip_reach``.  Without this
+    distinction a tip that passes beside a corner would be held by air.
+    """
+    back = -1.0 if beyond_end else 1.0
+    for ux, uy in ((ax, ay), (bx, by)):
+        runs_back = back * (ux * tx + uy * ty) > 0.0
+        if runs_back and abs(ux * nx + uy * ny) <= SMALL_ANGLE:
+            return critdis
+    return tip_reach
+
+
+@njit(cache=True)
+def _vertex_candidates(
+    p, i, j, vertices, block_start, direction, length, reach, depth, critdis, tip_reach, out_edge,
+    out_gap, out_along, found,
+):
+    """Append the candidate edges of block j for vertex p of block i; return the new count."""
+    first_i, last_i = block_start[i], block_start[i + 1]
+    before = _previous(p, first_i, last_i)
+    # the vertex's own two edges, pointing away from it
+    ax, ay = -direction[before, 0], -direction[before, 1]
+    bx, by = direction[p, 0], direction[p, 1]
+    if bx * ay - by * ax < -SMALL_ANGLE:  # a re-entrant vertex cannot enter an edge
+        return found
+    px, py = vertices[p, 0], vertices[p, 1]
+    for e in range(block_start[j], block_start[j + 1]):
+        tx, ty = direction[e, 0], direction[e, 1]
+        nx, ny = ty, -tx
+        rx, ry = px - vertices[e, 0], py - vertices[e, 1]
+        gap = rx * nx + ry * ny
+        if gap > reach or gap < -depth:
+            continue
+        along = rx * tx + ry * ty
+        beyond = max(-along, along - length[e])
+        if beyond > critdis:
+            continue
+        if ax * nx + ay * ny < -SMALL_ANGLE or bx * nx + by * ny < -SMALL_ANGLE:
+            continue
+        if beyond > ROUND_OFF * length[e] and beyond > _foot_allowance(
+            ax, ay, bx, by, nx, ny, tx, ty, along > 0.0, critdis, tip_reach
+        ):
+            continue
+        if found < len(out_edge):
+            out_edge[found] = e
+            out_gap[found] = gap
+            out_along[found] = along
+        found += 1
+    return found
+
+
+@njit(cache=True)
+def candidates(
+    vertices, block_start, direction, length, box, pairs, memory_vertex, memory_block, memory_gap,
+    reach, depth_reach, critdis, tip_reach, capacity,
+):
+    """Return candidate (vertex, edge) couples of all pairs, grouped by (vertex, block of edge).
+
+    ``box`` (n, 4) are the blocks' boxes, not widened.  A vertex is looked for up to ``reach`` in
+    front of an edge and, behind it, as deep as ``depth_reach`` plus its remembered penetration.  Result: count, group starts, and per candidate vertex, edge,
+    pair, gap, distance along the edge; only valid where count <= capacity.
+    """
+    vertex = np.empty(capacity, np.int64)
+    edge = np.empty(capacity, np.int64)
+    pair = np.empty(capacity, np.int64)
+    gap = np.empty(capacity)
+    along = np.empty(capacity)
+    group_start = np.empty(capacity + 1, np.int64)
+    group_start[0] = 0
+    groups, found = 0, 0
+    for q in range(len(pairs)):
+        for side in range(2):
+            i, j = pairs[q, side], pairs[q, 1 - side]
+            for p in range(block_start[i], block_start[i + 1]):
+                px, py = vertices[p, 0], vertices[p, 1]
+                if (
+                    px < box[j, 0] - reach
+                    or px > box[j, 2] + reach
+                    or py < box[j, 1] - reach
+                    or py > box[j, 3] + reach
+                ):
+                    continue
+                known = find_key(p, j, memory_vertex, memory_block)
+                depth = depth_reach + remembered_depth(
+                    p, j, known, memory_vertex, memory_block, memory_gap
+                )
+                start = found
+                found = _vertex_candidates(
+                    p, i, j, vertices, block_start, direction, length, reach, depth, critdis,
+                    tip_reach, edge, gap, along, found,
+                )
+                if found > start and found <= capacity:
+                    vertex[start:found] = p
+                    pair[start:found] = q
+                    groups += 1
+                    group_start[groups] = found
+    return found, group_start[: groups + 1], vertex, edge, pair, gap, along
+
+
+@njit(cache=True)
+def _relation(e, f, gap_e, gap_f, along_e, along_f, direction, length, first, last):
+    """Say how two candidate edges of one block share a vertex in front of them.
+
+    0: both are kept (re-entrant corner, walls of a slot); 1: one of them, by the bisector
+    (convex corner, faces of a plate); 2: one of them, the edge that the foot lies on (flat corner).
+    """
+    adjacent = _following(e, first, last) == f
+    if adjacent or _following(f, first, last) == e:
+        turn = direction[e, 0] * direction[f, 1] - direction[e, 1] * direction[f, 0]
+        if not adjacent:
+            turn = -turn
+        cosine = direction[e, 0] * direction[f, 0] + direction[e, 1] * direction[f, 1]
+        if abs(turn) <= SMALL_ANGLE and cosine > 0.0:
+            return 2
+        return 1 if turn > 0.0 else 0
+    # not neighbours: back to back where each foot lies behind the other edge's line
+    cosine = direction[e, 0] * direction[f, 0] + direction[e, 1] * direction[f, 1]
+    behind_e = gap_e - gap_f * cosine < 0.0
+    behind_f = gap_f - gap_e * cosine < 0.0
+    return 1 if behind_e and behind_f else 0
+
+
+@njit(cache=True)
+def _loses_flat_corner(e, f, along_e, along_f, length, first, last):
+    """Return True if the foot has passed from edge e to edge f at their flat corner."""
+    if _following(e, first, last) == f:
+        # beyond the end of e and beyond the start of f; on the corner itself e is kept
+        return (along_e - length[e]) + along_f > 0.0
+    return along_e + (along_f - length[f]) <= 0.0
+
+
+@njit(cache=True)
+def bisector(
+    group_start, edge, gap, along, remembered, direction, length, edge_block, block_start
+):
+    """Return True for the candidates that the angle bisector keeps, shape (m,).
+
+    At a convex corner of edges E1, E2 the vertex lies on E1's side of the bisector exactly where
+    its signed gap to E1 exceeds the gap to E2 (Yu & Yin 2015), inside and outside the block
+    alike.  On the bisector the remembered edge stays, else the lower index is taken.
+    """
+    keep = np.zeros(len(edge), np.bool_)
+    for g in range(len(group_start) - 1):
+        start, stop = group_start[g], group_start[g + 1]
+        if stop - start == 1:
+            keep[start] = True
+            continue
+        j = edge_block[edge[start]]
+        first, last = block_start[j], block_start[j + 1]
+        alive = np.ones(stop - start, np.bool_)
+        for a in range(start, stop):
+            for b in range(start, stop):
+                if a == b:
+                    continue
+                if _relation(
+                    edge[a], edge[b], gap[a], gap[b], along[a], along[b], direction, length,
+                    first, last,
+                ) == 2 and _loses_flat_corner(
+                    edge[a], edge[b], along[a], along[b], length, first, last
+                ):
+                    alive[a - start] = False
+        while True:
+            best = -1
+            for a in range(start, stop):
+                if not alive[a - start]:
+                    continue
+                if best < 0 or _is_nearer(a, best, gap, edge, remembered[g], length):
+                    best = a
+            if best < 0:
+                break
+            keep[best] = True
+            alive[best - start] = False
+            for a in range(start, stop):
+                if alive[a - start] and (
+                    _relation(
+                        edge[best], edge[a], gap[best], gap[a], along[best], along[a], direction,
+                        length, first, last,
+                    )
+                    == 1
+                ):
+                    alive[a - start] = False
+    return keep
+
+
+@njit(cache=True)
+def _is_nearer(a, b, gap, edge, remembered, length):
+    """Return True if candidate a is to be preferred to b: larger gap, remembered, lower index."""
+    tie = ROUND_OFF * min(length[edge[a]], length[edge[b]])
+    if gap[a] > gap[b] + tie:
+        return True
+    if gap[a] < gap[b] - tie:
+        return False
+    if edge[b] == remembered:
+        return False
+    return edge[a] == remembered or edge[a] < edge[b]
+
+
+@njit(cache=True)
+def remembered_edges(group_start, vertex, edge, edge_block, memory_vertex, memory_block, memory_edge):
+    """Return the entrance edge of each group in the last step, or -1, shape (groups,)."""
+    remembered = np.empty(len(group_start) - 1, np.int64)
+    for g in range(len(remembered)):
+        first = group_start[g]
+        row = find_key(vertex[first], edge_block[edge[first]], memory_vertex, memory_block)
+        remembered[g] = memory_edge[row] if row >= 0 else -1
+    return remembered
+
+
+@njit(cache=True)
+def _overlap(p, w, e, block_start, block, vertices, direction, length, critdis):
+    """Return the length that own edge from p to w shares with edge e, m, as seen by vertex p.
+
+    Each shared piece has two ends, and each end is a vertex of one block, or a vertex of both
+    (coinciding corners, which then count half each); every end stands for half of the piece.
+    """
+    tx, ty = direction[e, 0], direction[e, 1]
+    here = (vertices[p, 0] - vertices[e, 0]) * tx + (vertices[p, 1] - vertices[e, 1]) * ty
+    there = (vertices[w, 0] - vertices[e, 0]) * tx + (vertices[w, 1] - vertices[e, 1]) * ty
+    low, high = max(0.0, min(here, there)), min(length[e], max(here, there))
+    if high <= low:
+        return 0.0
+    ends = 0.0 if here < there else length[e]
+    share = 0.25 if abs(here - ends) <= critdis else 0.5
+    return share * (high - low)
+
+
+@njit(cache=True)
+def contact_lengths(vertex, edge, vertex_block, vertices, block_start, direction, length, critdis):
+    """Return the length of joint that each contact stands for, m, shape (m,).
+
+    Where a vertex's own edge lies along the entrance edge (within 3 degrees) the two share a
+    piece of joint, and each of its ends takes half; the sum over the contacts of two faces is
+    their common length.  A vertex that touches with its tip alone stands for none.
+    """
+    result = np.zeros(len(vertex))
+    for c in range(len(vertex)):
+        p, e = vertex[c], edge[c]
+        first, last = block_start[vertex_block[c]], block_start[vertex_block[c] + 1]
+        before, after = _previous(p, first, last), _following(p, first, last)
+        nx, ny = direction[e, 1], -direction[e, 0]
+        if abs(direction[before, 0] * nx + direction[before, 1] * ny) <= SMALL_ANGLE:
+            result[c] += _overlap(
+                p, before, e, block_start, vertex_block[c], vertices, direction, length, critdis
+            )
+        if abs(direction[p, 0] * nx + direction[p, 1] * ny) <= SMALL_ANGLE:
+            result[c] += _overlap(
+                p, after, e, block_start, vertex_block[c], vertices, direction, length, critdis
+            )
+    return result
+
+
+@njit(cache=True)
+def depth_inside(px, py, vertices, first, last):
+    """Return the distance to the outline of a point inside the polygon, m; 0 outside."""
+    inside = False
+    nearest = np.inf
+    for k in range(first, last):
+        following = _following(k, first, last)
+        x1, y1 = vertices[k, 0] - px, vertices[k, 1] - py
+        x2, y2 = vertices[following, 0] - px, vertices[following, 1] - py
+        if (y1 > 0.0) != (y2 > 0.0) and x1 + (x2 - x1) * (-y1) / (y2 - y1) > 0.0:
+            inside = not inside
+        dx, dy = x2 - x1, y2 - y1
+        share = min(1.0, max(0.0, -(x1 * dx + y1 * dy) / (dx * dx + dy * dy)))
+        fx, fy = x1 + share * dx, y1 + share * dy
+        nearest = min(nearest, fx * fx + fy * fy)
+    return np.sqrt(nearest) if inside else 0.0
+
+
+@njit(cache=True)
+def deepest_unknown(
+    vertices, block_start, box, pairs, memory_vertex, memory_block, memory_gap
+):
+    """Return depth beyond remembered penetration, vertex and block of the worst invasion.
+
+    A vertex that is deeper inside a block than it was remembered to be has jumped there within
+    the step.  Depth 0 (and -1, -1) where no vertex is inside a block.
+    """
+    worst, worst_vertex, worst_block = 0.0, -1, -1
+    for q in range(len(pairs)):
+        for side in range(2):
+            i, j = pairs[q, side], pairs[q, 1 - side]
+            for p in range(block_start[i], block_start[i + 1]):
+                px, py = vertices[p, 0], vertices[p, 1]
+                if px < box[j, 0] or px > box[j, 2] or py < box[j, 1] or py > box[j, 3]:
+                    continue
+                depth = depth_inside(px, py, vertices, block_start[j], block_start[j + 1])
+                known = find_key(p, j, memory_vertex, memory_block)
+                depth -= remembered_depth(p, j, known, memory_vertex, memory_block, memory_gap)
+                if depth > worst:
+                    worst, worst_vertex, worst_block = depth, p, j
+    return worst, worst_vertex, worst_block

@@ -1,0 +1,90 @@
+"""Areas, centroids, moments and edges of polygons (simplex integration), all blocks at once."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def moments(vertices, block_start):
+    """Return area (n,), centroid (n, 2) and central second moments (n, 3): int x2, y2, xy dA.
+
+    Exact for polygons (Shi 1988, simplex integration; Green's theorem).  Each polygon is measured
+    from its own first vertex, so that nothing is lost far from the origin; the moments are
+    gathered about the centroid in a second sweep for the same reason.
+    """
+    count = len(block_start) - 1
+    area = np.zeros(count)
+    centroid = np.zeros((count, 2))
+    second = np.zeros((count, 3))
+    for b in range(count):
+        first, last = block_start[b], block_start[b + 1]
+        x0, y0 = vertices[first, 0], vertices[first, 1]
+        a, sx, sy = 0.0, 0.0, 0.0
+        for k in range(first + 1, last - 1):
+            x1, y1 = vertices[k, 0] - x0, vertices[k, 1] - y0
+            x2, y2 = vertices[k + 1, 0] - x0, vertices[k + 1, 1] - y0
+            triangle = 0.5 * (x1 * y2 - x2 * y1)
+            a += triangle
+            sx += triangle * (x1 + x2) / 3.0
+            sy += triangle * (y1 + y2) / 3.0
+        cx, cy = sx / a, sy / a
+        area[b] = a
+        centroid[b, 0], centroid[b, 1] = x0 + cx, y0 + cy
+        sxx, syy, sxy = 0.0, 0.0, 0.0
+        for k in range(first, last):
+            following = k + 1 if k + 1 < last else first
+            x1, y1 = (vertices[k, 0] - x0) - cx, (vertices[k, 1] - y0) - cy
+            x2, y2 = (vertices[following, 0] - x0) - cx, (vertices[following, 1] - y0) - cy
+            cross = x1 * y2 - x2 * y1
+            sxx += cross * (x1 * x1 + x1 * x2 + x2 * x2) / 12.0
+            syy += cross * (y1 * y1 + y1 * y2 + y2 * y2) / 12.0
+            sxy += cross * (2.0 * x1 * y1 + x1 * y2 + x2 * y1 + 2.0 * x2 * y2) / 24.0
+        second[b, 0], second[b, 1], second[b, 2] = sxx, syy, sxy
+    return area, centroid, second
+
+
+@njit(cache=True)
+def boxes(vertices, block_start):
+    """Return the bounding box (xmin, ymin, xmax, ymax) of each block, m, shape (n, 4)."""
+    count = len(block_start) - 1
+    box = np.empty((count, 4))
+    for b in range(count):
+        xmin, ymin, xmax, ymax = np.inf, np.inf, -np.inf, -np.inf
+        for k in range(block_start[b], block_start[b + 1]):
+            x, y = vertices[k, 0], vertices[k, 1]
+            xmin, ymin = min(xmin, x), min(ymin, y)
+            xmax, ymax = max(xmax, x), max(ymax, y)
+        box[b, 0], box[b, 1], box[b, 2], box[b, 3] = xmin, ymin, xmax, ymax
+    return box
+
+
+@njit(cache=True)
+def edges(vertices, block_start):
+    """Return unit direction (nv, 2) and length (nv,) of the edge that starts at each vertex."""
+    direction = np.empty((len(vertices), 2))
+    length = np.empty(len(vertices))
+    for b in range(len(block_start) - 1):
+        first, last = block_start[b], block_start[b + 1]
+        for k in range(first, last):
+            following = k + 1 if k + 1 < last else first
+            dx = vertices[following, 0] - vertices[k, 0]
+            dy = vertices[following, 1] - vertices[k, 1]
+            size = np.sqrt(dx * dx + dy * dy)
+            length[k] = size
+            direction[k, 0], direction[k, 1] = dx / size, dy / size
+    return direction, length
+
+
+@njit(cache=True)
+def travel(before, after):
+    """Return the largest distance between two sets of points (k, 2), m; nan where not finite."""
+    largest = 0.0
+    for k in range(len(before)):
+        dx, dy = after[k, 0] - before[k, 0], after[k, 1] - before[k, 1]
+        square = dx * dx + dy * dy
+        if not square <= np.inf or square == np.inf:
+            return np.nan
+        largest = max(largest, square)
+    return np.sqrt(largest)

@@ -1,0 +1,1 @@
+"""How a block moves: displacement functions and rotation rules."""

@@ -1,0 +1,79 @@
+"""The complete first-order displacement function of Shi: u0, v0, r0, ex, ey, gxy.
+
+    T(x, y) = | 1 0 -y  x  0  y/2 |      x = X - Xc, y = Y - Yc  (Shi 1988)
+              | 0 1  x  0  y  x/2 |
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from clast.kinematics.rotation import Sine
+from clast.model import Floats
+
+
+class RotationRule(Protocol):
+    """What the third unknown means (see :mod:`clast.kinematics.rotation`)."""
+
+    def angle(self, unknown: Floats) -> Floats:
+        """Return the rotation, rad."""
+        ...
+
+    def displacement(self, offset: Floats, strained: Floats, unknown: Floats) -> Floats:
+        """Return the displacement (m, 2) without translation."""
+        ...
+
+
+@dataclass(frozen=True)
+class FirstOrder:
+    """Constant strain in each block; large rotation by the rule given."""
+
+    rotation: RotationRule = field(default_factory=Sine)
+
+    def basis(self, offset: Floats) -> Floats:
+        """Return T (m, 2, 6) at offsets (m, 2) from the centroid, m."""
+        x, y = offset[:, 0], offset[:, 1]
+        t = np.zeros((len(offset), 2, 6))
+        t[:, 0, 0] = 1.0
+        t[:, 0, 2] = -y
+        t[:, 0, 3] = x
+        t[:, 0, 5] = 0.5 * y
+        t[:, 1, 1] = 1.0
+        t[:, 1, 2] = x
+        t[:, 1, 4] = y
+        t[:, 1, 5] = 0.5 * x
+        return t
+
+    def mass_matrix(self, mass: Floats, moments: Floats) -> Floats:
+        """Return M = int T^T T dm (n, 6, 6), exact, from mass (n,) kg/m and moments (n, 3).
+
+        ``moments`` are the mass moments about the centroid int x2, int y2, int xy dm, kg m2/m.
+        """
+        sxx, syy, sxy = moments[:, 0], moments[:, 1], moments[:, 2]
+        m = np.zeros((len(mass), 6, 6))
+        m[:, 0, 0] = m[:, 1, 1] = mass
+        m[:, 2, 2] = sxx + syy
+        m[:, 2, 3] = m[:, 3, 2] = -sxy
+        m[:, 2, 4] = m[:, 4, 2] = sxy
+        m[:, 2, 5] = m[:, 5, 2] = 0.5 * (sxx - syy)
+        m[:, 3, 3] = sxx
+        m[:, 3, 5] = m[:, 5, 3] = 0.5 * sxy
+        m[:, 4, 4] = syy
+        m[:, 4, 5] = m[:, 5, 4] = 0.5 * sxy
+        m[:, 5, 5] = 0.25 * (sxx + syy)
+        return m
+
+    def place(self, offset: Floats, displacement: Floats) -> Floats:
+        """Return new offsets (m, 2) from the *old* centroid after displacements d (m, 6)."""
+        x, y = offset[:, 0], offset[:, 1]
+        ex, ey, gxy = displacement[:, 3], displacement[:, 4], displacement[:, 5]
+        strained = np.stack([ex * x + 0.5 * gxy * y, 0.5 * gxy * x + ey * y], axis=1)
+        moved = self.rotation.displacement(offset, strained, displacement[:, 2])
+        return offset + moved + displacement[:, :2]
+
+    def turn(self, displacement: Floats) -> Floats:
+        """Return the rotation, rad, of displacements d (n, 6); nan where it is impossible."""
+        return self.rotation.angle(displacement[:, 2])

@@ -1,0 +1,200 @@
+"""The loop over steps: accept, cut or grow the step (the paper's (15)), record."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from clast.errors import RunStopped, StepOutcome, StepRejected
+from clast.interfaces import Method, StepResult
+from clast.model import Model
+from clast.results import Report, Run, RunRecorder
+from clast.state import State, initial_state
+
+if TYPE_CHECKING:
+    from clast.state import Ledger
+
+CUT = 0.5
+"""A rejected step is retried with this share of its length."""
+GROW = 1.5
+"""After a step that was far from its limits the next one is longer by this factor."""
+COMFORT = 0.8
+"""The step grows only while vertices move less than this share of max_displacement."""
+SMALLEST_SHARE = 2.0**-12
+"""The smallest step tried, as a share of the wanted one, unless the schedule names it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Schedule:
+    """When to simulate and when to record."""
+
+    step: float
+    """Wanted length of a step, s; shorter ones are used where max_displacement asks for it."""
+    end: float
+    """End of the run, s."""
+    every: float
+    """Time between frames, s."""
+    smallest_step: float | None = None
+    """A run stops where it would need a smaller step than this, s."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """Where a run is; handed to ``watch`` after every accepted step."""
+
+    time: float
+    """Simulated time, s."""
+    end: float
+    """End of the run, s."""
+    step: float
+    """Length of the last step, s."""
+    steps: int
+    """Accepted steps so far."""
+    contacts: int
+    """Contacts of the last step."""
+    penetration: float
+    """Largest penetration of the last step, m."""
+
+
+@dataclass(kw_only=True)
+class _Tally:
+    """Counts of a run, gathered while it goes."""
+
+    steps: int = 0
+    passes: int = 0
+    cut_steps: int = 0
+    contacts: int = 0
+    penetration: float = 0.0
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def add(self, result: StepResult) -> None:
+        self.steps += 1
+        self.passes += result.passes
+        self.contacts = max(self.contacts, len(result.contacts))
+        self.penetration = max(self.penetration, result.penetration)
+        for stage, seconds in result.seconds.items():
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
+
+    def report(self, ledger: Ledger, wall: float, outcome: str, finished: bool) -> Report:
+        return Report(
+            steps=self.steps,
+            passes=self.passes,
+            cut_steps=self.cut_steps,
+            largest_contacts=self.contacts,
+            largest_penetration=self.penetration,
+            ledger=ledger,
+            seconds=dict(self.seconds),
+            wall_seconds=wall,
+            outcome=outcome,
+            finished=finished,
+            warnings=(),
+        )
+
+
+def simulate(
+    model: Model,
+    method: Method,
+    schedule: Schedule,
+    *,
+    recorder: RunRecorder | None = None,
+    watch: Callable[[Progress], None] | None = None,
+    warnings: tuple[str, ...] = (),
+) -> Run:
+    """Simulate a model from rest (or its initial velocities) to the end of the schedule.
+
+    Raises RunStopped, with the partial results in its ``run``, where even the smallest step is
+    rejected.  KeyboardInterrupt ends the run early, with its results kept.
+    """
+    recorder = recorder or RunRecorder(model)
+    tally = _Tally()
+    start = perf_counter()
+    state = initial_state(model)
+    recorder.start(state)
+    failure = ""
+    outcome = "the run reached its end"
+    try:
+        state = _march(model, method, schedule, state, recorder, watch, tally)
+    except StepRejected as rejected:
+        failure = str(rejected)
+        outcome = f"stopped at t = {recorder.state.time:.6g} s: {failure}"
+    except KeyboardInterrupt:
+        outcome = f"interrupted at t = {recorder.state.time:.6g} s"
+    state = recorder.state
+    finished = outcome == "the run reached its end"
+    report = tally.report(state.ledger, perf_counter() - start, outcome, finished)
+    run = recorder.finish(replace(report, warnings=warnings))
+    if failure:
+        raise RunStopped(f"the run {outcome}", run)
+    return run
+
+
+def _march(
+    model: Model,
+    method: Method,
+    schedule: Schedule,
+    state: State,
+    recorder: RunRecorder,
+    watch: Callable[[Progress], None] | None,
+    tally: _Tally,
+) -> State:
+    """Step from ``state`` to the end of the schedule and return the last state."""
+    smallest = schedule.smallest_step or SMALLEST_SHARE * schedule.step
+    step, frame = schedule.step, 1
+    result: StepResult | None = None
+    while schedule.end - state.time > 1e-9 * schedule.step:
+        wanted = min(step, schedule.end - state.time)
+        result, taken = _accepted_step(model, method, state, wanted, smallest, tally)
+        state = result.state
+        tally.add(result)
+        recorder.step(result, taken)
+        if watch:
+            watch(
+                Progress(
+                    time=state.time,
+                    end=schedule.end,
+                    step=taken,
+                    steps=tally.steps,
+                    contacts=len(result.contacts),
+                    penetration=result.penetration,
+                )
+            )
+        if state.time >= frame * schedule.every - 1e-9 * schedule.step:
+            recorder.frame(state, result.contacts, result.response)
+            frame = int((state.time + 1e-9 * schedule.step) / schedule.every) + 1
+        step = _next_step(taken, result, schedule, method)
+    return state
+
+
+def _accepted_step(
+    model: Model, method: Method, state: State, step: float, smallest: float, tally: _Tally
+) -> tuple[StepResult, float]:
+    """Return the result of the longest step that is accepted, halving from ``step``, s.
+
+    Raises the last rejection where a step would become smaller than ``smallest``.
+    """
+    while True:
+        try:
+            return method.process.step(model, method, state, step), step
+        except StepRejected as rejected:
+            tally.cut_steps += 1
+            if step * CUT < smallest:
+                raise StepRejected(rejected.outcome, _last_words(rejected, step)) from rejected
+            step *= CUT
+
+
+def _last_words(rejected: StepRejected, step: float) -> str:
+    detail = f"{rejected.detail}; " if rejected.detail else ""
+    return f"{detail}the smallest step tried was {step:.3g} s"
+
+
+def _next_step(
+    taken: float, result: StepResult, schedule: Schedule, method: Method
+) -> float:
+    """Return the length of the next step, s: grown back where the last one was comfortable."""
+    comfortable = result.travel * GROW < COMFORT * method.max_displacement
+    return min(schedule.step, taken * GROW if comfortable else taken)
+
+
+__all__ = ["Progress", "Schedule", "StepOutcome", "simulate"]

@@ -1,0 +1,1 @@
+"""Processes of a step, each one short file."""

@@ -1,0 +1,97 @@
+"""The energy ledger: what each kind of force did in a step, measured term by term.
+
+For unknowns d, every force of the step's equations does the work F.d at its end-of-step value.
+Where that differs from the change of the energy that the force stores, the difference is what the
+time integration removed.  Kinetic energy is compared with the inertia terms of the scheme, so
+``unaccounted`` is what the solved equations leave open: it is measured, not made to vanish.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.contact.arrays import ContactResponse, Contacts
+from clast.equations.frames import BlockFrames
+from clast.equations.terms import fixed_point_rows, load_rows
+from clast.interfaces import Method
+from clast.model import Floats, Model
+from clast.state import Ledger, State
+
+
+def kinetic_energy(frames: BlockFrames, velocity: Floats) -> float:
+    """Return 1/2 v.M v, J/m."""
+    return 0.5 * float(np.einsum("ni,nij,nj->", velocity, frames.mass_matrix, velocity))
+
+
+def elastic_energy(model: Model, stress: Floats) -> float:
+    """Return the strain energy 1/2 A sigma.E'^-1 sigma of the blocks, J/m."""
+    strain = np.linalg.solve(model.elasticity, stress[:, :, None])[:, :, 0]
+    return 0.5 * float(np.sum(model.area[:, None] * stress * strain))
+
+
+def fixed_point_energy(model: Model, stiffness: float, drift: Floats) -> float:
+    """Return the energy of the fixed points' springs, J/m; ``drift`` (k, 2) in m."""
+    return 0.5 * stiffness * float(np.sum(drift**2))
+
+
+def balance(
+    model: Model,
+    method: Method,
+    state: State,
+    frames: BlockFrames,
+    velocity: Floats,
+    unknowns: Floats,
+    step: float,
+    contacts: Contacts,
+    applied: tuple[Floats, Floats],
+    response: ContactResponse,
+    gap: Floats,
+    slip: Floats,
+) -> Ledger:
+    """Return the ledger at the end of a step.
+
+    ``velocity`` (n, 6) is the velocity that entered the equations, ``applied`` the normal and
+    shear forces (m,) that they held at the end of the step, ``response`` the forces of the law
+    there.
+    """
+    before = state.ledger
+    scheme = method.integrator
+    kinetic = kinetic_energy(frames, scheme.next_velocity(unknowns, velocity, step))
+    inertia = scheme.inertia_factor(step) * unknowns - scheme.velocity_factor(step) * velocity
+    inertia_work = float(np.einsum("ni,nij,nj->", unknowns, frames.mass_matrix, inertia))
+    entering = kinetic_energy(frames, velocity)
+    removed = inertia_work - (kinetic - entering)
+
+    end_stress = state.stress + np.einsum("nij,nj->ni", model.elasticity, unknowns[:, 3:])
+    elastic_work = -float(np.sum(model.area[:, None] * end_stress * unknowns[:, 3:]))
+    elastic_before = elastic_energy(model, state.stress)
+    elastic = elastic_energy(model, end_stress)
+    removed += -elastic_work - (elastic - elastic_before)
+
+    gravity_work = float(np.sum(model.mass[:, None] * model.gravity * unknowns[:, :2]))
+    block, load = load_rows(model, frames, method.displacement, state)
+    load_work = float(np.sum(load * unknowns[block]))
+
+    basis, drift = fixed_point_rows(model, frames, method.displacement, state)
+    held = np.einsum("kxi,ki->kx", basis, unknowns[model.fixed_points.block])
+    stiffness = method.fixed_point_stiffness
+    fixed_work = -stiffness * float(np.sum((drift + held) * held))
+    fixed = fixed_point_energy(model, stiffness, drift + held)
+    removed += -fixed_work - (fixed - fixed_point_energy(model, stiffness, drift))
+
+    contact_work = float(np.sum(applied[0] * (gap - contacts.gap) + applied[1] * slip))
+    contact, friction = float(np.sum(response.energy)), float(np.sum(response.dissipation))
+    removed += -contact_work - (contact - before.contact) - friction
+
+    works = elastic_work + gravity_work + load_work + fixed_work + contact_work
+    return Ledger(
+        kinetic=kinetic,
+        elastic=elastic,
+        gravity=before.gravity - gravity_work,
+        contact=contact,
+        fixed_points=fixed,
+        loads=before.loads + load_work,
+        friction=before.friction + friction,
+        numerical=before.numerical + removed + (before.kinetic - entering),
+        unaccounted=before.unaccounted + inertia_work - works,
+    )

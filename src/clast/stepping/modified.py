@@ -1,0 +1,233 @@
+"""The modified process of Yu & Yin (2015): one solve per step, springs only after invasion.
+
+The numbers in brackets are the paper's steps; (1)-(3), reading and preparing, belong to the case
+and the model; (15) and (17), the step size and the next step, to :mod:`clast.simulate`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+
+from clast.contact.arrays import OPEN, ContactResponse, Contacts
+from clast.contact.detection import Reach, detect, find_tunnelled
+from clast.contact.memory import renew
+from clast.equations.frames import BlockFrames, block_frames
+from clast.equations.system import assemble, gap_at_end, slip_in_step
+from clast.equations.terms import DiagonalTerms, diagonal_terms
+from clast.errors import StepOutcome, StepRejected
+from clast.interfaces import Method, StepResult
+from clast.model import Bools, Floats, Model
+from clast.state import ContactMemory, State
+from clast.stepping.advance import advance
+from clast.stepping.energy import balance
+from clast.stepping.stages import Stages
+
+
+class Friction(Protocol):
+    """How sliding friction enters the equations."""
+
+    def enter(self, response: ContactResponse) -> ContactResponse:
+        """Return the response as it goes into the equations."""
+        ...
+
+
+@dataclass(frozen=True)
+class LaggedFriction:
+    """Sliding friction is a known force mu N with N from the last evaluation (the paper)."""
+
+    def enter(self, response: ContactResponse) -> ContactResponse:
+        """Return the response with the friction of sliding contacts independent of N."""
+        return replace(response, coupling=np.zeros(len(response.coupling)))
+
+
+@dataclass(frozen=True)
+class ImplicitFriction:
+    """Sliding friction mu N with N of the end of the step; the equations become unsymmetric."""
+
+    def enter(self, response: ContactResponse) -> ContactResponse:
+        """Return the response as it is: friction follows N inside the solve."""
+        return response
+
+
+@dataclass(frozen=True)
+class Modified:
+    """The paper's process; ``passes`` > 1 repeats steps (10)-(12) with what the last pass found."""
+
+    friction: Friction = field(default_factory=LaggedFriction)
+    """Sliding friction, lagged (the paper's) or inside the solve."""
+    passes: int = 1
+    """Assemblies and solves per step, at most."""
+
+    def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
+        """Return the state ``step`` seconds later, or raise StepRejected."""
+        stages = Stages()
+        velocity = method.dynamic_ratio * state.velocity
+        with stages("base system"):
+            # (4) where the blocks are; (5) inertia and elasticity; (6) stress, weight, loads;
+            # (7) fixed points
+            frames = block_frames(model, method.displacement, state)
+            base = _base_system(model, method, state, frames, velocity, step)
+        with stages("contacts"):
+            # (8) blocks near each other; (9) entrance edges by the angle bisector
+            reach = reach_of(method)
+            contacts = detect(
+                model, method.corner_rule, method.displacement, state, frames.centroid, reach
+            )
+        unknowns, applied, passes = self._solve(
+            model, method, base, contacts, velocity, step, stages
+        )
+        with stages("advance"):
+            # (13) the blocks are moved and turned; (14) stresses and velocities
+            motion = advance(model, method, state, frames, velocity, unknowns, step)
+            gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
+            # (16) what the contacts carry on
+            response = method.contact_law.respond(contacts, gap, slip)
+            memory = renew(contacts, response, gap, method.critdis)
+        with stages("tunnelling"):
+            reject_tunnelled(model, motion.vertices, memory, reach)
+        with stages("ledger"):
+            ledger = balance(
+                model, method, state, frames, velocity, unknowns, step, contacts, applied,
+                response, gap, slip,
+            )  # fmt: skip
+        return StepResult(
+            state=State(
+                time=state.time + step,
+                vertices=motion.vertices,
+                velocity=motion.velocity,
+                stress=motion.stress,
+                rotation=state.rotation + motion.turn,
+                points=motion.points,
+                memory=memory,
+                ledger=ledger,
+            ),
+            contacts=contacts,
+            response=response,
+            passes=passes,
+            travel=motion.travel,
+            penetration=float(max(0.0, -gap.min(initial=0.0))),
+            seconds=stages.seconds,
+        )
+
+    def _solve(
+        self,
+        model: Model,
+        method: Method,
+        base: DiagonalTerms,
+        contacts: Contacts,
+        velocity: Floats,
+        step: float,
+        stages: Stages,
+    ) -> tuple[Floats, tuple[Floats, Floats], int]:
+        """Return the unknowns, the contact forces in the equations and the passes taken."""
+        # the first pass sees the gaps at the start and the slip that the velocity will bring
+        gap, slip = contacts.gap, slip_in_step(contacts, step * velocity)
+        active: Bools | None = None
+        for number in range(1, self.passes + 1):
+            with stages("law"):
+                # (10) springs where a vertex has invaded, friction from spring or as a force
+                response = self.friction.enter(method.contact_law.respond(contacts, gap, slip))
+                closed = response.mode
+            if active is not None and np.array_equal(closed, active):
+                number -= 1
+                break
+            active = closed
+            with stages("assembly"):
+                # (11) the equations of all blocks
+                system = assemble(base, contacts, response, gap, slip, model.fixed)
+            with stages("solve"):
+                # (12) one solve
+                unknowns = method.solver.solve(system)
+            evaluated_gap, evaluated_slip = gap, slip
+            gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
+            used = response
+        applied = forces_in_equations(used, evaluated_gap, evaluated_slip, gap, slip)
+        return unknowns, applied, number
+
+
+def forces_in_equations(
+    response: ContactResponse, gap: Floats, slip: Floats, end_gap: Floats, end_slip: Floats
+) -> tuple[Floats, Floats]:
+    """Return N and T (m,) that the solved equations held at the end of the step, N/m.
+
+    ``gap`` and ``slip`` (m,) are where the law was linearised, ``end_gap`` and ``end_slip`` those
+    of the solution; N may be tensile: that is what one pass without checking costs.
+    """
+    normal = response.normal_force - response.normal_stiffness * (end_gap - gap)
+    shear = (
+        response.shear_force
+        - response.shear_stiffness * (end_slip - slip)
+        + response.coupling * (normal - response.normal_force)
+    )
+    return normal, shear
+
+
+def reach_of(method: Method) -> Reach:
+    """Return how far contacts are looked for: critdis, and twice the travel of a step behind."""
+    return Reach(
+        front=method.critdis,
+        depth=method.critdis + 2.0 * method.max_displacement,
+        critdis=method.critdis,
+    )
+
+
+def reject_tunnelled(model: Model, vertices: Floats, memory: ContactMemory, reach: Reach) -> None:
+    """Raise StepRejected where a vertex has jumped deeper into a block than the reach."""
+    depth, vertex, block = find_tunnelled(model, vertices, memory)
+    allowance = 2.0 * float(max(0.0, -memory.gap.min(initial=0.0)))
+    if depth > reach.depth + allowance:
+        own = int(model.vertex_block[vertex])
+        raise StepRejected(
+            StepOutcome.TUNNELLED,
+            f"vertex {vertex - int(model.block_start[own]) + 1} of block "
+            f"'{model.block_name[own]}' is {depth:.3g} m inside '{model.block_name[block]}'",
+        )
+
+
+def _base_system(
+    model: Model, method: Method, state: State, frames: BlockFrames, velocity: Floats, step: float
+) -> DiagonalTerms:
+    return diagonal_terms(
+        model,
+        frames,
+        method.displacement,
+        method.integrator,
+        method.fixed_point_stiffness,
+        state,
+        velocity,
+        step,
+    )
+
+
+def stability_number(model: Model, method: Method, contacts: Contacts, step: float) -> float:
+    """Return the largest p h2/m over the blocks, m being a block's mass per contact.
+
+    Without passes a contact of the modified process settles only where it is at most 6.
+    """
+    sides = np.concatenate([contacts.vertex_block, contacts.edge_block])
+    per_block = np.bincount(sides, minlength=model.block_count)
+    touched = (per_block > 0) & ~model.fixed
+    # a block that touches nothing yet will land on one vertex
+    contacts_of = np.where(touched, per_block, 1)[~model.fixed]
+    if len(contacts_of) == 0:
+        return 0.0
+    mass = model.mass[~model.fixed] / contacts_of
+    return float(method.contact_law.normal_stiffness * step**2 / mass.min())
+
+
+STABILITY_LIMIT = 6.0
+"""Largest p h2/m with which a contact settles without passes."""
+
+__all__ = [
+    "OPEN",
+    "ImplicitFriction",
+    "LaggedFriction",
+    "Modified",
+    "forces_in_equations",
+    "reach_of",
+    "reject_tunnelled",
+    "stability_number",
+]
