@@ -1,0 +1,82 @@
+"""Discontinuous deformation analysis of rock and masonry blocks in two dimensions.
+
+    import clast
+
+    run = clast.load("incline.toml").run()
+    run.history("A").displacement[-1]
+
+Every public name has one import path, here; it is loaded when it is first used, so that the
+command line starts at once.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from clast.case import Case as Case
+    from clast.case import load as load
+    from clast.errors import CaseError as CaseError
+    from clast.errors import ClastError as ClastError
+    from clast.errors import ModelError as ModelError
+    from clast.errors import RunStopped as RunStopped
+    from clast.interfaces import Method as Method
+    from clast.model import Joint as Joint
+    from clast.model import Model as Model
+    from clast.model import PlaneStrain as PlaneStrain
+    from clast.model import PlaneStress as PlaneStress
+    from clast.model import Rock as Rock
+    from clast.model_builder import ModelBuilder as ModelBuilder
+    from clast.results import Run as Run
+    from clast.results import RunRecorder as RunRecorder
+    from clast.results import read_results as read_results
+    from clast.simulate import Schedule as Schedule
+    from clast.state import State as State
+
+    __version__: str
+
+HOME = {
+    "Case": "clast.case",
+    "load": "clast.case",
+    "CaseError": "clast.errors",
+    "ClastError": "clast.errors",
+    "ModelError": "clast.errors",
+    "RunStopped": "clast.errors",
+    "Method": "clast.interfaces",
+    "Joint": "clast.model",
+    "Model": "clast.model",
+    "PlaneStrain": "clast.model",
+    "PlaneStress": "clast.model",
+    "Rock": "clast.model",
+    "ModelBuilder": "clast.model_builder",
+    "Run": "clast.results",
+    "RunRecorder": "clast.results",
+    "read_results": "clast.results",
+    "Schedule": "clast.simulate",
+    "State": "clast.state",
+}
+"""Public name -> module that defines it."""
+
+__all__ = [*HOME, "__version__"]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name from its module."""
+    if name == "__version__":
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            found: Any = version("clast")
+        except PackageNotFoundError:
+            found = "0+uninstalled"
+    elif name in HOME:
+        found = getattr(import_module(HOME[name]), name)
+    else:
+        raise AttributeError(f"module 'clast' has no attribute '{name}'")
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,507 @@
+"""The case file: what to simulate and how, as TOML; to Model, Method, Schedule and Run.
+
+    case = clast.load("incline.toml")
+    run = case.run()
+
+The tables below are the format: their keys, units and defaults are what ``clast schema`` prints.
+This is the only place where methods are chosen by name; the dictionaries of names come first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    StrictBool,
+    StrictInt,
+    StrictStr,
+    ValidationError,
+    model_validator,
+)
+
+from clast.casefile import text as case_text
+from clast.casefile.choices import Alternatives, Choice, Chosen, Number
+from clast.casefile.faults import Fault, case_error, faults_of, refusal
+from clast.errors import ModelError
+from clast.model import Model, PlaneStrain, PlaneStress
+from clast.model_builder import ModelBuilder
+
+if TYPE_CHECKING:
+    from clast.interfaces import Method
+    from clast.results import Run
+    from clast.simulate import Progress, Schedule
+
+PROCESSES = {
+    "modified": "clast.stepping.modified:Modified",
+}
+FRICTIONS = {
+    "lagged": "clast.stepping.modified:LaggedFriction",
+    "implicit": "clast.stepping.modified:ImplicitFriction",
+}
+CONTACT_LAWS = {
+    "penalty": "clast.contact.laws:Penalty",
+}
+CORNER_RULES = {
+    "bisector": "clast.contact.corners:Bisector",
+}
+ROTATIONS = {
+    "exact": "clast.kinematics.rotation:Exact",
+    "sine": "clast.kinematics.rotation:Sine",
+    "linear": "clast.kinematics.rotation:Linear",
+}
+INTEGRATORS = {
+    "constant-acceleration": "clast.stepping.advance:ConstantAcceleration",
+    "backward-euler": "clast.stepping.advance:BackwardEuler",
+}
+SOLVERS = {
+    "auto": "clast.equations.solvers:Scipy",
+    "scipy": "clast.equations.solvers:Scipy",
+}
+PLANES: dict[str, type[PlaneStress] | type[PlaneStrain]] = {
+    "stress": PlaneStress,
+    "strain": PlaneStrain,
+}
+
+ALTERNATIVES = Alternatives(
+    classes={
+        "process": PROCESSES,
+        "friction": FRICTIONS,
+        "contact_law": CONTACT_LAWS,
+        "corner_rule": CORNER_RULES,
+        "rotation": ROTATIONS,
+        "integrator": INTEGRATORS,
+        "solver": SOLVERS,
+    },
+    limits={
+        "normal_stiffness": Field(gt=0.0),
+        "shear_stiffness": Field(gt=0.0),
+        "passes": Field(ge=1),
+    },
+)
+"""Every key that offers a choice.  A class's own numbers are read from its dataclass."""
+
+FRAMES = 100
+"""Frames of a run that does not say how many it wants."""
+TRAVEL_SHARE = 0.01
+"""Default max_displacement, as a share of the size (square root of area) of the smallest block."""
+CRITDIS_SHARE = 0.5
+"""Default critdis, as a share of max_displacement (the paper's own ratio)."""
+FIXED_POINT_FACTOR = 100.0
+"""Fixed points are this many times stiffer than the contacts and the stiffest rock."""
+
+Positive = Annotated[Number, Field(gt=0.0)]
+NotNegative = Annotated[Number, Field(ge=0.0)]
+Two = tuple[Number, Number]
+Three = tuple[Number, Number, Number]
+Loop = list[Two]
+
+
+class Table(BaseModel):
+    """A table of the case file: unknown keys and numbers that are none are refused."""
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
+
+
+class TimeTable(Table):
+    """When to simulate."""
+
+    step: Positive
+    """Length of a step, s; shorter steps are used where max_displacement asks for them."""
+    end: Positive
+    """End of the run, s."""
+    max_displacement: Positive | None = None
+    """Largest vertex movement in a step, m; 1 % of the size of the smallest block if absent."""
+    dynamic_ratio: Annotated[Number, Field(ge=0.0, le=1.0)] = 1.0
+    """Share of velocity carried to the next step: 0 static, 1 dynamic."""
+    smallest_step: Positive | None = None
+    """The run stops where it would need a smaller step than this, s."""
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.step > self.end:
+            raise refusal(
+                Fault(
+                    place=("step",),
+                    what=f"{self.step:g} s is longer than the whole run of {self.end:g} s",
+                    remedy="lower step, or raise end",
+                )
+            )
+        if self.smallest_step is not None and self.smallest_step > self.step:
+            raise refusal(
+                Fault(
+                    place=("smallest_step",),
+                    what=f"{self.smallest_step:g} s is longer than step, {self.step:g} s",
+                    remedy="lower it below step, or leave it out",
+                )
+            )
+        return self
+
+
+class RockTable(Table):
+    """A linear elastic rock."""
+
+    young: Positive
+    """Young's modulus, Pa."""
+    poisson: Annotated[Number, Field(gt=-1.0, le=0.5)]
+    """Poisson's ratio, -; below 0.5 in plane strain."""
+    density: Positive
+    """Density, kg/m3."""
+    initial_stress: Three = (0.0, 0.0, 0.0)
+    """Stress (xx, yy, xy) in the blocks at the start, Pa, tension positive."""
+
+
+class JointTable(Table):
+    """Strength of the contacts along a joint; the joint called default serves all others."""
+
+    friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] = 0.0
+    """Coulomb friction angle, degrees."""
+    cohesion: NotNegative = 0.0
+    """Cohesion, Pa; lost where the joint has slipped or opened."""
+    tensile_strength: NotNegative = 0.0
+    """Tension cut-off, Pa; lost where the joint has slipped or opened."""
+    between: list[tuple[StrictStr, StrictStr]] = []
+    """Pairs of blocks with this joint between them: [["a", "b"], ...]."""
+    between_rocks: list[tuple[StrictStr, StrictStr]] = []
+    """Pairs of rocks with this joint between their blocks: [["granite", "granite"], ...]."""
+    allow_small_friction_angle: StrictBool = False
+    """True where a friction angle below 1.6 is meant in degrees, not in radians."""
+
+
+class LoopTable(Table):
+    """A block as a loop of numbered vertices."""
+
+    loop: list[StrictInt]
+    """Numbers of its vertices, from 1, counter-clockwise."""
+    name: StrictStr | None = None
+    """Name; the block's number if absent."""
+    rock: StrictStr | None = None
+    """Rock; may be left out where there is only one."""
+    fixed: StrictBool = False
+    """True for a block that cannot move at all."""
+    velocity: Three = (0.0, 0.0, 0.0)
+    """Velocity (u, v, omega) at the start, m/s and rad/s, counter-clockwise."""
+    initial_stress: Three | None = None
+    """Stress (xx, yy, xy) at the start, Pa, tension positive; the rock's if absent."""
+
+
+class GeometryTable(Table):
+    """Blocks by numbered vertices."""
+
+    vertices: Loop
+    """Coordinates [x, y] of all vertices, m; the first is number 1."""
+    blocks: list[LoopTable]
+    """Blocks as counter-clockwise loops of vertex numbers."""
+
+    @model_validator(mode="after")
+    def _vertices_exist(self) -> Self:
+        count = len(self.vertices)
+        faults = [
+            Fault(
+                place=("blocks", number, "loop", position),
+                what=f"there is no vertex {vertex}",
+                remedy=f"vertices are numbered from 1 to {count}",
+            )
+            for number, block in enumerate(self.blocks)
+            for position, vertex in enumerate(block.loop)
+            if not 1 <= vertex <= count
+        ]
+        if faults:
+            raise refusal(*faults)
+        return self
+
+
+class BlockTable(Table):
+    """A block by its coordinates."""
+
+    vertices: Loop
+    """Coordinates [x, y] of its vertices, counter-clockwise, m."""
+    name: StrictStr | None = None
+    """Name; the block's number if absent."""
+    rock: StrictStr | None = None
+    """Rock; may be left out where there is only one."""
+    fixed: StrictBool = False
+    """True for a block that cannot move at all."""
+    velocity: Three = (0.0, 0.0, 0.0)
+    """Velocity (u, v, omega) at the start, m/s and rad/s, counter-clockwise."""
+    initial_stress: Three | None = None
+    """Stress (xx, yy, xy) at the start, Pa, tension positive; the rock's if absent."""
+
+
+class FixedPointTable(Table):
+    """A point of a block that is held in place by a stiff spring."""
+
+    at: Two
+    """Coordinates [x, y], m."""
+    block: StrictStr | None = None
+    """Block; needed only where blocks touch."""
+
+
+class PointLoadTable(Table):
+    """A constant force at a point that moves with its block."""
+
+    at: Two
+    """Coordinates [x, y], m."""
+    force: Two
+    """Force [x, y], N per metre of thickness."""
+    block: StrictStr | None = None
+    """Block; needed only where blocks touch."""
+
+
+class LineLoadTable(Table):
+    """A constant traction along a line that moves with its block, usually along an edge."""
+
+    start: Two
+    """First end [x, y], m."""
+    end: Two
+    """Second end [x, y], m."""
+    traction: Two
+    """Force per length [x, y], N/m per metre of thickness."""
+    block: StrictStr | None = None
+    """Block; needed only where blocks touch."""
+
+
+class MeasuredPointTable(Table):
+    """A point whose displacement, velocity and rotation are recorded every step."""
+
+    name: StrictStr
+    """Name."""
+    at: Two
+    """Coordinates [x, y], m."""
+    block: StrictStr | None = None
+    """Block; needed only where blocks touch."""
+
+
+class MethodTable(Table):
+    """How to simulate: a name for each choice, or a table with the name and its numbers."""
+
+    process: Annotated[Any, Choice("process", ALTERNATIVES)] = "modified"
+    """Process of a step."""
+    contact_law: Annotated[Any, Choice("contact_law", ALTERNATIVES)] = "penalty"
+    """Forces from penetration and slip."""
+    corner_rule: Annotated[Any, Choice("corner_rule", ALTERNATIVES)] = "bisector"
+    """Which edge a vertex enters through at a corner."""
+    rotation: Annotated[Any, Choice("rotation", ALTERNATIVES)] = "sine"
+    """How points follow the rotation of their block."""
+    integrator: Annotated[Any, Choice("integrator", ALTERNATIVES)] = "constant-acceleration"
+    """Time integration."""
+    solver: Annotated[Any, Choice("solver", ALTERNATIVES)] = "auto"
+    """Solver of the equations of a step."""
+    critdis: Positive | None = None
+    """Edges are lengthened by this in contact detection, m; half of max_displacement if absent."""
+    fixed_point_stiffness: Positive | None = None
+    """Springs of fixed points, N/m per m; 100 times the stiffer of contact and rock if absent."""
+
+    def build(self, key: str) -> Any:
+        """Return the object that a key chooses."""
+        chosen = getattr(self, key)
+        choice = Choice(key, ALTERNATIVES)
+        return (chosen if isinstance(chosen, Chosen) else choice.validate(chosen)).build()
+
+
+class OutputTable(Table):
+    """What to keep."""
+
+    every: Positive | None = None
+    """Time between frames, s; a hundredth of the run if absent."""
+    contacts: StrictBool = True
+    """True keeps the contact forces of every frame."""
+
+
+class Case(Table):
+    """A case of the discontinuous deformation analysis program clast."""
+
+    schema_: Literal[1] = Field(1, alias="schema")
+    """Version of this format."""
+    title: StrictStr = ""
+    """Title."""
+    plane: Literal["stress", "strain"] = "stress"
+    """Plane stress or plane strain."""
+    gravity: Two = (0.0, -9.8)
+    """Acceleration of gravity [x, y], m/s2."""
+    time: TimeTable
+    """When to simulate: [time] with step and end."""
+    rock: dict[str, RockTable]
+    """Rocks by name: [rock.granite] with young, poisson and density."""
+    joint: dict[str, JointTable] = {}
+    """Joint strengths by name: [joint.default] with friction_angle."""
+    geometry: GeometryTable | None = None
+    """Blocks by numbered vertices."""
+    block: list[BlockTable] = []
+    """Blocks by their coordinates."""
+    fixed_point: list[FixedPointTable] = []
+    """Points held in place."""
+    point_load: list[PointLoadTable] = []
+    """Forces at points."""
+    line_load: list[LineLoadTable] = []
+    """Tractions along lines."""
+    measured_point: list[MeasuredPointTable] = []
+    """Points recorded every step."""
+    method_: MethodTable = Field(default_factory=MethodTable, alias="method")
+    """How to simulate."""
+    output: OutputTable = Field(default_factory=OutputTable)
+    """What to keep."""
+
+    _file: str = PrivateAttr("case")
+    _text: str | None = PrivateAttr(None)
+
+    @classmethod
+    def from_toml(cls, source: str | Path, settings: Iterable[str] = ()) -> Case:
+        """Return the case in a file, or in a TOML text (a ``str`` of several lines).
+
+        ``settings`` such as ``"time.end=2"`` replace single values.  Raises CaseError naming
+        file, table, key and remedy.
+        """
+        settings = list(settings)
+        is_text = isinstance(source, str) and "\n" in source
+        file = "case" if is_text else str(source)
+        text = str(source) if is_text else case_text.read_text(Path(source))
+        content = case_text.parse(text, file)
+        if settings:
+            content = case_text.with_values(content, settings)
+        try:
+            case = cls.model_validate(content)
+        except ValidationError as error:
+            raise case_error(faults_of(error, cls), file=file, content=content) from None
+        case._file = file
+        case._text = None if settings else text
+        return case
+
+    @property
+    def text(self) -> str:
+        """The case as a TOML text: the file's own, or written anew where values were set."""
+        return self.to_toml() if self._text is None else self._text
+
+    def to_toml(self) -> str:
+        """Return the case as a TOML text, with what differs from the defaults."""
+        content = self.model_dump(by_alias=True, exclude_unset=True)
+        return case_text.to_toml({"schema": 1, **content})
+
+    def model(self) -> Model:
+        """Return the system of blocks; raises ModelError naming the place and the remedy."""
+        builder = ModelBuilder(title=self.title, plane=PLANES[self.plane](), gravity=self.gravity)
+        try:
+            self._add_materials(builder)
+            self._add_blocks(builder)
+            self._add_points(builder)
+            return builder.build()
+        except ModelError as error:
+            where = f"{self._file}: {error.where}"
+            raise ModelError(error.what, where=where, remedy=error.remedy) from None
+
+    def _add_materials(self, builder: ModelBuilder) -> None:
+        for name, rock in self.rock.items():
+            builder.add_rock(name, **dict(rock))
+        for name, joint in self.joint.items():
+            builder.add_joint(name, **dict(joint))
+
+    def _add_blocks(self, builder: ModelBuilder) -> None:
+        if self.geometry is not None:
+            vertices = np.array(self.geometry.vertices, np.float64).reshape(-1, 2)
+            for numbered in self.geometry.blocks:
+                values = {key: value for key, value in numbered if key != "loop"}
+                loop = np.array(numbered.loop, np.int64)
+                builder.block(vertices=vertices[loop - 1], **values)
+        for block in self.block:
+            builder.block(**dict(block))
+
+    def _add_points(self, builder: ModelBuilder) -> None:
+        for fixed in self.fixed_point:
+            builder.fixed_point(**dict(fixed))
+        for load in self.point_load:
+            builder.point_load(**dict(load))
+        for line in self.line_load:
+            builder.line_load(**dict(line))
+        for measured in self.measured_point:
+            builder.measured_point(**dict(measured))
+
+    def method(self, model: Model | None = None) -> Method:
+        """Return how to simulate; lengths that the case leaves open follow from its model."""
+        from clast.interfaces import Method
+        from clast.kinematics.first_order import FirstOrder
+
+        table, time = self.method_, self.time
+        contact_law = table.build("contact_law")
+        max_displacement = time.max_displacement
+        if max_displacement is None:
+            model = model or self.model()
+            max_displacement = TRAVEL_SHARE * float(np.sqrt(model.area.min()))
+        moduli = [rock.young for rock in self.rock.values()]
+        stiffest = max([contact_law.normal_stiffness, *moduli])
+        return Method(
+            process=table.build("process"),
+            contact_law=contact_law,
+            corner_rule=table.build("corner_rule"),
+            displacement=FirstOrder(rotation=table.build("rotation")),
+            integrator=table.build("integrator"),
+            solver=table.build("solver"),
+            fixed_point_stiffness=table.fixed_point_stiffness or FIXED_POINT_FACTOR * stiffest,
+            critdis=table.critdis or CRITDIS_SHARE * max_displacement,
+            max_displacement=max_displacement,
+            dynamic_ratio=time.dynamic_ratio,
+        )
+
+    def schedule(self) -> Schedule:
+        """Return when to simulate and when to keep a frame."""
+        from clast.simulate import Schedule
+
+        return Schedule(
+            step=self.time.step,
+            end=self.time.end,
+            every=self.output.every or self.time.end / FRAMES,
+            smallest_step=self.time.smallest_step,
+        )
+
+    def run(
+        self,
+        *,
+        progress: bool | Callable[[Progress], None] = False,
+        output: str | Path | None = None,
+    ) -> Run:
+        """Simulate the case and return its results.
+
+        ``progress`` is True for a line on the terminal, or a function to call after every step;
+        ``output`` is the result file to write.  Raises RunStopped, with the partial results in
+        its ``run``, where the run cannot go on.
+        """
+        from clast.progress import shown
+        from clast.results import RunRecorder
+        from clast.sanity import examine
+        from clast.simulate import simulate
+
+        model = self.model()
+        method, schedule = self.method(model), self.schedule()
+        recorder = RunRecorder(
+            model,
+            case_text=self.text,
+            output=None if output is None else Path(output),
+            contacts=self.output.contacts,
+        )
+        with shown(progress) as watch:
+            return simulate(
+                model,
+                method,
+                schedule,
+                recorder=recorder,
+                watch=watch,
+                warnings=examine(model, method, schedule).warnings,
+            )
+
+
+def load(path: str | Path) -> Case:
+    """Return the case in a file; raises CaseError naming file, table, key and remedy."""
+    return Case.from_toml(Path(path))
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON Schema of the case file."""
+    schema = Case.model_json_schema(by_alias=True)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

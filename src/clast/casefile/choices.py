@@ -1,0 +1,218 @@
+"""A key whose value is one of several named things, each with numbers of its own.
+
+``process = "modified"`` and ``process = {name = "modified", passes = 2}`` both choose the class
+that the name stands for.  Its numbers are the fields of its dataclass: adding an alternative takes
+the dataclass and one line in the dictionary of names (clast.case).
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from functools import cache
+from importlib import import_module
+from itertools import pairwise
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    Strict,
+    StrictBool,
+    StrictInt,
+    StrictStr,
+    ValidationError,
+    create_model,
+)
+from pydantic.fields import FieldInfo
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, core_schema
+
+from clast import spelling
+from clast.casefile.faults import Fault, faults_of, refusal
+
+Number = Annotated[float, Strict()]
+
+OPTION_TYPES: dict[str, Any] = {
+    "float": Number,
+    "float | None": Number | None,
+    "int": StrictInt,
+    "int | None": StrictInt | None,
+    "bool": StrictBool,
+    "str": StrictStr,
+}
+"""What the annotation of a dataclass field means for the value in the file."""
+
+
+@dataclass(frozen=True)
+class Alternatives:
+    """The named classes of every key that offers a choice, and the limits of their numbers."""
+
+    classes: Mapping[str, Mapping[str, str]]
+    """Key -> name -> "module:class"; a field of a class that is such a key is a choice too."""
+    limits: Mapping[str, FieldInfo]
+    """Field name -> what pydantic is to check of it."""
+
+    def __hash__(self) -> int:
+        return id(self)
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """One alternative and its numbers, as the file gives them."""
+
+    name: str
+    """Name in the file."""
+    path: str
+    """Where its class is, "module:class"."""
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+    """The values that the file gives; the others are the class's own defaults."""
+
+    def build(self) -> Any:
+        """Return the object that was chosen."""
+        given = {
+            key: value.build() if isinstance(value, Chosen) else value
+            for key, value in self.numbers.items()
+        }
+        return class_at(self.path)(**given)
+
+    def as_written(self) -> str | dict[str, Any]:
+        """Return the shortest way to write it in a file."""
+        if not self.numbers:
+            return self.name
+        numbers = {
+            key: value.as_written() if isinstance(value, Chosen) else value
+            for key, value in self.numbers.items()
+        }
+        return {"name": self.name, **numbers}
+
+
+def class_at(path: str) -> Any:
+    """Return the class at "module:class", loading its module (and numba with it) only now."""
+    module, name = path.split(":")
+    return getattr(import_module(module), name)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Type annotation of a key that offers a choice: ``Annotated[Any, Choice("process", ...)]``."""
+
+    key: str
+    """The key."""
+    alternatives: Alternatives
+    """All choices."""
+
+    @property
+    def names(self) -> Mapping[str, str]:
+        """Name -> "module:class"."""
+        return self.alternatives.classes[self.key]
+
+    def validate(self, value: Any) -> Chosen:
+        """Return the choice that a name or a table makes; hand faults to pydantic."""
+        if isinstance(value, Chosen):
+            return value
+        table = {"name": value} if isinstance(value, str) else value
+        known = ", ".join(f'"{name}"' for name in self.names)
+        if not isinstance(table, dict) or not isinstance(table.get("name"), str):
+            raise refusal(
+                Fault(
+                    what="must be a name or a table with a name",
+                    remedy=f'one of {known}, or e.g. {{name = "{next(iter(self.names))}", ...}}',
+                )
+            )
+        name = table["name"]
+        if name not in self.names:
+            remedy = spelling.advice(name, self.names, kind=self.key)
+            raise refusal(Fault(what=f"there is no {self.key} '{name}'", remedy=remedy))
+        options = options_table(self, name)
+        try:
+            parsed = options.model_validate(table)
+        except ValidationError as error:
+            raise refusal(*faults_of(error, options)) from None
+        given = {key: getattr(parsed, key) for key in table if key != "name"}
+        return Chosen(name, self.names[name], given)
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(
+            self.validate,
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda chosen: chosen.as_written() if isinstance(chosen, Chosen) else chosen
+            ),
+        )
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        tables = [options_table(self, name) for name in self.names]
+        alone = [
+            name
+            for name, table in zip(self.names, tables, strict=True)
+            if not any(f.is_required() for key, f in table.model_fields.items() if key != "name")
+        ]
+        variants = [handler(table.__pydantic_core_schema__) for table in tables]
+        names: list[JsonSchemaValue] = [{"type": "string", "enum": alone}] if alone else []
+        return {"anyOf": names + variants}
+
+
+@cache
+def options_table(choice: Choice, name: str) -> type[BaseModel]:
+    """Return the table of one alternative: its name and the fields of its dataclass."""
+    chosen = class_at(choice.names[name])
+    meanings = field_docstrings(chosen)
+    options: dict[str, Any] = {"name": (Literal[name], ...)}
+    for option in fields(chosen):
+        if option.init and option.name != "name":
+            options[option.name] = _option(choice, option, meanings.get(option.name))
+    return create_model(
+        f"{chosen.__name__}Table",
+        __config__=ConfigDict(extra="forbid", allow_inf_nan=False),
+        __doc__=(chosen.__doc__ or "").split("\n")[0],
+        **options,
+    )
+
+
+def field_docstrings(table: type) -> dict[str, str]:
+    """Return the docstring line below each field of a dataclass, from its source."""
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(table))).body[0]
+    except (OSError, TypeError):
+        return {}
+    found = {}
+    body = tree.body if isinstance(tree, ast.ClassDef) else []
+    for pair in pairwise(body):
+        match pair:
+            case (
+                ast.AnnAssign(target=ast.Name(id=name)),
+                ast.Expr(value=ast.Constant(value=str(written))),
+            ):
+                found[name] = inspect.cleandoc(written)
+    return found
+
+
+def _option(choice: Choice, option: Any, meaning: str | None) -> tuple[Any, Any]:
+    """Return type and default of one field of an alternative, as pydantic wants them."""
+    default = option.default
+    if option.default_factory is not MISSING:
+        default = option.default_factory()
+    if option.name in choice.alternatives.classes:
+        inner = Choice(option.name, choice.alternatives)
+        written = ... if default is MISSING else _name_of(default, inner)
+        return Annotated[Any, inner, Field(description=meaning)], written
+    kind = option.type if isinstance(option.type, str) else option.type.__name__
+    limit = choice.alternatives.limits.get(option.name, Field())
+    written = ... if default is MISSING else default
+    return Annotated[OPTION_TYPES[kind], limit, Field(description=meaning)], written
+
+
+def _name_of(default: Any, choice: Choice) -> str:
+    """Return the name under which a default object can be chosen."""
+    path = f"{type(default).__module__}:{type(default).__name__}"
+    return next(name for name, known in choice.names.items() if known == path)

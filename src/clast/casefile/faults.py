@@ -1,0 +1,227 @@
+"""What is wrong in a case file, in words that name the place and the remedy.
+
+pydantic finds the faults; the sentences are ours.  A fault's place is pydantic's: the path of keys
+and list positions from the top of the file, or of a table, down to the bad value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
+
+from clast import spelling
+from clast.errors import CaseError
+
+Place = tuple[str | int, ...]
+"""Keys and list positions (from 0) that lead to a value."""
+
+SHOWN = 10
+"""Most faults that one message lists."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fault:
+    """One thing to put right."""
+
+    place: Place = ()
+    """Where it is."""
+    what: str
+    """What is wrong."""
+    remedy: str = ""
+    """What to do."""
+
+
+def refusal(*faults: Fault) -> PydanticCustomError:
+    """Return the error by which a validator hands over faults worded by itself."""
+    return PydanticCustomError("faults", "see faults", {"faults": list(faults)})
+
+
+def faults_of(error: ValidationError, table: type[BaseModel]) -> list[Fault]:
+    """Return the faults that pydantic found in a table, in our words."""
+    found: list[Fault] = []
+    for item in error.errors(include_url=False):
+        place = tuple(item["loc"])
+        context = item.get("ctx", {})
+        if item["type"] == "faults":
+            found += [replace(fault, place=place + fault.place) for fault in context["faults"]]
+        else:
+            found.append(_in_words(item["type"], place, item["input"], context, item["msg"], table))
+    return found
+
+
+def case_error(faults: Sequence[Fault], *, file: str, content: Mapping[str, Any]) -> CaseError:
+    """Return one error that says all faults of a case file."""
+    if len(faults) == 1:
+        only = faults[0]
+        place = place_text(only.place, content)
+        return CaseError(only.what, where=f"{file}: {place}" if place else file, remedy=only.remedy)
+    lines = []
+    for fault in faults[:SHOWN]:
+        place = place_text(fault.place, content)
+        lines.append(f"  {place}: {fault.what}" if place else f"  {fault.what}")
+        if fault.remedy:
+            lines.append(f"    {fault.remedy}")
+    if len(faults) > SHOWN:
+        lines.append(f"  and {len(faults) - SHOWN} more")
+    return CaseError(f"{len(faults)} things to put right\n" + "\n".join(lines), where=file)
+
+
+def place_text(place: Place, content: Mapping[str, Any]) -> str:
+    """Return a place as the reader finds it in the file: table in brackets, key, numbers from 1."""
+    if not place:
+        return ""
+    top, rest = str(place[0]), list(place[1:])
+    value = content.get(top)
+    if isinstance(value, list) and rest and isinstance(number := rest[0], int):
+        rest = rest[1:]
+        table = f"[[{top}]] {number + 1}{_name_text(value, number)}"
+    elif isinstance(value, dict) and rest and isinstance(value.get(str(rest[0])), dict):
+        key = rest.pop(0)
+        table = f"[{top}.{key}]" if top in ("rock", "joint") else f"[{top}] {key}"
+        if top not in ("rock", "joint") and rest:
+            return f"{table}.{_keys_text(rest)}"
+    elif isinstance(value, dict):
+        table = f"[{top}]"
+    else:
+        table = top
+    return f"{table} {_keys_text(rest)}" if rest else table
+
+
+def _keys_text(keys: Sequence[str | int]) -> str:
+    """Return keys and positions below a table: ``vertices 3, number 2``."""
+    text = ""
+    for depth, key in enumerate(keys):
+        if isinstance(key, str):
+            text += f".{key}" if text and isinstance(keys[depth - 1], str) else f", {key}"
+        elif isinstance(keys[depth - 1], int):
+            text += f", number {key + 1}"
+        else:
+            text += f" {key + 1}"
+    return text.removeprefix(", ").removeprefix(".")
+
+
+def _name_text(tables: Sequence[Any], number: int) -> str:
+    """Return the name of one of several tables, quoted, or nothing."""
+    table = tables[number] if number < len(tables) else None
+    name = table.get("name") if isinstance(table, dict) else None
+    return f" '{name}'" if isinstance(name, str) else ""
+
+
+def _in_words(
+    kind: str,
+    place: Place,
+    given: Any,
+    context: Mapping[str, Any],
+    message: str,
+    table: type[BaseModel],
+) -> Fault:
+    """Return pydantic's fault as a sentence and a remedy."""
+    if kind == "extra_forbidden":
+        return Fault(place=place, what="there is no such key", remedy=_known_keys(place, table))
+    known = field_at(table, place)
+    meaning = known.description or "" if known else ""
+    if kind == "missing" and isinstance(place[-1], int):
+        return Fault(place=place[:-1], what=f"number {place[-1] + 1} is missing", remedy=meaning)
+    if kind == "missing":
+        remedy = f"add it: {meaning}" if meaning else "add it"
+        return Fault(place=place, what="is missing", remedy=remedy)
+    if kind == "literal_error":
+        return _not_a_choice(place, given, known)
+    if kind in SENTENCES:
+        return Fault(place=place, what=SENTENCES[kind](given, context), remedy=meaning)
+    return Fault(place=place, what=message[:1].lower() + message[1:], remedy=meaning)
+
+
+def _shown(given: Any) -> str:
+    """Return a value as it looks in a case file, shortened."""
+    text = str(given).lower() if isinstance(given, bool) else repr(given)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+SENTENCES: dict[str, Callable[[Any, Mapping[str, Any]], str]] = {
+    "float_type": lambda given, _: f"must be a number, not {_shown(given)}",
+    "int_type": lambda given, _: f"must be a whole number, not {_shown(given)}",
+    "bool_type": lambda given, _: f"must be true or false, not {_shown(given)}",
+    "string_type": lambda given, _: f"must be a text in quotes, not {_shown(given)}",
+    "finite_number": lambda given, _: f"must be a finite number, not {_shown(given)}",
+    "greater_than": lambda given, c: f"must be above {c['gt']:g}, not {_shown(given)}",
+    "greater_than_equal": lambda given, c: f"must be {c['ge']:g} or more, not {_shown(given)}",
+    "less_than": lambda given, c: f"must be below {c['lt']:g}, not {_shown(given)}",
+    "less_than_equal": lambda given, c: f"must be {c['le']:g} or less, not {_shown(given)}",
+    "too_long": lambda _, c: f"has {c['actual_length']} items instead of {c['max_length']}",
+    "too_short": lambda _, c: f"has {c['actual_length']} items instead of {c['min_length']}",
+    "list_type": lambda given, _: f"must be a list in brackets, not {_shown(given)}",
+    "tuple_type": lambda given, _: f"must be a list in brackets, not {_shown(given)}",
+    "dict_type": lambda given, _: f"must be a table, not {_shown(given)}",
+    "model_type": lambda given, _: f"must be a table, not {_shown(given)}",
+}
+"""What pydantic's kinds of fault mean, from the value given and the limit in the context."""
+
+
+def _not_a_choice(place: Place, given: Any, known: FieldInfo | None) -> Fault:
+    """Return the fault of a value that is none of the allowed ones."""
+    choices = [str(choice) for choice in get_args(known.annotation)] if known else []
+    remedy = spelling.advice(str(given), choices, kind="choice")
+    return Fault(place=place, what=f"{_shown(given)} is not known here", remedy=remedy)
+
+
+def _known_keys(place: Place, table: type[BaseModel]) -> str:
+    """Return the nearest valid key of the table at hand, or the table where the key belongs."""
+    word = str(place[-1])
+    here = _table_at(table, place[:-1])
+    if here is None:
+        return ""
+    close = spelling.nearest(word, keys_of(here))
+    if close is None:
+        for name, field in table.model_fields.items():
+            inner = _table_in(field.annotation)
+            if inner is not None and inner is not here and word in keys_of(inner):
+                return f"'{word}' belongs in the table {field.alias or name}"
+    return spelling.advice(word, keys_of(here), kind="key")
+
+
+def keys_of(table: type[BaseModel]) -> list[str]:
+    """Return the keys of a table as they are written in the file."""
+    return [field.alias or name for name, field in table.model_fields.items()]
+
+
+def field_at(table: type[BaseModel], place: Place) -> FieldInfo | None:
+    """Return the field that a place leads to (its last key; list positions belong to the key)."""
+    keys = [(depth, key) for depth, key in enumerate(place) if isinstance(key, str)]
+    if not keys:
+        return None
+    depth, key = keys[-1]
+    here = _table_at(table, place[:depth])
+    if here is None:
+        return None
+    return next((f for name, f in here.model_fields.items() if key in (name, f.alias)), None)
+
+
+def _table_at(table: type[BaseModel], place: Place) -> type[BaseModel] | None:
+    """Return the table that a place leads to, or None."""
+    here: type[BaseModel] | None = table
+    parts: Iterator[str | int] = iter(place)
+    for part in parts:
+        if here is None:
+            return None
+        if isinstance(part, int):
+            continue
+        fields = here.model_fields.items()
+        field = next((f for name, f in fields if part in (name, f.alias)), None)
+        here = _table_in(field.annotation) if field else None
+        if field is not None and get_origin(field.annotation) is dict:
+            next(parts, None)  # the user's own name of a rock or a joint
+    return here
+
+
+def _table_in(annotation: Any) -> type[BaseModel] | None:
+    """Return the table inside an annotation such as list[BlockTable], or None."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    inside = (_table_in(argument) for argument in get_args(annotation))
+    return next((found for found in inside if found is not None), None)
