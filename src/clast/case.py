@@ -479,6 +479,7 @@ class Case(Table):
 
         model = self.model()
         method, schedule = self.method(model), self.schedule()
+        warnings = examine(model, method, schedule).warnings
         recorder = RunRecorder(
             model,
             case_text=self.text,
@@ -492,7 +493,7 @@ class Case(Table):
                 schedule,
                 recorder=recorder,
                 watch=watch,
-                warnings=examine(model, method, schedule).warnings,
+                warnings=warnings,
             )
 
 
