@@ -54,6 +54,11 @@ class StepOutcome(Enum):
         "the equations have no unique solution; a smaller step is tried. If it persists, a block "
         "is free to move without mass or support: set dynamic_ratio > 0 or fix it"
     )
+    ENERGY_CREATED = (
+        "the blocks hold more energy than gravity, loads and the start gave them, so the process "
+        "is unstable here. Lower normal_stiffness or time.step, use passes >= 2 or integrator = "
+        '"backward-euler"'
+    )
     NOT_CONVERGED = (
         "the step did not meet its tolerance; a smaller step is tried. If it persists, lower "
         "normal_stiffness or time.step"

@@ -113,6 +113,10 @@ class StepProcess(Protocol):
         """Return the state ``step`` seconds later, or raise StepRejected (a smaller step helps)."""
         ...
 
+    def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
+        """Return what a user should know before the first step of length ``step``, s."""
+        ...
+
 
 @dataclass(frozen=True, kw_only=True)
 class Method:

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 from clast.errors import RunStopped, StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
 from clast.model import Model
 from clast.results import Report, Run, RunRecorder
-from clast.state import State, initial_state
-
-if TYPE_CHECKING:
-    from clast.state import Ledger
+from clast.state import Ledger, State, initial_state
+from clast.stepping import energy
 
 CUT = 0.5
 """A rejected step is retried with this share of its length."""
@@ -100,7 +97,6 @@ def simulate(
     *,
     recorder: RunRecorder | None = None,
     watch: Callable[[Progress], None] | None = None,
-    warnings: tuple[str, ...] = (),
 ) -> Run:
     """Simulate a model from rest (or its initial velocities) to the end of the schedule.
 
@@ -111,6 +107,8 @@ def simulate(
     tally = _Tally()
     start = perf_counter()
     state = initial_state(model)
+    state = replace(state, ledger=energy.opening(model, method, state))
+    warnings = method.process.advice(model, method, state, schedule.step)
     recorder.start(state)
     failure = ""
     outcome = "the run reached its end"
@@ -141,7 +139,7 @@ def _march(
 ) -> State:
     """Step from ``state`` to the end of the schedule and return the last state."""
     smallest = schedule.smallest_step or SMALLEST_SHARE * schedule.step
-    step, frame = schedule.step, 1
+    step, frame, first = schedule.step, 1, state.ledger
     result: StepResult | None = None
     while schedule.end - state.time > 1e-9 * schedule.step:
         wanted = min(step, schedule.end - state.time)
@@ -163,8 +161,19 @@ def _march(
         if state.time >= frame * schedule.every - 1e-9 * schedule.step:
             recorder.frame(state, result.contacts, result.response)
             frame = int((state.time + 1e-9 * schedule.step) / schedule.every) + 1
+        _reject_created_energy(model, state, first)
         step = _next_step(taken, result, schedule, method)
     return state
+
+
+def _reject_created_energy(model: Model, state: State, first: Ledger) -> None:
+    """Raise StepRejected where the blocks hold far more energy than they can have."""
+    created = energy.created(state.ledger, first)
+    allowed = energy.tolerated(model, state.ledger, first)
+    if created > allowed:
+        raise StepRejected(
+            StepOutcome.ENERGY_CREATED, f"{created:.3g} J/m too much at t = {state.time:.6g} s"
+        )
 
 
 def _accepted_step(
@@ -189,12 +198,10 @@ def _last_words(rejected: StepRejected, step: float) -> str:
     return f"{detail}the smallest step tried was {step:.3g} s"
 
 
-def _next_step(
-    taken: float, result: StepResult, schedule: Schedule, method: Method
-) -> float:
+def _next_step(taken: float, result: StepResult, schedule: Schedule, method: Method) -> float:
     """Return the length of the next step, s: grown back where the last one was comfortable."""
     comfortable = result.travel * GROW < COMFORT * method.max_displacement
     return min(schedule.step, taken * GROW if comfortable else taken)
 
 
-__all__ = ["Progress", "Schedule", "StepOutcome", "simulate"]
+__all__ = ["Progress", "Schedule", "simulate"]

@@ -67,6 +67,25 @@ def near_pairs(vertices: Floats, block_start: Ints, fixed: Bools, distance: floa
     return broad_phase.overlapping_pairs(box, fixed)
 
 
+def pair_penetration(block_start: Ints, pairs: Ints, memory: ContactMemory) -> Floats:
+    """Return the largest remembered penetration of each pair of blocks, m, shape (q,).
+
+    It belongs to the pair, not to the vertex: as blocks roll over each other a deep (soft) contact
+    is handed from a vertex of one to a vertex of the other.
+    """
+    depth = np.zeros(len(pairs))
+    if len(memory) == 0 or len(pairs) == 0:
+        return depth
+    own = np.searchsorted(block_start, memory.vertex, side="right") - 1
+    width = len(block_start)
+    wanted = np.minimum(own, memory.block) * width + np.maximum(own, memory.block)
+    keys = pairs[:, 0] * width + pairs[:, 1]
+    at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    there = keys[at] == wanted
+    np.maximum.at(depth, at[there], -memory.gap[there])
+    return depth
+
+
 def find_candidates(
     vertices: Floats, block_start: Ints, pairs: Ints, memory: ContactMemory, reach: Reach
 ) -> Candidates:
@@ -74,6 +93,7 @@ def find_candidates(
     direction, length = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
     vertex_block = np.repeat(np.arange(len(block_start) - 1), np.diff(block_start))
+    depth = pair_penetration(block_start, pairs, memory)
     capacity = 64 + 16 * len(pairs)
     while True:
         count, start, vertex, edge, pair, gap, along = narrow_phase.candidates(
@@ -83,9 +103,7 @@ def find_candidates(
             length,
             box,
             pairs,
-            memory.vertex,
-            memory.block,
-            memory.gap,
+            depth,
             reach.front,
             reach.depth,
             reach.critdis,
@@ -138,9 +156,7 @@ def detect(
     pairs = near_pairs(
         state.vertices, model.block_start, model.fixed, max(reach.front, reach.critdis)
     )
-    candidates = find_candidates(
-        state.vertices, model.block_start, pairs, state.memory, reach
-    )
+    candidates = find_candidates(state.vertices, model.block_start, pairs, state.memory, reach)
     chosen = np.flatnonzero(corner_rule.choose(candidates, state.vertices))
     return _contacts(model, displacement, state, centroid, pairs, candidates, chosen, reach)
 
@@ -219,16 +235,13 @@ def _take(values, row: Ints, known: Bools):  # type: ignore[no-untyped-def]
     return result
 
 
-def find_tunnelled(
-    model: Model, vertices: Floats, memory: ContactMemory
-) -> tuple[float, int, int]:
-    """Return depth beyond memory, m, vertex and block of the vertex that has jumped deepest.
+def find_tunnelled(model: Model, vertices: Floats, memory: ContactMemory) -> tuple[float, int, int]:
+    """Return depth beyond what contacts know, m, vertex and block of the deepest jump.
 
-    (0, -1, -1) where no vertex lies inside a foreign block.
+    (0, -1, -1) where no vertex lies deeper in a block than the contacts of the two do.
     """
     pairs = near_pairs(vertices, model.block_start, model.fixed, 0.0)
     box = polygon.boxes(vertices, model.block_start)
-    depth, vertex, block = narrow_phase.deepest_unknown(
-        vertices, model.block_start, box, pairs, memory.vertex, memory.block, memory.gap
-    )
-    return float(depth), int(vertex), int(block)
+    depth = pair_penetration(model.block_start, pairs, memory)
+    jump, vertex, block = narrow_phase.deepest_jump(vertices, model.block_start, box, pairs, depth)
+    return float(jump), int(vertex), int(block)

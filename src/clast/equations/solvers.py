@@ -40,7 +40,9 @@ def sparse_matrix(system: BlockSystem) -> csc_array:
     start = pointer[6 * columns[:, None] + six] + 6 * position[:, None]
     target = start[:, :, None] + six
     values[target] = blocks.transpose(0, 2, 1)
-    indices[target] = np.broadcast_to((6 * rows[:, None, None] + six).astype(np.int32), target.shape)
+    indices[target] = np.broadcast_to(
+        (6 * rows[:, None, None] + six).astype(np.int32), target.shape
+    )
     return csc_array((values, indices, pointer.astype(np.int32)), shape=(6 * count, 6 * count))
 
 

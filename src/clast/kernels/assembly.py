@@ -8,8 +8,21 @@ from numba import njit
 
 @njit(cache=True)
 def add_contacts(
-    diagonal, upper, lower, force, pair, vertex_block, edge_block, normal_vertex, normal_edge,
-    tangent_vertex, tangent_edge, normal_stiffness, shear_stiffness, coupling, normal_load,
+    diagonal,
+    upper,
+    lower,
+    force,
+    pair,
+    vertex_block,
+    edge_block,
+    normal_vertex,
+    normal_edge,
+    tangent_vertex,
+    tangent_edge,
+    normal_stiffness,
+    shear_stiffness,
+    coupling,
+    normal_load,
     shear_load,
 ):
     """Add contact springs and forces to K and F in place.

@@ -8,8 +8,16 @@ from numba import njit
 
 @njit(cache=True)
 def penalty(
-    gap, slip, normal_stiffness, shear_stiffness, friction, cohesion, tensile_strength, length,
-    bonded, shear_force,
+    gap,
+    slip,
+    normal_stiffness,
+    shear_stiffness,
+    friction,
+    cohesion,
+    tensile_strength,
+    length,
+    bonded,
+    shear_force,
 ):
     """Return N, T, -dN/dgap, -dT/dslip, dT/dN, mode, bond, energy, loss (see laws.Penalty)."""
     count = len(gap)

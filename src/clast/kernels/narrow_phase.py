@@ -43,20 +43,6 @@ def find_key(vertex, block, memory_vertex, memory_block):
 
 
 @njit(cache=True)
-def remembered_depth(vertex, block, row, memory_vertex, memory_block, memory_gap):
-    """Return the largest remembered penetration of (vertex, block), m; ``row`` from find_key."""
-    depth = 0.0
-    if row < 0:
-        return depth
-    while (
-        row < len(memory_vertex) and memory_vertex[row] == vertex and memory_block[row] == block
-    ):
-        depth = max(depth, -memory_gap[row])
-        row += 1
-    return depth
-
-
-@njit(cache=True)
 def _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, beyond_end, critdis, tip_reach):
     """Return how far beyond the edge's end the foot may lie, m.
 
@@ -74,8 +60,21 @@ def _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, beyond_end, critdis, tip_rea
 
 @njit(cache=True)
 def _vertex_candidates(
-    p, i, j, vertices, block_start, direction, length, reach, depth, critdis, tip_reach, out_edge,
-    out_gap, out_along, found,
+    p,
+    i,
+    j,
+    vertices,
+    block_start,
+    direction,
+    length,
+    reach,
+    depth,
+    critdis,
+    tip_reach,
+    out_edge,
+    out_gap,
+    out_along,
+    found,
 ):
     """Append the candidate edges of block j for vertex p of block i; return the new count."""
     first_i, last_i = block_start[i], block_start[i + 1]
@@ -113,13 +112,24 @@ def _vertex_candidates(
 
 @njit(cache=True)
 def candidates(
-    vertices, block_start, direction, length, box, pairs, memory_vertex, memory_block, memory_gap,
-    reach, depth_reach, critdis, tip_reach, capacity,
+    vertices,
+    block_start,
+    direction,
+    length,
+    box,
+    pairs,
+    pair_depth,
+    reach,
+    depth_reach,
+    critdis,
+    tip_reach,
+    capacity,
 ):
     """Return candidate (vertex, edge) couples of all pairs, grouped by (vertex, block of edge).
 
     ``box`` (n, 4) are the blocks' boxes, not widened.  A vertex is looked for up to ``reach`` in
-    front of an edge and, behind it, as deep as ``depth_reach`` plus its remembered penetration.  Result: count, group starts, and per candidate vertex, edge,
+    front of an edge and, behind it, as deep as ``depth_reach`` plus the penetration (q,) that the
+    pair of blocks had at the end of the last step.  Result: count, group starts, and per candidate vertex, edge,
     pair, gap, distance along the edge; only valid where count <= capacity.
     """
     vertex = np.empty(capacity, np.int64)
@@ -131,6 +141,7 @@ def candidates(
     group_start[0] = 0
     groups, found = 0, 0
     for q in range(len(pairs)):
+        depth = depth_reach + pair_depth[q]
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
             for p in range(block_start[i], block_start[i + 1]):
@@ -142,14 +153,23 @@ def candidates(
                     or py > box[j, 3] + reach
                 ):
                     continue
-                known = find_key(p, j, memory_vertex, memory_block)
-                depth = depth_reach + remembered_depth(
-                    p, j, known, memory_vertex, memory_block, memory_gap
-                )
                 start = found
                 found = _vertex_candidates(
-                    p, i, j, vertices, block_start, direction, length, reach, depth, critdis,
-                    tip_reach, edge, gap, along, found,
+                    p,
+                    i,
+                    j,
+                    vertices,
+                    block_start,
+                    direction,
+                    length,
+                    reach,
+                    depth,
+                    critdis,
+                    tip_reach,
+                    edge,
+                    gap,
+                    along,
+                    found,
                 )
                 if found > start and found <= capacity:
                     vertex[start:found] = p
@@ -192,9 +212,7 @@ def _loses_flat_corner(e, f, along_e, along_f, length, first, last):
 
 
 @njit(cache=True)
-def bisector(
-    group_start, edge, gap, along, remembered, direction, length, edge_block, block_start
-):
+def bisector(group_start, edge, gap, along, remembered, direction, length, edge_block, block_start):
     """Return True for the candidates that the angle bisector keeps, shape (m,).
 
     At a convex corner of edges E1, E2 the vertex lies on E1's side of the bisector exactly where
@@ -215,8 +233,16 @@ def bisector(
                 if a == b:
                     continue
                 if _relation(
-                    edge[a], edge[b], gap[a], gap[b], along[a], along[b], direction, length,
-                    first, last,
+                    edge[a],
+                    edge[b],
+                    gap[a],
+                    gap[b],
+                    along[a],
+                    along[b],
+                    direction,
+                    length,
+                    first,
+                    last,
                 ) == 2 and _loses_flat_corner(
                     edge[a], edge[b], along[a], along[b], length, first, last
                 ):
@@ -235,8 +261,16 @@ def bisector(
             for a in range(start, stop):
                 if alive[a - start] and (
                     _relation(
-                        edge[best], edge[a], gap[best], gap[a], along[best], along[a], direction,
-                        length, first, last,
+                        edge[best],
+                        edge[a],
+                        gap[best],
+                        gap[a],
+                        along[best],
+                        along[a],
+                        direction,
+                        length,
+                        first,
+                        last,
                     )
                     == 1
                 ):
@@ -258,7 +292,9 @@ def _is_nearer(a, b, gap, edge, remembered, length):
 
 
 @njit(cache=True)
-def remembered_edges(group_start, vertex, edge, edge_block, memory_vertex, memory_block, memory_edge):
+def remembered_edges(
+    group_start, vertex, edge, edge_block, memory_vertex, memory_block, memory_edge
+):
     """Return the entrance edge of each group in the last step, or -1, shape (groups,)."""
     remembered = np.empty(len(group_start) - 1, np.int64)
     for g in range(len(remembered)):
@@ -330,13 +366,11 @@ def depth_inside(px, py, vertices, first, last):
 
 
 @njit(cache=True)
-def deepest_unknown(
-    vertices, block_start, box, pairs, memory_vertex, memory_block, memory_gap
-):
-    """Return depth beyond remembered penetration, vertex and block of the worst invasion.
+def deepest_jump(vertices, block_start, box, pairs, pair_depth):
+    """Return how much deeper than its pair's penetration a vertex lies in a block, and which.
 
-    A vertex that is deeper inside a block than it was remembered to be has jumped there within
-    the step.  Depth 0 (and -1, -1) where no vertex is inside a block.
+    ``pair_depth`` (q,) is the penetration of each pair that the contacts know of, m.  A vertex
+    that is much deeper has jumped there within the step.  (0, -1, -1) where none is deeper.
     """
     worst, worst_vertex, worst_block = 0.0, -1, -1
     for q in range(len(pairs)):
@@ -347,8 +381,7 @@ def deepest_unknown(
                 if px < box[j, 0] or px > box[j, 2] or py < box[j, 1] or py > box[j, 3]:
                     continue
                 depth = depth_inside(px, py, vertices, block_start[j], block_start[j + 1])
-                known = find_key(p, j, memory_vertex, memory_block)
-                depth -= remembered_depth(p, j, known, memory_vertex, memory_block, memory_gap)
+                depth -= 2.0 * pair_depth[q]
                 if depth > worst:
                     worst, worst_vertex, worst_block = depth, p, j
     return worst, worst_vertex, worst_block

@@ -1,7 +1,7 @@
 """The complete first-order displacement function of Shi: u0, v0, r0, ex, ey, gxy.
 
-    T(x, y) = | 1 0 -y  x  0  y/2 |      x = X - Xc, y = Y - Yc  (Shi 1988)
-              | 0 1  x  0  y  x/2 |
+T(x, y) = | 1 0 -y  x  0  y/2 |      x = X - Xc, y = Y - Yc  (Shi 1988)
+          | 0 1  x  0  y  x/2 |
 """
 
 from __future__ import annotations

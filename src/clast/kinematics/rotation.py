@@ -64,7 +64,7 @@ class Sine:
 
 @dataclass(frozen=True)
 class Linear:
-    """Rotation to first order (Shi 1988): the area grows by 1 + r^2 a step; kept to show why not."""
+    """Rotation to first order (Shi 1988): the area grows by 1 + r^2 a step; kept as a warning."""
 
     name: str = "linear"
 

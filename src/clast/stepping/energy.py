@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from clast.contact.arrays import ContactResponse, Contacts
-from clast.equations.frames import BlockFrames
+from clast.equations.frames import BlockFrames, block_frames
 from clast.equations.terms import fixed_point_rows, load_rows
 from clast.interfaces import Method
 from clast.model import Floats, Model
@@ -32,6 +32,30 @@ def elastic_energy(model: Model, stress: Floats) -> float:
 def fixed_point_energy(model: Model, stiffness: float, drift: Floats) -> float:
     """Return the energy of the fixed points' springs, J/m; ``drift`` (k, 2) in m."""
     return 0.5 * stiffness * float(np.sum(drift**2))
+
+
+def opening(model: Model, method: Method, state: State) -> Ledger:
+    """Return the ledger of a state at the start of a run: what it holds already."""
+    frames = block_frames(model, method.displacement, state)
+    return Ledger(
+        kinetic=kinetic_energy(frames, state.velocity), elastic=elastic_energy(model, state.stress)
+    )
+
+
+def created(ledger: Ledger, first: Ledger) -> float:
+    """Return the energy, J/m, held beyond what the start and the loads gave (negative: lost)."""
+    return ledger.stored - ledger.loads - first.stored
+
+
+def tolerated(model: Model, ledger: Ledger, first: Ledger) -> float:
+    """Return the created energy, J/m, above which a run is called unstable.
+
+    Impacts of the constant acceleration scheme give back a little too much now and then, so this
+    is a wide bound: what lifts every block by a twentieth of its size, or doubles what there was.
+    """
+    size = np.sqrt(model.area[~model.fixed])
+    weight = model.mass[~model.fixed] * np.hypot(*model.gravity)
+    return 0.05 * float(np.sum(weight * size)) + first.stored + abs(ledger.loads)
 
 
 def balance(

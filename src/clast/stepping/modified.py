@@ -11,7 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
-from clast.contact.arrays import OPEN, ContactResponse, Contacts
+from clast.contact.arrays import ContactResponse, Contacts
 from clast.contact.detection import Reach, detect, find_tunnelled
 from clast.contact.memory import renew
 from clast.equations.frames import BlockFrames, block_frames
@@ -112,6 +112,19 @@ class Modified:
             seconds=stages.seconds,
         )
 
+    def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
+        """Warn where p h2/m is beyond what one pass bears."""
+        number = stability_number(model, method, state, step)
+        if self.passes > 1 or number <= STABILITY_LIMIT:
+            return ()
+        soft = method.contact_law.normal_stiffness * STABILITY_LIMIT / number
+        return (
+            f"p h2/m = {number:.3g} is above {STABILITY_LIMIT:g} (m: mass per contact): contacts "
+            "of the modified process will not settle in one pass. Use normal_stiffness <= "
+            f"{soft:.2g}, time.step <= {step * np.sqrt(STABILITY_LIMIT / number):.2g} "
+            "or passes >= 2.",
+        )
+
     def _solve(
         self,
         model: Model,
@@ -177,8 +190,7 @@ def reach_of(method: Method) -> Reach:
 def reject_tunnelled(model: Model, vertices: Floats, memory: ContactMemory, reach: Reach) -> None:
     """Raise StepRejected where a vertex has jumped deeper into a block than the reach."""
     depth, vertex, block = find_tunnelled(model, vertices, memory)
-    allowance = 2.0 * float(max(0.0, -memory.gap.min(initial=0.0)))
-    if depth > reach.depth + allowance:
+    if depth > reach.depth:
         own = int(model.vertex_block[vertex])
         raise StepRejected(
             StepOutcome.TUNNELLED,
@@ -202,27 +214,33 @@ def _base_system(
     )
 
 
-def stability_number(model: Model, method: Method, contacts: Contacts, step: float) -> float:
+STABILITY_LIMIT = 6.0
+"""Largest p h2/m with which a contact settles without passes (m: mass per contact)."""
+
+
+def stability_number(model: Model, method: Method, state: State, step: float) -> float:
     """Return the largest p h2/m over the blocks, m being a block's mass per contact.
 
-    Without passes a contact of the modified process settles only where it is at most 6.
+    Contacts are those within critdis at ``state``; a block that touches nothing yet is counted
+    with the single vertex that it will land on.
     """
+    frames = block_frames(model, method.displacement, state)
+    contacts = detect(
+        model,
+        method.corner_rule,
+        method.displacement,
+        state,
+        frames.centroid,
+        reach_of(method),
+    )
     sides = np.concatenate([contacts.vertex_block, contacts.edge_block])
-    per_block = np.bincount(sides, minlength=model.block_count)
-    touched = (per_block > 0) & ~model.fixed
-    # a block that touches nothing yet will land on one vertex
-    contacts_of = np.where(touched, per_block, 1)[~model.fixed]
-    if len(contacts_of) == 0:
-        return 0.0
-    mass = model.mass[~model.fixed] / contacts_of
-    return float(method.contact_law.normal_stiffness * step**2 / mass.min())
+    per_block = np.maximum(1, np.bincount(sides, minlength=model.block_count))
+    mass = (model.mass / per_block)[~model.fixed]
+    return float(method.contact_law.normal_stiffness * step**2 / mass.min(initial=np.inf))
 
-
-STABILITY_LIMIT = 6.0
-"""Largest p h2/m with which a contact settles without passes."""
 
 __all__ = [
-    "OPEN",
+    "STABILITY_LIMIT",
     "ImplicitFriction",
     "LaggedFriction",
     "Modified",
