@@ -22,7 +22,10 @@ Bools = NDArray[np.bool_]
 class Plane(Protocol):
     """The plane assumption: gives the elasticity matrix of a rock."""
 
-    name: str
+    @property
+    def name(self) -> str:
+        """Return the name in case files, "stress" or "strain"."""
+        ...
 
     def elasticity(self, young: float, poisson: float) -> Floats:
         """Return E' (3, 3) in Pa, from strain (exx, eyy, gxy) to stress."""
@@ -133,7 +136,7 @@ class MeasuredPoints(MaterialPoints):
 
 @dataclass(frozen=True, kw_only=True)
 class JointTable:
-    """Which joint a contact belongs to: by pair of blocks, else by pair of rocks, else the first."""
+    """The joint of a contact: by pair of blocks, else by pair of rocks, else the first."""
 
     joints: tuple[Joint, ...]
     """All joints; the first is the default."""

@@ -10,8 +10,8 @@ import numpy as np
 from clast.contact.detection import detect
 from clast.equations.frames import block_frames
 from clast.model import Bools, Model
-from clast.state import initial_state
-from clast.stepping.modified import STABILITY_LIMIT, Modified, reach_of, stability_number
+from clast.state import State, initial_state
+from clast.stepping.modified import STABILITY_LIMIT, reach_of, stability_number
 
 if TYPE_CHECKING:
     from clast.contact.arrays import Contacts
@@ -78,9 +78,10 @@ class Sanity:
 
 def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
     """Return what a case consists of and what seems unsound about it."""
-    contacts = _contacts_at_start(model, method)
+    start = initial_state(model)
+    contacts = _contacts(model, method, start)
     unsupported = _unsupported(model, contacts)
-    number = stability_number(model, method, contacts, schedule.step)
+    number = stability_number(model, method, start, schedule.step)
     low = model.vertices.min(axis=0) + model.origin
     high = model.vertices.max(axis=0) + model.origin
     smallest, largest = int(model.area.argmin()), int(model.area.argmax())
@@ -107,7 +108,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
         stability_number=number,
         stability_limit=STABILITY_LIMIT,
         warnings=(
-            *_stability_warnings(method, schedule, number),
+            *method.process.advice(model, method, start, schedule.step),
             *_support_warnings(model),
             *_unit_warnings(model),
             *_length_warnings(model, method),
@@ -115,8 +116,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
     )
 
 
-def _contacts_at_start(model: Model, method: Method) -> Contacts:
-    state = initial_state(model)
+def _contacts(model: Model, method: Method, state: State) -> Contacts:
     frames = block_frames(model, method.displacement, state)
     return detect(
         model,
@@ -134,20 +134,6 @@ def _unsupported(model: Model, contacts: Contacts) -> Bools:
     held[model.fixed_points.block] = True
     held[contacts.pairs.ravel()] = True
     return ~held
-
-
-def _stability_warnings(method: Method, schedule: Schedule, number: float) -> list[str]:
-    """Warn where the contacts of the one-pass process cannot settle."""
-    process = method.process
-    if not isinstance(process, Modified) or process.passes > 1 or number <= STABILITY_LIMIT:
-        return []
-    share = STABILITY_LIMIT / number
-    stiffness = method.contact_law.normal_stiffness * share
-    return [
-        f"p h2/m is {number:.3g}, above {STABILITY_LIMIT:g}: contacts of the modified process do "
-        "not settle in a single pass. Set passes = 2 or more in [method] process, or lower "
-        f"time.step to {schedule.step * share**0.5:.2g} s or normal_stiffness to {stiffness:.2g}"
-    ]
 
 
 def _support_warnings(model: Model) -> list[str]:

@@ -97,18 +97,21 @@ def simulate(
     *,
     recorder: RunRecorder | None = None,
     watch: Callable[[Progress], None] | None = None,
+    warnings: tuple[str, ...] = (),
 ) -> Run:
     """Simulate a model from rest (or its initial velocities) to the end of the schedule.
 
     Raises RunStopped, with the partial results in its ``run``, where even the smallest step is
-    rejected.  KeyboardInterrupt ends the run early, with its results kept.
+    rejected.  KeyboardInterrupt ends the run early, with its results kept.  ``warnings`` are put
+    into the report beside what the process itself has to say.
     """
     recorder = recorder or RunRecorder(model)
     tally = _Tally()
     start = perf_counter()
     state = initial_state(model)
     state = replace(state, ledger=energy.opening(model, method, state))
-    warnings = method.process.advice(model, method, state, schedule.step)
+    advice = method.process.advice(model, method, state, schedule.step)
+    warnings = tuple(dict.fromkeys((*warnings, *advice)))
     recorder.start(state)
     failure = ""
     outcome = "the run reached its end"

@@ -121,7 +121,7 @@ def diagonal_terms(
     velocity: Floats,
     step: float,
 ) -> DiagonalTerms:
-    """Return the base system of a step: inertia, elasticity, stress, weight, loads, fixed points."""
+    """Return everything of a step but its contacts."""
     matrix, force = inertia(frames, integrator, velocity, step)
     matrix = matrix + elasticity(model)
     force = force + stress(model, state) + body_force(model)

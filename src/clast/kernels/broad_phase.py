@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 LEVELS = 48
 """Cell sizes differ by 2 from level to level; 48 levels span a ratio of 1e14."""
@@ -106,7 +107,9 @@ def _collect(box, fixed, level, cell, order, smallest, xmin, ymin, pairs):
     return found
 
 
-def overlapping_pairs(box, fixed):
+def overlapping_pairs(
+    box: NDArray[np.float64], fixed: NDArray[np.bool_]
+) -> NDArray[np.int64]:
     """Return pairs (lower, higher) of overlapping boxes, sorted, shape (m, 2).
 
     ``box`` (n, 4) holds (xmin, ymin, xmax, ymax) in m, already widened by the reach; pairs of two

@@ -129,8 +129,8 @@ def candidates(
 
     ``box`` (n, 4) are the blocks' boxes, not widened.  A vertex is looked for up to ``reach`` in
     front of an edge and, behind it, as deep as ``depth_reach`` plus the penetration (q,) that the
-    pair of blocks had at the end of the last step.  Result: count, group starts, and per candidate vertex, edge,
-    pair, gap, distance along the edge; only valid where count <= capacity.
+    pair of blocks had at the end of the last step.  Result: count, group starts, and per
+    candidate vertex, edge, pair, gap, distance along the edge; valid where count <= capacity.
     """
     vertex = np.empty(capacity, np.int64)
     edge = np.empty(capacity, np.int64)

@@ -19,7 +19,7 @@ from clast.equations.system import assemble, gap_at_end, slip_in_step
 from clast.equations.terms import DiagonalTerms, diagonal_terms
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
-from clast.model import Bools, Floats, Model
+from clast.model import Floats, Model
 from clast.state import ContactMemory, State
 from clast.stepping.advance import advance
 from clast.stepping.energy import balance
@@ -138,27 +138,24 @@ class Modified:
         """Return the unknowns, the contact forces in the equations and the passes taken."""
         # the first pass sees the gaps at the start and the slip that the velocity will bring
         gap, slip = contacts.gap, slip_in_step(contacts, step * velocity)
-        active: Bools | None = None
-        for number in range(1, self.passes + 1):
+        passes = 0
+        while True:
             with stages("law"):
                 # (10) springs where a vertex has invaded, friction from spring or as a force
                 response = self.friction.enter(method.contact_law.respond(contacts, gap, slip))
-                closed = response.mode
-            if active is not None and np.array_equal(closed, active):
-                number -= 1
-                break
-            active = closed
             with stages("assembly"):
                 # (11) the equations of all blocks
                 system = assemble(base, contacts, response, gap, slip, model.fixed)
             with stages("solve"):
                 # (12) one solve
                 unknowns = method.solver.solve(system)
-            evaluated_gap, evaluated_slip = gap, slip
-            gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
-            used = response
-        applied = forces_in_equations(used, evaluated_gap, evaluated_slip, gap, slip)
-        return unknowns, applied, number
+            passes += 1
+            end_gap, end_slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
+            modes = method.contact_law.respond(contacts, end_gap, end_slip).mode
+            if passes >= self.passes or np.array_equal(modes, response.mode):
+                applied = forces_in_equations(response, gap, slip, end_gap, end_slip)
+                return unknowns, applied, passes
+            gap, slip = end_gap, end_slip
 
 
 def forces_in_equations(
