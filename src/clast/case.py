@@ -308,7 +308,7 @@ class MethodTable(Table):
 
 
 class OutputTable(Table):
-    """What to keep."""
+    """What to keep of a run."""
 
     every: Positive | None = None
     """Time between frames, s; a hundredth of the run if absent."""
@@ -348,7 +348,7 @@ class Case(Table):
     method_: MethodTable = Field(default_factory=MethodTable, alias="method")
     """How to simulate."""
     output: OutputTable = Field(default_factory=OutputTable)
-    """What to keep."""
+    """What to keep of a run."""
 
     _file: str = PrivateAttr("case")
     _text: str | None = PrivateAttr(None)
@@ -472,13 +472,16 @@ class Case(Table):
         ``output`` is the result file to write.  Raises RunStopped, with the partial results in
         its ``run``, where the run cannot go on.
         """
+        # A bad case is refused before anything slow is loaded and anything is written.
+        model = self.model()
+        method = self.method(model)
+
         from clast.progress import shown
         from clast.results import RunRecorder
         from clast.sanity import examine
         from clast.simulate import simulate
 
-        model = self.model()
-        method, schedule = self.method(model), self.schedule()
+        schedule = self.schedule()
         warnings = examine(model, method, schedule).warnings
         recorder = RunRecorder(
             model,
@@ -488,12 +491,7 @@ class Case(Table):
         )
         with shown(progress) as watch:
             return simulate(
-                model,
-                method,
-                schedule,
-                recorder=recorder,
-                watch=watch,
-                warnings=warnings,
+                model, method, schedule, recorder=recorder, watch=watch, warnings=warnings
             )
 
 

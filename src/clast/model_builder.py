@@ -363,15 +363,17 @@ def _loop(vertices: Any, index: int, name: str) -> Floats:
     """Return the vertices of one block as an array (k, 2)."""
     try:
         loop = np.array(vertices, dtype=np.float64)
+        if loop.size == 0:
+            return np.zeros((0, 2))
+        if loop.ndim == 2 and loop.shape[1] == 2:
+            return loop
     except (TypeError, ValueError):
-        loop = np.zeros(0)
-    if len(loop) and (loop.ndim != 2 or loop.shape[1] != 2):
-        raise ModelError(
-            "vertices are no list of (x, y) pairs of numbers",
-            where=f"block {index + 1} '{name}'",
-            remedy="give them as [(x, y), (x, y), ...], counter-clockwise, in m",
-        )
-    return loop.reshape(-1, 2)
+        pass
+    raise ModelError(
+        "vertices are no list of (x, y) pairs of numbers",
+        where=f"block {index + 1} '{name}'",
+        remedy="give them as [(x, y), (x, y), ...], counter-clockwise, in m",
+    )
 
 
 def _origin(vertices: Floats) -> Floats:

@@ -202,7 +202,7 @@ def check_overlaps(outlines: Outlines, polygons: Geometries) -> None:
     shared = shapely.intersection(polygons[first], polygons[second])
     # A pair that only touches shares lines and points; only shared areas overlap.
     parts, pair = shapely.get_parts(shared, return_index=True)
-    areal = shapely.get_dimensions(parts) == 2
+    areal = shapely.area(parts) > 0.0
     parts, pair = parts[areal], pair[areal]
     # Twice area over perimeter is the thickness of a sliver and half the width of a square.
     depth = 2.0 * shapely.area(parts) / shapely.length(parts)

@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from clast import spelling
+from clast.casefile.text import is_tables
 from clast.errors import CaseError
 
 Place = tuple[str | int, ...]
@@ -77,7 +78,8 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
         return ""
     top, rest = str(place[0]), list(place[1:])
     value = content.get(top)
-    if isinstance(value, list) and rest and isinstance(number := rest[0], int):
+    number = rest[0] if rest else None
+    if is_tables(value) and isinstance(number, int):
         rest = rest[1:]
         table = f"[[{top}]] {number + 1}{_name_text(value, number)}"
     elif isinstance(value, dict) and rest and isinstance(value.get(str(rest[0])), dict):
@@ -88,7 +90,7 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
     elif isinstance(value, dict):
         table = f"[{top}]"
     else:
-        table = top
+        return _keys_text([top, *rest])
     return f"{table} {_keys_text(rest)}" if rest else table
 
 

@@ -57,16 +57,15 @@ def parse(text: str, file: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         message = str(error)
         found = re.search(r"\(at line (\d+), column (\d+)\)", message)
-        what = message[: found.start()].strip() if found else message
-        what = what[:1].lower() + what[1:]
-        if found is None:
-            raise CaseError(what, where=file, remedy="the file ends too early") from None
-        number = int(found[1])
-        line = text.splitlines()[number - 1].strip() if number <= len(text.splitlines()) else ""
+        place = f"{file}: line {found[1]}, column {found[2]}" if found else f"{file}: at its end"
+        what = message.partition(" (at ")[0]
+        lines = text.splitlines()
+        number = int(found[1]) if found else 0
+        line = lines[number - 1].strip() if 1 <= number <= len(lines) else ""
         raise CaseError(
-            f"is not TOML: {what}",
-            where=f"{file}: line {number}, column {found[2]}",
-            remedy=f"the line reads: {line}",
+            f"is not TOML: {what[:1].lower()}{what[1:]}",
+            where=place,
+            remedy=f"the line reads: {line}" if line else "something is not closed before the end",
         ) from None
 
 
@@ -132,12 +131,12 @@ def to_toml(content: Mapping[str, Any]) -> str:
     lines = [
         f"{_key(key)} = {_written(value)}"
         for key, value in content.items()
-        if not isinstance(value, dict) and not _is_tables(value)
+        if not isinstance(value, dict) and not is_tables(value)
     ]
     for key, value in content.items():
         if isinstance(value, dict):
             lines += _table_lines(_key(key), value)
-        elif _is_tables(value):
+        elif is_tables(value):
             for table in value:
                 lines += ["", f"[[{_key(key)}]]"]
                 lines += [f"{_key(k)} = {_written(v)}" for k, v in table.items()]
@@ -155,7 +154,8 @@ def _table_lines(name: str, table: Mapping[str, Any]) -> list[str]:
     return ["", f"[{name}]", *(f"{_key(k)} = {_written(v)}" for k, v in table.items())]
 
 
-def _is_tables(value: Any) -> bool:
+def is_tables(value: Any) -> bool:
+    """Return whether a value is a list of tables, as [[block]] gives."""
     return isinstance(value, list) and bool(value) and all(isinstance(v, dict) for v in value)
 
 

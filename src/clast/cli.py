@@ -1,0 +1,342 @@
+"""The command line: the only place that prints.
+
+Exit codes: 0 done, 1 a verification failed, 2 bad input, 3 a run that could not go on (its
+partial results are kept), 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from clast.errors import CaseError, ClastError, RunStopped
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from clast.results import Run
+    from clast.sanity import Sanity
+
+BAD_INPUT = 2
+STOPPED = 3
+INTERRUPTED = 130
+
+HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+"""First bytes of a result file."""
+
+
+class Commands(TyperGroup):
+    """Commands whose errors end as one message on stderr and an exit code."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; say its errors."""
+        try:
+            return super().invoke(ctx)
+        except RunStopped as stopped:
+            _say(f"stopped: {stopped}")
+            raise typer.Exit(STOPPED) from None
+        except ClastError as error:
+            _say(f"error: {error}")
+            raise typer.Exit(BAD_INPUT) from None
+        except OSError as error:
+            _say(f"error: {error.filename or 'a file'}: {error.strerror}")
+            raise typer.Exit(BAD_INPUT) from None
+        except KeyboardInterrupt:
+            _say("interrupted")
+            raise typer.Exit(INTERRUPTED) from None
+
+
+app = typer.Typer(
+    cls=Commands,
+    help="Discontinuous deformation analysis of rock and masonry blocks in two dimensions.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).")]
+ResultFile = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Replace a value of the case, e.g. time.end=2."
+    ),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for a program to read.")]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        import clast
+
+        typer.echo(f"clast {clast.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _main(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
+    ] = False,
+) -> None:
+    """Discontinuous deformation analysis of rock and masonry blocks in two dimensions."""
+
+
+@app.command()
+def run(
+    case: CaseFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Result file; the case's name with .vtkhdf if absent."),
+    ] = None,
+    settings: Settings = None,
+    as_json: AsJson = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+) -> None:
+    """Simulate a case and write its result file."""
+    from clast.case import Case
+
+    loaded = Case.from_toml(case, settings or ())
+    target = output or Path(f"{case.stem}.vtkhdf")
+    _check_target(target)
+    try:
+        done = loaded.run(progress=not quiet, output=target)
+    except RunStopped as stopped:
+        partial: Any = stopped.run
+        _print_run(partial, target, as_json=as_json, quiet=quiet)
+        _say(f"its results until then are in {target}")
+        raise
+    _print_run(done, target, as_json=as_json, quiet=quiet)
+    if not done.report.finished:
+        _say(f"{done.report.outcome}; the results until then are in {target}")
+        raise typer.Exit(INTERRUPTED)
+
+
+@app.command()
+def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) -> None:
+    """Look at a case before its first step: counts, masses, supports, stability, units."""
+    from clast.case import Case
+    from clast.sanity import examine
+
+    loaded = Case.from_toml(case, settings or ())
+    model = loaded.model()
+    sanity = examine(model, loaded.method(model), loaded.schedule())
+    if as_json:
+        _print_json(dataclasses.asdict(sanity))
+        return
+    _print_table(_sanity_table(sanity))
+    for warning in sanity.warnings:
+        _say(f"warning: {warning}")
+    if not sanity.warnings:
+        typer.echo("nothing to object to")
+
+
+@app.command()
+def info(file: ResultFile, as_json: AsJson = False) -> None:
+    """Say what a result file contains."""
+    raise NotImplementedError
+
+
+@app.command()
+def plot(
+    file: ResultFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Picture; the file's name with .png if absent."),
+    ] = None,
+    frame: Annotated[int, typer.Option(help="Number of the frame, from 0; -1 is the last.")] = -1,
+    field: Annotated[str, typer.Option(help="What colours the blocks.")] = "displacement",
+    contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
+) -> None:
+    """Draw a frame of a result file."""
+    raise NotImplementedError
+
+
+@app.command()
+def new(
+    name: Annotated[str, typer.Argument(help="Name of the case; .toml is added.")],
+    template: Annotated[str, typer.Option(help="incline, wall or heap.")] = "incline",
+) -> None:
+    """Write a case file to begin with."""
+    from clast import spelling
+    from clast.casefile.templates import TEMPLATES
+
+    if template not in TEMPLATES:
+        raise CaseError(
+            f"there is no template '{template}'",
+            where="--template",
+            remedy=spelling.advice(template, TEMPLATES, kind="template"),
+        )
+    path = Path(name) if name.endswith(".toml") else Path(f"{name}.toml")
+    if path.exists():
+        raise CaseError("exists already", where=str(path), remedy="choose another name")
+    path.write_text(TEMPLATES[template](), encoding="utf-8")
+    typer.echo(f"wrote {path}; next: clast run {path}")
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of the case file, for editors and programs."""
+    from clast.case import json_schema
+
+    _print_json(json_schema())
+
+
+@app.command()
+def warmup() -> None:
+    """Compile all kernels ahead of the first run."""
+    from time import perf_counter
+
+    from clast.case import Case
+    from clast.casefile.templates import INCLINE
+
+    start = perf_counter()
+    for settings in WARMUPS:
+        Case.from_toml(INCLINE, ["time.end=0.003", *settings]).run()
+    typer.echo(f"kernels are ready after {perf_counter() - start:.1f} s")
+
+
+WARMUPS = (
+    ["method.integrator=constant-acceleration", "method.rotation=sine"],
+    ["method.process.friction=implicit", "method.rotation=exact"],
+    ["method.integrator=backward-euler", "method.rotation=linear", "method.process.passes=2"],
+)
+"""Settings that between them reach every kernel."""
+
+
+def _check_target(path: Path) -> None:
+    """Refuse an output that cannot be written or is something else than an old result file."""
+    where = str(path)
+    if path.is_dir():
+        raise CaseError(
+            "is a directory, not a file to write results to",
+            where=where,
+            remedy=f"name a file in it, e.g. -o {path / 'out.vtkhdf'}",
+        )
+    if not path.parent.is_dir():
+        raise CaseError(
+            f"the directory {path.parent} does not exist",
+            where=where,
+            remedy=f"make it first: mkdir -p {path.parent}",
+        )
+    if path.exists():
+        with path.open("rb") as file:
+            is_result = file.read(8) in (HDF5_SIGNATURE, b"")
+        if not is_result:
+            raise CaseError(
+                "exists and is no result file; it is not written over",
+                where=where,
+                remedy="choose another name for the results with -o",
+            )
+
+
+def _print_run(run: Run, target: Path, *, as_json: bool, quiet: bool) -> None:
+    """Print the summary of a run, as tables or JSON."""
+    if as_json:
+        _print_json(_run_content(run, target))
+    elif not quiet:
+        for warning in run.report.warnings:
+            _say(f"warning: {warning}")
+        _print_table(_report_table(run))
+        if run.model.measured_points.name:
+            _print_table(_points_table(run))
+        typer.echo(f"results: {target}")
+
+
+def _run_content(run: Run, target: Path) -> dict[str, Any]:
+    """Return what a program wants to know about a run."""
+    raise NotImplementedError
+
+
+def _report_table(run: Run) -> Table:
+    raise NotImplementedError
+
+
+def _points_table(run: Run) -> Table:
+    raise NotImplementedError
+
+
+def _sanity_table(sanity: Sanity) -> Table:
+    """Return what a case consists of, as a table."""
+    left, low, right, high = sanity.box
+    names = ", ".join(sanity.unsupported[:5]) + (", ..." if len(sanity.unsupported) > 5 else "")
+    rows = {
+        "blocks": f"{sanity.blocks} ({sanity.fixed_blocks} fixed)",
+        "vertices": f"{sanity.vertices}",
+        "rocks": ", ".join(sanity.rocks),
+        "joints": ", ".join(sanity.joints),
+        "fixed points": f"{sanity.fixed_points}",
+        "loads": f"{sanity.loads}",
+        "measured points": f"{sanity.measured_points}",
+        "mass": f"{sanity.mass:.6g} kg/m",
+        "bounding box": f"({left:.6g}, {low:.6g}) to ({right:.6g}, {high:.6g}) m",
+        "smallest block": f"{sanity.smallest[0]}, {sanity.smallest[1]:.4g} m2",
+        "largest block": f"{sanity.largest[0]}, {sanity.largest[1]:.4g} m2",
+        "contacts at the start": f"{sanity.contacts} in {sanity.touching_pairs} pairs",
+        "unsupported blocks": f"{len(sanity.unsupported)} {f'({names})' if names else ''}".strip(),
+        "steps": f"{sanity.steps}",
+        "max_displacement": f"{sanity.max_displacement:.4g} m",
+        "critdis": f"{sanity.critdis:.4g} m",
+        "p h2/m": f"{sanity.stability_number:.4g} "
+        f"(without passes at most {sanity.stability_limit:g})",
+    }
+    return _two_columns(sanity.title, rows)
+
+
+def _two_columns(title: str, rows: dict[str, str]) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=Text(title), title_justify="left", show_header=False)
+    for key, value in rows.items():
+        table.add_row(key, Text(value))
+    return table
+
+
+def _print_table(table: Table) -> None:
+    from rich.console import Console
+
+    Console().print(table)
+
+
+def _print_json(content: Any) -> None:
+    """Print JSON; numbers that JSON does not know become null."""
+    typer.echo(json.dumps(_plain(content), indent=2, ensure_ascii=False))
+
+
+def _plain(value: Any) -> Any:
+    """Return a value made of what JSON knows."""
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _say(message: str) -> None:
+    """Print a message for the user on stderr."""
+    typer.echo(message, err=True)
+
+
+def main() -> None:
+    """Run the command line."""
+    app(prog_name="clast")
+
+
+if __name__ == "__main__":
+    sys.exit("run it as: python -m clast")

@@ -1,0 +1,283 @@
+"""Models from scripts: what they hold, and what is refused with which words."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+import pytest
+
+from clast.errors import ModelError
+from clast.model import PlaneStrain
+from clast.model_builder import ModelBuilder
+
+SQUARE = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+
+
+def builder_with(*loops, **options) -> ModelBuilder:
+    """Return a builder with one rock, one joint and a block for each loop."""
+    builder = ModelBuilder(**options)
+    builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
+    builder.add_joint("default", friction_angle=30.0)
+    for loop in loops:
+        builder.block(vertices=loop)
+    return builder
+
+
+def moved(loop, x, y):
+    return [(a + x, b + y) for a, b in loop]
+
+
+def refusal(builder: ModelBuilder) -> str:
+    with pytest.raises(ModelError) as caught:
+        builder.build()
+    assert caught.value.where
+    assert caught.value.remedy
+    return str(caught.value)
+
+
+def test_arrays_of_a_model():
+    builder = builder_with(SQUARE, title="two", gravity=(0.5, -9.0))
+    builder.block(
+        name="lid",
+        vertices=[(0, 1), (1, 1), (0.5, 3)],
+        velocity=(1, 2, 3),
+        initial_stress=(1e3, 2e3, 3e3),
+    )
+    builder.fixed_point((0, 0))
+    builder.point_load((0.5, 3), (10.0, 20.0))
+    builder.line_load((0, 0), (0, 1), (5.0, 0.0))
+    builder.measured_point("A", (0, 1), block="lid")
+    model = builder.build()
+    assert model.block_name == ("1", "lid")
+    assert model.block_start.tolist() == [0, 4, 7]
+    assert model.block_start.dtype == np.int64
+    assert model.vertices.flags.c_contiguous
+    assert model.area.tolist() == [1.0, 1.0]
+    assert model.mass.tolist() == [2700.0, 2700.0]
+    assert model.velocity.tolist() == [[0] * 6, [1, 2, 3, 0, 0, 0]]
+    assert model.initial_stress.tolist() == [[0, 0, 0], [1e3, 2e3, 3e3]]
+    assert model.gravity.tolist() == [0.5, -9.0]
+    assert model.origin.tolist() == [0.0, 0.0]
+    assert model.fixed_points.block.tolist() == [0]
+    assert model.point_loads.block.tolist() == [1]
+    assert model.point_loads.force.tolist() == [[10.0, 20.0]]
+    assert model.line_loads.block.tolist() == [0]
+    assert model.line_loads.end.tolist() == [[0.0, 1.0]]
+    assert model.measured_points.block.tolist() == [1]
+    assert model.measured_points.name == ("A",)
+
+
+def test_stress_of_the_rock_is_that_of_its_blocks():
+    builder = ModelBuilder()
+    builder.add_rock("a", young=1e9, poisson=0.2, density=1e3, initial_stress=(-1e6, -2e6, 0))
+    builder.block(vertices=SQUARE, rock="a")
+    assert builder.build().initial_stress.tolist() == [[-1e6, -2e6, 0.0]]
+
+
+def test_joints_of_pairs():
+    builder = builder_with()
+    builder.add_rock("clay", young=1e8, poisson=0.3, density=2000.0)
+    for k in range(3):
+        builder.block(name="abc"[k], rock="granite", vertices=moved(SQUARE, 2 * k, 0))
+    builder.block(name="d", rock="clay", vertices=moved(SQUARE, 6, 0))
+    builder.add_joint("mortar", cohesion=1e5, between=[("c", "a"), ("a", "b")])
+    builder.add_joint("seam", friction_angle=10.0, between_rocks=[("clay", "granite")])
+    table = builder.build().joint_table
+    assert [joint.name for joint in table.joints] == ["default", "mortar", "seam"]
+    assert table.block_pair.tolist() == [[0, 1], [0, 2]]
+    assert table.block_pair_joint.tolist() == [1, 1]
+    assert table.rock_pair.tolist() == [[0, 2], [2, 0]]
+
+
+def test_the_default_joint_comes_first_and_is_frictionless_unless_given():
+    builder = ModelBuilder()
+    builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
+    builder.block(vertices=SQUARE)
+    (only,) = builder.build().joint_table.joints
+    assert (only.name, only.friction_angle) == ("default", 0.0)
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0), (1e6, -3e6), (0.1, 0.7)])
+def test_a_case_far_from_the_origin_keeps_its_digits(shift):
+    model = builder_with(moved(SQUARE, *shift), moved(SQUARE, shift[0] + 1.0, shift[1])).build()
+    assert np.abs(model.vertices).max() < 10.0
+    assert model.polygon(0) == pytest.approx(np.array(moved(SQUARE, *shift)), abs=1e-9)
+    assert model.area == pytest.approx([1.0, 1.0], rel=1e-9)
+
+
+def test_round_off_between_neighbours_is_no_overlap():
+    third = 1.0 / 3.0
+    loops = [
+        [
+            (0.1 * k * third, 0),
+            (0.1 * (k + 1) * third, 0),
+            (0.1 * (k + 1) * third, 1),
+            (0.1 * k * third, 1),
+        ]
+        for k in range(20)
+    ]
+    angle = math.radians(17.0)
+    turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+    model = builder_with(*[np.array(loop) @ turn for loop in loops]).build()
+    assert model.block_count == 20
+
+
+def test_ten_thousand_blocks_build_quickly():
+    builder = builder_with()
+    for row in range(100):
+        for column in range(100):
+            builder.block(vertices=moved(SQUARE, column + 0.5 * (row % 2), row))
+    start = time.perf_counter()
+    assert builder.build().block_count == 10_000
+    assert time.perf_counter() - start < 5.0
+
+
+@pytest.mark.parametrize(
+    ("loop", "phrases"),
+    [
+        ([(0, 0), (1, 0)], ["block 1", "2 vertices"]),
+        ([(0, 0), (0, 1), (1, 1), (1, 0)], ["block 1", "clockwise", "reverse"]),
+        ([(0, 0), (1, 1), (1, 0), (0, 1)], ["block 1", "edge 1-2 meets edge 3-4", "(0.5, 0.5)"]),
+        ([(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)], ["block 1", "touches itself", "edge 1-2"]),
+        ([(0, 0), (1, 0), (2, 0)], ["block 1", "no area"]),
+        ([(0, 0), (1, 0), (1, 0), (0, 1)], ["vertex 2 at (1, 0)", "same point as vertex 3"]),
+        ([(0, 0), (1, 0), (0, 1), (0, 0)], ["vertex 4 at (0, 0)", "same point as vertex 1"]),
+        ([(0, 0), (math.nan, 0), (0, 1)], ["block 1, vertex 2", "not a finite"]),
+        ([(0, 0), (1, math.inf), (0, 1)], ["block 1, vertex 2", "not a finite"]),
+        ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], ["block 1", "pairs of numbers"]),
+        ([("a", 0), (1, 0), (0, 1)], ["block 1", "pairs of numbers"]),
+    ],
+)
+def test_loops_that_are_no_block(loop, phrases):
+    message = refusal(builder_with(loop))
+    for phrase in phrases:
+        assert phrase in message
+
+
+def test_the_block_and_vertex_are_named_in_user_coordinates():
+    far = moved(SQUARE, 1e6, 2e6)
+    builder = builder_with(far)
+    builder.block(name="wedge", vertices=moved([(0, 0), (1, 0), (1, 0), (0, 1)], 1e6 + 2, 2e6))
+    assert "block 2 'wedge', vertex 2 at (1000003, 2000000)" in refusal(builder)
+
+
+def test_overlapping_blocks():
+    builder = builder_with(SQUARE, moved(SQUARE, 5, 5))
+    builder.block(name="intruder", vertices=moved(SQUARE, 0.9, 0))
+    message = refusal(builder)
+    assert "block 1: overlaps block 3 'intruder'" in message
+    assert "near (0.95, 0.5)" in message
+
+
+def test_a_block_inside_another_overlaps():
+    assert "overlaps" in refusal(
+        builder_with(moved(SQUARE, 1, 1), [(0, 0), (4, 0), (4, 4), (0, 4)])
+    )
+
+
+def test_no_blocks_at_all():
+    assert "no blocks" in refusal(builder_with())
+
+
+@pytest.mark.parametrize(
+    ("change", "phrases"),
+    [
+        ({"young": 0.0}, ["rock 'bad'", "young"]),
+        ({"young": math.nan}, ["rock 'bad'", "young"]),
+        ({"density": -2700.0}, ["rock 'bad'", "density"]),
+        ({"poisson": 0.6}, ["rock 'bad'", "poisson"]),
+        ({"poisson": -1.0}, ["rock 'bad'", "poisson"]),
+        ({"poisson": math.nan}, ["rock 'bad'", "poisson"]),
+    ],
+)
+def test_impossible_rocks(change, phrases):
+    builder = ModelBuilder()
+    builder.add_rock("bad", **{"young": 1e9, "poisson": 0.2, "density": 2e3, **change})
+    builder.block(vertices=SQUARE)
+    message = refusal(builder)
+    for phrase in phrases:
+        assert phrase in message
+
+
+def test_poisson_of_one_half_is_possible_in_plane_stress_only():
+    def half(**options):
+        builder = ModelBuilder(**options)
+        builder.add_rock("rubber", young=1e6, poisson=0.5, density=1e3)
+        builder.block(vertices=SQUARE)
+        return builder
+
+    assert half().build().block_count == 1
+    assert "plane strain" in refusal(half(plane=PlaneStrain()))
+
+
+@pytest.mark.parametrize(
+    ("change", "phrase"),
+    [
+        ({"friction_angle": 90.0}, "below 90"),
+        ({"friction_angle": -1.0}, "below 90"),
+        ({"friction_angle": 0.35}, "radians"),
+        ({"cohesion": -1.0}, "cohesion"),
+        ({"tensile_strength": math.inf}, "tensile_strength"),
+    ],
+)
+def test_impossible_joints(change, phrase):
+    builder = builder_with(SQUARE, moved(SQUARE, 1, 0))
+    builder.add_joint("bad", between=[("1", "2")], **change)
+    message = refusal(builder)
+    assert "joint 'bad'" in message
+    assert phrase in message
+
+
+def test_a_small_friction_angle_can_be_meant():
+    builder = ModelBuilder()
+    builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
+    builder.add_joint(friction_angle=1.0, allow_small_friction_angle=True)
+    builder.block(vertices=SQUARE)
+    assert builder.build().joint_table.joints[0].friction_angle == 1.0
+
+
+@pytest.mark.parametrize(
+    ("place", "phrases"),
+    [
+        (
+            lambda b: b.fixed_point((-1, 0)),
+            ["fixed point 1 at (-1, 0)", "outside every block", "1 m"],
+        ),
+        (lambda b: b.fixed_point((1, 0.5)), ["common boundary", "block 1, block 2", 'block = "1"']),
+        (lambda b: b.fixed_point((0.5, 0.5), block="2"), ["not lie on block 2", "lies on block 1"]),
+        (lambda b: b.fixed_point((0.5, 0.5), block="3"), ["no block '3'"]),
+        (lambda b: b.fixed_point((0.5, math.nan)), ["fixed point 1", "finite numbers"]),
+        (lambda b: b.point_load((9, 9), (1, 1)), ["point load 1", "outside every block"]),
+        (lambda b: b.line_load((0, 0), (2, 0), (1, 1)), ["line load 1", "not wholly inside"]),
+        (lambda b: b.line_load((0, 0), (0, 0), (1, 1)), ["line load 1", "no length"]),
+        (lambda b: b.measured_point("A", (0.5, 7)), ["measured point 'A'", "outside every block"]),
+        (lambda b: b.add_joint("x", between=[("1", "7")]), ["joint 'x'", "no block '7'"]),
+        (lambda b: b.add_joint("x", between_rocks=[("granit", "granite")]), ["mean 'granite'"]),
+        (lambda b: b.add_joint("x", friction_angle=10), ["joint 'x'", "belongs to no contact"]),
+        (lambda b: b.add_rock("granite", young=1, poisson=0, density=1), ["two rocks"]),
+        (lambda b: b.block(vertices=moved(SQUARE, 3, 0), rock="granit"), ["mean 'granite'"]),
+        (lambda b: b.block(vertices=moved(SQUARE, 3, 0), name="1"), ["two blocks"]),
+        (lambda b: b.block(vertices=moved(SQUARE, 3, 0), velocity=(1, 2)), ["block 3, velocity"]),
+    ],
+)
+def test_places_and_names(place, phrases):
+    builder = builder_with(SQUARE, moved(SQUARE, 1, 0))
+    place(builder)
+    message = refusal(builder)
+    for phrase in phrases:
+        assert phrase in message
+
+
+def test_a_pair_belongs_to_one_joint():
+    builder = builder_with(SQUARE, moved(SQUARE, 1, 0))
+    builder.add_joint("a", between=[("1", "2")])
+    builder.add_joint("b", between=[("2", "1")])
+    assert "belong to joint 'a' already" in refusal(builder)
+
+
+def test_a_block_says_its_rock_where_there_are_several():
+    builder = builder_with(SQUARE)
+    builder.add_rock("clay", young=1e8, poisson=0.3, density=2000.0)
+    assert "which rock" in refusal(builder)
