@@ -1,0 +1,72 @@
+"""The layout of a result file: HDF5, with the blocks as VTKHDF so that ParaView opens it.
+
+    /VTKHDF        temporal UnstructuredGrid, one polygon per block, one step per frame:
+                   Points, PointData and CellData of all frames one after the other;
+                   Connectivity, Offsets and Types once, used by every frame through Steps
+    /frames        table, a row per frame: time, and how many rows of the tables below belong to
+                   the frames until then
+    /contacts      table, a row per contact that carries a force, frame after frame
+    /history/NAME  table, a row per instant (the start and every step) of a measured point
+    /energy        table, a row per instant: time and the entries of the energy ledger
+    /steps         table, a row per step: time, size, passes, contacts, penetration, travel
+    /model         the case file's text, versions, names and numbers of the blocks
+    /report        how the run went; only in a file that was finished
+
+A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after all else of that
+frame has reached the file; a process killed at any moment leaves all frames before readable.
+Tables are HDF5 compound datasets: ``file["energy"]["kinetic"]``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+FORMAT = 1
+"""Version of the layout outside of /VTKHDF."""
+
+VTKHDF_VERSION = (2, 2)
+"""The first version that blesses groups of one's own beside /VTKHDF."""
+
+POLYGON = 7
+"""VTK's number for a polygonal cell."""
+
+POINT_ARRAYS: dict[str, tuple[int, ...]] = {
+    "Points": (3,),
+    "PointData/displacement": (3,),
+}
+"""Arrays with a row per vertex and frame: name -> shape of a row."""
+
+CELL_ARRAYS: dict[str, tuple[int, ...]] = {
+    "CellData/displacement": (3,),
+    "CellData/velocity": (3,),
+    "CellData/rotation": (),
+    "CellData/stress": (3,),
+    "CellData/sigma_1": (),
+    "CellData/sigma_3": (),
+    "CellData/max_shear": (),
+}
+"""Arrays with a row per block and frame: name -> shape of a row."""
+
+ABOUT = {
+    "Points": "vertices, m",
+    "PointData/displacement": "displacement of the vertex since the start, m",
+    "CellData/displacement": "displacement of the centroid since the start, m",
+    "CellData/velocity": "velocity of the centroid, m/s",
+    "CellData/rotation": "rotation since the start, rad, counter-clockwise",
+    "CellData/stress": "stress (xx, yy, xy), Pa, tension positive",
+    "CellData/sigma_1": "largest principal stress in the plane, Pa, tension positive",
+    "CellData/sigma_3": "smallest principal stress in the plane, Pa, tension positive",
+    "CellData/max_shear": "largest shear stress in the plane, Pa",
+    "CellData/block": "number of the block, from 0",
+    "CellData/rock": "number of the rock, from 0",
+    "CellData/fixed": "1 where the block cannot move",
+}
+"""Meaning and unit of each array, written beside it."""
+
+FRAME_ROW = np.dtype([("time", "f8"), ("steps", "i8"), ("instants", "i8"), ("contacts", "i8")])
+"""A frame: time, s, and the rows of /steps, of /energy and /history, of /contacts until then."""
+
+
+def history_path(name: str) -> str:
+    """Return where the history of a measured point is; a slash would open a group."""
+    return f"history/{name.replace('/', '∕')}"

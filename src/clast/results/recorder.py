@@ -1,0 +1,130 @@
+"""Gathers what a run computes, step by step, and writes it to the result file frame by frame."""
+
+from __future__ import annotations
+
+from operator import attrgetter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from clast.interfaces import StepResult
+from clast.model import Model
+from clast.results.run import Report, Run
+from clast.results.tables import (
+    ENERGY_ROW,
+    LEDGER_ENTRIES,
+    STEP_ROW,
+    Table,
+    no_contacts,
+    points_row,
+)
+from clast.state import State
+
+if TYPE_CHECKING:
+    from clast.contact.arrays import ContactResponse, Contacts
+
+_ledger_entries = attrgetter(*LEDGER_ENTRIES)
+
+
+class RunRecorder:
+    """Records one run: every step in memory, frames in the file ``output`` where one is named.
+
+    The output is looked at when the recorder is made, so that a bad path is known before the
+    first step, and written from ``start`` on; a good result of an earlier run under the same name
+    is kept until then.  ``contacts=False`` leaves contact forces out of the file.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        case_text: str = "",
+        output: Path | str | None = None,
+        contacts: bool = True,
+    ) -> None:
+        # Compiled kernels are slow to import; who only reads results does not need them.
+        from clast.results.fields import FrameFields
+        from clast.results.points import PointTracker
+
+        self._model = model
+        self._case_text = case_text
+        self._with_contacts = contacts
+        self._tracker = PointTracker(model)
+        self._fields = FrameFields(model)
+        self._points = Table(points_row(len(model.measured_points.name)))
+        self._energy = Table(ENERGY_ROW)
+        self._steps = Table(STEP_ROW)
+        self._state: State | None = None
+        self._result: StepResult | None = None
+        self._frame_time: float | None = None
+        self._file = None
+        if output is not None:
+            from clast.results.writing import ResultFile, check_output
+
+            self._file = ResultFile(check_output(Path(output)), model, case_text)
+
+    @property
+    def state(self) -> State:
+        """The last state recorded."""
+        if self._state is None:
+            raise RuntimeError("nothing is recorded yet: call start first")
+        return self._state
+
+    def start(self, state: State) -> None:
+        """Record the state at the start of the run and begin the file with it."""
+        self._record(state)
+        self.frame(state)
+
+    def step(self, result: StepResult, step: float) -> None:
+        """Record an accepted step of length ``step``, s."""
+        state = result.state
+        self._record(state)
+        self._result = result
+        self._steps.append(
+            (
+                state.time,
+                step,
+                result.passes,
+                len(result.contacts),
+                result.penetration,
+                result.travel,
+            )
+        )
+
+    def frame(
+        self,
+        state: State,
+        contacts: Contacts | None = None,
+        response: ContactResponse | None = None,
+    ) -> None:
+        """Write a frame, and all rows since the last one, to the file."""
+        self._frame_time = state.time
+        if self._file is None:
+            return
+        rows = no_contacts()
+        if self._with_contacts and contacts is not None and response is not None:
+            rows = self._fields.contacts(state, contacts, response)
+        self._file.frame(state.time, self._fields.of(state), rows, self._tables())
+
+    def finish(self, report: Report) -> Run:
+        """Close the file with the last state and the report; return what was recorded."""
+        last = self._result
+        if last is not None and last.state.time != self._frame_time:
+            self.frame(last.state, last.contacts, last.response)
+        if self._file is not None:
+            self._file.finish(report, self._tables())
+        return Run(
+            model=self._model,
+            state=self.state,
+            report=report,
+            output=self._file.path if self._file else None,
+            point_rows=self._points.rows,
+            energy_rows=self._energy.rows,
+            step_rows=self._steps.rows,
+        )
+
+    def _record(self, state: State) -> None:
+        self._state = state
+        self._energy.append((state.time, *_ledger_entries(state.ledger)))
+        self._points.append(self._tracker.row(state))
+
+    def _tables(self) -> dict[str, Table]:
+        return {"energy": self._energy, "steps": self._steps, "history": self._points}
