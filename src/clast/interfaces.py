@@ -94,8 +94,8 @@ class StepResult:
     """Contacts of the step."""
     response: ContactResponse
     """Contact forces at the end of the step."""
-    passes: int
-    """Assemblies and solves in the step."""
+    counts: dict[str, int]
+    """What the process counted: "passes" (assemblies and solves) and more."""
     travel: float
     """Largest movement of a vertex, m."""
     penetration: float
@@ -104,6 +104,11 @@ class StepResult:
     """Wall time of each stage of the step, s."""
     outcome: StepOutcome = StepOutcome.ACCEPTED
     """How the step ended."""
+
+    @property
+    def passes(self) -> int:
+        """Assemblies and solves in the step."""
+        return self.counts["passes"]
 
 
 class StepProcess(Protocol):

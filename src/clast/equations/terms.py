@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clast.equations.frames import BlockFrames
-from clast.interfaces import DisplacementFunction, Integrator
+from clast.interfaces import DisplacementFunction, Integrator, Method
 from clast.model import Floats, Ints, Model
 from clast.state import State
 
@@ -113,22 +113,20 @@ def fixed_point_rows(
 
 def diagonal_terms(
     model: Model,
+    method: Method,
     frames: BlockFrames,
-    displacement: DisplacementFunction,
-    integrator: Integrator,
-    fixed_point_stiffness: float,
     state: State,
     velocity: Floats,
     step: float,
 ) -> DiagonalTerms:
     """Return everything of a step but its contacts."""
-    matrix, force = inertia(frames, integrator, velocity, step)
+    matrix, force = inertia(frames, method.integrator, velocity, step)
     matrix = matrix + elasticity(model)
     force = force + stress(model, state) + body_force(model)
-    block, load = load_rows(model, frames, displacement, state)
+    block, load = load_rows(model, frames, method.displacement, state)
     np.add.at(force, block, load)
-    basis, drift = fixed_point_rows(model, frames, displacement, state)
-    held = model.fixed_points.block
-    np.add.at(matrix, held, fixed_point_stiffness * np.einsum("kxi,kxj->kij", basis, basis))
-    np.add.at(force, held, -fixed_point_stiffness * np.einsum("kxi,kx->ki", basis, drift))
+    basis, drift = fixed_point_rows(model, frames, method.displacement, state)
+    held, stiffness = model.fixed_points.block, method.fixed_point_stiffness
+    np.add.at(matrix, held, stiffness * np.einsum("kxi,kxj->kij", basis, basis))
+    np.add.at(force, held, -stiffness * np.einsum("kxi,kx->ki", basis, drift))
     return DiagonalTerms(diagonal=matrix, force=force)

@@ -66,7 +66,7 @@ class Motion:
     """Largest movement of a vertex, m."""
 
 
-LARGEST_TURN = 0.5
+LARGEST_TURN = 0.1
 """Largest rotation in one step, rad, that the linearised equations are trusted with."""
 
 
@@ -108,11 +108,12 @@ def advance(
     method: Method,
     state: State,
     frames: BlockFrames,
-    velocity: Floats,
     unknowns: Floats,
-    step: float,
+    end_velocity: Floats,
 ) -> Motion:
     """Return where the unknowns d (n, 6) of a step take the system.
+
+    ``end_velocity`` (n, 6) is the velocity that the scheme gives in the frame of the start.
 
     Raises StepRejected where a vertex moves further than max_displacement or a block turns
     further than the equations bear.
@@ -138,14 +139,13 @@ def advance(
         unknowns,
     )
     stress = state.stress + np.einsum("nij,nj->ni", model.elasticity, unknowns[:, 3:])
-    following = method.integrator.next_velocity(unknowns, velocity, step)
     # the strain rate turns with the block, so that its kinetic energy stays what it was
-    rates = rotate_tensor(following[:, 3:], turn, 2.0)
+    rates = rotate_tensor(end_velocity[:, 3:], turn, 2.0)
     return Motion(
         vertices=vertices,
         points=points,
         stress=rotate_tensor(stress, turn, 1.0),
-        velocity=np.concatenate([following[:, :3], rates], axis=1),
+        velocity=np.concatenate([end_velocity[:, :3], rates], axis=1),
         turn=turn,
         travel=travel,
     )

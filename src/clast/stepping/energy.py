@@ -65,6 +65,7 @@ def balance(
     frames: BlockFrames,
     velocity: Floats,
     unknowns: Floats,
+    end_velocity: Floats,
     step: float,
     contacts: Contacts,
     applied: tuple[Floats, Floats],
@@ -74,13 +75,13 @@ def balance(
 ) -> Ledger:
     """Return the ledger at the end of a step.
 
-    ``velocity`` (n, 6) is the velocity that entered the equations, ``applied`` the normal and
-    shear forces (m,) that they held at the end of the step, ``response`` the forces of the law
-    there.
+    ``velocity`` (n, 6) is the velocity that entered the equations, ``end_velocity`` the one that
+    came out, ``applied`` the normal and shear forces (m,) that the equations held at the end of
+    the step, ``response`` the forces of the law there.
     """
     before = state.ledger
     scheme = method.integrator
-    kinetic = kinetic_energy(frames, scheme.next_velocity(unknowns, velocity, step))
+    kinetic = kinetic_energy(frames, end_velocity)
     inertia = scheme.inertia_factor(step) * unknowns - scheme.velocity_factor(step) * velocity
     inertia_work = float(np.einsum("ni,nij,nj->", unknowns, frames.mass_matrix, inertia))
     entering = kinetic_energy(frames, velocity)

@@ -12,17 +12,14 @@ from typing import Protocol
 import numpy as np
 
 from clast.contact.arrays import ContactResponse, Contacts
-from clast.contact.detection import Reach, detect, find_tunnelled
-from clast.contact.memory import renew
-from clast.equations.frames import BlockFrames, block_frames
+from clast.contact.detection import Reach, detect
+from clast.equations.frames import block_frames
 from clast.equations.system import assemble, gap_at_end, slip_in_step
 from clast.equations.terms import DiagonalTerms, diagonal_terms
-from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
 from clast.model import Floats, Model
-from clast.state import ContactMemory, State
-from clast.stepping.advance import advance
-from clast.stepping.energy import balance
+from clast.state import State
+from clast.stepping.conclude import Solved, conclude
 from clast.stepping.stages import Stages
 
 
@@ -69,7 +66,7 @@ class Modified:
             # (4) where the blocks are; (5) inertia and elasticity; (6) stress, weight, loads;
             # (7) fixed points
             frames = block_frames(model, method.displacement, state)
-            base = _base_system(model, method, state, frames, velocity, step)
+            base = diagonal_terms(model, method, frames, state, velocity, step)
         with stages("contacts"):
             # (8) blocks near each other; (9) entrance edges by the angle bisector
             reach = reach_of(method)
@@ -79,38 +76,23 @@ class Modified:
         unknowns, applied, passes = self._solve(
             model, method, base, contacts, velocity, step, stages
         )
-        with stages("advance"):
-            # (13) the blocks are moved and turned; (14) stresses and velocities
-            motion = advance(model, method, state, frames, velocity, unknowns, step)
+        with stages("law"):
             gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
-            # (16) what the contacts carry on
             response = method.contact_law.respond(contacts, gap, slip)
-            memory = renew(contacts, response, gap, method.critdis)
-        with stages("tunnelling"):
-            reject_tunnelled(model, motion.vertices, memory, reach)
-        with stages("ledger"):
-            ledger = balance(
-                model, method, state, frames, velocity, unknowns, step, contacts, applied,
-                response, gap, slip,
-            )  # fmt: skip
-        return StepResult(
-            state=State(
-                time=state.time + step,
-                vertices=motion.vertices,
-                velocity=motion.velocity,
-                stress=motion.stress,
-                rotation=state.rotation + motion.turn,
-                points=motion.points,
-                memory=memory,
-                ledger=ledger,
-            ),
+        solved = Solved(
+            frames=frames,
+            velocity=velocity,
+            unknowns=unknowns,
+            # (14) velocities; stresses follow when the blocks are moved
+            end_velocity=method.integrator.next_velocity(unknowns, velocity, step),
             contacts=contacts,
             response=response,
-            passes=passes,
-            travel=motion.travel,
-            penetration=float(max(0.0, -gap.min(initial=0.0))),
-            seconds=stages.seconds,
+            applied=applied,
+            depth=reach.depth,
+            counts={"passes": passes},
         )
+        # (13) the blocks are moved and turned; (14) stresses; (16) what the contacts carry on
+        return conclude(model, method, state, solved, step, stages)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn where p h2/m is beyond what one pass bears."""
@@ -184,33 +166,6 @@ def reach_of(method: Method) -> Reach:
     )
 
 
-def reject_tunnelled(model: Model, vertices: Floats, memory: ContactMemory, reach: Reach) -> None:
-    """Raise StepRejected where a vertex has jumped deeper into a block than the reach."""
-    depth, vertex, block = find_tunnelled(model, vertices, memory)
-    if depth > reach.depth:
-        own = int(model.vertex_block[vertex])
-        raise StepRejected(
-            StepOutcome.TUNNELLED,
-            f"vertex {vertex - int(model.block_start[own]) + 1} of block "
-            f"'{model.block_name[own]}' is {depth:.3g} m inside '{model.block_name[block]}'",
-        )
-
-
-def _base_system(
-    model: Model, method: Method, state: State, frames: BlockFrames, velocity: Floats, step: float
-) -> DiagonalTerms:
-    return diagonal_terms(
-        model,
-        frames,
-        method.displacement,
-        method.integrator,
-        method.fixed_point_stiffness,
-        state,
-        velocity,
-        step,
-    )
-
-
 STABILITY_LIMIT = 6.0
 """Largest p h2/m with which a contact settles without passes (m: mass per contact)."""
 
@@ -243,6 +198,5 @@ __all__ = [
     "Modified",
     "forces_in_equations",
     "reach_of",
-    "reject_tunnelled",
     "stability_number",
 ]

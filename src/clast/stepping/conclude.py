@@ -1,0 +1,103 @@
+"""The end of a step, the same for every process: move, remember, check, balance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from clast.contact.arrays import ContactResponse, Contacts
+from clast.contact.detection import find_tunnelled
+from clast.contact.memory import renew
+from clast.equations.frames import BlockFrames
+from clast.equations.system import gap_at_end, slip_in_step
+from clast.errors import StepOutcome, StepRejected
+from clast.interfaces import Method, StepResult
+from clast.model import Floats, Model
+from clast.state import ContactMemory, State
+from clast.stepping.advance import advance
+from clast.stepping.energy import balance
+from clast.stepping.stages import Stages
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solved:
+    """What a process has found for a step."""
+
+    frames: BlockFrames
+    """Block frames at the start."""
+    velocity: Floats
+    """Velocity that entered the equations, shape (n, 6)."""
+    unknowns: Floats
+    """Displacements d, shape (n, 6)."""
+    end_velocity: Floats
+    """Velocity at the end, in the frame of the start, shape (n, 6)."""
+    contacts: Contacts
+    """Contacts of the step."""
+    response: ContactResponse
+    """The law's answer at the end of the step."""
+    applied: tuple[Floats, Floats]
+    """Normal and shear forces (m,) that the equations held at the end of the step, N/m."""
+    depth: float
+    """How deep a vertex may have moved into a block, m (see Reach.depth)."""
+    counts: dict[str, int] = field(default_factory=dict)
+    """Counts of the process: "passes" and whatever else it counts."""
+
+
+def conclude(
+    model: Model, method: Method, state: State, solved: Solved, step: float, stages: Stages
+) -> StepResult:
+    """Return the result of a solved step, or raise StepRejected where it must not be kept."""
+    unknowns, contacts, response = solved.unknowns, solved.contacts, solved.response
+    with stages("advance"):
+        motion = advance(model, method, state, solved.frames, unknowns, solved.end_velocity)
+        gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
+        memory = renew(contacts, response, gap, method.critdis)
+    with stages("tunnelling"):
+        reject_tunnelled(model, motion.vertices, memory, solved.depth)
+    with stages("ledger"):
+        ledger = balance(
+            model,
+            method,
+            state,
+            solved.frames,
+            solved.velocity,
+            unknowns,
+            solved.end_velocity,
+            step,
+            contacts,
+            solved.applied,
+            response,
+            gap,
+            slip,
+        )
+    return StepResult(
+        state=State(
+            time=state.time + step,
+            vertices=motion.vertices,
+            velocity=motion.velocity,
+            stress=motion.stress,
+            rotation=state.rotation + motion.turn,
+            points=motion.points,
+            memory=memory,
+            ledger=ledger,
+        ),
+        contacts=contacts,
+        response=response,
+        counts=solved.counts,
+        travel=motion.travel,
+        penetration=float(max(0.0, -gap.min(initial=0.0))),
+        seconds=stages.seconds,
+    )
+
+
+def reject_tunnelled(
+    model: Model, vertices: Floats, memory: ContactMemory, depth_reach: float
+) -> None:
+    """Raise StepRejected where a vertex has jumped deeper into a block than ``depth_reach``, m."""
+    depth, vertex, block = find_tunnelled(model, vertices, memory)
+    if depth > depth_reach:
+        own = int(model.vertex_block[vertex])
+        raise StepRejected(
+            StepOutcome.TUNNELLED,
+            f"vertex {vertex - int(model.block_start[own]) + 1} of block "
+            f"'{model.block_name[own]}' is {depth:.3g} m inside '{model.block_name[block]}'",
+        )
