@@ -348,7 +348,7 @@ class Case(Table):
     method_: MethodTable = Field(default_factory=MethodTable, alias="method")
     """How to simulate."""
     output: OutputTable = Field(default_factory=OutputTable)
-    """What to keep of a run."""
+    """How often to keep a frame, and what is in it."""
 
     _file: str = PrivateAttr("case")
     _text: str | None = PrivateAttr(None)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -45,6 +45,8 @@ class Commands(TyperGroup):
         except ClastError as error:
             _say(f"error: {error}")
             raise typer.Exit(BAD_INPUT) from None
+        except BrokenPipeError:
+            raise
         except OSError as error:
             _say(f"error: {error.filename or 'a file'}: {error.strerror}")
             raise typer.Exit(BAD_INPUT) from None
@@ -114,10 +116,12 @@ def run(
         done = loaded.run(progress=not quiet, output=target)
     except RunStopped as stopped:
         partial: Any = stopped.run
-        _print_run(partial, target, as_json=as_json, quiet=quiet)
-        _say(f"its results until then are in {target}")
+        _print_warnings(partial.report.warnings)
+        _print_run(partial, as_json=as_json, quiet=quiet)
+        _say(f"the results until then are in {target}")
         raise
-    _print_run(done, target, as_json=as_json, quiet=quiet)
+    _print_warnings(done.report.warnings)
+    _print_run(done, as_json=as_json, quiet=quiet)
     if not done.report.finished:
         _say(f"{done.report.outcome}; the results until then are in {target}")
         raise typer.Exit(INTERRUPTED)
@@ -136,8 +140,7 @@ def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) ->
         _print_json(dataclasses.asdict(sanity))
         return
     _print_table(_sanity_table(sanity))
-    for warning in sanity.warnings:
-        _say(f"warning: {warning}")
+    _print_warnings(sanity.warnings)
     if not sanity.warnings:
         typer.echo("nothing to object to")
 
@@ -145,7 +148,27 @@ def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) ->
 @app.command()
 def info(file: ResultFile, as_json: AsJson = False) -> None:
     """Say what a result file contains."""
-    raise NotImplementedError
+    from clast.results import read_results, summary
+
+    content = summary(read_results(file))
+    if as_json:
+        _print_json(content)
+        return
+    first, last = content["time"]
+    rows = {
+        "outcome": content["outcome"],
+        "frames": f"{content['frames']}, from {first:.6g} to {last:.6g} s",
+        "blocks": f"{content['blocks']} ({content['fixed_blocks']} fixed)",
+        "vertices": f"{content['vertices']}",
+        "rocks": ", ".join(content["rocks"]),
+        "largest displacement": f"{content['largest_displacement']:.6g} m",
+        "contacts at the end": f"{content['contacts']}",
+        "fields": ", ".join(content["fields"]),
+        "size": f"{content['size_bytes'] / 1e6:.3g} MB",
+        "versions": ", ".join(f"{k} {v}" for k, v in content["versions"].items()),
+    }
+    _print_table(_two_columns(content["title"], rows))
+    _print_points(content["measured_points"])
 
 
 @app.command()
@@ -160,7 +183,14 @@ def plot(
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
 ) -> None:
     """Draw a frame of a result file."""
-    raise NotImplementedError
+    from clast.results import read_results
+
+    results = read_results(file)
+    from clast.pictures.plot import plot_results
+
+    target = output or file.with_suffix(".png")
+    plot_results(results, target, frame=frame, field=field, contacts=contacts)
+    typer.echo(f"picture: {target}")
 
 
 @app.command()
@@ -217,54 +247,81 @@ WARMUPS = (
 
 def _check_target(path: Path) -> None:
     """Refuse an output that cannot be written or is something else than an old result file."""
-    where = str(path)
-    if path.is_dir():
+    from clast.results.writing import check_output
+
+    check_output(path)
+    if not path.exists():
+        return
+    with path.open("rb") as file:
+        is_result = file.read(8) in (HDF5_SIGNATURE, b"")
+    if not is_result:
         raise CaseError(
-            "is a directory, not a file to write results to",
-            where=where,
-            remedy=f"name a file in it, e.g. -o {path / 'out.vtkhdf'}",
+            "exists and is no result file; it is not written over",
+            where=str(path),
+            remedy="choose another name for the results with -o",
         )
-    if not path.parent.is_dir():
-        raise CaseError(
-            f"the directory {path.parent} does not exist",
-            where=where,
-            remedy=f"make it first: mkdir -p {path.parent}",
-        )
-    if path.exists():
-        with path.open("rb") as file:
-            is_result = file.read(8) in (HDF5_SIGNATURE, b"")
-        if not is_result:
-            raise CaseError(
-                "exists and is no result file; it is not written over",
-                where=where,
-                remedy="choose another name for the results with -o",
-            )
 
 
-def _print_run(run: Run, target: Path, *, as_json: bool, quiet: bool) -> None:
+def _print_run(run: Run, *, as_json: bool, quiet: bool) -> None:
     """Print the summary of a run, as tables or JSON."""
+    points = {name: _last_of(run, name) for name in run.model.measured_points.name}
     if as_json:
-        _print_json(_run_content(run, target))
+        content = {"title": run.model.title, "output": str(run.output), "time": run.state.time}
+        _print_json({**content, **run.report.as_dict(), "measured_points": points})
     elif not quiet:
-        for warning in run.report.warnings:
-            _say(f"warning: {warning}")
         _print_table(_report_table(run))
-        if run.model.measured_points.name:
-            _print_table(_points_table(run))
-        typer.echo(f"results: {target}")
+        _print_points(points)
+        typer.echo(f"results: {run.output}")
 
 
-def _run_content(run: Run, target: Path) -> dict[str, Any]:
-    """Return what a program wants to know about a run."""
-    raise NotImplementedError
+def _last_of(run: Run, name: str) -> dict[str, Any]:
+    """Return where a measured point is at the end of a run."""
+    history = run.history(name)
+    return {
+        "displacement": history.displacement[-1].tolist(),
+        "velocity": history.velocity[-1].tolist(),
+        "rotation": float(history.rotation[-1]),
+    }
 
 
 def _report_table(run: Run) -> Table:
-    raise NotImplementedError
+    """Return how a run went, as a table."""
+    report, ledger = run.report, run.report.ledger
+    sizes = run.step_sizes
+    stages = sorted(report.seconds.items(), key=lambda item: -item[1])
+    speed = run.state.time / report.wall_seconds if report.wall_seconds > 0.0 else 0.0
+    rows = {
+        "outcome": report.outcome,
+        "simulated time": f"{run.state.time:.6g} s, {speed:.3g} s per s of wall time",
+        "steps": f"{report.steps}, {report.passes} passes, {report.cut_steps} cut",
+        "step size": f"{sizes.min():.3g} to {sizes.max():.3g} s" if len(sizes) else "",
+        "contacts": f"at most {report.largest_contacts}",
+        "penetration": f"at most {report.largest_penetration:.3g} m",
+        "energy": f"kinetic {ledger.kinetic:.4g}, elastic {ledger.elastic:.4g}, "
+        f"gravity {ledger.gravity:.4g} J/m",
+        "dissipated": f"friction {ledger.friction:.4g}, numerical {ledger.numerical:.4g}, "
+        f"unaccounted {ledger.unaccounted:.2g} J/m",
+        "wall time": f"{report.wall_seconds:.3g} s: "
+        + ", ".join(f"{name} {seconds:.2g}" for name, seconds in stages),
+    }
+    return _two_columns(run.model.title, rows)
 
 
-def _points_table(run: Run) -> Table:
-    raise NotImplementedError
+def _print_points(points: dict[str, dict[str, Any]]) -> None:
+    """Print where the measured points are at the end, if there are any."""
+    if not points:
+        return
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title="measured points at the end", title_justify="left")
+    table.add_column("point", overflow="fold")
+    for head in ("u, m", "v, m", "u', m/s", "v', m/s", "rotation, rad"):
+        table.add_column(head, justify="right", no_wrap=True)
+    for name, last in points.items():
+        numbers = (*last["displacement"], *last["velocity"], last["rotation"])
+        table.add_row(Text(name), *(f"{number:.5g}" for number in numbers))
+    _print_table(table)
 
 
 def _sanity_table(sanity: Sanity) -> Table:
@@ -328,6 +385,11 @@ def _plain(value: Any) -> Any:
     return value
 
 
+def _print_warnings(warnings: Iterable[str]) -> None:
+    for warning in warnings:
+        _say(f"warning: {warning}")
+
+
 def _say(message: str) -> None:
     """Print a message for the user on stderr."""
     typer.echo(message, err=True)
@@ -336,7 +398,3 @@ def _say(message: str) -> None:
 def main() -> None:
     """Run the command line."""
     app(prog_name="clast")
-
-
-if __name__ == "__main__":
-    sys.exit("run it as: python -m clast")

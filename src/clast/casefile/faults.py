@@ -107,7 +107,7 @@ def _keys_text(keys: Sequence[str | int]) -> str:
     return text.removeprefix(", ").removeprefix(".")
 
 
-def _name_text(tables: Sequence[Any], number: int) -> str:
+def _name_text(tables: Any, number: int) -> str:
     """Return the name of one of several tables, quoted, or nothing."""
     table = tables[number] if number < len(tables) else None
     name = table.get("name") if isinstance(table, dict) else None

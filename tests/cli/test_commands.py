@@ -1,0 +1,287 @@
+"""The commands: what they print, write and return."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import clast
+from clast.casefile.templates import INCLINE, TEMPLATES
+from clast.cli import app
+from clast.progress import status_text
+from clast.results import read_results
+from clast.simulate import Progress
+
+SHORT = ["--set", "time.end=0.005", "--set", "output.every=0.001"]
+TOO_FAST = ["--set", "time.max_displacement=1e-4", "--set", "time.smallest_step=5e-4"]
+"""The slider needs smaller steps than it may take after some hundredths of a second."""
+
+
+def clast_command(*arguments: str):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def good(*arguments: str) -> str:
+    result = clast_command(*arguments)
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+@pytest.fixture
+def incline(tmp_path, monkeypatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    case = tmp_path / "incline.toml"
+    case.write_text(INCLINE, encoding="utf-8")
+    return case
+
+
+def test_run_prints_tables_and_writes_the_file_named_after_the_case(incline):
+    printed = good("run", incline, *SHORT)
+    assert "the run reached its end" in printed
+    assert "measured points at the end" in printed
+    results = read_results("incline.vtkhdf")
+    assert len(results.times) == 6
+    assert clast.Case.from_toml(results.case_text).time.end == 0.005
+
+
+def test_run_for_a_program(incline):
+    content = json.loads(good("run", incline, *SHORT, "--json", "-o", "out.vtkhdf"))
+    assert content["finished"] is True
+    assert content["steps"] == 5
+    assert content["output"].endswith("out.vtkhdf")
+    u, v = content["measured_points"]["A"]["displacement"]
+    assert u > 0.0 > v
+    assert set(content) >= {"title", "time", "ledger", "seconds", "warnings", "outcome"}
+
+
+def test_quiet_run(incline):
+    result = clast_command("run", incline, *SHORT, "--quiet")
+    assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
+    assert Path("incline.vtkhdf").exists()
+
+
+def test_a_newer_result_replaces_an_older_one(incline):
+    good("run", incline, *SHORT)
+    good("run", incline, *SHORT, "--set", "time.end=0.003")
+    assert len(read_results("incline.vtkhdf").times) == 4
+
+
+def test_a_run_that_cannot_go_on_keeps_its_results(incline):
+    result = clast_command("run", incline, *TOO_FAST)
+    assert result.exit_code == 3
+    assert "max_displacement" in result.stderr
+    assert "incline.vtkhdf" in result.stderr
+    assert "Traceback" not in result.output
+    results = read_results("incline.vtkhdf")
+    assert 0.0 < results.times[-1] < 0.1
+    assert results.report is not None
+    assert not results.report.finished
+
+
+def test_a_stopped_run_for_a_program(incline):
+    result = clast_command("run", incline, *TOO_FAST, "--json")
+    assert result.exit_code == 3
+    assert json.loads(result.stdout)["finished"] is False
+
+
+def test_an_interrupted_run_keeps_its_results(incline, monkeypatch):
+    @contextmanager
+    def impatient(_):
+        def watch(progress: Progress) -> None:
+            if progress.steps == 3:
+                raise KeyboardInterrupt
+
+        yield watch
+
+    monkeypatch.setattr("clast.progress.shown", impatient)
+    result = clast_command("run", incline, *SHORT)
+    assert result.exit_code == 130
+    assert "interrupted" in result.stderr
+    assert read_results("incline.vtkhdf").times[-1] == pytest.approx(0.003)
+
+
+def test_warnings_go_to_stderr(incline):
+    result = clast_command("run", incline, *SHORT, "--set", "rock.granite.density=2.7")
+    assert "warning: rock 'granite': density is 2.7" in result.stderr
+    assert "warning:" not in result.stdout
+
+
+def test_check(incline):
+    printed = good("check", incline)
+    assert "incline, 50 m2" in printed
+    assert "slider, 4.5 m2" in printed
+    assert "nothing to object to" in printed
+
+
+def test_check_for_a_program(incline):
+    content = json.loads(good("check", incline, "--json"))
+    assert content["blocks"] == 2
+    assert content["mass"] == pytest.approx(54.5 * 2700.0)
+    assert content["box"] == [0.0, 0.0, 10.0, 10.0]
+    assert content["touching_pairs"] == 1
+    assert content["unsupported"] == []
+    assert content["warnings"] == []
+
+
+@pytest.mark.parametrize(
+    ("settings", "phrase"),
+    [
+        (["method.contact_law.normal_stiffness=1e12"], "p h2/m"),
+        (["rock.granite.young=50"], "Pa"),
+        (["rock.granite.density=2.7"], "kg/m3"),
+        (["joint.default.friction_angle=0"], "frictionless"),
+        (["time.max_displacement=1"], "max_displacement is 1 m"),
+        (["method.critdis=1"], "critdis is 1 m"),
+        (["fixed_point=[]"], "nothing is fixed"),
+    ],
+)
+def test_check_warns(incline, settings, phrase):
+    options = [part for setting in settings for part in ("--set", setting)]
+    result = clast_command("check", incline, *options)
+    assert result.exit_code == 0
+    assert phrase in result.stderr
+
+
+def test_check_names_blocks_that_touch_nothing(incline):
+    incline.write_text(
+        INCLINE + '[[block]]\nname="bird"\nrock="granite"\nvertices=[[20,20],[21,20],[20,21]]\n'
+    )
+    assert json.loads(good("check", incline, "--json"))["unsupported"] == ["bird"]
+
+
+def test_info(incline):
+    good("run", incline, *SHORT)
+    printed = good("info", "incline.vtkhdf")
+    assert "6, from 0 to 0.005 s" in printed
+    content = json.loads(good("info", "incline.vtkhdf", "--json"))
+    assert content["blocks"] == 2
+    assert set(content["measured_points"]) == {"A"}
+
+
+def test_plot(incline):
+    pytest.importorskip("matplotlib")
+    good("run", incline, *SHORT)
+    good("plot", "incline.vtkhdf")
+    assert Path("incline.png").stat().st_size > 1000
+    good("plot", "incline.vtkhdf", "-o", "speed.png", "--frame", "2", "--field", "velocity")
+    assert Path("speed.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(("option", "value"), [("--field", "displacment"), ("--frame", "77")])
+def test_plot_of_what_is_not_there(incline, option, value):
+    good("run", incline, *SHORT)
+    result = clast_command("plot", "incline.vtkhdf", option, value)
+    assert result.exit_code == 2
+    assert result.stderr.startswith("error: ")
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_new(template, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "clast run mine.toml" in good("new", "mine", "--template", template)
+    assert clast.load("mine.toml").model().block_count >= 2
+    result = clast_command("new", "mine", "--template", template)
+    assert result.exit_code == 2
+    assert "exists already" in result.stderr
+
+
+def test_new_from_an_unknown_template(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = clast_command("new", "mine", "--template", "wal")
+    assert result.exit_code == 2
+    assert "did you mean 'wall'?" in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_schema():
+    assert json.loads(good("schema"))["properties"]["time"]
+
+
+def test_warmup():
+    assert "kernels are ready" in good("warmup")
+
+
+@pytest.mark.parametrize("arguments", [["rnu"], ["run"], ["run", "x.toml", "--sett", "a=1"]])
+def test_bad_usage(arguments):
+    assert clast_command(*arguments).exit_code == 2
+
+
+def run_python(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, *arguments], capture_output=True, text=True, check=False, timeout=60
+    )
+
+
+def test_version_as_a_module():
+    done = run_python("-m", "clast", "--version")
+    assert done.returncode == 0
+    assert done.stdout.strip() == f"clast {clast.__version__}"
+
+
+def test_errors_as_a_module(tmp_path):
+    done = run_python("-m", "clast", "run", str(tmp_path / "nothing.toml"))
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: ")
+
+
+def test_help_starts_without_loading_anything_heavy():
+    code = (
+        "import sys, clast.cli; heavy = {'numba', 'numpy', 'scipy', 'h5py', 'pydantic', 'shapely',"
+        " 'matplotlib'} & set(sys.modules); sys.exit(str(heavy) if heavy else 0)"
+    )
+    done = run_python("-c", code)
+    assert done.returncode == 0, done.stderr
+
+
+def test_every_public_name_is_there():
+    for name in clast.__all__:
+        assert getattr(clast, name) is not None
+    assert set(clast.__all__) <= set(dir(clast))
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = clast.nothing
+
+
+def test_python_runs_a_case_and_watches_it(incline, capsys):
+    seen: list[Progress] = []
+    case = clast.Case.from_toml(incline.read_text(), ["time.end=0.005"])
+    run = case.run(progress=seen.append)
+    assert [progress.steps for progress in seen] == [1, 2, 3, 4, 5]
+    assert run.history("A").displacement.shape == (6, 2)
+    assert run.final.vertices.shape == (6, 2)
+    assert run.output is None
+    assert capsys.readouterr().out == ""
+
+
+def test_progress_is_silent_where_there_is_no_terminal(incline, capsys):
+    clast.Case.from_toml(incline.read_text(), ["time.end=0.002"]).run(progress=True)
+    captured = capsys.readouterr()
+    assert (captured.out, captured.err) == ("", "")
+
+
+def test_status_line():
+    progress = Progress(time=0.5, end=2.0, step=1e-3, steps=500, contacts=42, penetration=1e-5)
+    text = status_text(progress, speed=0.001)
+    assert text == "t 0.5 of 2 s  step 0.001 s  42 contacts  0.001 s/s  0:25:00 left"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends a signal")
+def test_the_interrupt_key(incline):
+    command = [sys.executable, "-m", "clast", "run", str(incline), "--set", "time.end=1e3"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 60.0
+    while not Path("incline.vtkhdf").exists() and time.monotonic() < deadline:
+        time.sleep(0.1)
+    time.sleep(0.5)
+    process.send_signal(2)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130, said
+    assert "interrupted" in said
+    assert len(read_results("incline.vtkhdf").times) > 0
