@@ -306,6 +306,29 @@ class MethodTable(Table):
         choice = Choice(key, ALTERNATIVES)
         return (chosen if isinstance(chosen, Chosen) else choice.validate(chosen)).build()
 
+    def method(
+        self, model: Model, *, max_displacement: float, dynamic_ratio: float = 1.0
+    ) -> Method:
+        """Return how to simulate; what the table leaves open follows from the model."""
+        from clast.interfaces import Method
+        from clast.kinematics.first_order import FirstOrder
+
+        contact_law = self.build("contact_law")
+        moduli = [rock.young for rock in model.rocks]
+        stiffest = max([contact_law.normal_stiffness, *moduli])
+        return Method(
+            process=self.build("process"),
+            contact_law=contact_law,
+            corner_rule=self.build("corner_rule"),
+            displacement=FirstOrder(rotation=self.build("rotation")),
+            integrator=self.build("integrator"),
+            solver=self.build("solver"),
+            fixed_point_stiffness=self.fixed_point_stiffness or FIXED_POINT_FACTOR * stiffest,
+            critdis=self.critdis or CRITDIS_SHARE * max_displacement,
+            max_displacement=max_displacement,
+            dynamic_ratio=dynamic_ratio,
+        )
+
 
 class OutputTable(Table):
     """What to keep of a run."""
@@ -424,29 +447,13 @@ class Case(Table):
             builder.measured_point(**dict(measured))
 
     def method(self, model: Model | None = None) -> Method:
-        """Return how to simulate; lengths that the case leaves open follow from its model."""
-        from clast.interfaces import Method
-        from clast.kinematics.first_order import FirstOrder
-
-        table, time = self.method_, self.time
-        contact_law = table.build("contact_law")
-        max_displacement = time.max_displacement
-        if max_displacement is None:
-            model = model or self.model()
-            max_displacement = TRAVEL_SHARE * float(np.sqrt(model.area.min()))
-        moduli = [rock.young for rock in self.rock.values()]
-        stiffest = max([contact_law.normal_stiffness, *moduli])
-        return Method(
-            process=table.build("process"),
-            contact_law=contact_law,
-            corner_rule=table.build("corner_rule"),
-            displacement=FirstOrder(rotation=table.build("rotation")),
-            integrator=table.build("integrator"),
-            solver=table.build("solver"),
-            fixed_point_stiffness=table.fixed_point_stiffness or FIXED_POINT_FACTOR * stiffest,
-            critdis=table.critdis or CRITDIS_SHARE * max_displacement,
-            max_displacement=max_displacement,
-            dynamic_ratio=time.dynamic_ratio,
+        """Return how to simulate; what the case leaves open follows from its model."""
+        model = model or self.model()
+        smallest = float(np.sqrt(model.area.min()))
+        return self.method_.method(
+            model,
+            max_displacement=self.time.max_displacement or TRAVEL_SHARE * smallest,
+            dynamic_ratio=self.time.dynamic_ratio,
         )
 
     def schedule(self) -> Schedule:
