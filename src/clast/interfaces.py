@@ -40,18 +40,11 @@ class DisplacementFunction(Protocol):
 
 
 class Integrator(Protocol):
-    """An implicit time scheme: M (c_m d - c_v v) = forces at the end of the step."""
+    """An implicit time scheme of the theta family: d = h ((1 - theta) v + theta v+)."""
 
-    def inertia_factor(self, step: float) -> float:
-        """Return c_m, 1/s2."""
-        ...
-
-    def velocity_factor(self, step: float) -> float:
-        """Return c_v, 1/s."""
-        ...
-
-    def next_velocity(self, displacement: Floats, velocity: Floats, step: float) -> Floats:
-        """Return the velocity at the end of the step, same shape as ``velocity``."""
+    @property
+    def theta(self) -> float:
+        """Share of the end velocity in the displacement, 1/2 to 1."""
         ...
 
 

@@ -63,6 +63,8 @@ class Contacts:
     """Remembered Lagrange multiplier, N/m, shape (m,)."""
     mode: Ints
     """Remembered mode: 0 open, 1 slide, 2 lock, shape (m,)."""
+    friction_base: Floats
+    """Normal force that bounds friction, N/m; nan: the force of the moment, shape (m,)."""
 
     def __len__(self) -> int:
         return len(self.vertex)

@@ -14,8 +14,8 @@ class Penalty:
     """Linear springs with Coulomb friction, cohesion and tension cut-off.
 
     N = max(0, -p d_n); the shear force follows its spring from the remembered one and is returned
-    to |T| <= N tan(phi) + c L.  A bonded contact bears tension up to sigma_t L.  Slip or failure in
-    tension breaks the bond for good: N tan(phi) remains.
+    to |T| <= N tan(phi) + c L.  A bonded contact bears tension up to sigma_t L.  A step in which it
+    slips or reaches that tension is its last as a bonded one: from then on N tan(phi) remains.
     """
 
     normal_stiffness: float = 1e9
@@ -37,6 +37,8 @@ class Penalty:
             contacts.length,
             contacts.bonded,
             contacts.shear_force,
+            contacts.multiplier,
+            contacts.friction_base,
         )
         return ContactResponse(
             normal_force=normal,

@@ -50,28 +50,41 @@ def slip_in_step(contacts: Contacts, displacement: Floats) -> Floats:
     )
 
 
-def assemble(
-    base: DiagonalTerms,
+def gap_rate(contacts: Contacts, velocity: Floats) -> Floats:
+    """Return the rate of each gap, m/s, shape (m,): n.v; negative where a contact closes."""
+    return gap_at_end(contacts, velocity) - contacts.gap
+
+
+def contact_forces(
+    block_count: int, contacts: Contacts, normal_force: Floats, shear_force: Floats
+) -> Floats:
+    """Return the generalised forces (n, 6) of normal and shear forces (m,) of the contacts."""
+    force = np.zeros((block_count, 6))
+    assembly.add_forces(
+        force,
+        contacts.vertex_block,
+        contacts.edge_block,
+        contacts.normal_vertex,
+        contacts.normal_edge,
+        contacts.tangent_vertex,
+        contacts.tangent_edge,
+        normal_force,
+        shear_force,
+    )
+    return force
+
+
+def _with_contacts(
+    diagonal: Floats,
+    force: Floats,
     contacts: Contacts,
     response: ContactResponse,
-    gap: Floats,
-    slip: Floats,
+    normal_load: Floats,
+    shear_load: Floats,
     fixed: Bools,
 ) -> BlockSystem:
-    """Return the system with the contact law linearised about (gap, slip) at the end of the step.
-
-    ``gap`` and ``slip`` (m,) are where ``response`` was evaluated, in m; F then holds the forces
-    that the linearised law gives at d = 0.
-    """
-    # N(d) = N - k_n (gap0 + n.d - gap), so at d = 0:
-    offset = contacts.gap - gap
-    normal_load = response.normal_force - response.normal_stiffness * offset
-    shear_load = (
-        response.shear_force
-        + response.shear_stiffness * slip
-        + response.coupling * (normal_load - response.normal_force)
-    )
-    diagonal, force = base.diagonal.copy(), base.force.copy()
+    """Return the system with contact stiffness and loads (m,) added, fixed blocks held."""
+    diagonal, force = diagonal.copy(), force.copy()
     upper = np.zeros((len(contacts.pairs), 6, 6))
     lower = np.zeros((len(contacts.pairs), 6, 6))
     assembly.add_contacts(
@@ -96,3 +109,41 @@ def assemble(
     return BlockSystem(
         diagonal=diagonal, pairs=contacts.pairs, upper=upper, lower=lower, force=force
     )
+
+
+def assemble(
+    base: DiagonalTerms,
+    contacts: Contacts,
+    response: ContactResponse,
+    gap: Floats,
+    slip: Floats,
+    fixed: Bools,
+) -> BlockSystem:
+    """Return the system with the contact law linearised about (gap, slip) at the end of the step.
+
+    ``gap`` and ``slip`` (m,) are where ``response`` was evaluated, in m; F then holds the forces
+    that the linearised law gives at d = 0.
+    """
+    # N(d) = N - k_n (gap0 + n.d - gap), so at d = 0:
+    offset = contacts.gap - gap
+    normal_load = response.normal_force - response.normal_stiffness * offset
+    shear_load = (
+        response.shear_force
+        + response.shear_stiffness * slip
+        + response.coupling * (normal_load - response.normal_force)
+    )
+    return _with_contacts(
+        base.diagonal, base.force, contacts, response, normal_load, shear_load, fixed
+    )
+
+
+def newton_system(
+    base: DiagonalTerms,
+    contacts: Contacts,
+    response: ContactResponse,
+    residual: Floats,
+    fixed: Bools,
+) -> BlockSystem:
+    """Return the system of a Newton iteration: K with the law's stiffness, F the residual (n, 6)."""
+    nothing = np.zeros(len(contacts))
+    return _with_contacts(base.diagonal, residual, contacts, response, nothing, nothing, fixed)

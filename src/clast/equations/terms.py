@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from clast.equations.frames import BlockFrames
-from clast.interfaces import DisplacementFunction, Integrator, Method
+from clast.equations.integration import inertia_factor, velocity_factor
+from clast.interfaces import DisplacementFunction, Method
 from clast.model import Floats, Ints, Model
 from clast.state import State
 
@@ -28,12 +29,14 @@ class DiagonalTerms:
 
 
 def inertia(
-    frames: BlockFrames, integrator: Integrator, velocity: Floats, step: float
+    frames: BlockFrames, theta: Floats, velocity: Floats, step: float
 ) -> tuple[Floats, Floats]:
-    """Return c_m M (n, 6, 6) and c_v M v (n, 6); constant acceleration: 2/h2 and 2/h."""
-    matrix = integrator.inertia_factor(step) * frames.mass_matrix
+    """Return M/(theta h2) (n, 6, 6) and M v/(theta h) (n, 6); constant acceleration: 2/h2, 2/h."""
     momentum = np.einsum("nij,nj->ni", frames.mass_matrix, velocity)
-    return matrix, integrator.velocity_factor(step) * momentum
+    return (
+        inertia_factor(theta, step)[:, None, None] * frames.mass_matrix,
+        velocity_factor(theta, step)[:, None] * momentum,
+    )
 
 
 def elasticity(model: Model) -> Floats:
@@ -117,10 +120,11 @@ def diagonal_terms(
     frames: BlockFrames,
     state: State,
     velocity: Floats,
+    theta: Floats,
     step: float,
 ) -> DiagonalTerms:
-    """Return everything of a step but its contacts."""
-    matrix, force = inertia(frames, method.integrator, velocity, step)
+    """Return everything of a step but its contacts; ``theta`` (n,) is the scheme's, by block."""
+    matrix, force = inertia(frames, theta, velocity, step)
     matrix = matrix + elasticity(model)
     force = force + stress(model, state) + body_force(model)
     block, load = load_rows(model, frames, method.displacement, state)

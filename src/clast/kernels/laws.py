@@ -18,8 +18,10 @@ def penalty(
     length,
     bonded,
     shear_force,
+    multiplier,
+    friction_base,
 ):
-    """Return N, T, -dN/dgap, -dT/dslip, dT/dN, mode, bond, energy, loss (see laws.Penalty)."""
+    """Return N, T, -dN/dgap, -dT/dslip, dT/dN, mode, bond, energy, loss (see contact.laws)."""
     count = len(gap)
     n_force, t_force = np.zeros(count), np.zeros(count)
     kn, ks, coupling = np.zeros(count), np.zeros(count), np.zeros(count)
@@ -27,29 +29,31 @@ def penalty(
     intact = bonded.copy()
     energy, loss = np.zeros(count), np.zeros(count)
     for c in range(count):
-        elastic = -normal_stiffness * gap[c]
+        trial_normal = multiplier[c] - normal_stiffness * gap[c]
         tension = tensile_strength[c] * length[c]
-        if elastic <= 0.0 and elastic <= -tension:
-            if tension > 0.0:
-                intact[c] = False
-            continue
-        n_force[c], kn[c] = elastic, normal_stiffness
+        if trial_normal > -tension:
+            n_force[c], kn[c] = trial_normal, normal_stiffness
+        else:
+            n_force[c] = -tension  # the cut-off; the bond is lost when the step is over
+            intact[c] = intact[c] and tension == 0.0
+            if tension == 0.0 and np.isnan(friction_base[c]):
+                continue
+        energy[c] = 0.5 * (n_force[c] - multiplier[c]) ** 2 / normal_stiffness
+        base = n_force[c] if np.isnan(friction_base[c]) else friction_base[c]
         strength = cohesion[c] * length[c]
-        bound = max(0.0, elastic * friction[c] + strength)
+        bound = max(0.0, base * friction[c] + strength)
         trial = shear_force[c] - shear_stiffness * slip[c]
         if abs(trial) <= bound:
             t_force[c], ks[c], mode[c] = trial, shear_stiffness, 2
-            energy[c] = 0.5 * (elastic**2 / normal_stiffness + trial**2 / shear_stiffness)
-            continue
-        if strength > 0.0 or tension > 0.0:  # the bond is lost: residual friction alone
-            intact[c] = False
-            if elastic <= 0.0:
-                n_force[c], kn[c] = 0.0, 0.0
-                continue
-            bound = elastic * friction[c]
-        sign = 1.0 if trial > 0.0 else -1.0
-        t_force[c], coupling[c], mode[c] = sign * bound, sign * friction[c], 1
-        energy[c] = 0.5 * (elastic**2 / normal_stiffness + bound**2 / shear_stiffness)
-        # the part of the slip that the spring did not take up
-        loss[c] = bound * (abs(trial) - bound) / shear_stiffness
+        else:
+            intact[c] = intact[c] and strength == 0.0 and tension == 0.0
+            sign = 1.0 if trial > 0.0 else -1.0
+            t_force[c], mode[c] = sign * bound, 1
+            if np.isnan(friction_base[c]):
+                coupling[c] = sign * friction[c]
+            # the part of the slip that the spring did not take up
+            loss[c] = bound * (abs(trial) - bound) / shear_stiffness
+        energy[c] += 0.5 * t_force[c] ** 2 / shear_stiffness
+        if n_force[c] == 0.0 and tension == 0.0:
+            mode[c] = 0
     return n_force, t_force, kn, ks, coupling, mode, intact, energy, loss

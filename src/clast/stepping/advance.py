@@ -18,34 +18,14 @@ from clast.state import State
 class ConstantAcceleration:
     """(2/h2) M d = (2/h) M v + F at the end of the step; v+ = (2/h) d - v (Shi 1988)."""
 
-    def inertia_factor(self, step: float) -> float:
-        """Return 2/h2, 1/s2."""
-        return 2.0 / step**2
-
-    def velocity_factor(self, step: float) -> float:
-        """Return 2/h, 1/s."""
-        return 2.0 / step
-
-    def next_velocity(self, displacement: Floats, velocity: Floats, step: float) -> Floats:
-        """Return v+ = (2/h) d - v."""
-        return (2.0 / step) * displacement - velocity
+    theta: float = 0.5
 
 
 @dataclass(frozen=True)
 class BackwardEuler:
     """(1/h2) M d = (1/h) M v + F at the end of the step; v+ = d/h; dissipative."""
 
-    def inertia_factor(self, step: float) -> float:
-        """Return 1/h2, 1/s2."""
-        return 1.0 / step**2
-
-    def velocity_factor(self, step: float) -> float:
-        """Return 1/h, 1/s."""
-        return 1.0 / step
-
-    def next_velocity(self, displacement: Floats, velocity: Floats, step: float) -> Floats:
-        """Return v+ = d/h."""
-        return displacement / step
+    theta: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,6 +8,7 @@ from clast.contact.arrays import ContactResponse, Contacts
 from clast.contact.detection import find_tunnelled
 from clast.contact.memory import renew
 from clast.equations.frames import BlockFrames
+from clast.equations.integration import end_velocity
 from clast.equations.system import gap_at_end, slip_in_step
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
@@ -26,10 +27,10 @@ class Solved:
     """Block frames at the start."""
     velocity: Floats
     """Velocity that entered the equations, shape (n, 6)."""
+    theta: Floats
+    """Share of the end velocity in the displacement, by block, shape (n,)."""
     unknowns: Floats
     """Displacements d, shape (n, 6)."""
-    end_velocity: Floats
-    """Velocity at the end, in the frame of the start, shape (n, 6)."""
     contacts: Contacts
     """Contacts of the step."""
     response: ContactResponse
@@ -48,7 +49,9 @@ def conclude(
     """Return the result of a solved step, or raise StepRejected where it must not be kept."""
     unknowns, contacts, response = solved.unknowns, solved.contacts, solved.response
     with stages("advance"):
-        motion = advance(model, method, state, solved.frames, unknowns, solved.end_velocity)
+        velocity = end_velocity(solved.theta, unknowns, solved.velocity, step)
+        velocity[model.fixed] = 0.0
+        motion = advance(model, method, state, solved.frames, unknowns, velocity)
         gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
         memory = renew(contacts, response, gap, method.critdis)
     with stages("tunnelling"):
@@ -60,8 +63,9 @@ def conclude(
             state,
             solved.frames,
             solved.velocity,
+            solved.theta,
             unknowns,
-            solved.end_velocity,
+            velocity,
             step,
             contacts,
             solved.applied,

@@ -64,6 +64,7 @@ def balance(
     state: State,
     frames: BlockFrames,
     velocity: Floats,
+    theta: Floats,
     unknowns: Floats,
     end_velocity: Floats,
     step: float,
@@ -75,14 +76,13 @@ def balance(
 ) -> Ledger:
     """Return the ledger at the end of a step.
 
-    ``velocity`` (n, 6) is the velocity that entered the equations, ``end_velocity`` the one that
-    came out, ``applied`` the normal and shear forces (m,) that the equations held at the end of
+    ``velocity`` (n, 6) is the velocity that entered the equations, ``theta`` (n,) the scheme's
+    weight by block, ``end_velocity`` the velocity that came out, ``applied`` the normal and shear forces (m,) that the equations held at the end of
     the step, ``response`` the forces of the law there.
     """
     before = state.ledger
-    scheme = method.integrator
     kinetic = kinetic_energy(frames, end_velocity)
-    inertia = scheme.inertia_factor(step) * unknowns - scheme.velocity_factor(step) * velocity
+    inertia = (unknowns / step - velocity) / (theta[:, None] * step)
     inertia_work = float(np.einsum("ni,nij,nj->", unknowns, frames.mass_matrix, inertia))
     entering = kinetic_energy(frames, velocity)
     removed = inertia_work - (kinetic - entering)

@@ -66,7 +66,8 @@ class Modified:
             # (4) where the blocks are; (5) inertia and elasticity; (6) stress, weight, loads;
             # (7) fixed points
             frames = block_frames(model, method.displacement, state)
-            base = diagonal_terms(model, method, frames, state, velocity, step)
+            theta = np.full(model.block_count, method.integrator.theta)
+            base = diagonal_terms(model, method, frames, state, velocity, theta, step)
         with stages("contacts"):
             # (8) blocks near each other; (9) entrance edges by the angle bisector
             reach = reach_of(method)
@@ -82,16 +83,16 @@ class Modified:
         solved = Solved(
             frames=frames,
             velocity=velocity,
+            theta=theta,
             unknowns=unknowns,
-            # (14) velocities; stresses follow when the blocks are moved
-            end_velocity=method.integrator.next_velocity(unknowns, velocity, step),
             contacts=contacts,
             response=response,
             applied=applied,
             depth=reach.depth,
             counts={"passes": passes},
         )
-        # (13) the blocks are moved and turned; (14) stresses; (16) what the contacts carry on
+        # (13) the blocks are moved and turned; (14) their velocities and stresses; (16) what the
+        # contacts carry on
         return conclude(model, method, state, solved, step, stages)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:

@@ -1,0 +1,133 @@
+"""The convex process: a step is the minimum of the incremental potential energy.
+
+    1/2 d.K d - F.d + sum phi_n(gap + n.d) + sum phi_t(t.d),    phi_n' = -N,  phi_t' = -T
+
+with K and F of inertia, elasticity, weight and loads (block diagonal), and the friction bound of
+each contact taken from a given normal force.  N falls with the gap and T with the slip, so the
+potential is convex and once continuously differentiable: Newton's method with an exact line search
+converges from anywhere.  Each iteration solves one assembled, symmetric positive definite system.
+
+What is not convex is taken out of the minimisation and repeated around it: the friction bound
+follows the normal force (``friction_updates``), and bonds that reach their strength are broken
+before the minimum is sought again; bonds only break, so this ends.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from clast.contact.arrays import Contacts
+from clast.contact.detection import Reach, detect
+from clast.equations.frames import BlockFrames, block_frames
+from clast.equations.terms import diagonal_terms
+from clast.interfaces import Method, StepResult
+from clast.model import Floats, Model
+from clast.state import State
+from clast.stepping.conclude import Solved, conclude
+from clast.stepping.impact import theta_by_block
+from clast.stepping.newton import Point, Potential, minimise
+from clast.stepping.stages import Stages
+
+
+@dataclass(frozen=True)
+class Convex:
+    """Newton's method on the incremental potential, with exact line search."""
+
+    tolerance: float = 1e-6
+    """The step is solved where the potential is within tolerance^2 x energy of the step."""
+    iterations: int = 60
+    """Newton iterations at most; a step that needs more is cut."""
+    friction_updates: int = 1
+    """Times that the friction bound is renewed from the normal forces just found."""
+    restitution: float = 0.0
+    """Share of the closing velocity with which impacts rebound, 0 to 1."""
+
+    def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
+        """Return the state ``step`` seconds later, or raise StepRejected."""
+        stages = Stages()
+        velocity = method.dynamic_ratio * state.velocity
+        with stages("contacts"):
+            frames = block_frames(model, method.displacement, state)
+            reach = reach_within_step(model, method, frames, velocity, step)
+            contacts = detect(
+                model, method.corner_rule, method.displacement, state, frames.centroid, reach
+            )
+            theta = theta_by_block(model, method, contacts, velocity, self.restitution, step)
+        with stages("base system"):
+            base = diagonal_terms(model, method, frames, state, velocity, theta, step)
+            potential = Potential(
+                base=base,
+                inverse=np.linalg.inv(base.diagonal).astype(np.float64, copy=False),
+                law=method.contact_law,
+                contacts=contacts,
+                fixed=model.fixed,
+            )
+        counts = {"passes": 0, "line_search": 0}
+        potential, point = self._minimum(potential, step * velocity, method, counts, stages)
+        response = point.response
+        solved = Solved(
+            frames=frames,
+            velocity=velocity,
+            theta=theta,
+            unknowns=point.unknowns,
+            contacts=potential.contacts,
+            response=response,
+            applied=(response.normal_force, response.shear_force),
+            depth=reach.depth,
+            counts=counts,
+        )
+        return conclude(model, method, state, solved, step, stages)
+
+    def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
+        """Return nothing: the process holds for any stiffness and step."""
+        return ()
+
+    def _minimum(
+        self,
+        potential: Potential,
+        start: Floats,
+        method: Method,
+        counts: dict[str, int],
+        stages: Stages,
+    ) -> tuple[Potential, Point]:
+        """Return the minimum with friction bounds and bonds in accord with the forces found."""
+        contacts = potential.contacts
+        base = np.where(contacts.known, contacts.normal_force, 0.0)
+        updates = 0
+        while True:
+            potential = replace(potential, contacts=replace(contacts, friction_base=base))
+            point = minimise(
+                potential, start, method.solver, self.tolerance, self.iterations, counts, stages
+            )
+            start, base = point.unknowns, point.response.normal_force
+            broken = contacts.bonded & ~point.response.bonded
+            if broken.any():
+                contacts = without_bonds(contacts, broken)
+                continue
+            updates += 1
+            if updates > self.friction_updates:
+                return potential, point
+
+
+def without_bonds(contacts: Contacts, broken: np.ndarray) -> Contacts:
+    """Return the contacts with the bonds of those ``broken`` (m,) gone."""
+    return replace(
+        contacts,
+        bonded=contacts.bonded & ~broken,
+        cohesion=np.where(broken, 0.0, contacts.cohesion),
+        tensile_strength=np.where(broken, 0.0, contacts.tensile_strength),
+    )
+
+
+def reach_within_step(
+    model: Model, method: Method, frames: BlockFrames, velocity: Floats, step: float
+) -> Reach:
+    """Return how far contacts are looked for: whatever may close within the step, and critdis."""
+    limit = method.max_displacement
+    return Reach(
+        front=method.critdis + 2.0 * limit,
+        depth=method.critdis + 2.0 * limit,
+        critdis=method.critdis,
+    )
