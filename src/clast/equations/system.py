@@ -144,6 +144,6 @@ def newton_system(
     residual: Floats,
     fixed: Bools,
 ) -> BlockSystem:
-    """Return the system of a Newton iteration: K with the law's stiffness, F the residual (n, 6)."""
+    """Return the system of a Newton iteration: K with the law in it, F the residual (n, 6)."""
     nothing = np.zeros(len(contacts))
     return _with_contacts(base.diagonal, residual, contacts, response, nothing, nothing, fixed)

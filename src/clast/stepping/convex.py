@@ -35,7 +35,7 @@ from clast.stepping.stages import Stages
 class Convex:
     """Newton's method on the incremental potential, with exact line search."""
 
-    tolerance: float = 1e-6
+    tolerance: float = 1e-7
     """The step is solved where the potential is within tolerance^2 x energy of the step."""
     iterations: int = 60
     """Newton iterations at most; a step that needs more is cut."""
@@ -64,8 +64,10 @@ class Convex:
                 contacts=contacts,
                 fixed=model.fixed,
             )
+        # warm starts: everything goes on as it moves, or rests as it rested
+        starts = (step * velocity, np.zeros_like(velocity))
         counts = {"passes": 0, "line_search": 0}
-        potential, point = self._minimum(potential, step * velocity, method, counts, stages)
+        potential, point = self._minimum(potential, starts, method, counts, stages)
         response = point.response
         solved = Solved(
             frames=frames,
@@ -87,7 +89,7 @@ class Convex:
     def _minimum(
         self,
         potential: Potential,
-        start: Floats,
+        starts: tuple[Floats, ...],
         method: Method,
         counts: dict[str, int],
         stages: Stages,
@@ -99,9 +101,9 @@ class Convex:
         while True:
             potential = replace(potential, contacts=replace(contacts, friction_base=base))
             point = minimise(
-                potential, start, method.solver, self.tolerance, self.iterations, counts, stages
+                potential, starts, method.solver, self.tolerance, self.iterations, counts, stages
             )
-            start, base = point.unknowns, point.response.normal_force
+            starts, base = (point.unknowns,), point.response.normal_force
             broken = contacts.bonded & ~point.response.bonded
             if broken.any():
                 contacts = without_bonds(contacts, broken)

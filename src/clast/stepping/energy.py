@@ -77,8 +77,8 @@ def balance(
     """Return the ledger at the end of a step.
 
     ``velocity`` (n, 6) is the velocity that entered the equations, ``theta`` (n,) the scheme's
-    weight by block, ``end_velocity`` the velocity that came out, ``applied`` the normal and shear forces (m,) that the equations held at the end of
-    the step, ``response`` the forces of the law there.
+    weight by block, ``end_velocity`` the velocity that came out, ``applied`` the normal and shear
+    forces (m,) that the equations held at the end of the step, ``response`` the forces of the law.
     """
     before = state.ledger
     kinetic = kinetic_energy(frames, end_velocity)

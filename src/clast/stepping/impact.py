@@ -17,8 +17,8 @@ from clast.equations.system import gap_rate
 from clast.interfaces import Method
 from clast.model import Floats, Model
 
-THRESHOLD = 0.01
-"""Closing velocity that counts as an impact, in units of g h (the speed gravity gives in a step)."""
+THRESHOLD = 1e-6
+"""Closing velocity that counts as an impact, in units of g h, the speed of one step of fall."""
 
 
 def theta_by_block(

@@ -122,21 +122,21 @@ LINE_TOLERANCE = 1e-9
 
 def minimise(
     potential: Potential,
-    start: Floats,
+    starts: tuple[Floats, ...],
     solver: LinearSolver,
     tolerance: float,
     iterations: int,
     counts: dict[str, int],
     stages: Stages,
 ) -> Point:
-    """Return the minimum of the potential, from unknowns ``start`` (n, 6).
+    """Return the minimum of the potential, from the best of ``starts``, each (n, 6).
 
     Done where the potential is within tolerance^2 of the step's energy above its minimum: by the
     bound without a system, or by the Newton decrement r.dd.  ``counts`` is added to.  Raises
     StepRejected after ``iterations``.
     """
     with stages("law"):
-        point = potential.at(start)
+        point = min((potential.at(start) for start in starts), key=potential.distance)
         enough = tolerance**2 * potential.energy()
     for _ in range(iterations):
         if potential.distance(point) <= enough:
