@@ -24,6 +24,7 @@ class Bisector:
             candidates.gap,
             candidates.along,
             candidates.remembered,
+            candidates.critdis,
             candidates.direction,
             candidates.length,
             candidates.vertex_block,

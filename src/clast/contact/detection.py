@@ -58,6 +58,8 @@ class Candidates:
     """Block of each vertex, shape (nv,)."""
     block_start: Ints
     """First vertex of each block, shape (n + 1,)."""
+    critdis: float
+    """Length by which edges are extended where corners coincide, m."""
 
 
 def near_pairs(vertices: Floats, block_start: Ints, fixed: Bools, distance: float) -> Ints:
@@ -129,6 +131,7 @@ def find_candidates(
         length=length,
         vertex_block=vertex_block,
         block_start=block_start,
+        critdis=reach.critdis,
     )
 
 
@@ -153,9 +156,8 @@ def detect(
     reach: Reach,
 ) -> Contacts:
     """Return the contacts of a step that starts at ``state``; ``centroid`` (n, 2) in m."""
-    pairs = near_pairs(
-        state.vertices, model.block_start, model.fixed, max(reach.front, reach.critdis)
-    )
+    around = reach.front + max(reach.critdis, reach.tip)
+    pairs = near_pairs(state.vertices, model.block_start, model.fixed, around)
     candidates = find_candidates(state.vertices, model.block_start, pairs, state.memory, reach)
     chosen = np.flatnonzero(corner_rule.choose(candidates, state.vertices))
     return _contacts(model, displacement, state, centroid, pairs, candidates, chosen, reach)
@@ -206,6 +208,7 @@ def _contacts(
             vertex,
             edge,
             i,
+            j,
             state.vertices,
             model.block_start,
             candidates.direction,
@@ -225,6 +228,7 @@ def _contacts(
         normal_force=_take(memory.normal_force, row, known),
         multiplier=_take(memory.multiplier, row, known),
         mode=_take(memory.mode, row, known),
+        friction_base=np.full(len(chosen), np.nan),
     )
 
 

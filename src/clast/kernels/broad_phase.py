@@ -17,7 +17,7 @@ LEVELS = 48
 
 @njit(cache=True)
 def _levels(box):
-    """Return the level of each box (n,) and the cell size of level 0."""
+    """Return the level of each box (n,) and the cell size of level 0, larger than its boxes."""
     count = len(box)
     size = np.empty(count)
     smallest = np.inf
@@ -25,6 +25,7 @@ def _levels(box):
         size[b] = max(box[b, 2] - box[b, 0], box[b, 3] - box[b, 1])
         if size[b] < smallest:
             smallest = size[b]
+    smallest *= 1.001  # so that round-off cannot let a box reach two cells further
     level = np.empty(count, np.int64)
     for b in range(count):
         step = 0

@@ -59,6 +59,61 @@ def _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, beyond_end, critdis, tip_rea
 
 
 @njit(cache=True)
+def _turn(e, at_end, direction, first, last):
+    """Return the sine of the turn at one end of edge e: positive at a convex corner."""
+    if at_end:
+        f = _following(e, first, last)
+        return direction[e, 0] * direction[f, 1] - direction[e, 1] * direction[f, 0]
+    f = _previous(e, first, last)
+    return direction[f, 0] * direction[e, 1] - direction[f, 1] * direction[e, 0]
+
+
+@njit(cache=True)
+def _is_behind_next(px, py, gap, e, at_end, vertices, direction, first, last):
+    """Return True if the point lies behind the next edge at one end of e too.
+
+    It is inside the corner then, so that e counts although the foot lies beyond its end: at an
+    obtuse corner, and at a re-entrant one, where both feet can lie beyond their ends.
+    """
+    if gap >= 0.0 and _turn(e, at_end, direction, first, last) >= 0.0:
+        return False
+    k = _following(e, first, last) if at_end else _previous(e, first, last)
+    nx, ny = direction[k, 1], -direction[k, 0]
+    return (px - vertices[k, 0]) * nx + (py - vertices[k, 1]) * ny < 0.0
+
+
+@njit(cache=True)
+def _is_hidden(px, py, e, along, critdis, vertices, direction, length, first, last):
+    """Return True if another edge of the block lies between the point and its foot on edge e.
+
+    Such a point is in front of that edge, or nearer to it: between the prongs of a fork, beside
+    the tip of a wedge.  Near a corner of e the choice is left to the corner rule.
+    """
+    share = min(max(along, 0.0), length[e])
+    fx = vertices[e, 0] + share * direction[e, 0] - px
+    fy = vertices[e, 1] + share * direction[e, 1] - py
+    following = _following(e, first, last)
+    for k in range(first, last):
+        if k == e:
+            continue
+        after = _following(k, first, last)
+        ax, ay = vertices[k, 0] - px, vertices[k, 1] - py
+        bx, by = vertices[after, 0] - px, vertices[after, 1] - py
+        if (fx * ay - fy * ax > 0.0) == (fx * by - fy * bx > 0.0):
+            continue
+        here = ax * by - ay * bx
+        there = (ax - fx) * (by - fy) - (ay - fy) * (bx - fx)
+        if (here > 0.0) == (there > 0.0):
+            continue
+        if k != following and after != e:
+            return True
+        in_front = ay * direction[k, 0] - ax * direction[k, 1]
+        if in_front > critdis and 0.0 < along < length[e]:
+            return True
+    return False
+
+
+@njit(cache=True)
 def _vertex_candidates(
     p,
     i,
@@ -78,14 +133,17 @@ def _vertex_candidates(
 ):
     """Append the candidate edges of block j for vertex p of block i; return the new count."""
     first_i, last_i = block_start[i], block_start[i + 1]
+    first_j, last_j = block_start[j], block_start[j + 1]
     before = _previous(p, first_i, last_i)
     # the vertex's own two edges, pointing away from it
     ax, ay = -direction[before, 0], -direction[before, 1]
     bx, by = direction[p, 0], direction[p, 1]
     if bx * ay - by * ax < -SMALL_ANGLE:  # a re-entrant vertex cannot enter an edge
         return found
+    # into its own block: the sum of the two edges' inward normals
+    inward_x, inward_y = ay - by, bx - ax
     px, py = vertices[p, 0], vertices[p, 1]
-    for e in range(block_start[j], block_start[j + 1]):
+    for e in range(first_j, last_j):
         tx, ty = direction[e, 0], direction[e, 1]
         nx, ny = ty, -tx
         rx, ry = px - vertices[e, 0], py - vertices[e, 1]
@@ -94,12 +152,21 @@ def _vertex_candidates(
             continue
         along = rx * tx + ry * ty
         beyond = max(-along, along - length[e])
-        if beyond > critdis:
+        if beyond > max(critdis, depth):
             continue
         if ax * nx + ay * ny < -SMALL_ANGLE or bx * nx + by * ny < -SMALL_ANGLE:
             continue
-        if beyond > ROUND_OFF * length[e] and beyond > _foot_allowance(
-            ax, ay, bx, by, nx, ny, tx, ty, along > 0.0, critdis, tip_reach
+        if inward_x * nx + inward_y * ny <= 0.0:  # a flat vertex on the wrong side
+            continue
+        if beyond > ROUND_OFF * length[e]:
+            at_end = along > 0.0
+            allowance = _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, at_end, critdis, tip_reach)
+            if _is_behind_next(px, py, gap, e, at_end, vertices, direction, first_j, last_j):
+                allowance = depth
+            if beyond > allowance:
+                continue
+        if gap < 0.0 and _is_hidden(
+            px, py, e, along, critdis, vertices, direction, length, first_j, last_j
         ):
             continue
         if found < len(out_edge):
@@ -140,6 +207,7 @@ def candidates(
     group_start = np.empty(capacity + 1, np.int64)
     group_start[0] = 0
     groups, found = 0, 0
+    around = reach + max(critdis, tip_reach)  # in front of an edge and beyond its end
     for q in range(len(pairs)):
         depth = depth_reach + pair_depth[q]
         for side in range(2):
@@ -147,10 +215,10 @@ def candidates(
             for p in range(block_start[i], block_start[i + 1]):
                 px, py = vertices[p, 0], vertices[p, 1]
                 if (
-                    px < box[j, 0] - reach
-                    or px > box[j, 2] + reach
-                    or py < box[j, 1] - reach
-                    or py > box[j, 3] + reach
+                    px < box[j, 0] - around
+                    or px > box[j, 2] + around
+                    or py < box[j, 1] - around
+                    or py > box[j, 3] + around
                 ):
                     continue
                 start = found
@@ -212,12 +280,15 @@ def _loses_flat_corner(e, f, along_e, along_f, length, first, last):
 
 
 @njit(cache=True)
-def bisector(group_start, edge, gap, along, remembered, direction, length, edge_block, block_start):
+def bisector(
+    group_start, edge, gap, along, remembered, critdis, direction, length, edge_block, block_start
+):
     """Return True for the candidates that the angle bisector keeps, shape (m,).
 
     At a convex corner of edges E1, E2 the vertex lies on E1's side of the bisector exactly where
     its signed gap to E1 exceeds the gap to E2 (Yu & Yin 2015), inside and outside the block
-    alike.  On the bisector the remembered edge stays, else the lower index is taken.
+    alike.  On the bisector the remembered edge stays, else the lower index is taken.  ``critdis``
+    is the length by which edges are extended.
     """
     keep = np.zeros(len(edge), np.bool_)
     for g in range(len(group_start) - 1):
@@ -275,7 +346,32 @@ def bisector(group_start, edge, gap, along, remembered, direction, length, edge_
                     == 1
                 ):
                     alive[a - start] = False
+        for a in range(start, stop):
+            if keep[a] and _is_beyond_notch(
+                a, start, stop, edge, along, keep, critdis, direction, length, first, last
+            ):
+                keep[a] = False
     return keep
+
+
+@njit(cache=True)
+def _is_beyond_notch(a, start, stop, edge, along, keep, critdis, direction, length, first, last):
+    """Return True if a foot lies beyond an edge's re-entrant end but the vertex is not in it.
+
+    Behind a re-entrant corner a vertex touches both edges.  Where the other edge has lost against
+    the next one (the vertex has come through the tread of a stair, not along its riser), or is
+    none of the candidates, the first edge is not touched either.
+    """
+    e = edge[a]
+    at_end = along[a] > 0.0
+    beyond = max(-along[a], along[a] - length[e])
+    if beyond <= ROUND_OFF * length[e] or _turn(e, at_end, direction, first, last) >= -SMALL_ANGLE:
+        return False
+    other = _following(e, first, last) if at_end else _previous(e, first, last)
+    for b in range(start, stop):
+        if edge[b] == other:
+            return not keep[b]
+    return beyond > critdis
 
 
 @njit(cache=True)
@@ -305,7 +401,7 @@ def remembered_edges(
 
 
 @njit(cache=True)
-def _overlap(p, w, e, block_start, block, vertices, direction, length, critdis):
+def _overlap(p, w, e, first, last, vertices, direction, length, critdis):
     """Return the length that own edge from p to w shares with edge e, m, as seen by vertex p.
 
     Each shared piece has two ends, and each end is a vertex of one block, or a vertex of both
@@ -317,13 +413,29 @@ def _overlap(p, w, e, block_start, block, vertices, direction, length, critdis):
     low, high = max(0.0, min(here, there)), min(length[e], max(here, there))
     if high <= low:
         return 0.0
-    ends = 0.0 if here < there else length[e]
-    share = 0.25 if abs(here - ends) <= critdis else 0.5
-    return share * (high - low)
+    at_end = here > there
+    coincide = abs(here - (length[e] if at_end else 0.0)) <= critdis
+    # a re-entrant vertex touches nothing, so that it takes no part of the piece
+    shared = coincide and _turn(e, at_end, direction, first, last) >= -SMALL_ANGLE
+    return (0.25 if shared else 0.5) * (high - low)
 
 
 @njit(cache=True)
-def contact_lengths(vertex, edge, vertex_block, vertices, block_start, direction, length, critdis):
+def _edge_along(p, w, e, first, last, vertices, direction, length, critdis):
+    """Return the edge that own edge from p to w runs along: e, or the next one at a flat corner."""
+    tx, ty = direction[e, 0], direction[e, 1]
+    here = (vertices[p, 0] - vertices[e, 0]) * tx + (vertices[p, 1] - vertices[e, 1]) * ty
+    at_end = (vertices[w, 0] - vertices[p, 0]) * tx + (vertices[w, 1] - vertices[p, 1]) * ty > 0.0
+    left = length[e] - here if at_end else here
+    if left > critdis or abs(_turn(e, at_end, direction, first, last)) > SMALL_ANGLE:
+        return e
+    return _following(e, first, last) if at_end else _previous(e, first, last)
+
+
+@njit(cache=True)
+def contact_lengths(
+    vertex, edge, vertex_block, edge_block, vertices, block_start, direction, length, critdis
+):
     """Return the length of joint that each contact stands for, m, shape (m,).
 
     Where a vertex's own edge lies along the entrance edge (within 3 degrees) the two share a
@@ -332,18 +444,16 @@ def contact_lengths(vertex, edge, vertex_block, vertices, block_start, direction
     """
     result = np.zeros(len(vertex))
     for c in range(len(vertex)):
-        p, e = vertex[c], edge[c]
-        first, last = block_start[vertex_block[c]], block_start[vertex_block[c] + 1]
-        before, after = _previous(p, first, last), _following(p, first, last)
+        p, e, i, j = vertex[c], edge[c], vertex_block[c], edge_block[c]
+        before = _previous(p, block_start[i], block_start[i + 1])
+        after = _following(p, block_start[i], block_start[i + 1])
+        first, last = block_start[j], block_start[j + 1]
         nx, ny = direction[e, 1], -direction[e, 0]
-        if abs(direction[before, 0] * nx + direction[before, 1] * ny) <= SMALL_ANGLE:
-            result[c] += _overlap(
-                p, before, e, block_start, vertex_block[c], vertices, direction, length, critdis
-            )
-        if abs(direction[p, 0] * nx + direction[p, 1] * ny) <= SMALL_ANGLE:
-            result[c] += _overlap(
-                p, after, e, block_start, vertex_block[c], vertices, direction, length, critdis
-            )
+        for own, w in ((before, before), (p, after)):
+            if abs(direction[own, 0] * nx + direction[own, 1] * ny) > SMALL_ANGLE:
+                continue
+            along = _edge_along(p, w, e, first, last, vertices, direction, length, critdis)
+            result[c] += _overlap(p, w, along, first, last, vertices, direction, length, critdis)
     return result
 
 
