@@ -1,0 +1,227 @@
+"""Contact detection against the definition in plain Python, against overlap, and by hand."""
+
+import numpy as np
+import oracle
+import pytest
+import shapely
+from encounters import FAMILIES, encounters, normal_of
+from systems import REACH, Touch, box, candidates_of, flat, touches_of, turned
+
+CASES = 240
+
+
+def keyed(outlines, found):
+    """Return {(block, vertex, other block, edge): gap} of candidates."""
+    flats = flat(outlines)
+    first = flats.start[flats.owner]
+    return {
+        (int(flats.owner[p]), int(p - first[p]), int(flats.owner[e]), int(e - first[e])): gap
+        for p, e, gap in zip(found.vertex, found.edge, found.gap, strict=True)
+    }
+
+
+def beyond_end(outlines, touch: Touch):
+    """Return how far the foot of a contact lies beyond the ends of its edge, m (negative: on it)."""
+    (i, k), (j, e) = touch.vertex, touch.edge
+    start, end = outlines[j][e], outlines[j][(e + 1) % len(outlines[j])]
+    size = np.hypot(*(end - start))
+    along = np.dot(outlines[i][k] - start, end - start) / size
+    return max(-along, along - size)
+
+
+def penetration(outlines):
+    """Return the greatest depth of a vertex of one outline in the other, m."""
+    deepest = 0.0
+    for one, other in (outlines, outlines[::-1]):
+        solid = shapely.Polygon(other)
+        for at in shapely.points(one):
+            if solid.contains(at):
+                deepest = max(deepest, solid.exterior.distance(at))
+    return deepest
+
+
+def parts_within(outlines, distance):
+    """Return whether moving one outline along some edge's normal by a distance parts them."""
+    one, other = outlines
+    resting = shapely.Polygon(one)
+    ways = [normal_of(one, k) for k in range(len(one))]
+    ways += [-normal_of(other, k) for k in range(len(other))]
+    return any(
+        resting.intersection(shapely.Polygon(other + distance * way)).area < 1e-12 for way in ways
+    )
+
+
+# --- candidates ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_candidates_are_those_of_the_definition(family):
+    total = 0
+    for outlines in encounters(family, CASES):
+        found = keyed(outlines, candidates_of(outlines))
+        wanted = oracle.every_candidate(outlines, REACH)
+        assert set(found) == set(wanted)
+        for key, gap in found.items():
+            assert gap == pytest.approx(wanted[key].gap, abs=1e-12)
+        total += len(wanted)
+    assert total > CASES  # the cases are not empty
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_exactly_one_edge_is_kept_among_those_of_a_convex_corner(family):
+    """The paper's bisector keeps the edge of the shortest exit: the largest signed gap."""
+    choices = 0
+    for outlines in encounters(family, CASES):
+        candidates = oracle.every_candidate(outlines, REACH)
+        kept = {(*touch.vertex, *touch.edge) for touch in touches_of(outlines)}
+        for i, k, j, e in candidates:
+            after = (e + 1) % len(outlines[j])
+            angle = oracle.interior_angle(outlines[j], after)
+            neighbour = (i, k, j, after)
+            if angle > 176.0 or neighbour not in candidates:
+                continue
+            pair = sorted([(i, k, j, e), neighbour], key=lambda key: candidates[key].gap)
+            assert not kept.issuperset(pair)
+            assert pair[0] not in kept
+            choices += 1
+    assert choices >= 10
+
+
+# --- soundness and completeness ------------------------------------------------------------
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_no_vertex_is_held_by_air(family):
+    """A vertex that counts as penetrating lies in the block, or at most critdis beside a corner."""
+    for outlines in encounters(family, CASES):
+        apart = shapely.Polygon(outlines[0]).distance(shapely.Polygon(outlines[1])) > 1e-9
+        for touch in touches_of(outlines):
+            if touch.gap > -1e-9:
+                continue
+            at = shapely.Point(outlines[touch.vertex[0]][touch.vertex[1]])
+            outside = shapely.Polygon(outlines[touch.edge[0]]).distance(at)
+            beyond = beyond_end(outlines, touch)
+            assert outside <= REACH.critdis or 0.0 < beyond <= REACH.critdis
+            if apart:
+                assert 0.0 < beyond <= REACH.critdis
+                # the faces are within 3 degrees of each other, so that it cannot be deep
+                assert touch.gap > -REACH.critdis * np.sin(np.radians(2.0 * oracle.PARALLEL))
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_every_penetration_has_a_contact_that_pushes_the_blocks_apart(family):
+    checked = 0
+    for outlines in encounters(family, CASES):
+        if penetration(outlines) <= 1e-6 or not parts_within(outlines, REACH.depth):
+            continue
+        solids = [shapely.Polygon(outline) for outline in outlines]
+        overlap = solids[0].intersection(solids[1]).area
+        closed = [touch for touch in touches_of(outlines) if touch.gap < 0.0]
+        assert closed
+        smaller = []
+        for touch in closed:
+            (i, _), (j, e) = touch.vertex, touch.edge
+            moved = outlines[i] - touch.gap * normal_of(outlines[j], e)
+            smaller.append(shapely.Polygon(moved).intersection(solids[j]).area < overlap)
+        assert any(smaller)
+        checked += 1
+    assert checked > CASES / 4
+
+
+# --- by hand -------------------------------------------------------------------------------
+
+
+def closed_between(outlines, block, other):
+    """Return {(vertex, edge): gap} of the penetrating contacts of a block's vertices."""
+    return {
+        (touch.vertex[1], touch.edge[1]): touch.gap
+        for touch in touches_of(outlines)
+        if touch.vertex[0] == block and touch.edge[0] == other and touch.gap < -1e-12
+    }
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 2.0])
+def test_tip_at_the_bottom_of_a_notch_rests_on_both_walls(angle):
+    """Behind a re-entrant corner both feet lie beyond the edges' ends."""
+    notch = np.array([[0, 0], [4, 0], [4, 2], [3, 2], [2, 1], [1, 2], [0, 2]], float)
+    tip = np.array([[2, 1 - 1e-4], [2.5, 2.5], [1.5, 2.5]])
+    outlines = [turned(notch, angle), turned(tip, angle)]
+    closed = closed_between(outlines, 1, 0)
+    assert set(closed) == {(0, 3), (0, 4)}
+    assert list(closed.values()) == pytest.approx([-1e-4 * np.sqrt(0.5)] * 2, rel=1e-9)
+
+
+def test_corner_in_a_right_angled_notch_rests_on_both_walls():
+    step = np.array([[0, 0], [3, 0], [3, 2], [2, 2], [2, 1], [0, 1]], float)
+    outlines = [step, box(1.0 + 1e-6, 1.0 - 2e-6)]
+    closed = closed_between(outlines, 1, 0)
+    assert closed[1, 4] == pytest.approx(-2e-6)
+    assert closed[1, 3] == pytest.approx(-1e-6)
+    assert set(closed) == {(0, 4), (1, 4), (1, 3), (2, 3)}
+
+
+def test_vertex_on_a_tread_is_not_held_by_the_tread_below():
+    """The lower tread is lengthened only for a vertex that touches the riser too."""
+    stair = np.array([[0, 0], [3, 0], [3, 1.002], [1.5, 1.002], [1.5, 1.0], [0, 1.0]])
+    tip = np.array([[1.51, 1.002 - 3e-3], [1.6, 1.5], [1.4, 1.5]])
+    closed = closed_between([stair, tip], 1, 0)
+    assert closed == {(0, 2): pytest.approx(-3e-3)}
+
+
+def test_flat_vertex_is_not_held_by_the_neighbour_in_line():
+    """A vertex in the top of a brick, near its end, does not rest on the top of the next one."""
+    left = np.array([[0, 0], [1, 0], [1, 1], [0.997, 1], [0, 1]]) - [0.0, 1e-4]
+    assert closed_between([left, box(1.0, 0.0)], 0, 1) == {}
+
+
+def test_flat_vertex_rests_on_a_face():
+    slab = np.array([[0, 1], [0.5, 1], [1, 1], [1, 2], [0, 2]]) - [0.0, 1e-4]
+    closed = closed_between([box(0.2, 0.0, 0.6), slab], 1, 0)
+    assert closed == {(1, 2): pytest.approx(-1e-4)}
+
+
+def test_prong_of_a_fork_does_not_reach_through_the_slot():
+    """In a slot of 8 mm the vertex is behind the far side of the other prong, by 15 mm."""
+    fork = np.array(
+        [[0, 0], [1, 0], [1, 0.008], [0.2, 0.008], [0.2, 0.016], [1, 0.016], [1, 0.024], [0, 0.024]]
+    )
+    sliver = np.array([[0.5, 0.0085], [0.9, 0.0095], [0.9, 0.012]])
+    assert closed_between([fork, sliver], 1, 0) == {}
+    lower = sliver - [0.0, 7e-4]
+    assert closed_between([fork, lower], 1, 0) == {(0, 2): pytest.approx(-2e-4)}
+
+
+def test_vertex_below_a_wedge_is_not_lifted_by_its_top():
+    wedge = np.array([[0.0, 0.0], [1.0, -0.577], [1.0, 0.0]])
+    shard = np.array([[0.02, -0.019], [-0.5, 0.01], [-0.52, -0.01]])
+    assert closed_between([wedge, shard], 1, 0) == {}
+
+
+def test_vertex_inside_an_obtuse_corner_keeps_the_face_it_came_through():
+    """Its foot lies beyond the end of that face, and it cannot have come through the other one."""
+    hexagon = np.array([[-1, -1], [1, -1], [1, 0], [0.5, 0.866], [-0.5, 0.866], [-1, 0]], float)
+    tip = np.array([0.505, 0.866 - 0.01])
+    blade = np.array([tip, tip + [-0.1, 0.5], tip + [-0.5, 0.1]])
+    assert shapely.Polygon(hexagon).contains(shapely.Point(tip))
+    closed = closed_between([hexagon, blade], 1, 0)
+    assert closed == {(0, 3): pytest.approx(-0.01)}
+
+
+def test_plate_holds_a_vertex_on_the_side_that_it_came_from():
+    """Both faces of a plate thinner than the reach are candidates; the nearer one is kept."""
+    plate = box(0.0, 0.0, 2.0, 0.02)
+    tip = np.array([[1.0, 0.016], [1.3, 1.0], [0.7, 1.0]])
+    assert closed_between([plate, tip], 1, 0) == {(0, 2): pytest.approx(-0.004)}
+
+
+@pytest.mark.parametrize("angle", np.linspace(0.0, 2.0 * np.pi, 7))
+def test_contacts_near_a_corner_do_not_depend_on_the_direction_of_the_axes(angle):
+    """A vertex in front of an edge and beyond its end is outside the edge's box, turned or not."""
+    step = 0.9 * REACH.critdis
+    outlines = [box(0.0, 0.0), box(-1.0 - step, 1.0 + step)]
+    facing = [box(0.0, 0.0), box(-step, 1.0 + step)]
+    assert touches_of([turned(one, angle) for one in outlines]) == []
+    found = touches_of([turned(one, angle) for one in facing])
+    facing_corners = {((1, 0), (0, 2)), ((0, 2), (1, 0))}
+    assert {(one.vertex, one.edge) for one in found} >= facing_corners
+    assert len(found) == 4

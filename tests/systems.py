@@ -1,0 +1,242 @@
+"""Systems of blocks, methods and short runs that tests share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from clast.contact.arrays import Contacts
+from clast.contact.corners import Bisector
+from clast.contact.detection import Candidates, Reach, detect, find_candidates, near_pairs
+from clast.contact.laws import Penalty
+from clast.equations.frames import block_frames
+from clast.equations.solvers import Scipy
+from clast.errors import StepRejected
+from clast.interfaces import Method, StepResult
+from clast.kernels import polygon
+from clast.kinematics.first_order import FirstOrder
+from clast.kinematics.rotation import Sine
+from clast.model import Floats, Ints, Model
+from clast.model_builder import ModelBuilder
+from clast.state import ContactMemory, State, initial_state
+from clast.stepping import energy
+from clast.stepping.advance import ConstantAcceleration
+from clast.stepping.modified import Modified
+
+GRAVITY = 9.8
+
+
+# --- outlines ------------------------------------------------------------------------------
+
+
+def box(x: float, y: float, width: float = 1.0, height: float = 1.0) -> Floats:
+    """Return a rectangle by its lower left corner."""
+    return np.array([[x, y], [x + width, y], [x + width, y + height], [x, y + height]], float)
+
+
+def regular(count: int, radius: float = 1.0, start: float = 0.0) -> Floats:
+    """Return a regular polygon about (0, 0), its first vertex at the angle ``start``, rad."""
+    angle = start + 2.0 * np.pi * np.arange(count) / count
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def convex(rng: np.random.Generator, count: int, radius: float = 1.0) -> Floats:
+    """Return a random convex polygon about (0, 0): vertices on an ellipse, turned."""
+    angle = np.cumsum(rng.uniform(0.4, 1.6, count))
+    angle *= 2.0 * np.pi / (angle[-1] + rng.uniform(0.4, 1.6))
+    points = np.stack([np.cos(angle), rng.uniform(0.5, 1.0) * np.sin(angle)], axis=1)
+    return radius * turned(points, rng.uniform(0.0, 2.0 * np.pi))
+
+
+def star(rng: np.random.Generator, count: int, radius: float = 1.0) -> Floats:
+    """Return a random star-shaped polygon about (0, 0), mostly not convex."""
+    angle = np.cumsum(rng.uniform(0.5, 1.5, count))
+    angle *= 2.0 * np.pi / (angle[-1] + rng.uniform(0.5, 1.5))
+    distance = radius * rng.uniform(0.45, 1.0, count)
+    return distance[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def turned(points: Floats, angle: float, shift: Sequence[float] = (0.0, 0.0)) -> Floats:
+    """Return points turned about (0, 0) by an angle, rad, then shifted."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return points @ np.array([[cosine, sine], [-sine, cosine]]) + np.asarray(shift, float)
+
+
+def bricks(courses: int, columns: int, bond: float = 0.5) -> list[Floats]:
+    """Return courses of 1 m x 0.5 m bricks, every second one shifted by ``bond`` m."""
+    return [
+        box(column + bond * (course % 2), 0.5 * course, 1.0, 0.5)
+        for course in range(courses)
+        for column in range(columns)
+    ]
+
+
+def voussoirs(count: int, inner: float = 2.0, outer: float = 2.6) -> list[Floats]:
+    """Return the voussoirs of a semicircular arch from right to left, faces radial."""
+    angle = np.linspace(0.0, np.pi, count + 1)
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return [
+        np.array([inner * ring[k], outer * ring[k], outer * ring[k + 1], inner * ring[k + 1]])
+        for k in range(count)
+    ]
+
+
+# --- models and methods --------------------------------------------------------------------
+
+
+def system(
+    outlines: Sequence[Floats],
+    *,
+    fixed: Sequence[int] = (),
+    velocity: dict[int, Sequence[float]] | None = None,
+    friction_angle: float = 0.0,
+    cohesion: float = 0.0,
+    tensile_strength: float = 0.0,
+    young: float = 5e9,
+    gravity: float = GRAVITY,
+) -> Model:
+    """Return a model of one rock and one joint; ``fixed`` and ``velocity`` go by block index."""
+    builder = ModelBuilder(gravity=(0.0, -gravity))
+    builder.add_rock("rock", young=young, poisson=0.2, density=2500.0)
+    builder.add_joint(
+        friction_angle=friction_angle, cohesion=cohesion, tensile_strength=tensile_strength
+    )
+    for k, outline in enumerate(outlines):
+        start = (velocity or {}).get(k, (0.0, 0.0, 0.0))
+        builder.block(vertices=outline, fixed=k in fixed, velocity=start)
+    return builder.build()
+
+
+def at_start(model: Model, vertices: Floats | None = None) -> State:
+    """Return the first state, with other vertices where some are given."""
+    state = initial_state(model)
+    return state if vertices is None else replace(state, vertices=np.ascontiguousarray(vertices))
+
+
+def method(**changes: object) -> Method:
+    """Return the paper's method with some things changed."""
+    usual = Method(
+        process=Modified(),
+        contact_law=Penalty(normal_stiffness=1e8),
+        corner_rule=Bisector(),
+        displacement=FirstOrder(Sine()),
+        integrator=ConstantAcceleration(),
+        solver=Scipy(),
+        fixed_point_stiffness=1e11,
+        critdis=0.005,
+        max_displacement=0.01,
+    )
+    return replace(usual, **changes)  # type: ignore[arg-type]
+
+
+# --- contact detection ---------------------------------------------------------------------
+
+REACH = Reach(front=0.005, depth=0.025, critdis=0.005)
+
+
+@dataclass(frozen=True)
+class Flat:
+    """Outlines as the kernels take them."""
+
+    vertices: Floats
+    start: Ints
+
+    @property
+    def owner(self) -> Ints:
+        return np.repeat(np.arange(len(self.start) - 1), np.diff(self.start))
+
+
+def flat(outlines: Sequence[Floats]) -> Flat:
+    """Return outlines as flat arrays."""
+    start = np.concatenate([[0], np.cumsum([len(one) for one in outlines])]).astype(np.int64)
+    return Flat(np.ascontiguousarray(np.concatenate(outlines), dtype=float), start)
+
+
+def candidates_of(
+    outlines: Sequence[Floats], reach: Reach = REACH, memory: ContactMemory | None = None
+) -> Candidates:
+    """Return the candidate edges among outlines, all of them free to move."""
+    flats = flat(outlines)
+    free = np.zeros(len(outlines), np.bool_)
+    pairs = near_pairs(flats.vertices, flats.start, free, reach.front + reach.critdis)
+    return find_candidates(flats.vertices, flats.start, pairs, memory or ContactMemory(), reach)
+
+
+@dataclass(frozen=True)
+class Touch:
+    """One contact found among outlines: (block, vertex) against (block, edge)."""
+
+    vertex: tuple[int, int]
+    edge: tuple[int, int]
+    gap: float
+
+
+def touches_of(
+    outlines: Sequence[Floats], reach: Reach = REACH, memory: ContactMemory | None = None
+) -> list[Touch]:
+    """Return the contacts that detection and bisector find among outlines."""
+    flats = flat(outlines)
+    found = candidates_of(outlines, reach, memory)
+
+    def local(vertex: int) -> tuple[int, int]:
+        block = int(flats.owner[vertex])
+        return block, vertex - int(flats.start[block])
+
+    return [
+        Touch(local(int(found.vertex[c])), local(int(found.edge[c])), float(found.gap[c]))
+        for c in np.flatnonzero(Bisector().choose(found, flats.vertices))
+    ]
+
+
+def contacts_of(model: Model, state: State | None = None, reach: Reach = REACH) -> Contacts:
+    """Return the contacts of a state as a step sees them."""
+    state = state or at_start(model)
+    displacement = FirstOrder(Sine())
+    centroid = polygon.moments(state.vertices, model.block_start)[1]
+    return detect(model, Bisector(), displacement, state, centroid, reach)
+
+
+# --- running -------------------------------------------------------------------------------
+
+
+def open_ledger(model: Model, how: Method, state: State) -> State:
+    """Return the state with the ledger that a run starts with."""
+    return replace(state, ledger=energy.opening(model, how, state))
+
+
+def march(
+    model: Model, how: Method, step: float, end: float, state: State | None = None
+) -> list[StepResult]:
+    """Return the results of all steps to ``end``; a rejected step is halved, down to step / 1024."""
+    state = open_ledger(model, how, state or at_start(model))
+    results: list[StepResult] = []
+    wanted = step
+    while end - state.time > 1e-9 * step:
+        try:
+            result = how.process.step(model, how, state, min(wanted, end - state.time))
+        except StepRejected:
+            wanted *= 0.5
+            if wanted < step / 1024.0:
+                raise
+            continue
+        results.append(result)
+        state = result.state
+        wanted = min(step, 2.0 * wanted)
+    return results
+
+
+def centroids(model: Model, state: State) -> Floats:
+    """Return the blocks' centroids, m, shape (n, 2)."""
+    return polygon.moments(state.vertices, model.block_start)[1]
+
+
+def momentum(model: Model, how: Method, state: State) -> Floats:
+    """Return linear momentum and angular momentum about (0, 0), shape (3,)."""
+    frames = block_frames(model, how.displacement, state)
+    linear = model.mass[:, None] * state.velocity[:, :2]
+    at = frames.centroid
+    orbital = at[:, 0] * linear[:, 1] - at[:, 1] * linear[:, 0]
+    spin = np.einsum("nj,nj->n", frames.mass_matrix[:, 2], state.velocity)
+    return np.array([*linear.sum(axis=0), np.sum(orbital + spin)])
