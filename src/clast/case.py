@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
 PROCESSES = {
     "modified": "clast.stepping.modified:Modified",
+    "convex": "clast.stepping.convex:Convex",
 }
 FRICTIONS = {
     "lagged": "clast.stepping.modified:LaggedFriction",
@@ -83,6 +84,10 @@ ALTERNATIVES = Alternatives(
         "normal_stiffness": Field(gt=0.0),
         "shear_stiffness": Field(gt=0.0),
         "passes": Field(ge=1),
+        "tolerance": Field(gt=0.0),
+        "iterations": Field(ge=1),
+        "friction_updates": Field(ge=0),
+        "restitution": Field(ge=0.0, le=1.0),
     },
 )
 """Every key that offers a choice.  A class's own numbers are read from its dataclass."""

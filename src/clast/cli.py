@@ -241,6 +241,7 @@ WARMUPS = (
     ["method.integrator=constant-acceleration", "method.rotation=sine"],
     ["method.process.friction=implicit", "method.rotation=exact"],
     ["method.integrator=backward-euler", "method.rotation=linear", "method.process.passes=2"],
+    ["method.process=convex"],
 )
 """Settings that between them reach every kernel."""
 

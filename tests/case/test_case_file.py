@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from clast.case import ALTERNATIVES, Case, json_schema, load
+from clast.case import ALTERNATIVES, PROCESSES, Case, json_schema, load
 from clast.casefile import text as case_text
 from clast.casefile.choices import Alternatives, Choice, class_at
 from clast.casefile.templates import INCLINE, TEMPLATES
@@ -162,8 +162,8 @@ def test_the_schema_is_one_and_names_every_table():
     assert {"schema", "method", "geometry", "block"} <= set(schema["properties"])
     assert schema["additionalProperties"] is False
     process = schema["$defs"]["MethodTable"]["properties"]["process"]
-    names, modified = process["anyOf"]
-    assert names["enum"] == ["modified"]
+    names, modified, *_ = process["anyOf"]
+    assert names["enum"] == list(PROCESSES)
     assert modified["properties"]["passes"]["minimum"] == 1
     assert modified["properties"]["passes"]["description"]
     json.dumps(schema)
