@@ -12,8 +12,8 @@
     /model         the case file's text, versions, names and numbers of the blocks
     /report        how the run went; only in a file that was finished
 
-A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after all else of that
-frame has reached the file; a process killed at any moment leaves all frames before readable.
+A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after its data have
+reached the file; a process killed at any moment leaves all frames before readable.
 Tables are HDF5 compound datasets: ``file["energy"]["kinetic"]``.
 """
 

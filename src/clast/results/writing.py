@@ -99,17 +99,20 @@ class ResultFile:
     ) -> None:
         for name, rows in arrays.items():
             self._columns[f"VTKHDF/{name}"].append(rows)
-        for name, offset in _step_offsets(self._model, self._frames, time).items():
+        for name, offset in _step_offsets(self._model, self._frames).items():
             self._columns[f"VTKHDF/Steps/{name}"].append(offset)
         self._columns["contacts"].append(contacts)
         self._contacts += len(contacts)
         self._append_tables(tables)
         row = (time, self._saved["steps"], self._saved["energy"], self._contacts)
         self._columns["frames"].append(np.array([row], FRAME_ROW))
-        # The frame counts only when all of it is in the file: first the data, then its number.
+        # The process may be killed at any moment: a frame counts when all of it is in the file.
         self._file.flush()
         self._frames += 1
         self._file["VTKHDF/Steps"].attrs.modify("NSteps", np.int64(self._frames))
+        self._file.flush()
+        # Last of all, for VTK 9.7 crashes on more values than NSteps; one too few reads as 0.
+        self._columns["VTKHDF/Steps/Values"].append(np.array([time]))
         self._file.flush()
 
     def _append_tables(self, tables: Mapping[str, Table]) -> None:
@@ -180,7 +183,7 @@ def _saying_why(path: Path) -> Iterator[None]:
 
 def _column_names(model: Model) -> list[str]:
     grid = [*POINT_ARRAYS, *CELL_ARRAYS]
-    steps = _step_offsets(model, 0, 0.0)
+    steps = ["Values", *_step_offsets(model, 0)]
     histories = [history_path(name) for name in model.measured_points.name]
     return [
         *(f"VTKHDF/{name}" for name in grid),
@@ -194,14 +197,13 @@ MOVING = f"CellDataOffsets/{next(iter(CELL_ARRAYS)).removeprefix('CellData/')}"
 """Where the offsets of the blocks' arrays are stored; all arrays share them by hard links."""
 
 
-def _step_offsets(model: Model, frame: int, time: float) -> dict[str, NDArray[Any]]:
-    """Return the new entry of each dataset of /VTKHDF/Steps.
+def _step_offsets(model: Model, frame: int) -> dict[str, NDArray[Any]]:
+    """Return the new entry of each dataset of offsets in /VTKHDF/Steps.
 
     Every frame is one part, part 0, with the same connectivity and with points and fields of its
     own.
     """
     return {
-        "Values": np.array([time]),
         "NumberOfParts": np.array([1]),
         "PartOffsets": np.array([0]),
         "CellOffsets": np.array([[0]]),
@@ -250,7 +252,8 @@ def _write_grid(grid: Any, model: Model) -> None:
 
 def _make_room_for_steps(steps: Any, model: Model) -> None:
     steps.attrs["NSteps"] = np.int64(0)
-    for name, entry in _step_offsets(model, 0, 0.0).items():
+    _growing(steps, "Values")
+    for name, entry in _step_offsets(model, 0).items():
         _growing(steps, name, entry.shape[1:], dtype=entry.dtype)
     steps["ConnectivityIdOffsets"] = steps["CellOffsets"]
     for name in CELL_ARRAYS:

@@ -1,0 +1,74 @@
+"""A run that is killed leaves everything up to its last frame readable."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from recorded_run import moved, three_blocks
+
+from clast.results import read_results, summary
+
+KILLED = 30
+
+
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[Path, int]]:
+    """Files of writers that were killed, and the frames that each had written for certain."""
+    if not hasattr(os, "fork"):
+        pytest.skip("writers are killed by POSIX signals")
+    script = Path(__file__).with_name("killed_writers.py")
+    folder = tmp_path_factory.mktemp("killed")
+    said = subprocess.run(
+        [sys.executable, str(script), str(folder), str(KILLED)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return [(Path(path), int(frames)) for path, frames in map(str.split, said.stdout.splitlines())]
+
+
+def test_everything_up_to_the_last_frame_is_there(killed: list[tuple[Path, int]]):
+    model = three_blocks()
+    for path, written in killed:
+        results = read_results(path)
+        frames = len(results.times)
+        # One more may have been on its way.
+        assert written <= frames <= written + 1
+        assert results.report is None
+        for frame in {*range(0, frames, 20), *range(max(0, frames - 3), frames)}:
+            state = moved(model, 0.01 * frame)
+            np.testing.assert_array_equal(results.vertices(frame), state.vertices)
+            np.testing.assert_array_equal(results.field("stress", frame), state.stress)
+            assert len(results.contacts(frame)) == (2 if frame else 0)
+        assert len(results.history("tip").time) == frames
+        assert len(results.energy["kinetic"]) == frames
+        assert len(results.steps["step"]) == frames - 1
+        np.testing.assert_allclose(results.energy["gravity"], -3.0 * results.energy["time"])
+
+
+def test_vtk_opens_what_is_left(killed: list[tuple[Path, int]]):
+    vtk = pytest.importorskip("vtk")
+    from vtk.util.numpy_support import vtk_to_numpy
+
+    model = three_blocks()
+    for path, written in killed:
+        reader = vtk.vtkHDFReader()
+        assert reader.CanReadFile(str(path))
+        reader.SetFileName(str(path))
+        reader.UpdateInformation()
+        assert written <= reader.GetNumberOfSteps() <= written + 1
+        reader.SetStep(written - 1)
+        reader.Update()
+        points = vtk_to_numpy(reader.GetOutput().GetPoints().GetData())
+        np.testing.assert_array_equal(points[:, :2], moved(model, 0.01 * (written - 1)).vertices)
+
+
+def test_summary_says_that_the_run_did_not_end(killed: list[tuple[Path, int]]):
+    rows = summary(read_results(killed[0][0]))
+    assert rows["finished"] is False
+    assert "did not end" in rows["outcome"]
