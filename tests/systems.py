@@ -209,7 +209,7 @@ def open_ledger(model: Model, how: Method, state: State) -> State:
 def march(
     model: Model, how: Method, step: float, end: float, state: State | None = None
 ) -> list[StepResult]:
-    """Return the results of all steps to ``end``; a rejected step is halved, down to step / 1024."""
+    """Return the results of all steps to ``end``; a rejected step is halved, at most ten times."""
     state = open_ledger(model, how, state or at_start(model))
     results: list[StepResult] = []
     wanted = step

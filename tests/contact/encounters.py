@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import shapely
+
 from systems import convex, regular, star, turned
 
 FAMILIES = {

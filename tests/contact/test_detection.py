@@ -5,6 +5,7 @@ import oracle
 import pytest
 import shapely
 from encounters import FAMILIES, encounters, normal_of
+
 from systems import REACH, Touch, box, candidates_of, flat, touches_of, turned
 
 CASES = 240
@@ -21,7 +22,7 @@ def keyed(outlines, found):
 
 
 def beyond_end(outlines, touch: Touch):
-    """Return how far the foot of a contact lies beyond the ends of its edge, m (negative: on it)."""
+    """Return how far the foot of a contact lies beyond the ends of its edge, m (on it: < 0)."""
     (i, k), (j, e) = touch.vertex, touch.edge
     start, end = outlines[j][e], outlines[j][(e + 1) % len(outlines[j])]
     size = np.hypot(*(end - start))
@@ -201,7 +202,7 @@ def test_vertex_inside_an_obtuse_corner_keeps_the_face_it_came_through():
     """Its foot lies beyond the end of that face, and it cannot have come through the other one."""
     hexagon = np.array([[-1, -1], [1, -1], [1, 0], [0.5, 0.866], [-0.5, 0.866], [-1, 0]], float)
     tip = np.array([0.505, 0.866 - 0.01])
-    blade = np.array([tip, tip + [-0.1, 0.5], tip + [-0.5, 0.1]])
+    blade = tip + np.array([[0.0, 0.0], [-0.1, 0.5], [-0.5, 0.1]])
     assert shapely.Polygon(hexagon).contains(shapely.Point(tip))
     closed = closed_between([hexagon, blade], 1, 0)
     assert closed == {(0, 3): pytest.approx(-0.01)}

@@ -108,9 +108,7 @@ def _collect(box, fixed, level, cell, order, smallest, xmin, ymin, pairs):
     return found
 
 
-def overlapping_pairs(
-    box: NDArray[np.float64], fixed: NDArray[np.bool_]
-) -> NDArray[np.int64]:
+def overlapping_pairs(box: NDArray[np.float64], fixed: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Return pairs (lower, higher) of overlapping boxes, sorted, shape (m, 2).
 
     ``box`` (n, 4) holds (xmin, ymin, xmax, ymax) in m, already widened by the reach; pairs of two

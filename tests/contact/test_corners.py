@@ -1,0 +1,154 @@
+"""Corners: the bisector, exact ties, flat vertices, sliding across and round a corner."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from clast.state import ContactMemory
+from systems import Reach, box, touches_of, turned
+
+RIGHT, TOP = 1, 2
+"""Edges of a box that meet at its upper right corner (its vertex 2)."""
+
+
+def remembering(edge, gap=0.0, vertex=4, block=0, shear_force=7.0):
+    """Return the memory of one contact of the second outline's first vertex."""
+    return ContactMemory(
+        vertex=np.array([vertex]),
+        block=np.array([block]),
+        edge=np.array([edge]),
+        gap=np.array([gap]),
+        normal_force=np.array([1.0]),
+        shear_force=np.array([shear_force]),
+        multiplier=np.array([0.0]),
+        mode=np.array([2]),
+        bonded=np.array([True]),
+    )
+
+
+def needle(tip, way):
+    """Return a slender triangle whose tip (vertex 0) points against the direction ``way``."""
+    way = np.asarray(way, float) / np.hypot(*way)
+    across = 0.02 * np.array([way[1], -way[0]])
+    return np.asarray(tip, float) + np.array([[0.0, 0.0], way + across, way - across])
+
+
+def edges_of_tip(outlines, **kwargs):
+    """Return the edges of the first outline that the second outline's vertex 0 touches."""
+    return [one.edge[1] for one in touches_of(outlines, **kwargs) if one.vertex == (1, 0)]
+
+
+# --- the bisector --------------------------------------------------------------------------
+
+
+@given(
+    opening=st.floats(20.0, 170.0),
+    share=st.floats(0.02, 0.98),
+    distance=st.floats(1e-6, 4e-3),
+    angle=st.floats(0.0, 6.28),
+)
+def test_vertex_belongs_to_the_edge_on_its_side_of_the_bisector(opening, share, distance, angle):
+    """Inside a convex corner of any opening; ``share`` is where the vertex lies between its edges.
+
+    The vertex is judged by its angle at the corner, which the code never computes.
+    """
+    if abs(share - 0.5) < 1e-3:
+        return
+    half = np.radians(0.5 * opening)
+    corner = (
+        3.0
+        * np.array([[0.0, 0.0], [-np.sin(half), -np.cos(half)], [np.sin(half), -np.cos(half)]])[
+            [0, 1, 2]
+        ]
+    )
+    # edge 0 leaves the corner on its left side, edge 2 arrives on its right side
+    off = np.radians((share - 0.5) * opening)
+    tip = distance * np.array([-np.sin(off), -np.cos(off)])
+    outlines = [turned(corner, angle), turned(needle(tip, [0.0, 1.0]), angle)]
+    assert edges_of_tip(outlines) == [0 if share > 0.5 else 2]
+
+
+def test_on_the_bisector_the_remembered_edge_stays():
+    corner = [box(0.0, 0.0), needle([1.0 - 2.0**-9, 1.0 - 2.0**-9], [1.0, 1.0])]
+    assert edges_of_tip(corner) == [RIGHT]  # the lower index where nothing is remembered
+    for edge in (RIGHT, TOP):
+        assert edges_of_tip(corner, memory=remembering(edge)) == [edge]
+    # memory of another vertex, another block or an edge that is no candidate does not count
+    for other in (remembering(TOP, vertex=5), remembering(TOP, block=1), remembering(3)):
+        assert edges_of_tip(corner, memory=other) == [RIGHT]
+
+
+@pytest.mark.parametrize("angle", np.linspace(0.1, 6.2, 9))
+def test_on_the_bisector_up_to_round_off_the_remembered_edge_stays(angle):
+    """Turned to any angle, or far away, the tie is no longer exact to the last bit."""
+    tip = needle([1.0 - 1.0 / 500.0, 1.0 - 1.0 / 500.0], [1.0, 1.0])
+    outlines = [turned(one, angle) for one in (box(0.0, 0.0), tip)]
+    for edge in (RIGHT, TOP):
+        assert edges_of_tip(outlines, memory=remembering(edge)) == [edge]
+
+
+@pytest.mark.parametrize("remembered", [RIGHT, TOP])
+def test_off_the_bisector_memory_does_not_count(remembered):
+    for x, y, edge in ((2e-3, 2e-3 + 1e-6, RIGHT), (2e-3 + 1e-6, 2e-3, TOP)):
+        corner = [box(0.0, 0.0), needle([1.0 - x, 1.0 - y], [1.0, 1.0])]
+        assert edges_of_tip(corner, memory=remembering(remembered)) == [edge]
+
+
+def test_both_edges_of_a_re_entrant_corner_are_kept():
+    notch = np.array([[0, 0], [2, 0], [2, 2], [1, 1], [0, 2]], float)  # bottom at (1, 1)
+    for x in (-1e-3, 0.0, 1e-3):
+        tip = needle([1.0 + x, 1.0 + 2e-3], [0.0, 1.0])
+        assert edges_of_tip([notch, tip]) == [2, 3]
+
+
+# --- sliding -------------------------------------------------------------------------------
+
+
+def kinked(angle):
+    """Return a block whose top has a corner at (1, 1) that is ``angle`` degrees from straight."""
+    drop = np.tan(np.radians(0.5 * angle))
+    return np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0 - drop], [1.0, 1.0], [0.0, 1.0 - drop]])
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-10, 0.5, 2.9, -0.5, -2.9])
+@pytest.mark.parametrize("depth", [1e-12, 1e-6, 1e-3, 0.02])
+def test_vertex_slides_across_a_flat_corner(angle, depth):
+    """One contact all along, before the corner on edge 3, after it on edge 2."""
+    block = kinked(angle)
+    for x in [*np.linspace(0.9, 1.1, 21), 1.0 - 1e-12, 1.0 + 1e-12, 1.0 - 1e-6, 1.0 + 1e-6]:
+        surface = 1.0 - abs(x - 1.0) * np.tan(np.radians(0.5 * angle))
+        found = edges_of_tip([block, needle([x, surface - depth], [0.0, 1.0])])
+        assert len(found) == 1
+        if abs(x - 1.0) > depth:
+            assert found == [2 if x > 1.0 else 3]
+
+
+def test_exactly_on_a_flat_corner_one_edge_is_taken_whatever_is_remembered():
+    for edge in (2, 3):
+        outlines = [kinked(0.0), needle([1.0, 1.0 - 1e-6], [0.0, 1.0])]
+        assert len(edges_of_tip(outlines, memory=remembering(edge))) == 1
+
+
+@pytest.mark.parametrize("depth", [1e-6, 1e-3])
+def test_vertex_slides_round_a_convex_corner(depth):
+    """Along the inside of the corner there is one contact at every place; the edge changes once."""
+    along_top = np.linspace([0.9, 1.0 - depth], [1.0 - depth, 1.0 - depth], 40)
+    down_the_side = np.linspace([1.0 - depth, 1.0 - depth], [1.0 - depth, 0.9], 40)
+    seen = []
+    for tip in np.concatenate([along_top, down_the_side]):
+        found = edges_of_tip([box(0.0, 0.0), needle(tip, [1.0, 1.0])])
+        assert len(found) == 1
+        seen += found
+    changes = np.flatnonzero(np.diff(seen))
+    assert (seen[0], seen[-1], len(changes)) == (TOP, RIGHT, 1)
+    assert abs(changes[0] - 39) <= 1  # where the two stretches meet
+
+
+@pytest.mark.parametrize("tip_reach", [0.0, 0.002])
+def test_tip_beside_a_corner_is_held_only_within_the_reach_for_tips(tip_reach):
+    reach = Reach(front=0.005, depth=0.025, critdis=0.005, tip=tip_reach)
+    for beside in (1e-4, 1e-3, 3e-3):
+        outlines = [box(0.0, 0.0), needle([1.0 + beside, 1.0 - 1e-3], [-0.3, 1.0])]
+        held = edges_of_tip(outlines, reach=reach)
+        assert held == ([TOP] if beside <= tip_reach else [])
