@@ -87,6 +87,8 @@ class Results:
     """Name of each rock."""
     point_name: tuple[str, ...]
     """Name of each measured point."""
+    point_start: Floats
+    """Where each measured point was at the start, m, shape (k, 2)."""
     report: Report | None
     """How the run went; None where it never came to write one."""
     frame_rows: NDArray[Any] = field(repr=False)
@@ -186,6 +188,7 @@ def read_results(path: Path | str) -> Results:
             fixed=model["fixed"][:],
             rock_name=_names(model["rock_name"]),
             point_name=_names(model["point_name"]),
+            point_start=model["point_start"][:],
             report=report_from_dict(json.loads(text)) if text else None,
             frame_rows=frames,
         )

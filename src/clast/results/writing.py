@@ -278,6 +278,7 @@ def _write_model(group: Any, model: Model, case_text: str) -> None:
     group.create_dataset("block_name", data=list(model.block_name), dtype=text)
     group.create_dataset("rock_name", data=[rock.name for rock in model.rocks], dtype=text)
     group.create_dataset("point_name", data=list(model.measured_points.name), dtype=text)
+    group["point_start"] = model.measured_points.at + model.origin
     group["block_start"] = model.block_start
     group["block_rock"] = model.block_rock
     group["fixed"] = model.fixed
