@@ -66,11 +66,12 @@ class StepOutcome(Enum):
 
 
 class StepRejected(ClastError):
-    """A step that must not be kept; the caller retries from the same state with a smaller step."""
+    """A step that must not be kept; the caller retries from the same state with ``cut`` of its h."""
 
-    def __init__(self, outcome: StepOutcome, detail: str = "") -> None:
+    def __init__(self, outcome: StepOutcome, detail: str = "", cut: float = 0.5) -> None:
         self.outcome = outcome
         self.detail = detail
+        self.cut = cut
         super().__init__(f"{outcome.value} ({detail})" if detail else outcome.value)
 
 

@@ -7,7 +7,7 @@ registered: an object with these methods can be put into a :class:`Method` from 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from clast.errors import StepOutcome
 from clast.model import Bools, Floats, Ints, Model
@@ -69,11 +69,42 @@ class CornerRule(Protocol):
         ...
 
 
+@runtime_checkable
+class MultiplierLaw(ContactLaw, Protocol):
+    """A contact law with Lagrange multipliers that are renewed between solves of one step."""
+
+    @property
+    def solves(self) -> int:
+        """Solves per step, at most."""
+        ...
+
+    @property
+    def penetration_tolerance(self) -> float:
+        """Penetration, m, at which the solves end early."""
+        ...
+
+    def begin(self, contacts: Contacts) -> Contacts:
+        """Return the contacts with the multipliers of the first solve of a step."""
+        ...
+
+    def renew(self, contacts: Contacts, response: ContactResponse) -> Contacts:
+        """Return the contacts with the multipliers that follow from the forces of a solve."""
+        ...
+
+
+class Factor(Protocol):
+    """A block system made ready to be solved for several right-hand sides."""
+
+    def solve(self, force: Floats) -> Floats:
+        """Return d (n, 6) for F (n, 6); raises StepRejected where it is not finite."""
+        ...
+
+
 class LinearSolver(Protocol):
     """Solves the 6 x 6 block system of a step."""
 
-    def solve(self, system: BlockSystem) -> Floats:
-        """Return d (n, 6); raises StepRejected where the system has no unique solution."""
+    def factor(self, system: BlockSystem) -> Factor:
+        """Return the matrix made ready; raises StepRejected where it is singular."""
         ...
 
 
@@ -147,11 +178,13 @@ __all__ = [
     "ContactLaw",
     "CornerRule",
     "DisplacementFunction",
+    "Factor",
     "Floats",
     "Integrator",
     "Ints",
     "LinearSolver",
     "Method",
+    "MultiplierLaw",
     "StepProcess",
     "StepResult",
 ]

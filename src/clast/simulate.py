@@ -13,8 +13,6 @@ from clast.results import Report, Run, RunRecorder
 from clast.state import Ledger, State, initial_state
 from clast.stepping import energy
 
-CUT = 0.5
-"""A rejected step is retried with this share of its length."""
 GROW = 1.5
 """After a step that was far from its limits the next one is longer by this factor."""
 COMFORT = 0.8
@@ -182,7 +180,7 @@ def _reject_created_energy(model: Model, state: State, first: Ledger) -> None:
 def _accepted_step(
     model: Model, method: Method, state: State, step: float, smallest: float, tally: _Tally
 ) -> tuple[StepResult, float]:
-    """Return the result of the longest step that is accepted, halving from ``step``, s.
+    """Return the result of the longest step that is accepted, cutting from ``step``, s.
 
     Raises the last rejection where a step would become smaller than ``smallest``.
     """
@@ -191,9 +189,9 @@ def _accepted_step(
             return method.process.step(model, method, state, step), step
         except StepRejected as rejected:
             tally.cut_steps += 1
-            if step * CUT < smallest:
+            if step * rejected.cut < smallest:
                 raise StepRejected(rejected.outcome, _last_words(rejected, step)) from rejected
-            step *= CUT
+            step *= rejected.cut
 
 
 def _last_words(rejected: StepRejected, step: float) -> str:

@@ -2,21 +2,60 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
 
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.kernels import laws as kernel
 from clast.model import Floats
 
 
+def springs(
+    contacts: Contacts,
+    gap: Floats,
+    slip: Floats,
+    normal_stiffness: float,
+    shear_stiffness: float | None,
+) -> ContactResponse:
+    """Return the forces of linear springs with Coulomb friction, cohesion and tension cut-off.
+
+    N = max(0, lambda - p d_n); the shear force follows its spring from the remembered one and is
+    returned to |T| <= N tan(phi) + c L.  A bonded contact bears tension up to sigma_t L.  A step in
+    which it slips or reaches that tension is its last as a bonded one: from then on N tan(phi)
+    remains.  Gaps and slips (m,) at the end of the step, m; stiffnesses in N/m per m.
+    """
+    normal, shear, kn, ks, coupling, mode, bonded, energy, loss = kernel.penalty(
+        gap,
+        slip,
+        normal_stiffness,
+        normal_stiffness if shear_stiffness is None else shear_stiffness,
+        contacts.friction,
+        contacts.cohesion,
+        contacts.tensile_strength,
+        contacts.length,
+        contacts.bonded,
+        contacts.shear_force,
+        contacts.multiplier,
+        contacts.friction_base,
+    )
+    return ContactResponse(
+        normal_force=normal,
+        shear_force=shear,
+        normal_stiffness=kn,
+        shear_stiffness=ks,
+        coupling=coupling,
+        mode=mode,
+        bonded=bonded,
+        energy=energy,
+        dissipation=loss,
+    )
+
+
 @dataclass(frozen=True)
 class Penalty:
-    """Linear springs with Coulomb friction, cohesion and tension cut-off.
-
-    N = max(0, -p d_n); the shear force follows its spring from the remembered one and is returned
-    to |T| <= N tan(phi) + c L.  A bonded contact bears tension up to sigma_t L.  A step in which it
-    slips or reaches that tension is its last as a bonded one: from then on N tan(phi) remains.
-    """
+    """Linear springs, N = max(0, -p d_n), with Coulomb friction, cohesion, tension cut-off."""
 
     normal_stiffness: float = 1e9
     """p, N/m per m."""
@@ -25,29 +64,62 @@ class Penalty:
 
     def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
         """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
-        shear_stiffness = self.shear_stiffness
-        normal, shear, kn, ks, coupling, mode, bonded, energy, loss = kernel.penalty(
-            gap,
-            slip,
-            self.normal_stiffness,
-            self.normal_stiffness if shear_stiffness is None else shear_stiffness,
-            contacts.friction,
-            contacts.cohesion,
-            contacts.tensile_strength,
-            contacts.length,
-            contacts.bonded,
-            contacts.shear_force,
-            contacts.multiplier,
-            contacts.friction_base,
-        )
-        return ContactResponse(
-            normal_force=normal,
-            shear_force=shear,
-            normal_stiffness=kn,
-            shear_stiffness=ks,
-            coupling=coupling,
-            mode=mode,
-            bonded=bonded,
-            energy=energy,
-            dissipation=loss,
-        )
+        return springs(contacts, gap, slip, self.normal_stiffness, self.shear_stiffness)
+
+
+class FirstMultiplier(Protocol):
+    """Where the multipliers of a step begin."""
+
+    def first(self, remembered: Floats) -> Floats:
+        """Return the multipliers (m,) of the first solve, N/m, from those remembered (m,)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Reset:
+    """Every step begins without multipliers (the paper)."""
+
+    def first(self, remembered: Floats) -> Floats:
+        """Return zeros, shape (m,)."""
+        return np.zeros(len(remembered))
+
+
+@dataclass(frozen=True)
+class Carried:
+    """Every step begins with the multipliers that the last one ended with."""
+
+    def first(self, remembered: Floats) -> Floats:
+        """Return what is remembered, shape (m,)."""
+        return remembered
+
+
+@dataclass(frozen=True)
+class AugmentedLagrangian:
+    """N = max(0, lambda - p d_n), solved several times a step with lambda <- N between solves.
+
+    Reset at each step, n solves leave beta/((1 + beta)^n - 1) of the penalty law's penetration,
+    beta = p h2/(2 m) with m the mass per contact: 1/n for a soft spring.
+    """
+
+    normal_stiffness: float = 1e9
+    """p, N/m per m."""
+    shear_stiffness: float | None = None
+    """Stiffness of the shear spring, N/m per m; equal to ``normal_stiffness`` if not given."""
+    solves: int = 4
+    """Solves per step, at most."""
+    penetration_tolerance: float = 0.0
+    """Penetration at which the solves of a step end early, m."""
+    multipliers: FirstMultiplier = field(default_factory=Reset)
+    """Reset at each step (the paper) or carried over."""
+
+    def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
+        """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
+        return springs(contacts, gap, slip, self.normal_stiffness, self.shear_stiffness)
+
+    def begin(self, contacts: Contacts) -> Contacts:
+        """Return the contacts with the multipliers of the first solve."""
+        return replace(contacts, multiplier=self.multipliers.first(contacts.multiplier))
+
+    def renew(self, contacts: Contacts, response: ContactResponse) -> Contacts:
+        """Return the contacts with lambda <- N."""
+        return replace(contacts, multiplier=response.normal_force)

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from clast.equations.system import BlockSystem
 from clast.errors import StepOutcome, StepRejected
+from clast.interfaces import LinearSolver
 from clast.model import Floats, Ints
 
 
@@ -47,21 +48,39 @@ def sparse_matrix(system: BlockSystem) -> csc_array:
 
 
 @dataclass(frozen=True)
-class Scipy:
-    """SuperLU through scipy, with the ordering and pivoting that suit a symmetric pattern."""
+class SuperLUFactor:
+    """A matrix factorised by SuperLU."""
 
-    def solve(self, system: BlockSystem) -> Floats:
-        """Return d (n, 6); raises StepRejected where K is singular."""
-        try:
-            factor = splu(
-                sparse_matrix(system),
-                permc_spec="MMD_AT_PLUS_A",
-                diag_pivot_thresh=0.0,
-                options={"SymmetricMode": True},
-            )
-        except RuntimeError as error:
-            raise StepRejected(StepOutcome.SINGULAR, str(error)) from error
-        displacement = factor.solve(system.force.ravel()).reshape(-1, 6)
+    factor: SuperLU
+    """The factors."""
+
+    def solve(self, force: Floats) -> Floats:
+        """Return d (n, 6) for F (n, 6); raises StepRejected where it is not finite."""
+        displacement = self.factor.solve(force.ravel()).reshape(-1, 6)
         if not np.isfinite(displacement).all():
             raise StepRejected(StepOutcome.NOT_FINITE)
         return displacement
+
+
+@dataclass(frozen=True)
+class Scipy:
+    """SuperLU through scipy, with the ordering and pivoting that suit a symmetric pattern."""
+
+    def factor(self, system: BlockSystem) -> SuperLUFactor:
+        """Return the factorised matrix; raises StepRejected where K is singular."""
+        try:
+            return SuperLUFactor(
+                splu(
+                    sparse_matrix(system),
+                    permc_spec="MMD_AT_PLUS_A",
+                    diag_pivot_thresh=0.0,
+                    options={"SymmetricMode": True},
+                )
+            )
+        except RuntimeError as error:
+            raise StepRejected(StepOutcome.SINGULAR, str(error)) from error
+
+
+def solve(solver: LinearSolver, system: BlockSystem) -> Floats:
+    """Return d (n, 6) of a block system with its own right-hand side."""
+    return solver.factor(system).solve(system.force)

@@ -9,7 +9,8 @@ converges from anywhere.  Each iteration solves one assembled, symmetric positiv
 
 What is not convex is taken out of the minimisation and repeated around it: the friction bound
 follows the normal force (``friction_updates``), and bonds that reach their strength are broken
-before the minimum is sought again; bonds only break, so this ends.
+before the minimum is sought again; bonds only break, so this ends.  Multipliers, where the law has
+them, are renewed after convergence.
 """
 
 from __future__ import annotations
@@ -18,9 +19,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from clast.contact import multipliers
 from clast.contact.arrays import Contacts
 from clast.contact.detection import Reach, detect
 from clast.equations.frames import BlockFrames, block_frames
+from clast.equations.reuse import FactorOfStep
 from clast.equations.terms import diagonal_terms
 from clast.interfaces import Method, StepResult
 from clast.model import Floats, Model
@@ -94,14 +97,15 @@ class Convex:
         counts: dict[str, int],
         stages: Stages,
     ) -> tuple[Potential, Point]:
-        """Return the minimum with friction bounds and bonds in accord with the forces found."""
-        contacts = potential.contacts
+        """Return the minimum with friction bounds, bonds and multipliers in accord with it."""
+        law, factor = method.contact_law, FactorOfStep(method.solver)
+        contacts = multipliers.begin(law, potential.contacts)
         base = np.where(contacts.known, contacts.normal_force, 0.0)
-        updates = 0
+        updates, solves = 0, 0
         while True:
             potential = replace(potential, contacts=replace(contacts, friction_base=base))
             point = minimise(
-                potential, starts, method.solver, self.tolerance, self.iterations, counts, stages
+                potential, starts, factor, self.tolerance, self.iterations, counts, stages
             )
             starts, base = (point.unknowns,), point.response.normal_force
             broken = contacts.bonded & ~point.response.bonded
@@ -109,8 +113,13 @@ class Convex:
                 contacts = without_bonds(contacts, broken)
                 continue
             updates += 1
-            if updates > self.friction_updates:
-                return potential, point
+            if updates <= self.friction_updates:
+                continue
+            solves += 1
+            contacts = multipliers.renew(law, contacts, point.response)
+            if multipliers.enough(law, solves, point.gap):
+                counts["factorisations"] = factor.factorised
+                return replace(potential, contacts=contacts), point
 
 
 def without_bonds(contacts: Contacts, broken: np.ndarray) -> Contacts:

@@ -11,12 +11,14 @@ from typing import Protocol
 
 import numpy as np
 
+from clast.contact import multipliers
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.contact.detection import Reach, detect
 from clast.equations.frames import block_frames
+from clast.equations.reuse import FactorOfStep
 from clast.equations.system import assemble, gap_at_end, slip_in_step
 from clast.equations.terms import DiagonalTerms, diagonal_terms
-from clast.interfaces import Method, StepResult
+from clast.interfaces import ContactLaw, Method, StepResult
 from clast.model import Floats, Model
 from clast.state import State
 from clast.stepping.conclude import Solved, conclude
@@ -49,6 +51,26 @@ class ImplicitFriction:
         return response
 
 
+@dataclass(frozen=True, kw_only=True)
+class PassResult:
+    """What a solve has found."""
+
+    unknowns: Floats
+    """Displacements d, shape (n, 6)."""
+    contacts: Contacts
+    """Contacts with the multipliers after the solve."""
+    gap: Floats
+    """Gap at the end of the step, m, shape (m,)."""
+    slip: Floats
+    """Slip in the step, m, shape (m,)."""
+    response: ContactResponse
+    """The law's answer at the end of the step."""
+    applied: tuple[Floats, Floats]
+    """Normal and shear forces (m,) that the equations held at the end of the step, N/m."""
+    counts: dict[str, int]
+    """Passes, solves and factorisations so far."""
+
+
 @dataclass(frozen=True)
 class Modified:
     """The paper's process; ``passes`` > 1 repeats steps (10)-(12) with what the last pass found."""
@@ -74,22 +96,17 @@ class Modified:
             contacts = detect(
                 model, method.corner_rule, method.displacement, state, frames.centroid, reach
             )
-        unknowns, applied, passes = self._solve(
-            model, method, base, contacts, velocity, step, stages
-        )
-        with stages("law"):
-            gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
-            response = method.contact_law.respond(contacts, gap, slip)
+        found = self._solve(model, method, base, contacts, velocity, step, stages)
         solved = Solved(
             frames=frames,
             velocity=velocity,
             theta=theta,
-            unknowns=unknowns,
-            contacts=contacts,
-            response=response,
-            applied=applied,
+            unknowns=found.unknowns,
+            contacts=found.contacts,
+            response=found.response,
+            applied=found.applied,
             depth=reach.depth,
-            counts={"passes": passes},
+            counts=found.counts,
         )
         # (13) the blocks are moved and turned; (14) their velocities and stresses; (16) what the
         # contacts carry on
@@ -117,28 +134,58 @@ class Modified:
         velocity: Floats,
         step: float,
         stages: Stages,
-    ) -> tuple[Floats, tuple[Floats, Floats], int]:
-        """Return the unknowns, the contact forces in the equations and the passes taken."""
+    ) -> PassResult:
+        """Return what the passes of the step, with their multiplier solves, have found."""
+        law, factor = method.contact_law, FactorOfStep(method.solver)
+        contacts = multipliers.begin(law, contacts)
         # the first pass sees the gaps at the start and the slip that the velocity will bring
-        gap, slip = contacts.gap, slip_in_step(contacts, step * velocity)
+        seen = contacts.gap, slip_in_step(contacts, step * velocity)
         passes = 0
         while True:
-            with stages("law"):
-                # (10) springs where a vertex has invaded, friction from spring or as a force
-                response = self.friction.enter(method.contact_law.respond(contacts, gap, slip))
-            with stages("assembly"):
-                # (11) the equations of all blocks
-                system = assemble(base, contacts, response, gap, slip, model.fixed)
-            with stages("solve"):
-                # (12) one solve
-                unknowns = method.solver.solve(system)
             passes += 1
-            end_gap, end_slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
-            modes = method.contact_law.respond(contacts, end_gap, end_slip).mode
-            if passes >= self.passes or np.array_equal(modes, response.mode):
-                applied = forces_in_equations(response, gap, slip, end_gap, end_slip)
-                return unknowns, applied, passes
-            gap, slip = end_gap, end_slip
+            solves = 0
+            while True:
+                with stages("law"):
+                    # (10) springs where a vertex has invaded, friction from spring or as a force
+                    entered = self.friction.enter(law.respond(contacts, *seen))
+                with stages("assembly"):
+                    # (11) the equations of all blocks
+                    system = assemble(base, contacts, entered, *seen, model.fixed)
+                with stages("solve"):
+                    # (12) one solve
+                    unknowns = factor.solve(system, entered)
+                found = pass_result(law, contacts, entered, seen, unknowns, passes, factor)
+                solves += 1
+                if multipliers.enough(law, solves, found.gap):
+                    break
+                contacts = found.contacts
+            settled = np.array_equal(found.response.mode, entered.mode)
+            if passes >= self.passes or settled:
+                return found
+            contacts, seen = found.contacts, (found.gap, found.slip)
+
+
+def pass_result(
+    law: ContactLaw,
+    contacts: Contacts,
+    entered: ContactResponse,
+    seen: tuple[Floats, Floats],
+    unknowns: Floats,
+    passes: int,
+    factor: FactorOfStep,
+) -> PassResult:
+    """Return what a solve leaves; ``seen`` are gap and slip (m,) where the law was linearised."""
+    gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
+    response = law.respond(contacts, gap, slip)
+    return PassResult(
+        unknowns=unknowns,
+        contacts=multipliers.renew(law, contacts, response),
+        gap=gap,
+        slip=slip,
+        response=response,
+        applied=forces_in_equations(entered, *seen, gap, slip),
+        counts={"passes": passes, "solves": factor.solved, "factorisations": factor.factorised},
+    )
 
 
 def forces_in_equations(

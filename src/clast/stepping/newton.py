@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from clast.contact.arrays import ContactResponse, Contacts
+from clast.equations.reuse import FactorOfStep
 from clast.equations.system import contact_forces, gap_at_end, newton_system, slip_in_step
 from clast.equations.terms import DiagonalTerms
 from clast.errors import StepOutcome, StepRejected
-from clast.interfaces import ContactLaw, LinearSolver
+from clast.interfaces import ContactLaw
 from clast.model import Bools, Floats
 from clast.stepping.stages import Stages
 
@@ -74,14 +75,14 @@ class Potential:
         force = np.where(self.fixed[:, None], 0.0, self.base.force)
         return 0.5 * float(np.einsum("ni,nij,nj->", force, self.inverse, force))
 
-    def direction(self, point: Point, solver: LinearSolver, stages: Stages) -> Floats:
+    def direction(self, point: Point, factor: FactorOfStep, stages: Stages) -> Floats:
         """Return the Newton direction (n, 6): H dd = residual."""
         with stages("assembly"):
             system = newton_system(
                 self.base, self.contacts, point.response, point.residual, self.fixed
             )
         with stages("solve"):
-            return solver.solve(system)
+            return factor.solve(system, point.response)
 
     def line_search(self, point: Point, direction: Floats) -> tuple[float, int]:
         """Return the length along ``direction`` where the potential is least, and evaluations.
@@ -123,7 +124,7 @@ LINE_TOLERANCE = 1e-9
 def minimise(
     potential: Potential,
     starts: tuple[Floats, ...],
-    solver: LinearSolver,
+    factor: FactorOfStep,
     tolerance: float,
     iterations: int,
     counts: dict[str, int],
@@ -141,7 +142,7 @@ def minimise(
     for _ in range(iterations):
         if potential.distance(point) <= enough:
             return point
-        direction = potential.direction(point, solver, stages)
+        direction = potential.direction(point, factor, stages)
         counts["passes"] += 1
         decrement = float(np.sum(point.residual * direction))
         with stages("line search"):

@@ -1,0 +1,119 @@
+"""Shi's original process: open-close iteration (Shi 1988).
+
+Every contact within reach is open, sliding or locked.  A locked contact has a normal and a shear
+spring, a sliding one a normal spring and a friction force, an open one nothing.  The equations are
+solved again, at most six times, until no contact changes its mode:
+
+    open  -> lock   a vertex has passed its entrance edge
+    lock, slide -> open   the normal force is tensile beyond the tensile strength
+    lock  -> slide  the shear force exceeds N tan(phi) + c L
+    slide -> lock   the slip runs against the direction of the friction force
+
+A step whose modes do not settle is cut to a third.  The rules are those of a return mapping from
+the remembered shear force, so the contact law itself, evaluated at the end of the last solve,
+gives the modes of the next.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from clast.contact import multipliers
+from clast.contact.arrays import ContactResponse, Contacts
+from clast.contact.detection import detect
+from clast.equations.frames import block_frames
+from clast.equations.reuse import FactorOfStep
+from clast.equations.system import assemble, slip_in_step
+from clast.equations.terms import DiagonalTerms, diagonal_terms
+from clast.errors import StepOutcome, StepRejected
+from clast.interfaces import Method, StepResult
+from clast.model import Floats, Model
+from clast.state import State
+from clast.stepping.conclude import Solved, conclude
+from clast.stepping.convex import reach_within_step
+from clast.stepping.modified import PassResult, pass_result
+from clast.stepping.stages import Stages
+
+CUT = 1.0 / 3.0
+"""Shi's cut of a step whose modes do not settle."""
+
+
+@dataclass(frozen=True)
+class OpenClose:
+    """Open-close iteration with lock, slide and open."""
+
+    iterations: int = 6
+    """Solves per step at most; a step that needs more is cut to a third."""
+
+    def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
+        """Return the state ``step`` seconds later, or raise StepRejected."""
+        stages = Stages()
+        velocity = method.dynamic_ratio * state.velocity
+        theta = np.full(model.block_count, method.integrator.theta)
+        with stages("base system"):
+            frames = block_frames(model, method.displacement, state)
+            base = diagonal_terms(model, method, frames, state, velocity, theta, step)
+        with stages("contacts"):
+            reach = reach_within_step(model, method, frames, velocity, step)
+            contacts = detect(
+                model, method.corner_rule, method.displacement, state, frames.centroid, reach
+            )
+        found = self._iterate(model, method, base, contacts, velocity, step, stages)
+        solved = Solved(
+            frames=frames,
+            velocity=velocity,
+            theta=theta,
+            unknowns=found.unknowns,
+            contacts=found.contacts,
+            response=found.response,
+            applied=found.applied,
+            depth=reach.depth,
+            counts=found.counts,
+        )
+        return conclude(model, method, state, solved, step, stages)
+
+    def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
+        """Return nothing: the process itself cuts steps that do not settle."""
+        return ()
+
+    def _iterate(
+        self,
+        model: Model,
+        method: Method,
+        base: DiagonalTerms,
+        contacts: Contacts,
+        velocity: Floats,
+        step: float,
+        stages: Stages,
+    ) -> PassResult:
+        """Return the solve whose modes agree with those that it was assembled with."""
+        law, factor = method.contact_law, FactorOfStep(method.solver)
+        contacts = multipliers.begin(law, contacts)
+        seen = contacts.gap, slip_in_step(contacts, step * velocity)
+        solves = 0
+        for number in range(1, self.iterations + 1):
+            with stages("law"):
+                entered = as_springs_and_forces(law.respond(contacts, *seen))
+            with stages("assembly"):
+                system = assemble(base, contacts, entered, *seen, model.fixed)
+            with stages("solve"):
+                unknowns = factor.solve(system, entered)
+            found = pass_result(law, contacts, entered, seen, unknowns, number, factor)
+            if np.array_equal(found.response.mode, entered.mode):
+                solves += 1
+                if multipliers.enough(law, solves, found.gap):
+                    return found
+                contacts = found.contacts
+            seen = found.gap, found.slip
+        raise StepRejected(
+            StepOutcome.NOT_CONVERGED,
+            f"contacts still change their mode after {self.iterations} solves",
+            cut=CUT,
+        )
+
+
+def as_springs_and_forces(response: ContactResponse) -> ContactResponse:
+    """Return the response with sliding friction as a known force, as Shi's equations hold it."""
+    return replace(response, coupling=np.zeros(len(response.coupling)))
