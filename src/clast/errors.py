@@ -66,7 +66,7 @@ class StepOutcome(Enum):
 
 
 class StepRejected(ClastError):
-    """A step that must not be kept; the caller retries from the same state with ``cut`` of its h."""
+    """A step that must not be kept; the caller retries from the same state with ``cut`` of h."""
 
     def __init__(self, outcome: StepOutcome, detail: str = "", cut: float = 0.5) -> None:
         self.outcome = outcome
