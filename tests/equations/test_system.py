@@ -201,9 +201,7 @@ def test_assembling_changes_nothing_that_it_was_given():
 
 def test_singular_matrix_rejects_the_step():
     one = wall().assembled()
-    broken = replace(
-        one, diagonal=np.zeros_like(one.diagonal), upper=0.0 * one.upper, lower=0.0 * one.lower
-    )
+    nothing = {name: 0.0 * getattr(one, name) for name in ("diagonal", "upper", "lower")}
     with pytest.raises(StepRejected) as caught:
         solve(Scipy(), replace(one, **nothing))
     assert caught.value.outcome is StepOutcome.SINGULAR
