@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 PROCESSES = {
     "modified": "clast.stepping.modified:Modified",
     "convex": "clast.stepping.convex:Convex",
+    "open-close": "clast.stepping.open_close:OpenClose",
 }
 FRICTIONS = {
     "lagged": "clast.stepping.modified:LaggedFriction",
@@ -48,6 +49,11 @@ FRICTIONS = {
 }
 CONTACT_LAWS = {
     "penalty": "clast.contact.laws:Penalty",
+    "augmented-lagrangian": "clast.contact.laws:AugmentedLagrangian",
+}
+MULTIPLIERS = {
+    "reset": "clast.contact.laws:Reset",
+    "carried": "clast.contact.laws:Carried",
 }
 CORNER_RULES = {
     "bisector": "clast.contact.corners:Bisector",
@@ -75,6 +81,7 @@ ALTERNATIVES = Alternatives(
         "process": PROCESSES,
         "friction": FRICTIONS,
         "contact_law": CONTACT_LAWS,
+        "multipliers": MULTIPLIERS,
         "corner_rule": CORNER_RULES,
         "rotation": ROTATIONS,
         "integrator": INTEGRATORS,
@@ -86,6 +93,8 @@ ALTERNATIVES = Alternatives(
         "passes": Field(ge=1),
         "tolerance": Field(gt=0.0),
         "iterations": Field(ge=1),
+        "solves": Field(ge=1),
+        "penetration_tolerance": Field(ge=0.0),
         "friction_updates": Field(ge=0),
         "restitution": Field(ge=0.0, le=1.0),
     },
@@ -288,7 +297,7 @@ class MeasuredPointTable(Table):
 class MethodTable(Table):
     """How to simulate: a name for each choice, or a table with the name and its numbers."""
 
-    process: Annotated[Any, Choice("process", ALTERNATIVES)] = "modified"
+    process: Annotated[Any, Choice("process", ALTERNATIVES)] = "convex"
     """Process of a step."""
     contact_law: Annotated[Any, Choice("contact_law", ALTERNATIVES)] = "penalty"
     """Forces from penetration and slip."""

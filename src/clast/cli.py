@@ -242,6 +242,7 @@ WARMUPS = (
     ["method.process.friction=implicit", "method.rotation=exact"],
     ["method.integrator=backward-euler", "method.rotation=linear", "method.process.passes=2"],
     ["method.process=convex"],
+    ["method.process=open-close", "method.contact_law.name=augmented-lagrangian"],
 )
 """Settings that between them reach every kernel."""
 

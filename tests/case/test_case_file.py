@@ -13,6 +13,7 @@ from clast.casefile import text as case_text
 from clast.casefile.choices import Alternatives, Choice, class_at
 from clast.casefile.templates import INCLINE, TEMPLATES
 from clast.errors import CaseError
+from clast.stepping.convex import Convex
 from clast.stepping.modified import ImplicitFriction, LaggedFriction, Modified
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -59,7 +60,7 @@ def test_defaults_follow_from_the_blocks():
     method = case.method()
     assert method.max_displacement == pytest.approx(0.01 * 4.5**0.5)
     assert method.critdis == pytest.approx(0.5 * method.max_displacement)
-    assert method.process == Modified()
+    assert method.process == Convex()
     assert case.schedule().every == pytest.approx(0.01)
 
 
