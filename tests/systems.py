@@ -240,3 +240,16 @@ def momentum(model: Model, how: Method, state: State) -> Floats:
     orbital = at[:, 0] * linear[:, 1] - at[:, 1] * linear[:, 0]
     spin = np.einsum("nj,nj->n", frames.mass_matrix[:, 2], state.velocity)
     return np.array([*linear.sum(axis=0), np.sum(orbital + spin)])
+
+
+def incline(friction_angle: float, *, young: float = 50e9) -> Model:
+    """Return the paper's block on a 45 degree incline, the incline fixed."""
+    slope = np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 10.0]])
+    slider = np.array([[1.0, 9.0], [4.0, 6.0], [4.0, 9.0]])
+    return system([slope, slider], fixed=[0], friction_angle=friction_angle, young=young)
+
+
+def slide(friction_angle: float, time: float) -> float:
+    """Return how far the block on the incline moves to the right from rest, m."""
+    tangent = np.tan(np.radians(friction_angle))
+    return 0.25 * GRAVITY * (1.0 - tangent) * time**2

@@ -43,13 +43,15 @@ def penalty(
         strength = cohesion[c] * length[c]
         bound = max(0.0, base * friction[c] + strength)
         trial = shear_force[c] - shear_stiffness * slip[c]
-        if abs(trial) <= bound:
+        if bound == 0.0 and trial == 0.0:
+            mode[c] = 1  # no strength: there is nothing to stick to, even at rest
+        elif abs(trial) <= bound:
             t_force[c], ks[c], mode[c] = trial, shear_stiffness, 2
         else:
             intact[c] = intact[c] and strength == 0.0 and tension == 0.0
             sign = 1.0 if trial > 0.0 else -1.0
             t_force[c], mode[c] = sign * bound, 1
-            if np.isnan(friction_base[c]):
+            if bound > 0.0 and np.isnan(friction_base[c]):
                 coupling[c] = sign * friction[c]
             # the part of the slip that the spring did not take up
             loss[c] = bound * (abs(trial) - bound) / shear_stiffness
