@@ -1,0 +1,1 @@
+"""Pictures of runs and of verification problems; the only importer of matplotlib."""

@@ -1,0 +1,180 @@
+"""Sheets of paper for pictures: sizes in inches, text, axes, saving."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clast.errors import CaseError
+from clast.model import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INK = "#262626"
+"""Text and outlines."""
+FAINT = "#8c8c8c"
+"""What was, what is beside the point."""
+
+NAME_BOX = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.75}
+"""Ground of names, so that they can be read on anything."""
+
+LEFT, RIGHT, BELOW = 0.75, 0.25, 0.55
+"""Margins for the labels of the axes, inches."""
+TITLE_SIZE, TEXT_SIZE, SMALL_SIZE = 11.0, 9.0, 8.0
+"""Sizes of type, points."""
+LINE = 0.2
+"""Height of a line of text, inches."""
+BAR, BAR_LABELS = 0.16, 0.95
+"""Width of a colour bar and of its labels, inches."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sheet:
+    """Where the parts of a picture are, inches from the lower left corner."""
+
+    size: tuple[float, float]
+    """Width and height of the sheet."""
+    title: tuple[str, ...]
+    """Lines of the title."""
+    axes: tuple[float, float, float, float]
+    """Left, bottom, width, height of the axes."""
+    bar: tuple[float, float, float, float]
+    """Left, bottom, width, height of the colour bar."""
+    upright: bool
+    """True where the colour bar stands beside the axes, False where it lies below."""
+    legend: float
+    """Bottom of the upper line of the legend."""
+
+    def share(self, box: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+        """Return a box as shares of the sheet."""
+        width, height = self.size
+        return box[0] / width, box[1] / height, box[2] / width, box[3] / height
+
+
+def axes_size(extent: Floats) -> tuple[float, float]:
+    """Return width and height of axes, inches, for something ``extent`` (2,) m wide and high."""
+    width, height = extent
+    longest = 9.5 if width > 2.5 * height else 6.5
+    scale = min(longest / width, 6.8 / height)
+    # Slender things keep room for their labels; the rest of the axes stays empty.
+    return max(2.4, scale * width), max(1.3, scale * height)
+
+
+def sheet_for(axes: tuple[float, float], title: str, legend_lines: int, bars: int = 1) -> Sheet:
+    """Return a sheet with axes of a size in inches, a title, lines of legend, colour bars or 0."""
+    across, up = axes
+    upright = up >= 2.2
+    beside = (BAR + BAR_LABELS) * bars if upright else 0.0
+    width = LEFT + max(4.2, across + beside) + RIGHT
+    lines = wrapped(title, min(width - LEFT - 0.1, 6.5), TITLE_SIZE)
+    under = 0.12 + LINE * legend_lines
+    bottom = under + BELOW + (0.0 if upright else 0.75 * bars)
+    if upright:
+        tall = min(up, 4.0)
+        bar = (LEFT + across + 0.2, bottom + 0.5 * (up - tall), BAR, tall)
+    else:
+        long = min(across, 5.0)
+        bar = (LEFT + 0.5 * (across - long), under + 0.5, long, BAR)
+    return Sheet(
+        size=(width, bottom + up + 0.22 + LINE * (len(lines) + 1)),
+        title=tuple(lines),
+        axes=(LEFT, bottom, across, up),
+        bar=bar,
+        upright=upright,
+        legend=0.12 + LINE * max(0, legend_lines - 1),
+    )
+
+
+def new_figure(size: tuple[float, float], dots: float) -> Figure:
+    """Return an empty white figure of a size in inches, with dots per inch."""
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise CaseError(
+            "pictures need matplotlib, which is not installed",
+            remedy="install it: pip install 'clast[plot]'",
+        ) from error
+    return Figure(figsize=size, dpi=dots, facecolor="white")
+
+
+def view(axes: Axes, low: Floats, high: Floats, box: tuple[float, float]) -> None:
+    """Show (low, high) in m, with a margin, so that a metre is as long in x as in y."""
+    middle, extent = 0.5 * (low + high), 1.04 * (high - low)
+    per_inch = max(extent[0] / box[0], extent[1] / box[1])
+    half = 0.5 * per_inch * np.array(box)
+    axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
+    axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_xlabel("x (m)", fontsize=TEXT_SIZE, color=INK)
+    axes.set_ylabel("y (m)", fontsize=TEXT_SIZE, color=INK)
+    axes.locator_params(axis="x", nbins=max(2, int(box[0] / 0.6)), steps=[1, 2, 5, 10])
+    axes.locator_params(axis="y", nbins=max(2, int(box[1] / 0.4)), steps=[1, 2, 5, 10])
+    style(axes)
+
+
+def style(axes: Axes) -> None:
+    """Draw axes thin and small, without a frame at the top and on the right."""
+    axes.tick_params(labelsize=SMALL_SIZE, color=FAINT, labelcolor=INK, width=0.6, length=3)
+    axes.set_axisbelow(True)
+    for name, spine in axes.spines.items():
+        spine.set_linewidth(0.6)
+        spine.set_color(FAINT)
+        spine.set_visible(name in ("left", "bottom"))
+
+
+def wrapped(text: str, width: float, size: float) -> list[str]:
+    """Return the lines of a text that is ``width`` inches wide in type of ``size`` points."""
+    letters = max(12, int(width * 72.0 / (0.56 * size)))
+    return textwrap.wrap(text, letters) or [""]
+
+
+def literal(text: str) -> str:
+    """Return a text of the user's such that matplotlib takes no part of it for a formula."""
+    return text.replace("$", r"\$")
+
+
+def head(figure: Figure, left: float, lines: Sequence[str], below: str) -> None:
+    """Write the lines of a title at the top of a figure, and a line in small type below it."""
+    width, height = figure.get_size_inches()
+    for number, line in enumerate(lines):
+        up = height - 0.1 - LINE * (number + 0.5)
+        figure.text(
+            left / width,
+            up / height,
+            literal(line),
+            fontsize=TITLE_SIZE,
+            fontweight="bold",
+            color=INK,
+            va="center",
+        )
+    up = height - 0.1 - LINE * (len(lines) + 0.5)
+    figure.text(left / width, up / height, below, fontsize=TEXT_SIZE, color=INK, va="center")
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Write a figure in the format that the name's ending says; return the path."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    formats = sorted(FigureCanvasAgg(figure).get_supported_filetypes())
+    if path.suffix.lower().lstrip(".") not in formats:
+        raise CaseError(
+            f"pictures cannot be written as '{path.suffix or path.name}'",
+            where=str(path),
+            remedy=f"end the name in one of: {', '.join('.' + name for name in formats)}",
+        )
+    try:
+        figure.savefig(path)
+    except OSError as error:
+        raise CaseError(
+            f"the picture cannot be written: {error.strerror}",
+            where=str(path),
+            remedy="name a file in a directory that exists and may be written",
+        ) from error
+    return path

@@ -1,0 +1,98 @@
+"""What can colour the blocks of a picture, with labels, units and colours."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from clast import spelling
+from clast.errors import CaseError
+from clast.model import Floats
+from clast.results import Results
+
+Values: TypeAlias = Callable[[Results, int], Floats]
+
+
+@dataclass(frozen=True)
+class PictureField:
+    """A scalar field of the blocks."""
+
+    label: str
+    """What the picture calls it."""
+    unit: str
+    """Unit of the values; the picture may put a prefix before it."""
+    values: Values
+    """Gives the values (n,) of a frame."""
+
+
+def _plain(name: str) -> Values:
+    return lambda results, frame: results.field(name, frame)
+
+
+def _magnitude(name: str) -> Values:
+    return lambda results, frame: np.hypot(*results.field(name, frame).T)
+
+
+def _component(name: str, index: int) -> Values:
+    return lambda results, frame: results.field(name, frame)[:, index]
+
+
+def _degrees(results: Results, frame: int) -> Floats:
+    return np.degrees(results.field("rotation", frame))
+
+
+SCALARS = {
+    "displacement": PictureField("Displacement", "m", _magnitude("displacement")),
+    "displacement_x": PictureField("Displacement in x", "m", _component("displacement", 0)),
+    "displacement_y": PictureField("Displacement in y", "m", _component("displacement", 1)),
+    "velocity": PictureField("Velocity", "m/s", _magnitude("velocity")),
+    "velocity_x": PictureField("Velocity in x", "m/s", _component("velocity", 0)),
+    "velocity_y": PictureField("Velocity in y", "m/s", _component("velocity", 1)),
+    "rotation": PictureField("Rotation", "°", _degrees),
+    "sigma_xx": PictureField(r"Stress $\sigma_{xx}$", "Pa", _component("stress", 0)),
+    "sigma_yy": PictureField(r"Stress $\sigma_{yy}$", "Pa", _component("stress", 1)),
+    "sigma_xy": PictureField(r"Shear stress $\sigma_{xy}$", "Pa", _component("stress", 2)),
+    "sigma_1": PictureField(r"Largest principal stress $\sigma_1$", "Pa", _plain("sigma_1")),
+    "sigma_3": PictureField(r"Smallest principal stress $\sigma_3$", "Pa", _plain("sigma_3")),
+    "max_shear": PictureField("Largest shear stress", "Pa", _plain("max_shear")),
+}
+"""Fields with a scale."""
+
+KINDS = {
+    "rock": "Rock",
+    "block": "Blocks",
+}
+"""Fields that tell kinds apart."""
+
+
+def check_field(name: str) -> None:
+    """Raise CaseError for a field that no picture knows."""
+    known = (*SCALARS, *KINDS)
+    if name not in known:
+        raise CaseError(
+            f"there is no field '{name}'", remedy=spelling.advice(name, known, kind="field")
+        )
+
+
+PREFIXES = {-3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G", 4: "T"}
+
+
+def prefixed(largest: float, unit: str) -> tuple[float, str]:
+    """Return a factor and a unit with a prefix that make ``largest`` a number from 1 to 1000."""
+    if unit == "°" or not math.isfinite(largest) or largest == 0.0:
+        return 1.0, unit
+    thousands = math.floor(math.log10(abs(largest) * (1 + 1e-12)) / 3.0)
+    # Nobody says kilometres of displacement, nor kilometres per second.
+    highest = 0 if unit.startswith("m") else max(PREFIXES)
+    thousands = max(min(PREFIXES), min(highest, thousands))
+    return 10.0 ** (-3 * thousands), f"{PREFIXES[thousands]}{unit}"
+
+
+def round_below(value: float) -> float:
+    """Return the largest of 1, 2, 5 times a power of ten that is not above ``value`` > 0."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return power * max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-12))

@@ -1,0 +1,106 @@
+"""Result files of walls of any size, without simulating them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clast.contact.arrays import ContactResponse, Contacts
+from clast.model import Model
+from clast.model_builder import ModelBuilder
+from clast.results import Report, Results, RunRecorder, read_results
+from clast.state import Ledger, State, initial_state
+
+
+def grid_model(rows: int, columns: int, title: str = "A wall") -> Model:
+    """Rows of squares of 1 m on fixed feet, of two rocks, with a measured point at the top."""
+    builder = ModelBuilder(title=title)
+    builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
+    builder.add_rock("marl", young=5e9, poisson=0.3, density=2300.0)
+    square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    for row in range(rows):
+        for column in range(columns):
+            builder.block(
+                vertices=square + np.array([column, row]),
+                rock="marl" if (row // 2 + column // 3) % 2 else "granite",
+                fixed=row == 0,
+            )
+    last = rows * columns
+    builder.measured_point("top", (columns - 0.5, rows - 0.5), block=str(last))
+    return builder.build()
+
+
+def leaning(model: Model, time: float) -> State:
+    """A state in which every block has moved with its height, and bears what is above it."""
+    start = initial_state(model)
+    height = np.add.reduceat(model.vertices[:, 1], model.block_start[:-1]) / 4.0
+    shift = np.where(model.fixed, 0.0, 0.08 * time * height)
+    across, top = np.array([1.0, -0.1]), model.vertices[:, 1].max()
+    points = model.material_points
+    return dataclasses.replace(
+        start,
+        time=time,
+        vertices=model.vertices + across * shift[model.vertex_block][:, None],
+        points=points.at + across * shift[points.block][:, None],
+        velocity=np.outer(0.08 * height * ~model.fixed, [1.0, -0.1, 0.0, 0.0, 0.0, 0.0]),
+        stress=np.column_stack([height, -2.6e4 * (top - height), 1e3 * np.sin(height)]) * time,
+        rotation=0.01 * time * np.sin(height),
+        ledger=Ledger(kinetic=time),
+    )
+
+
+def bearing(model: Model, state: State) -> tuple[Contacts, ContactResponse]:
+    """Contacts of the lower left corner of every free block with what is below it."""
+    vertex = model.block_start[:-1][~model.fixed]
+    count = len(vertex)
+    above = model.vertices[:, 1].max() - model.vertices[vertex, 1]
+
+    def filled(kind: type, **given: object) -> dict[str, object]:
+        names = (field.name for field in dataclasses.fields(kind))
+        return {name: given.get(name, np.zeros(count)) for name in names}
+
+    contacts = filled(Contacts, vertex=vertex, edge=vertex, normal=np.tile([0.0, 1.0], (count, 1)))
+    response = filled(
+        ContactResponse,
+        normal_force=2.6e4 * above,
+        shear_force=4e3 * above,
+        mode=np.ones(count, np.int64),
+    )
+    return Contacts(**contacts), ContactResponse(**response)  # type: ignore[arg-type]
+
+
+def recorded(model: Model, path: Path) -> Results:
+    recorder = RunRecorder(model, output=path)
+    recorder.start(leaning(model, 0.0))
+    for number in range(1, 6):
+        state = leaning(model, 0.2 * number)
+        recorder._record(state)
+        recorder.frame(state, *bearing(model, state))
+    recorder.finish(
+        Report(
+            finished=True,
+            outcome="the run reached its end",
+            steps=5,
+            passes=5,
+            cut_steps=0,
+            largest_contacts=1,
+            largest_penetration=0.0,
+            ledger=state.ledger,
+            wall_seconds=0.1,
+        )
+    )
+    return read_results(path)
+
+
+@pytest.fixture
+def wall(tmp_path: Path) -> Callable[..., Results]:
+    """Return a function that makes results of a wall of ``rows`` by ``columns`` squares."""
+
+    def make(rows: int, columns: int, title: str = "A wall") -> Results:
+        return recorded(grid_model(rows, columns, title), tmp_path / "wall.vtkhdf")
+
+    return make
