@@ -183,13 +183,11 @@ def plot(
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
 ) -> None:
     """Draw a frame of a result file."""
+    from clast.pictures.plot import plot_results
     from clast.results import read_results
 
-    results = read_results(file)
-    from clast.pictures.plot import plot_results
-
     target = output or file.with_suffix(".png")
-    plot_results(results, target, frame=frame, field=field, contacts=contacts)
+    plot_results(read_results(file), target, frame=frame, field=field, contacts=contacts)
     typer.echo(f"picture: {target}")
 
 

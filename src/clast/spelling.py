@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
-LISTED = 12
+LISTED = 20
 """Longest list of known words that a message spells out."""
 
 
