@@ -10,7 +10,8 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from clast.equations.system import BlockSystem
 from clast.errors import StepOutcome, StepRejected
-from clast.interfaces import LinearSolver
+from clast.interfaces import Factor, LinearSolver
+from clast.kernels import pcg
 from clast.model import Floats, Ints
 
 
@@ -79,6 +80,72 @@ class Scipy:
             )
         except RuntimeError as error:
             raise StepRejected(StepOutcome.SINGULAR, str(error)) from error
+
+
+@dataclass(frozen=True)
+class PCGMatrix:
+    """A symmetric system with the inverses of its diagonal blocks."""
+
+    system: BlockSystem
+    """The system."""
+    inverse: Floats
+    """Inverses of the diagonal blocks, shape (n, 6, 6)."""
+    tolerance: float
+    """Reduction of the residual that ends the iteration."""
+    iterations: int
+    """Iterations at most."""
+
+    def solve(self, force: Floats) -> Floats:
+        """Return d (n, 6) for F (n, 6); falls back on SuperLU where the iteration stalls."""
+        system = self.system
+        displacement, _, reduction = pcg.solve(
+            system.diagonal,
+            self.inverse,
+            system.pairs,
+            system.upper,
+            force,
+            self.tolerance,
+            self.iterations,
+        )
+        if not reduction <= self.tolerance:
+            return Scipy().factor(system).solve(force)
+        return displacement
+
+
+@dataclass(frozen=True)
+class PCG:
+    """Conjugate gradients with block-Jacobi preconditioning; symmetric systems.
+
+    Unsymmetric systems (friction solved inside the step) and those on which it stalls go to
+    SuperLU.
+    """
+
+    tolerance: float = 1e-8
+    """Reduction of the residual, in the norm of the preconditioner, that ends the iteration."""
+    iterations: int = 400
+    """Iterations at most before SuperLU takes over."""
+
+    def factor(self, system: BlockSystem) -> Factor:
+        """Return the matrix made ready; raises StepRejected where it is singular."""
+        if not np.array_equal(system.lower, system.upper.transpose(0, 2, 1)):
+            return Scipy().factor(system)
+        inverse, bad = pcg.inverse_blocks(system.diagonal)
+        if bad >= 0:
+            raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
+        return PCGMatrix(system, inverse, self.tolerance, self.iterations)
+
+
+@dataclass(frozen=True)
+class Automatic:
+    """SuperLU for a few blocks, PCG for many."""
+
+    few: int = 60
+    """Up to this number of blocks a factorisation is quicker than starting an iteration."""
+
+    def factor(self, system: BlockSystem) -> Factor:
+        """Return the matrix made ready; raises StepRejected where it is singular."""
+        solver = Scipy() if len(system.diagonal) <= self.few else PCG()
+        return solver.factor(system)
 
 
 def solve(solver: LinearSolver, system: BlockSystem) -> Floats:

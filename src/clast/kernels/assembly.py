@@ -50,8 +50,13 @@ def add_contacts(
             for b in range(6):
                 diagonal[low, a, b] += left0 * n[0, b] + ks * t[0, a] * t[0, b]
                 diagonal[high, a, b] += left1 * n[1, b] + ks * t[1, a] * t[1, b]
-                upper[q, a, b] += left0 * n[1, b] + ks * t[0, a] * t[1, b]
-                lower[q, a, b] += left1 * n[0, b] + ks * t[1, a] * t[0, b]
+                value = left0 * n[1, b] + ks * t[0, a] * t[1, b]
+                upper[q, a, b] += value
+                if cross == 0.0:  # the same to the last bit, so that K is symmetric
+                    lower[q, b, a] += value
+                else:
+                    lower[q, b, a] += kn * (n[1, b] + cross * t[1, b]) * n[0, a]
+                    lower[q, b, a] += ks * t[1, b] * t[0, a]
 
 
 @njit(cache=True)
