@@ -68,7 +68,8 @@ INTEGRATORS = {
     "backward-euler": "clast.stepping.advance:BackwardEuler",
 }
 SOLVERS = {
-    "auto": "clast.equations.solvers:Scipy",
+    "auto": "clast.equations.solvers:Automatic",
+    "pcg": "clast.equations.solvers:PCG",
     "scipy": "clast.equations.solvers:Scipy",
 }
 PLANES: dict[str, type[PlaneStress] | type[PlaneStrain]] = {
