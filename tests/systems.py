@@ -95,10 +95,10 @@ def system(
     cohesion: float = 0.0,
     tensile_strength: float = 0.0,
     young: float = 5e9,
-    gravity: float = GRAVITY,
+    gravity: Sequence[float] = (0.0, -GRAVITY),
 ) -> Model:
     """Return a model of one rock and one joint; ``fixed`` and ``velocity`` go by block index."""
-    builder = ModelBuilder(gravity=(0.0, -gravity))
+    builder = ModelBuilder(gravity=gravity)
     builder.add_rock("rock", young=young, poisson=0.2, density=2500.0)
     builder.add_joint(
         friction_angle=friction_angle, cohesion=cohesion, tensile_strength=tensile_strength
