@@ -9,7 +9,9 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Iterable
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -23,11 +25,15 @@ if TYPE_CHECKING:
 
     from clast.results import Run
     from clast.sanity import Sanity
+    from clast.verification import Row
 
+MISSED = 1
 BAD_INPUT = 2
 STOPPED = 3
 INTERRUPTED = 130
 
+PIPE_WIDTH = 140
+"""Width of tables where there is no terminal, characters."""
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of a result file."""
 
@@ -222,6 +228,44 @@ def schema() -> None:
 
 
 @app.command()
+def verify(
+    problems: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="PROBLEM", help="Names of problems; all if none is named."),
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Run fewer variants of each.")] = False,
+    report: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Write a page with figures into this folder too."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run problems with closed-form answers and compare."""
+    from clast import verification
+
+    choose = verification.quick if quick else verification.every
+    with _status() as say:
+        findings = verification.examine(
+            problems or (),
+            choose=choose,
+            watch=lambda problem, variant: say(f"{problem.title}: {variant.name}"),
+        )
+    rows = [row for found in findings for row in found.rows]
+    missed = verification.misses(rows)
+    if report:
+        verification.write_report(findings, report)
+    if as_json:
+        _print_json({"passed": not missed, "rows": [row.as_dict() for row in rows]})
+    else:
+        for problem in verification.problems(problems or ()):
+            own = [row for row in rows if row.problem == problem.name]
+            _print_table(_verification_table(problem.title, own))
+        typer.echo(f"{len(rows)} quantities compared, {len(missed)} missed")
+    if missed:
+        raise typer.Exit(MISSED)
+
+
+@app.command()
 def warmup() -> None:
     """Compile all kernels ahead of the first run."""
     from time import perf_counter
@@ -351,6 +395,29 @@ def _sanity_table(sanity: Sanity) -> Table:
     return _two_columns(sanity.title, rows)
 
 
+def _verification_table(title: str, rows: Sequence[Row]) -> Table:
+    """Return computed values beside exact ones, and below why some are known to fail."""
+    from rich.table import Table
+    from rich.text import Text
+
+    from clast.verification import HEADINGS, cells
+
+    reasons = dict.fromkeys(row.known_failure for row in rows if row.known_failure)
+    table = Table(
+        title=Text(title),
+        title_justify="left",
+        caption=Text("\n".join(f"known to fail: {reason}" for reason in reasons)),
+        caption_justify="left",
+    )
+    # the title names the problem already
+    for heading in HEADINGS[1:]:
+        numeric = heading in ("computed", "exact", "error", "tolerance")
+        table.add_column(heading, justify="right" if numeric else "left", no_wrap=numeric)
+    for row in rows:
+        table.add_row(*(Text(cell) for cell in cells(row)[1:]))
+    return table
+
+
 def _two_columns(title: str, rows: dict[str, str]) -> Table:
     from rich.table import Table
     from rich.text import Text
@@ -364,7 +431,22 @@ def _two_columns(title: str, rows: dict[str, str]) -> Table:
 def _print_table(table: Table) -> None:
     from rich.console import Console
 
-    Console().print(table)
+    # a pipe or a file has no width of its own
+    width = None if sys.stdout.isatty() else PIPE_WIDTH
+    Console(width=width).print(table)
+
+
+@contextmanager
+def _status() -> Iterator[Callable[[str], None]]:
+    """Give a function that shows what is going on, where stderr is a terminal."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda _: None
+        return
+    with console.status("starting") as status:
+        yield status.update
 
 
 def _print_json(content: Any) -> None:

@@ -209,6 +209,30 @@ def test_warmup():
     assert "kernels are ready" in good("warmup")
 
 
+def test_verify():
+    printed = good("verify", "patch", "--quick")
+    assert "tolerance" in printed
+    assert "0 missed" in printed
+
+
+def test_verify_for_a_program(tmp_path):
+    content = json.loads(good("verify", "patch", "--quick", "--json", "--report", tmp_path))
+    assert content["passed"] is True
+    assert {"problem", "computed", "exact", "verdict"} <= set(content["rows"][0])
+    assert (tmp_path / "verification.md").exists()
+
+
+def test_verify_fails_where_a_tolerance_is_missed(monkeypatch):
+    monkeypatch.setattr("clast.verification.misses", list)
+    assert clast_command("verify", "patch", "--quick").exit_code == 1
+
+
+def test_verify_of_an_unknown_problem():
+    result = clast_command("verify", "ptach")
+    assert result.exit_code == 2
+    assert "did you mean 'patch'?" in result.stderr
+
+
 @pytest.mark.parametrize("arguments", [["rnu"], ["run"], ["run", "x.toml", "--sett", "a=1"]])
 def test_bad_usage(arguments):
     assert clast_command(*arguments).exit_code == 2
