@@ -16,6 +16,7 @@ from recorded_run import Recorded, moved, record, report, step_result, three_blo
 from clast.errors import CaseError
 from clast.results import RunRecorder, read_results, summary
 from clast.results.layout import CELL_ARRAYS
+from clast.results.writing import _Column
 
 
 def vtk_frames(path: Path) -> list[tuple[float, object]]:
@@ -225,11 +226,70 @@ def test_an_earlier_result_stays_where_the_first_frame_fails(recorded: Recorded,
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("clast.results.writing._Column.append", full)
+    monkeypatch.setattr("clast.results.writing._Column.put", full)
     with pytest.raises(CaseError, match="No space left"):
         recorder.start(moved(model, 0.0))
     assert path.read_bytes() == before
     assert os.listdir(path.parent) == [path.name]
+
+
+def test_a_frame_that_was_interrupted_is_written_by_finish(tmp_path: Path, monkeypatch):
+    model = three_blocks()
+    recorder = RunRecorder(model, output=tmp_path / "out.vtkhdf")
+    recorder.start(moved(model, 0.0))
+    result = step_result(model, 0.1)
+    recorder.step(result, 0.1)
+    put = _Column.put
+
+    def interrupted(self: _Column, first: int, rows: np.ndarray) -> None:
+        if next(left) == 0:
+            raise KeyboardInterrupt
+        put(self, first, rows)
+
+    for calls in range(0, 21, 3):
+        left = iter(range(calls, -1, -1))
+        with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+            patch.setattr(_Column, "put", interrupted)
+            recorder.frame(result.state, result.contacts, result.response)
+    results = read_results(recorder.finish(report(result.state)).output)
+    np.testing.assert_array_equal(results.times, [0.0, 0.1])
+    np.testing.assert_array_equal(results.vertices(-1), result.state.vertices)
+    assert len(results.history("tip").time) == 2
+    assert len(results.contacts(-1)) == 2
+
+
+@pytest.mark.skipif(os.name != "posix", reason="limits the size of files")
+def test_full_disk_keeps_the_frames_before(tmp_path: Path):
+    code = """if True:
+        import resource, signal, sys
+        sys.path.insert(0, sys.argv[2])
+        from recorded_run import moved, step_result, three_blocks
+        from clast.errors import CaseError
+        from clast.results import RunRecorder
+        model = three_blocks()
+        recorder = RunRecorder(model, output=sys.argv[1])
+        recorder.start(moved(model, 0.0))
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (2_000_000, 2_000_000))
+        try:
+            for number in range(1, 10_000):
+                result = step_result(model, 0.01 * number)
+                recorder.step(result, 0.01)
+                recorder.frame(result.state, result.contacts, result.response)
+        except CaseError as error:
+            print(number, error)
+    """
+    path = tmp_path / "out.vtkhdf"
+    here = str(Path(__file__).parent)
+    seen = subprocess.run(
+        [sys.executable, "-c", code, str(path), here], capture_output=True, text=True, check=False
+    )
+    written = int(seen.stdout.split()[0])
+    assert "cannot be written" in seen.stdout
+    results = read_results(path)
+    assert written <= len(results.times) <= written + 1
+    expected = moved(three_blocks(), results.times[written - 1]).vertices
+    np.testing.assert_array_equal(results.vertices(written - 1), expected)
 
 
 @pytest.mark.parametrize("place", ["", "missing/out.vtkhdf", "file/out.vtkhdf"])

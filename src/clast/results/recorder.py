@@ -96,13 +96,13 @@ class RunRecorder:
         response: ContactResponse | None = None,
     ) -> None:
         """Write a frame, and all rows since the last one, to the file."""
-        self._frame_time = state.time
         if self._file is None:
             return
         rows = no_contacts()
         if self._with_contacts and contacts is not None and response is not None:
             rows = self._fields.contacts(state, contacts, response)
         self._file.frame(state.time, self._fields.of(state), rows, self._tables())
+        self._frame_time = state.time
 
     def finish(self, report: Report) -> Run:
         """Close the file with the last state and the report; return what was recorded."""

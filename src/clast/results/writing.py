@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import math
 import os
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -33,6 +35,9 @@ from clast.results.tables import CONTACT_ROW, ENERGY_ROW, POINT_ROW, STEP_ROW, T
 # Newer formats mark a file as being written, and nothing opens it after the process was killed.
 FILE_FORMAT = ("v108", "v108")
 CHUNK_ROWS = 512
+"""Rows that small things share a chunk of the file with."""
+ROOM_FOR_INDEXES = 2**18
+"""More than HDF5 needs in one frame to find its chunks again, bytes."""
 
 
 class ResultFile:
@@ -59,15 +64,15 @@ class ResultFile:
         contacts: NDArray[Any],
         tables: Mapping[str, Table],
     ) -> None:
-        """Append a frame: arrays by place in /VTKHDF, contacts, and the new rows of the tables."""
-        with _saying_why(self.path):
+        """Add a frame: arrays by place in /VTKHDF, contacts, and the new rows of the tables."""
+        with self._guarded():
             if self._frames:
-                self._append(time, arrays, contacts, tables)
+                self._put_frame(time, arrays, contacts, tables)
                 return
             part = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
             try:
                 self._open(_new_file(part, self._model, self._case_text))
-                self._append(time, arrays, contacts, tables)
+                self._put_frame(time, arrays, contacts, tables)
                 self._file.close()
                 os.replace(part, self.path)
             finally:
@@ -76,73 +81,117 @@ class ResultFile:
 
     def finish(self, report: Report, tables: Mapping[str, Table]) -> None:
         """Write what is left and the report, and close the file."""
-        with _saying_why(self.path):
-            self._append_tables(tables)
+        with self._guarded():
+            self._put_tables(self._new_rows(tables))
             group = self._file.create_group("report")
             plain = report.as_dict()
             group["json"] = json.dumps(plain, ensure_ascii=False, default=float)
             for name, value in plain.items():
                 if isinstance(value, bool | int | float | str):
                     group.attrs[name] = value
+            self._file.flush()
+            end = self._file.id.get_filesize()
             self._file.close()
+            # What was reserved and not used.
+            os.truncate(self.path, end)
 
     def _open(self, file: Any) -> None:
         self._file = file
         self._columns = {name: _Column(file[name]) for name in _column_names(self._model)}
 
-    def _append(
+    @contextmanager
+    def _guarded(self) -> Iterator[None]:
+        """Turn errors of HDF5 and of the disk into one that a user can act on."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:
+            number = getattr(error, "errno", None)
+            raise CaseError(
+                f"the results cannot be written: {os.strerror(number) if number else error}",
+                where=str(self.path),
+                remedy="make room or choose another place; frames written before are kept",
+            ) from error
+
+    def _reserve(self, rows: Iterable[NDArray[Any]]) -> None:
+        """Lengthen the file by more than a frame can take, or raise OSError while all is well.
+
+        HDF5 writes where the file ends before it has written that far, and refuses a file that is
+        shorter: neither a full disk nor a kill may come in between.
+        """
+        if not self._frames or not hasattr(os, "posix_fallocate"):
+            return
+        chunks = sum(column.chunk_bytes for column in self._columns.values())
+        room = chunks + sum(row.nbytes for row in rows) + ROOM_FOR_INDEXES
+        try:
+            end = self._file.id.get_filesize()
+            os.posix_fallocate(self._file.id.get_vfd_handle(), end, room)
+        except OSError as error:
+            if error.errno not in (errno.EINVAL, errno.EOPNOTSUPP):
+                raise
+
+    def _put_frame(
         self,
         time: float,
         arrays: Mapping[str, Floats],
         contacts: NDArray[Any],
         tables: Mapping[str, Table],
     ) -> None:
+        """Put a frame behind the last one that was completed; it may be tried again."""
+        number, contact_end = self._frames, self._contacts + len(contacts)
+        new = self._new_rows(tables)
+        self._reserve([*arrays.values(), contacts, *new.values()])
         for name, rows in arrays.items():
-            self._columns[f"VTKHDF/{name}"].append(rows)
-        for name, offset in _step_offsets(self._model, self._frames).items():
-            self._columns[f"VTKHDF/Steps/{name}"].append(offset)
-        self._columns["contacts"].append(contacts)
-        self._contacts += len(contacts)
-        self._append_tables(tables)
-        row = (time, self._saved["steps"], self._saved["energy"], self._contacts)
-        self._columns["frames"].append(np.array([row], FRAME_ROW))
+            self._columns[f"VTKHDF/{name}"].put(number * len(rows), rows)
+        for name, offset in _step_offsets(self._model, number).items():
+            self._columns[f"VTKHDF/Steps/{name}"].put(number, offset)
+        self._columns["contacts"].put(self._contacts, contacts)
+        self._put_tables(new)
+        ends = (time, len(tables["steps"]), len(tables["energy"]), contact_end)
+        self._columns["frames"].put(number, np.array([ends], FRAME_ROW))
         # The process may be killed at any moment: a frame counts when all of it is in the file.
         self._file.flush()
-        self._frames += 1
-        self._file["VTKHDF/Steps"].attrs.modify("NSteps", np.int64(self._frames))
+        self._file["VTKHDF/Steps"].attrs.modify("NSteps", np.int64(number + 1))
         self._file.flush()
         # Last of all, for VTK 9.7 crashes on more values than NSteps; one too few reads as 0.
-        self._columns["VTKHDF/Steps/Values"].append(np.array([time]))
+        self._columns["VTKHDF/Steps/Values"].put(number, np.array([time]))
         self._file.flush()
-
-    def _append_tables(self, tables: Mapping[str, Table]) -> None:
-        new = {name: table.rows[self._saved[name] :] for name, table in tables.items()}
-        self._columns["energy"].append(new["energy"])
-        self._columns["steps"].append(new["steps"])
-        for index, name in enumerate(self._model.measured_points.name):
-            self._columns[history_path(name)].append(_point_rows(new["history"], index))
+        self._frames, self._contacts = number + 1, contact_end
         self._saved = {name: len(table) for name, table in tables.items()}
+
+    def _new_rows(self, tables: Mapping[str, Table]) -> dict[str, NDArray[Any]]:
+        """Return the rows of each table that came after the last frame."""
+        return {name: table.rows[self._saved[name] :] for name, table in tables.items()}
+
+    def _put_tables(self, new: Mapping[str, NDArray[Any]]) -> None:
+        self._columns["energy"].put(self._saved["energy"], new["energy"])
+        self._columns["steps"].put(self._saved["steps"], new["steps"])
+        for index, name in enumerate(self._model.measured_points.name):
+            rows = _point_rows(new["history"], index)
+            self._columns[history_path(name)].put(self._saved["history"], rows)
 
 
 class _Column:
-    """A dataset that grows, appended to at h5py's low level: a fifth of the high level's time."""
+    """A dataset that grows, written at h5py's low level: a fifth of the high level's time."""
 
     def __init__(self, dataset: Any) -> None:
         self._id = dataset.id
         self._length, *self._tail = dataset.shape
         self._type = h5py.h5t.py_create(dataset.dtype, logical=True)
         self._dtype = dataset.dtype
+        self.chunk_bytes = math.prod(dataset.chunks) * dataset.dtype.itemsize
 
-    def append(self, rows: NDArray[Any]) -> None:
+    def put(self, first: int, rows: NDArray[Any]) -> None:
+        """Write rows from row ``first`` on; the dataset grows as far as needed."""
         if len(rows) == 0:
             return
         rows = np.ascontiguousarray(rows, self._dtype)
-        shape = (len(rows), *self._tail)
-        self._id.set_extent((self._length + len(rows), *self._tail))
+        shape, end = (len(rows), *self._tail), first + len(rows)
+        if end > self._length:
+            self._id.set_extent((end, *self._tail))
+            self._length = end
         place = self._id.get_space()
-        place.select_hyperslab((self._length, *(0 for _ in self._tail)), shape)
+        place.select_hyperslab((first, *(0 for _ in self._tail)), shape)
         self._id.write(h5py.h5s.create_simple(shape), place, rows, self._type)
-        self._length += len(rows)
 
 
 def check_output(path: Path) -> Path:
@@ -165,20 +214,6 @@ def check_output(path: Path) -> Path:
             remedy="choose another place for the results or change its permissions",
         )
     return path.absolute()
-
-
-@contextmanager
-def _saying_why(path: Path) -> Iterator[None]:
-    """Turn the errors of HDF5 and the file system into one that a user can act on."""
-    try:
-        yield
-    except OSError as error:
-        reason = os.strerror(error.errno) if error.errno else str(error)
-        raise CaseError(
-            f"the results cannot be written: {reason}",
-            where=str(path),
-            remedy="make room or choose another place; frames written before are kept",
-        ) from error
 
 
 def _column_names(model: Model) -> list[str]:
