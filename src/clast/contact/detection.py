@@ -89,9 +89,18 @@ def pair_penetration(block_start: Ints, pairs: Ints, memory: ContactMemory) -> F
 
 
 def find_candidates(
-    vertices: Floats, block_start: Ints, pairs: Ints, memory: ContactMemory, reach: Reach
+    vertices: Floats,
+    block_start: Ints,
+    pairs: Ints,
+    memory: ContactMemory,
+    reach: Reach,
+    shift: Floats | None = None,
 ) -> Candidates:
-    """Return every edge that a vertex could be in contact with (see the module's kernels)."""
+    """Return every edge that a vertex could be in contact with (see the module's kernels).
+
+    ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m; nothing if
+    not given.
+    """
     direction, length = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
     vertex_block = np.repeat(np.arange(len(block_start) - 1), np.diff(block_start))
@@ -100,6 +109,7 @@ def find_candidates(
     while True:
         count, start, vertex, edge, pair, gap, along = narrow_phase.candidates(
             vertices,
+            np.zeros_like(vertices) if shift is None else shift,
             block_start,
             direction,
             length,
@@ -154,11 +164,23 @@ def detect(
     state: State,
     centroid: Floats,
     reach: Reach,
+    drift: Floats | None = None,
 ) -> Contacts:
-    """Return the contacts of a step that starts at ``state``; ``centroid`` (n, 2) in m."""
+    """Return the contacts of a step that starts at ``state``; ``centroid`` (n, 2) in m.
+
+    ``drift`` (n, 6) is the displacement that the velocities would bring in the step: with it, a
+    tip that would cross an edge beside which it stands now is a contact already.
+    """
     around = reach.front + max(reach.critdis, reach.tip)
     pairs = near_pairs(state.vertices, model.block_start, model.fixed, around)
-    candidates = find_candidates(state.vertices, model.block_start, pairs, state.memory, reach)
+    shift = None
+    if drift is not None:
+        block = model.vertex_block
+        basis = displacement.basis(state.vertices - centroid[block])
+        shift = np.einsum("vxk,vk->vx", basis, drift[block])
+    candidates = find_candidates(
+        state.vertices, model.block_start, pairs, state.memory, reach, shift
+    )
     chosen = np.flatnonzero(corner_rule.choose(candidates, state.vertices))
     return _contacts(model, displacement, state, centroid, pairs, candidates, chosen, reach)
 

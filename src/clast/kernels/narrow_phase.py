@@ -114,11 +114,28 @@ def _is_hidden(px, py, e, along, critdis, vertices, direction, length, first, la
 
 
 @njit(cache=True)
+def _crosses_within(p, e, e_end, gap, along, shift, tx, ty, length):
+    """Return True if the step's motion takes vertex p across edge e between its ends.
+
+    ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m.
+    """
+    share = along / length
+    mx = shift[p, 0] - (1.0 - share) * shift[e, 0] - share * shift[e_end, 0]
+    my = shift[p, 1] - (1.0 - share) * shift[e, 1] - share * shift[e_end, 1]
+    closing = -(mx * ty - my * tx)
+    if closing <= gap:
+        return False
+    meets = along + (gap / closing) * (mx * tx + my * ty)
+    return 0.0 <= meets <= length
+
+
+@njit(cache=True)
 def _vertex_candidates(
     p,
     i,
     j,
     vertices,
+    shift,
     block_start,
     direction,
     length,
@@ -152,7 +169,7 @@ def _vertex_candidates(
             continue
         along = rx * tx + ry * ty
         beyond = max(-along, along - length[e])
-        if beyond > max(critdis, depth):
+        if beyond > max(critdis, depth, reach):
             continue
         if ax * nx + ay * ny < -SMALL_ANGLE or bx * nx + by * ny < -SMALL_ANGLE:
             continue
@@ -163,7 +180,10 @@ def _vertex_candidates(
             allowance = _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, at_end, critdis, tip_reach)
             if _is_behind_next(px, py, gap, e, at_end, vertices, direction, first_j, last_j):
                 allowance = depth
-            if beyond > allowance:
+            e_end = _following(e, first_j, last_j)
+            if beyond > allowance and not (
+                gap >= 0.0 and _crosses_within(p, e, e_end, gap, along, shift, tx, ty, length[e])
+            ):
                 continue
         if gap < 0.0 and _is_hidden(
             px, py, e, along, critdis, vertices, direction, length, first_j, last_j
@@ -180,6 +200,7 @@ def _vertex_candidates(
 @njit(cache=True)
 def candidates(
     vertices,
+    shift,
     block_start,
     direction,
     length,
@@ -194,7 +215,8 @@ def candidates(
 ):
     """Return candidate (vertex, edge) couples of all pairs, grouped by (vertex, block of edge).
 
-    ``box`` (n, 4) are the blocks' boxes, not widened.  A vertex is looked for up to ``reach`` in
+    ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m.  ``box``
+    (n, 4) are the blocks' boxes, not widened.  A vertex is looked for up to ``reach`` in
     front of an edge and, behind it, as deep as ``depth_reach`` plus the penetration (q,) that the
     pair of blocks had at the end of the last step.  Result: count, group starts, and per
     candidate vertex, edge, pair, gap, distance along the edge; valid where count <= capacity.
@@ -227,6 +249,7 @@ def candidates(
                     i,
                     j,
                     vertices,
+                    shift,
                     block_start,
                     direction,
                     length,
@@ -385,6 +408,66 @@ def _is_nearer(a, b, gap, edge, remembered, length):
     if edge[b] == remembered:
         return False
     return edge[a] == remembered or edge[a] < edge[b]
+
+
+@njit(cache=True)
+def _ends_at(e, p, first, last):
+    """Return True if vertex p is an end of edge e of its block."""
+    return e == p or _following(e, first, last) == p
+
+
+@njit(cache=True)
+def drop_deeper_corners(
+    keep,
+    group_start,
+    pair,
+    vertex,
+    edge,
+    gap,
+    remembered,
+    direction,
+    length,
+    edge_block,
+    block_start,
+):
+    """Keep one contact where two corners are inside each other (vertex to vertex), in place.
+
+    Vertex P of block i is behind edge e of block j that ends at Q, and Q behind an edge a of i
+    that ends at P.  Moving out along either normal parts the corners, so that the shortest exit
+    counts, as at one corner: the larger gap; on a tie the contact that is remembered, else the
+    lower vertex.  Where e and a run along each other P and Q are the two ends of a joint instead.
+    """
+    known = np.zeros(len(edge), np.bool_)
+    for g in range(len(group_start) - 1):
+        known[group_start[g] : group_start[g + 1]] = remembered[g] >= 0
+    start = 0
+    while start < len(edge):
+        stop = start + 1
+        while stop < len(edge) and pair[stop] == pair[start]:
+            stop += 1
+        for c in range(start, stop):
+            for d in range(c + 1, stop):
+                if not (keep[c] and keep[d]) or gap[c] >= 0.0 or gap[d] >= 0.0:
+                    continue
+                p, e, q, a = vertex[c], edge[c], vertex[d], edge[d]
+                i, j = edge_block[a], edge_block[e]
+                if i == j or not (
+                    _ends_at(e, q, block_start[j], block_start[j + 1])
+                    and _ends_at(a, p, block_start[i], block_start[i + 1])
+                ):
+                    continue
+                turn = direction[e, 0] * direction[a, 1] - direction[e, 1] * direction[a, 0]
+                if abs(turn) <= SMALL_ANGLE:
+                    continue
+                tie = ROUND_OFF * min(length[e], length[a])
+                if abs(gap[c] - gap[d]) > tie:
+                    first_stays = gap[c] > gap[d]
+                elif known[c] != known[d]:
+                    first_stays = known[c]
+                else:
+                    first_stays = p < q
+                keep[d if first_stays else c] = False
+        start = stop
 
 
 @njit(cache=True)

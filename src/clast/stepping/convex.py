@@ -55,7 +55,13 @@ class Convex:
             frames = block_frames(model, method.displacement, state)
             reach = reach_within_step(model, method, frames, velocity, step)
             contacts = detect(
-                model, method.corner_rule, method.displacement, state, frames.centroid, reach
+                model,
+                method.corner_rule,
+                method.displacement,
+                state,
+                frames.centroid,
+                reach,
+                step * velocity,
             )
             theta = theta_by_block(model, method, contacts, velocity, self.restitution, step)
         with stages("base system"):

@@ -58,7 +58,13 @@ class OpenClose:
         with stages("contacts"):
             reach = reach_within_step(model, method, frames, velocity, step)
             contacts = detect(
-                model, method.corner_rule, method.displacement, state, frames.centroid, reach
+                model,
+                method.corner_rule,
+                method.displacement,
+                state,
+                frames.centroid,
+                reach,
+                step * velocity,
             )
         found = self._iterate(model, method, base, contacts, velocity, step, stages)
         solved = Solved(
