@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -72,3 +73,23 @@ def test_summary_says_that_the_run_did_not_end(killed: list[tuple[Path, int]]):
     rows = summary(read_results(killed[0][0]))
     assert rows["finished"] is False
     assert "did not end" in rows["outcome"]
+
+
+def test_run_from_the_command_line_that_is_killed(tmp_path: Path):
+    case = Path(__file__).parents[2] / "cases" / "heap.toml"
+    path = tmp_path / "heap.vtkhdf"
+    command = [sys.executable, "-m", "clast", "run", str(case), "-o", str(path), "--quiet"]
+    run = subprocess.Popen([*command, "--set", "output.every=0.01"])
+    try:
+        give_up = time.monotonic() + 60.0
+        while (not path.exists() or len(read_results(path).times) < 3) and run.poll() is None:
+            assert time.monotonic() < give_up, "no third frame in a minute"
+            time.sleep(0.02)
+    finally:
+        run.kill()
+        run.wait()
+    rows = summary(read_results(path))
+    assert rows["frames"] >= 3
+    assert rows["report"] is None
+    assert rows["energy"]["time"] == pytest.approx(rows["time"][1])
+    assert np.isfinite(read_results(path).vertices(-1)).all()
