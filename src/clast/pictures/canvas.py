@@ -83,7 +83,7 @@ def sheet_for(axes: tuple[float, float], title: str, legend_lines: int, bars: in
         long = min(across, 5.0)
         bar = (LEFT + 0.5 * (across - long), under + 0.5, long, BAR)
     return Sheet(
-        size=(width, bottom + up + 0.22 + LINE * (len(lines) + 1)),
+        size=(width, bottom + up + 0.32 + LINE * (len(lines) + 1)),
         title=tuple(lines),
         axes=(LEFT, bottom, across, up),
         bar=bar,
@@ -122,6 +122,8 @@ def view(axes: Axes, low: Floats, high: Floats, box: tuple[float, float]) -> Non
 def style(axes: Axes) -> None:
     """Draw axes thin and small, without a frame at the top and on the right."""
     axes.tick_params(labelsize=SMALL_SIZE, color=FAINT, labelcolor=INK, width=0.6, length=3)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.get_offset_text().set_fontsize(SMALL_SIZE)
     axes.set_axisbelow(True)
     for name, spine in axes.spines.items():
         spine.set_linewidth(0.6)

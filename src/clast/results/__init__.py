@@ -1,7 +1,7 @@
 """What a run leaves behind: histories, energy, a report, and one .vtkhdf file that ParaView opens.
 
 A run writes through :class:`RunRecorder`, which gives a :class:`Run`; a file is read again by
-:func:`read_results`.  ``docs`` of the layout: :mod:`clast.results.layout`.
+:func:`read_results`.  The layout of the file is described in :mod:`clast.results.layout`.
 """
 
 from __future__ import annotations
