@@ -99,6 +99,7 @@ ALTERNATIVES = Alternatives(
         "friction_updates": Field(ge=0),
         "restitution": Field(ge=0.0, le=1.0),
     },
+    automatic=frozenset({"normal_stiffness"}),
 )
 """Every key that offers a choice.  A class's own numbers are read from its dataclass."""
 
@@ -315,24 +316,33 @@ class MethodTable(Table):
     fixed_point_stiffness: Positive | None = None
     """Springs of fixed points, N/m per m; 100 times the stiffer of contact and rock if absent."""
 
-    def build(self, key: str) -> Any:
+    def chosen(self, key: str) -> Chosen:
+        """Return the choice of a key."""
+        value = getattr(self, key)
+        return value if isinstance(value, Chosen) else Choice(key, ALTERNATIVES).validate(value)
+
+    def build(self, key: str, **provided: Any) -> Any:
         """Return the object that a key chooses."""
-        chosen = getattr(self, key)
-        choice = Choice(key, ALTERNATIVES)
-        return (chosen if isinstance(chosen, Chosen) else choice.validate(chosen)).build()
+        return self.chosen(key).build(**provided)
 
     def method(
-        self, model: Model, *, max_displacement: float, dynamic_ratio: float = 1.0
+        self, model: Model, *, step: float, max_displacement: float, dynamic_ratio: float = 1.0
     ) -> Method:
         """Return how to simulate; what the table leaves open follows from the model."""
         from clast.interfaces import Method
         from clast.kinematics.first_order import FirstOrder
 
-        contact_law = self.build("contact_law")
-        moduli = [rock.young for rock in model.rocks]
-        stiffest = max([contact_law.normal_stiffness, *moduli])
+        process = self.build("process")
+        provided: dict[str, float] = {}
+        notes: tuple[str, ...] = ()
+        if self.chosen("contact_law").is_automatic("normal_stiffness"):
+            stiffness, reason = process.stiffness(model, step)
+            provided["normal_stiffness"] = stiffness
+            notes = (f"normal_stiffness = {stiffness:.4g} N/m per m: {reason}",)
+        contact_law = self.build("contact_law", **provided)
+        stiffest = max(contact_law.normal_stiffness, model.stiffest)
         return Method(
-            process=self.build("process"),
+            process=process,
             contact_law=contact_law,
             corner_rule=self.build("corner_rule"),
             displacement=FirstOrder(rotation=self.build("rotation")),
@@ -342,6 +352,7 @@ class MethodTable(Table):
             critdis=self.critdis or CRITDIS_SHARE * max_displacement,
             max_displacement=max_displacement,
             dynamic_ratio=dynamic_ratio,
+            notes=notes,
         )
 
 
@@ -467,6 +478,7 @@ class Case(Table):
         smallest = float(np.sqrt(model.area.min()))
         return self.method_.method(
             model,
+            step=self.time.step,
             max_displacement=self.time.max_displacement or TRAVEL_SHARE * smallest,
             dynamic_ratio=self.time.dynamic_ratio,
         )

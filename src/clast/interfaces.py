@@ -146,6 +146,10 @@ class StepProcess(Protocol):
         """Return what a user should know before the first step of length ``step``, s."""
         ...
 
+    def stiffness(self, model: Model, step: float) -> tuple[float, str]:
+        """Return the normal stiffness that suits the process, N/m per m, and the reason."""
+        ...
+
 
 @dataclass(frozen=True, kw_only=True)
 class Method:
@@ -171,6 +175,8 @@ class Method:
     """Largest vertex movement allowed in a step, m."""
     dynamic_ratio: float = 1.0
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
+    notes: tuple[str, ...] = ()
+    """What was chosen automatically, and why."""
 
 
 __all__ = [

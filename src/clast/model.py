@@ -216,6 +216,11 @@ class Model:
         return by_rock[self.block_rock]
 
     @property
+    def stiffest(self) -> float:
+        """Largest Young's modulus of the rocks, Pa."""
+        return max(rock.young for rock in self.rocks)
+
+    @property
     def material_points(self) -> MaterialPoints:
         """All material points in one list: fixed, point loads, line starts, line ends, measured."""
         lines = self.line_loads

@@ -63,6 +63,7 @@ class _Tally:
     contacts: int = 0
     penetration: float = 0.0
     seconds: dict[str, float] = field(default_factory=dict)
+    counts: dict[str, int] = field(default_factory=dict)
 
     def add(self, result: StepResult) -> None:
         self.steps += 1
@@ -71,6 +72,8 @@ class _Tally:
         self.penetration = max(self.penetration, result.penetration)
         for stage, seconds in result.seconds.items():
             self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
+        for name, number in result.counts.items():
+            self.counts[name] = self.counts.get(name, 0) + number
 
     def report(self, ledger: Ledger, wall: float, outcome: str, finished: bool) -> Report:
         return Report(
@@ -81,6 +84,7 @@ class _Tally:
             largest_penetration=self.penetration,
             ledger=ledger,
             seconds=dict(self.seconds),
+            counts=dict(self.counts),
             wall_seconds=wall,
             outcome=outcome,
             finished=finished,
@@ -123,7 +127,7 @@ def simulate(
     state = recorder.state
     finished = outcome == "the run reached its end"
     report = tally.report(state.ledger, perf_counter() - start, outcome, finished)
-    run = recorder.finish(replace(report, warnings=warnings))
+    run = recorder.finish(replace(report, warnings=warnings, notes=method.notes))
     if failure:
         raise RunStopped(f"the run {outcome}", run)
     return run

@@ -39,6 +39,9 @@ from clast.casefile.faults import Fault, faults_of, refusal
 
 Number = Annotated[float, Strict()]
 
+AUTO = "auto"
+"""Value that leaves a number to clast."""
+
 OPTION_TYPES: dict[str, Any] = {
     "float": Number,
     "float | None": Number | None,
@@ -58,6 +61,8 @@ class Alternatives:
     """Key -> name -> "module:class"; a field of a class that is such a key is a choice too."""
     limits: Mapping[str, FieldInfo]
     """Field name -> what pydantic is to check of it."""
+    automatic: frozenset[str] = frozenset()
+    """Fields that may be "auto", and are unless given: whoever builds the class provides them."""
 
     def __hash__(self) -> int:
         return id(self)
@@ -74,13 +79,17 @@ class Chosen:
     numbers: Mapping[str, Any] = field(default_factory=dict)
     """The values that the file gives; the others are the class's own defaults."""
 
-    def build(self) -> Any:
-        """Return the object that was chosen."""
+    def build(self, **provided: Any) -> Any:
+        """Return the object that was chosen; ``provided`` are the values of fields on "auto"."""
         given = {
             key: value.build() if isinstance(value, Chosen) else value
             for key, value in self.numbers.items()
         }
-        return class_at(self.path)(**given)
+        return class_at(self.path)(**{**given, **provided})
+
+    def is_automatic(self, key: str) -> bool:
+        """Return True where the file leaves a number to clast: "auto", or nothing."""
+        return self.numbers.get(key, AUTO) == AUTO
 
     def as_written(self) -> str | dict[str, Any]:
         """Return the shortest way to write it in a file."""
@@ -209,7 +218,10 @@ def _option(choice: Choice, option: Any, meaning: str | None) -> tuple[Any, Any]
     kind = option.type if isinstance(option.type, str) else option.type.__name__
     limit = choice.alternatives.limits.get(option.name, Field())
     written = ... if default is MISSING else default
-    return Annotated[OPTION_TYPES[kind], limit, Field(description=meaning)], written
+    number: Any = Annotated[OPTION_TYPES[kind], limit]
+    if option.name in choice.alternatives.automatic:
+        return Annotated[number | Literal["auto"], Field(description=meaning)], AUTO
+    return Annotated[number, Field(description=meaning)], written
 
 
 def _name_of(default: Any, choice: Choice) -> str:

@@ -58,7 +58,7 @@ class Penalty:
     """Linear springs, N = max(0, -p d_n), with Coulomb friction, cohesion, tension cut-off."""
 
     normal_stiffness: float = 1e9
-    """p, N/m per m."""
+    """p, N/m per m; "auto" picks it for the process chosen."""
     shear_stiffness: float | None = None
     """Stiffness of the shear spring, N/m per m; equal to ``normal_stiffness`` if not given."""
 
@@ -102,7 +102,7 @@ class AugmentedLagrangian:
     """
 
     normal_stiffness: float = 1e9
-    """p, N/m per m."""
+    """p, N/m per m; "auto" picks it for the process chosen."""
     shear_stiffness: float | None = None
     """Stiffness of the shear spring, N/m per m; equal to ``normal_stiffness`` if not given."""
     solves: int = 4

@@ -56,13 +56,19 @@ class Report:
     """Wall clock per stage of the step, s."""
     warnings: tuple[str, ...] = ()
     """Warnings given before and during the run."""
+    notes: tuple[str, ...] = ()
+    """What was chosen automatically, and why."""
+    counts: Mapping[str, int] = field(default_factory=dict)
+    """Sums over the accepted steps of what the process counts: passes, line searches, ..."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return the report as plain numbers and texts, ready for JSON."""
         plain = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
         plain["ledger"] = dataclasses.asdict(self.ledger)
         plain["seconds"] = dict(self.seconds)
+        plain["counts"] = dict(self.counts)
         plain["warnings"] = list(self.warnings)
+        plain["notes"] = list(self.notes)
         return plain
 
 
@@ -73,6 +79,7 @@ def report_from_dict(plain: Mapping[str, Any]) -> Report:
     ledger = {f.name for f in dataclasses.fields(Ledger)}
     entries["ledger"] = Ledger(**{k: v for k, v in plain["ledger"].items() if k in ledger})
     entries["warnings"] = tuple(plain["warnings"])
+    entries["notes"] = tuple(plain.get("notes", ()))
     return Report(**entries)
 
 

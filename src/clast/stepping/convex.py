@@ -95,6 +95,10 @@ class Convex:
         """Return nothing: the process holds for any stiffness and step."""
         return ()
 
+    def stiffness(self, model: Model, step: float) -> tuple[float, str]:
+        """Return E of the stiffest rock: stiff enough not to be seen, soft enough to be quick."""
+        return model.stiffest, "E of the stiffest rock; the process holds for any"
+
     def _minimum(
         self,
         potential: Potential,

@@ -125,6 +125,14 @@ class Modified:
             "or passes >= 2.",
         )
 
+    def stiffness(self, model: Model, step: float) -> tuple[float, str]:
+        """Return E, or less where one pass could not settle (p h2/m = 1)."""
+        share = float(model.mass[~model.fixed].min(initial=np.inf)) / CONTACTS_OF_A_BLOCK
+        stable = share / step**2
+        if stable < model.stiffest:
+            return stable, f"p h2/m = 1 for a contact that carries {share:.3g} kg/m (limit 6)"
+        return model.stiffest, "E of the stiffest rock; p h2/m stays below 1"
+
     def _solve(
         self,
         model: Model,
@@ -214,6 +222,8 @@ def reach_of(method: Method) -> Reach:
     )
 
 
+CONTACTS_OF_A_BLOCK = 4.0
+"""Contacts that share the mass of a block when a stiffness is chosen automatically."""
 STABILITY_LIMIT = 6.0
 """Largest p h2/m with which a contact settles without passes (m: mass per contact)."""
 

@@ -39,6 +39,9 @@ from clast.stepping.stages import Stages
 CUT = 1.0 / 3.0
 """Shi's cut of a step whose modes do not settle."""
 
+SHI_FACTOR = 40.0
+"""Automatic normal stiffness in units of Young's modulus times 1 m; Shi advises 10 to 100."""
+
 
 @dataclass(frozen=True)
 class OpenClose:
@@ -83,6 +86,10 @@ class OpenClose:
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Return nothing: the process itself cuts steps that do not settle."""
         return ()
+
+    def stiffness(self, model: Model, step: float) -> tuple[float, str]:
+        """Return 40 E of the stiffest rock, within Shi's 10 to 100 E L for a length of 1 m."""
+        return SHI_FACTOR * model.stiffest, f"{SHI_FACTOR:g} E of the stiffest rock (Shi: 10-100)"
 
     def _iterate(
         self,
