@@ -1,12 +1,13 @@
 """Corners: the bisector, exact ties, flat vertices, sliding across and round a corner."""
 
 import numpy as np
+import oracle
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from clast.state import ContactMemory
-from systems import Reach, box, touches_of, turned
+from systems import REACH, box, touches_of, turned
 
 RIGHT, TOP = 1, 2
 """Edges of a box that meet at its upper right corner (its vertex 2)."""
@@ -145,10 +146,39 @@ def test_vertex_slides_round_a_convex_corner(depth):
     assert abs(changes[0] - 39) <= 1  # where the two stretches meet
 
 
-@pytest.mark.parametrize("tip_reach", [0.0, 0.002])
-def test_tip_beside_a_corner_is_held_only_within_the_reach_for_tips(tip_reach):
-    reach = Reach(front=0.005, depth=0.025, critdis=0.005, tip=tip_reach)
-    for beside in (1e-4, 1e-3, 3e-3):
-        outlines = [box(0.0, 0.0), needle([1.0 + beside, 1.0 - 1e-3], [-0.3, 1.0])]
-        held = edges_of_tip(outlines, reach=reach)
-        assert held == ([TOP] if beside <= tip_reach else [])
+# --- two corners ---------------------------------------------------------------------------
+
+
+def corner_to_corner(dx, dy, lean=0.0):
+    """Return a box, and a square on its tip that is (dx, dy) inside the box's corner (1, 1)."""
+    square = turned(box(0.0, 0.0), np.pi / 4.0 + lean - np.pi / 2.0)
+    return [box(0.0, 0.0), square + np.array([1.0 - dx, 1.0 - dy])]
+
+
+@pytest.mark.parametrize("lean", [0.0, 0.3, -0.3])
+@pytest.mark.parametrize(("dx", "dy"), [(3e-3, 1e-3), (1e-3, 3e-3), (-2e-3, 5e-3), (4e-3, -1e-3)])
+def test_two_corners_inside_each_other_make_one_contact(dx, dy, lean):
+    """The one with the shortest exit of both vertices from both corners."""
+    outlines = corner_to_corner(dx, dy, lean)
+    both = oracle.every_candidate(outlines, REACH)
+    exits = {key: one.gap for key, one in both.items() if key[1] in (0, 2) and one.gap < 0.0}
+    closed = [one for one in touches_of(outlines) if one.gap < 0.0]
+    if not exits:
+        assert closed == []
+        return
+    assert len(closed) == 1
+    found = (*closed[0].vertex, *closed[0].edge)
+    assert exits[found] == max(exits.values())
+
+
+def test_passing_corners_hand_the_contact_over_where_both_exits_are_equal():
+    """Along the way the penetration of the one contact never jumps."""
+    gaps, who = [], []
+    for x in np.linspace(-8e-3, 8e-3, 4001):
+        closed = [one for one in touches_of(corner_to_corner(x, 4e-3, 0.2)) if one.gap < 0.0]
+        assert len(closed) <= 1
+        gaps.append(closed[0].gap if closed else 0.0)
+        who.append(closed[0].vertex[0] if closed else -1)
+    assert np.abs(np.diff(gaps)).max() < 1e-5
+    assert min(gaps) < -1e-3
+    assert {0, 1} <= set(who)

@@ -13,12 +13,14 @@ from clast.model import Bools, Floats
 class Bisector:
     """The angle bisector of a convex corner parts its two edges (Yu & Yin 2015).
 
-    At a re-entrant corner, and between the walls of a slot, both edges are kept.
+    At a re-entrant corner, and between the walls of a slot, both edges are kept.  Where two convex
+    corners are inside each other one of the two vertices makes the contact, by the same principle:
+    the shortest exit.
     """
 
     def choose(self, candidates: Candidates, vertices: Floats) -> Bools:
         """Return True for the candidates that become contacts, shape (m,)."""
-        return narrow_phase.bisector(
+        keep = narrow_phase.bisector(
             candidates.group_start,
             candidates.edge,
             candidates.gap,
@@ -30,3 +32,17 @@ class Bisector:
             candidates.vertex_block,
             candidates.block_start,
         )
+        narrow_phase.drop_deeper_corners(
+            keep,
+            candidates.group_start,
+            candidates.pair,
+            candidates.vertex,
+            candidates.edge,
+            candidates.gap,
+            candidates.remembered,
+            candidates.direction,
+            candidates.length,
+            candidates.vertex_block,
+            candidates.block_start,
+        )
+        return keep
