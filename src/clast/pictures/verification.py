@@ -1,0 +1,217 @@
+"""Figures of the verification problems: the set-up, and computed values against exact curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from clast.model import Floats, Model
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+ROCK, FIXED, OUTLINE = "#e6dccb", "#b7aea1", "#4a443c"
+"""Colours of free blocks, fixed blocks and their outlines."""
+ARROW = "#c1440e"
+"""Colour of loads and velocities."""
+EXACT = "#222222"
+"""Colour of exact curves."""
+EXACT_STYLES = ("-", "--", ":", "-.")
+COMPUTED = ("#c1440e", "#1f6f8b", "#6a8d2f", "#8e5aa8", "#c08a00")
+MARKS = ("o", "s", "^", "D", "v")
+"""Colours and marks of computed values, in turn."""
+PANEL = (4.6, 3.6)
+"""Width and height of a panel, inches."""
+DOTS = 100
+"""Dots per inch."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve:
+    """Values over x: exact ones are drawn as a line, computed ones as marks."""
+
+    label: str
+    """What the legend says."""
+    x: Floats
+    """Abscissa, shape (k,)."""
+    y: Floats
+    """Ordinate, shape (k,)."""
+    exact: bool = False
+    """True for values of a formula."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chart:
+    """Curves over one pair of axes."""
+
+    title: str
+    """Title; charts of the same title share their axes."""
+    x_label: str
+    """Quantity and unit of the abscissa."""
+    y_label: str
+    """Quantity and unit of the ordinate."""
+    curves: tuple[Curve, ...]
+    """What is drawn."""
+    x_scale: Literal["linear", "log"] = "linear"
+    """Scale of the abscissa."""
+    y_scale: Literal["linear", "log"] = "linear"
+    """Scale of the ordinate."""
+
+
+def curve(label: str, x: Any, y: Any) -> Curve:
+    """Return a curve of computed values."""
+    return Curve(label=label, x=np.asarray(x, float), y=np.asarray(y, float))
+
+
+def exact_curve(label: str, x: Any, y: Any) -> Curve:
+    """Return a curve of exact values."""
+    return replace(curve(label, x, y), exact=True)
+
+
+def merged(charts: Sequence[Chart]) -> list[Chart]:
+    """Return one chart for every title, with every exact curve once."""
+    by_title: dict[str, Chart] = {}
+    for chart in charts:
+        before = by_title.get(chart.title)
+        if before is None:
+            by_title[chart.title] = chart
+            continue
+        labels = {one.label for one in before.curves}
+        added = tuple(one for one in chart.curves if one.label not in labels)
+        by_title[chart.title] = replace(before, curves=before.curves + added)
+    return list(by_title.values())
+
+
+def draw_problem(set_up: Model, charts: Sequence[Chart], path: Path) -> None:
+    """Draw the set-up and the charts side by side into a picture."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    panels = merged(charts)
+    size = (PANEL[0] * (1 + len(panels)), PANEL[1])
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(1, 1 + len(panels), squeeze=False)[0]
+    draw_set_up(axes[0], set_up)
+    for each, chart in zip(axes[1:], panels, strict=True):
+        draw_chart(each, chart)
+    figure.savefig(path, dpi=DOTS, metadata={"Software": None})
+
+
+def draw_chart(axes: Axes, chart: Chart) -> None:
+    """Draw a chart: exact curves as lines, computed values as open marks on them."""
+    exact = [one for one in chart.curves if one.exact]
+    computed = [one for one in chart.curves if not one.exact]
+    for k, one in enumerate(exact):
+        style = EXACT_STYLES[k % len(EXACT_STYLES)]
+        axes.plot(one.x, one.y, style, color=EXACT, lw=1.2, label=one.label)
+    for k, one in enumerate(computed):
+        axes.plot(
+            one.x,
+            one.y,
+            MARKS[k % len(MARKS)],
+            color=COMPUTED[k % len(COMPUTED)],
+            # marks of several variants lie on each other: the first is the largest
+            ms=4.0 + 1.6 * max(0, 3 - k),
+            mfc="none",
+            mew=1.2,
+            label=one.label,
+        )
+    axes.set_xscale(chart.x_scale)
+    axes.set_yscale(chart.y_scale)
+    axes.set_xlabel(chart.x_label)
+    axes.set_ylabel(chart.y_label)
+    axes.set_title(chart.title, fontsize=10)
+    axes.grid(color="#dddddd", lw=0.6)
+    axes.legend(fontsize=7, frameon=False)
+
+
+def draw_set_up(axes: Axes, model: Model) -> None:
+    """Draw the blocks at the start with their supports, loads and velocities."""
+    from matplotlib.patches import Polygon
+
+    for block in range(model.block_count):
+        fixed = bool(model.fixed[block])
+        patch = Polygon(
+            model.polygon(block),
+            closed=True,
+            fc=FIXED if fixed else ROCK,
+            ec=OUTLINE,
+            lw=0.9,
+            hatch="///" if fixed else None,
+        )
+        axes.add_patch(patch)
+    held = model.fixed_points.at + model.origin
+    axes.plot(held[:, 0], held[:, 1], "^", color=OUTLINE, ms=8, clip_on=False)
+    size = float(np.ptp(model.vertices, axis=0).max())
+    _draw_arrows(axes, *_loads(model), 0.18 * size)
+    _draw_arrows(axes, *_velocities(model), 0.18 * size)
+    _draw_spins(axes, model)
+    axes.set_aspect("equal")
+    axes.margins(0.12)
+    axes.autoscale_view()
+    axes.set_title("set-up (m)", fontsize=10)
+    axes.tick_params(labelsize=8)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def _loads(model: Model) -> tuple[Floats, Floats]:
+    """Return places and forces of all loads; a line load is drawn in three places."""
+    points, lines = model.point_loads, model.line_loads
+    thirds = [lines.start + share * (lines.end - lines.start) for share in (1 / 6, 1 / 2, 5 / 6)]
+    at = np.concatenate([points.at, *thirds]) + model.origin
+    return at, np.concatenate([points.force, *3 * [lines.traction]])
+
+
+def _velocities(model: Model) -> tuple[Floats, Floats]:
+    """Return centroids and velocities of the blocks that move at the start."""
+    moving = np.flatnonzero(np.hypot(*model.velocity[:, :2].T) > 0.0)
+    corners = [model.polygon(int(block)).mean(axis=0) for block in moving]
+    return np.array(corners).reshape(-1, 2), model.velocity[moving, :2]
+
+
+def _draw_spins(axes: Axes, model: Model) -> None:
+    """Draw a bent arrow in every block that only turns at the start."""
+    still = np.hypot(*model.velocity[:, :2].T) == 0.0
+    for block in np.flatnonzero(still & (model.velocity[:, 2] != 0.0)):
+        centre = model.polygon(int(block)).mean(axis=0)
+        arm = 0.2 * np.sqrt(model.area[block])
+        bend = np.sign(model.velocity[block, 2])
+        axes.annotate(
+            "",
+            (centre[0] - arm, centre[1]),
+            (centre[0] + arm, centre[1]),
+            arrowprops={
+                "arrowstyle": "-|>",
+                "color": ARROW,
+                "lw": 1.4,
+                "connectionstyle": f"arc3,rad={0.9 * bend}",
+            },
+        )
+
+
+def _draw_arrows(axes: Axes, at: Floats, vectors: Floats, length: float) -> None:
+    """Draw vectors (k, 2) at (k, 2); the longest has the length given.
+
+    An arrow that would run into the picture ends at its place instead of starting there.
+    """
+    largest = np.hypot(*vectors.T).max(initial=0.0)
+    if largest == 0.0:
+        return
+    arrows = vectors * length / largest
+    middle = at.mean(axis=0)
+    inwards = np.sum((middle - at) * arrows, axis=1) > 1e-9 * length**2
+    for (x, y), (dx, dy) in zip(at - inwards[:, None] * arrows, arrows, strict=True):
+        axes.annotate(
+            "",
+            (x + dx, y + dy),
+            (x, y),
+            arrowprops={"arrowstyle": "-|>", "color": ARROW, "lw": 1.4},
+        )
+        # both ends count for the limits of the axes
+        axes.plot((x, x + dx), (y, y + dy), color=ARROW, lw=0.5)

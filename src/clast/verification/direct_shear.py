@@ -1,0 +1,101 @@
+"""Direct shear of a joint with cohesion: peak, then residual.
+
+A joint of length A under the normal force N holds until the shear force reaches
+
+    N tan(phi) + c A.
+
+There its bonds break, and from then on it carries N tan(phi), however far it slips.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model import Model
+from clast.model_builder import ModelBuilder
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.simulate import Schedule, simulate
+from clast.verification.problem import Outcome, Problem, relative
+from clast.verification.variants import CONVEX, EULER, IMPLICIT, LAGGED, Variant
+
+GRAVITY, DENSITY = 9.8, 2500.0
+LENGTH, HEIGHT = 1.0, 0.1
+"""Length A of the joint and height of the block on it, m."""
+PRESSURE = 100e3
+"""Pressure on top of the block, Pa."""
+FRICTION_ANGLE, COHESION = 30.0, 40e3
+NORMAL = DENSITY * GRAVITY * LENGTH * HEIGHT + PRESSURE * LENGTH
+RESIDUAL = NORMAL * float(np.tan(np.radians(FRICTION_ANGLE)))
+PEAK = RESIDUAL + COHESION * LENGTH
+"""Shear forces, N/m."""
+SHARES = (0.5, 0.9, 0.99, 0.999, 1.001, 1.01, 1.1)
+"""Shear forces applied, as shares of the peak."""
+STEP, DURATION = 3e-4, 0.12
+
+
+def sheared_block(force: float = PEAK) -> Model:
+    """Return a flat block on a fixed one, pressed down and pulled by ``force``, N/m, at its foot.
+
+    Pulled at its foot it has no tendency to tilt, so both its corners carry the same.
+    """
+    builder = ModelBuilder(title="Direct shear", gravity=(0.0, -GRAVITY))
+    builder.add_rock("granite", young=50e9, poisson=0.2, density=DENSITY)
+    builder.add_joint("default", friction_angle=FRICTION_ANGLE, cohesion=COHESION)
+    builder.block(name="base", vertices=[(-0.5, -0.2), (2, -0.2), (2, 0), (-0.5, 0)], fixed=True)
+    corners = [(0, 0), (LENGTH, 0), (LENGTH, HEIGHT), (0, HEIGHT)]
+    builder.block(name="block", vertices=corners)
+    builder.line_load((0, HEIGHT), (LENGTH, HEIGHT), (0.0, -PRESSURE))
+    builder.point_load((0.5 * LENGTH, 0.0), (force, 0.0), block="block")
+    return builder.build()
+
+
+def sheared(force: float, variant: Variant) -> Run:
+    """Return the run under a shear force, N/m; velocities are dropped after every step."""
+    model = sheared_block(force)
+    method = variant.method(model, normal_stiffness=1e8, max_displacement=0.01, dynamic_ratio=0.0)
+    return simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Bracket the peak, and compare what the joint carries after it."""
+    memories = [sheared(share * PEAK, variant).state.memory for share in SHARES]
+    carried = [abs(float(memory.shear_force.sum())) for memory in memories]
+    held = [bool(memory.bonded.all()) for memory in memories]
+    largest_held = max(s for s, holds in zip(SHARES, held, strict=True) if holds)
+    smallest_slipped = min(s for s, holds in zip(SHARES, held, strict=True) if not holds)
+    peak = 0.5 * (largest_held + smallest_slipped) * PEAK
+    rows = (
+        relative("peak", "N/m", peak, PEAK, 1e-3, "bracketed by forces of 0.999 and 1.001 of it"),
+        relative("residual", "N/m", carried[-1], RESIDUAL, 1e-5, "at rest but for the slip"),
+        relative("force carried at half the peak", "N/m", carried[0], 0.5 * PEAK, 1e-5, "at rest"),
+    )
+    chart = Chart(
+        title="shear force carried",
+        x_label="force applied / peak",
+        y_label="force carried / peak",
+        curves=(
+            exact_curve(
+                "N tan phi + c A, then N tan phi",
+                (0.0, 1.0, 1.0, SHARES[-1]),
+                (0.0, 1.0, RESIDUAL / PEAK, RESIDUAL / PEAK),
+            ),
+            curve(variant.name, SHARES, np.array(carried) / PEAK),
+        ),
+    )
+    return Outcome(rows, (chart,))
+
+
+PROBLEM = Problem(
+    name="direct-shear",
+    title="Direct shear of a joint with cohesion",
+    text="A block of 1 m x 0.1 m under a pressure of 0.1 MPa is pulled along a fixed one with "
+    "seven forces up to 1.1 times the peak; phi = 30 degrees, c = 40 kPa, p = 0.1 GPa, h = 0.3 ms, "
+    "static (dynamic_ratio = 0).",
+    formula="peak N tan phi + c A, residual N tan phi",
+    source="Coulomb",
+    set_up=sheared_block,
+    examine=examine,
+    variants=(LAGGED, IMPLICIT, EULER, CONVEX),
+    quick=(LAGGED, CONVEX),
+)

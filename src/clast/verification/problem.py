@@ -1,0 +1,223 @@
+"""What a problem with a known answer is, and what comes of running it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from clast.errors import RunStopped
+from clast.model import Model
+from clast.pictures.verification import Chart
+from clast.verification.variants import Variant
+
+
+class Verdict(Enum):
+    """What a row says; the value is the word in the table."""
+
+    PASS = "pass"
+    MISS = "MISS"
+    KNOWN = "known to fail"
+
+
+class Measure(Enum):
+    """How computed and exact value are compared."""
+
+    RELATIVE = "relative"
+    ABSOLUTE = "absolute"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """One computed quantity beside its exact value."""
+
+    quantity: str
+    """What is compared."""
+    unit: str
+    """Unit of both values."""
+    computed: float
+    """Value that clast computed."""
+    exact: float
+    """Value of the formula."""
+    measure: Measure
+    """How the error is measured."""
+    tolerance: float
+    """Largest error that passes, -, or in ``unit`` where absolute."""
+    reason: str
+    """Why the tolerance is what it is."""
+
+    @property
+    def error(self) -> float:
+        """Difference of computed and exact value, over the exact one where relative."""
+        difference = self.computed - self.exact
+        return difference / abs(self.exact) if self.measure is Measure.RELATIVE else difference
+
+    @property
+    def holds(self) -> bool:
+        """True where the error is within the tolerance."""
+        return abs(self.error) <= self.tolerance  # false for nan
+
+
+def relative(
+    quantity: str, unit: str, computed: float, exact: float, tolerance: float, reason: str
+) -> Comparison:
+    """Compare by (computed - exact) / |exact|."""
+    return _comparison(quantity, unit, computed, exact, tolerance, reason, Measure.RELATIVE)
+
+
+def absolute(
+    quantity: str, unit: str, computed: float, exact: float, tolerance: float, reason: str
+) -> Comparison:
+    """Compare by computed - exact, in ``unit``."""
+    return _comparison(quantity, unit, computed, exact, tolerance, reason, Measure.ABSOLUTE)
+
+
+def _comparison(
+    quantity: str,
+    unit: str,
+    computed: float,
+    exact: float,
+    tolerance: float,
+    reason: str,
+    measure: Measure,
+) -> Comparison:
+    return Comparison(
+        quantity=quantity,
+        unit=unit,
+        computed=float(computed),
+        exact=float(exact),
+        measure=measure,
+        tolerance=float(tolerance),
+        reason=reason,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row(Comparison):
+    """A line of the table: a comparison, where it comes from and what it says."""
+
+    problem: str
+    """Name of the problem."""
+    variant: str
+    """Name of the variant."""
+    known_failure: str = ""
+    """Why this quantity is known to miss its tolerance with this variant; empty where it is not."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the tolerance holds."""
+        if self.holds:
+            return Verdict.PASS
+        return Verdict.KNOWN if self.known_failure else Verdict.MISS
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the row as plain numbers and texts, ready for JSON."""
+        return {
+            "problem": self.problem,
+            "quantity": self.quantity,
+            "unit": self.unit,
+            "computed": self.computed,
+            "exact": self.exact,
+            "error": self.error,
+            "error_is": self.measure.value,
+            "tolerance": self.tolerance,
+            "reason": self.reason,
+            "variant": self.variant,
+            "verdict": self.verdict.value,
+            "known_failure": self.known_failure,
+        }
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a problem makes of one variant."""
+
+    comparisons: tuple[Comparison, ...]
+    """Computed beside exact."""
+    charts: tuple[Chart, ...] = ()
+    """The same as curves."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class KnownFailure:
+    """A quantity that is known to miss its tolerance with one variant, and why."""
+
+    variant: Variant
+    """Variant that misses."""
+    quantity: str
+    """Beginning of the quantity's text."""
+    reason: str
+    """Cause, in the method, of the failure."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Findings:
+    """Rows and charts of one problem run with one variant."""
+
+    problem: Problem
+    variant: Variant
+    rows: tuple[Row, ...]
+    charts: tuple[Chart, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """A problem with a closed-form answer."""
+
+    name: str
+    """Name on the command line."""
+    title: str
+    """Title."""
+    text: str
+    """What is computed, in one paragraph."""
+    formula: str
+    """The exact answer."""
+    source: str
+    """Where the formula comes from."""
+    set_up: Callable[[], Model]
+    """The system at the start, for the figure."""
+    examine: Callable[[Variant], Outcome]
+    """Run the problem with a variant."""
+    variants: tuple[Variant, ...]
+    """What it is run with."""
+    quick: tuple[Variant, ...]
+    """What it is run with where time is short."""
+    known_failures: tuple[KnownFailure, ...] = ()
+    """What is known to miss."""
+
+    def findings(self, variant: Variant) -> Findings:
+        """Run the problem with a variant; a run that stops is a row that misses."""
+        try:
+            outcome = self.examine(variant)
+        except RunStopped as stopped:
+            outcome = Outcome((_stopped(stopped),))
+        rows = tuple(self._row(comparison, variant) for comparison in outcome.comparisons)
+        return Findings(problem=self, variant=variant, rows=rows, charts=outcome.charts)
+
+    def run(self, variant: Variant) -> list[Row]:
+        """Run the problem with a variant and return its rows."""
+        return list(self.findings(variant).rows)
+
+    def _row(self, comparison: Comparison, variant: Variant) -> Row:
+        reasons = [
+            known.reason
+            for known in self.known_failures
+            if known.variant == variant and comparison.quantity.startswith(known.quantity)
+        ]
+        return Row(
+            **vars(comparison),
+            problem=self.name,
+            variant=variant.name,
+            known_failure=" ".join(reasons),
+        )
+
+
+def _stopped(stopped: RunStopped) -> Comparison:
+    """Return the comparison that a run which could not go on leaves."""
+    return absolute("runs that stopped before their end", "", 1.0, 0.0, 0.0, str(stopped))
+
+
+def misses(rows: Iterable[Row]) -> list[Row]:
+    """Return the rows that miss their tolerance without being known to."""
+    return [row for row in rows if row.verdict is Verdict.MISS]

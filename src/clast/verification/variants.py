@@ -1,0 +1,99 @@
+"""The ways of computing that problems are run with, written as in the [method] table of a case."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+from clast.case import CRITDIS_SHARE, FIXED_POINT_FACTOR, MethodTable
+from clast.interfaces import Method
+from clast.kinematics.first_order import FirstOrder
+from clast.model import Model
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variant:
+    """One process with its friction, law, integrator and rotation rule; keys as in case files."""
+
+    name: str
+    """Short name in tables."""
+    process: Mapping[str, Any] = field(hash=False)
+    """Process of a step, with its numbers."""
+    contact_law: Mapping[str, Any] = field(
+        hash=False, default_factory=lambda: MappingProxyType({"name": "penalty"})
+    )
+    """Contact law; the problem adds its normal stiffness."""
+    integrator: str = "constant-acceleration"
+    """Time integration."""
+    rotation: str = "sine"
+    """Rotation rule."""
+
+    def method(
+        self,
+        model: Model,
+        *,
+        normal_stiffness: float,
+        max_displacement: float,
+        dynamic_ratio: float = 1.0,
+    ) -> Method:
+        """Return the method with the numbers of a problem: p in N/m per m, lengths in m.
+
+        What case files may leave open is as there: critdis is half of ``max_displacement``, fixed
+        points are 100 times stiffer than the contacts and the stiffest rock.
+        """
+        law = {**self.contact_law, "normal_stiffness": normal_stiffness}
+        table = MethodTable.model_validate(
+            {
+                "process": dict(self.process),
+                "contact_law": law,
+                "integrator": self.integrator,
+                "rotation": self.rotation,
+            }
+        )
+        stiffest = max([normal_stiffness, *(rock.young for rock in model.rocks)])
+        return Method(
+            process=table.build("process"),
+            contact_law=table.build("contact_law"),
+            corner_rule=table.build("corner_rule"),
+            displacement=FirstOrder(rotation=table.build("rotation")),
+            integrator=table.build("integrator"),
+            solver=table.build("solver"),
+            fixed_point_stiffness=FIXED_POINT_FACTOR * stiffest,
+            critdis=CRITDIS_SHARE * max_displacement,
+            max_displacement=max_displacement,
+            dynamic_ratio=dynamic_ratio,
+        )
+
+
+LAGGED = Variant(
+    name="modified, lagged friction", process={"name": "modified", "friction": "lagged"}
+)
+"""The paper's process: one pass, sliding friction as a known force."""
+
+IMPLICIT = Variant(
+    name="modified, implicit friction", process={"name": "modified", "friction": "implicit"}
+)
+"""The paper's process with sliding friction mu N inside the solve."""
+
+PASSES = Variant(
+    name="modified, 4 passes",
+    process={"name": "modified", "friction": "implicit", "passes": 4},
+)
+"""Up to four assemblies and solves a step, until the modes of the contacts agree."""
+
+EULER = Variant(
+    name="modified, backward Euler",
+    process={"name": "modified", "friction": "implicit"},
+    integrator="backward-euler",
+)
+"""The dissipative time scheme."""
+
+CONVEX = Variant(name="convex", process={"name": "convex"})
+"""Newton's method on the incremental potential; friction follows the normal force of the step."""
+
+CONVEX_LAGGED = Variant(
+    name="convex, lagged friction", process={"name": "convex", "friction_updates": 0}
+)
+"""The same with the friction bound of the step before."""

@@ -1,0 +1,89 @@
+"""The frame of the problems: choosing, verdicts, tables, report."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import pytest
+
+from clast import verification
+from clast.errors import CaseError, RunStopped
+from clast.verification import PROBLEMS, Verdict, cells
+from clast.verification.problem import KnownFailure, Outcome, absolute, relative
+from clast.verification.report import anchor
+from clast.verification.spin import PROBLEM as SPIN
+from clast.verification.variants import LAGGED, Variant
+
+
+def problem(*comparisons, **changes):
+    """Return a problem that finds the comparisons given."""
+    return dataclasses.replace(SPIN, examine=lambda variant: Outcome(comparisons), **changes)
+
+
+def test_names_are_unique_and_found():
+    names = [each.name for each in PROBLEMS]
+    assert len(set(names)) == len(names)
+    assert [each.name for each in verification.problems(["spin", "incline"])] == ["spin", "incline"]
+    assert len(verification.problems()) == len(PROBLEMS)
+
+
+def test_an_unknown_name_is_refused_with_a_suggestion():
+    with pytest.raises(CaseError, match="inclime") as error:
+        verification.run(["inclime"])
+    assert "did you mean 'incline'?" in str(error.value)
+
+
+@pytest.mark.parametrize("each", PROBLEMS, ids=lambda each: each.name)
+def test_problems_are_complete(each):
+    assert each.text.endswith(".") and each.formula and each.source
+    assert set(each.quick) <= set(each.variants)
+    assert len({variant.name for variant in each.variants}) == len(each.variants)
+    assert each.set_up().block_count > 0
+
+
+def test_relative_error_passes_within_its_tolerance():
+    row = problem(relative("way", "m", 1.001, 1.0, 0.002, "why")).run(LAGGED)[0]
+    assert (row.error, row.verdict) == (pytest.approx(0.001), Verdict.PASS)
+    assert cells(row)[2:6] == ("1.001 m", "1 m", "0.1 %", "0.2 %")
+
+
+@pytest.mark.parametrize("computed", [1.003, 0.997, math.nan, math.inf])
+def test_a_miss(computed):
+    row = problem(relative("way", "m", computed, 1.0, 0.002, "why")).run(LAGGED)[0]
+    assert row.verdict is Verdict.MISS
+    assert verification.misses([row]) == [row]
+
+
+def test_a_known_failure_is_no_miss():
+    known = KnownFailure(variant=LAGGED, quantity="way", reason="because")
+    each = problem(absolute("way at 2 s", "m", 1.0, 0.0, 0.1, "why"), known_failures=(known,))
+    row = each.run(LAGGED)[0]
+    assert (row.verdict, row.known_failure) == (Verdict.KNOWN, "because")
+    assert verification.misses([row]) == []
+    assert row.as_dict()["verdict"] == "known to fail"
+
+
+def test_a_run_that_stops_is_a_miss():
+    def stop(variant: Variant) -> Outcome:
+        raise RunStopped("it flew apart", None)
+
+    row = dataclasses.replace(SPIN, examine=stop).run(LAGGED)[0]
+    assert (row.verdict, row.reason) == (Verdict.MISS, "it flew apart")
+
+
+def test_the_method_of_a_variant_is_that_of_a_case_file():
+    model = SPIN.set_up()
+    method = LAGGED.method(model, normal_stiffness=1e9, max_displacement=0.01)
+    assert method.contact_law.normal_stiffness == 1e9
+    assert (method.critdis, method.fixed_point_stiffness) == (0.005, 100.0 * 50e9)
+
+
+def test_report_has_a_page_and_a_figure(tmp_path):
+    findings = verification.examine(["patch"], choose=verification.quick)
+    written = verification.write_report(findings, tmp_path)
+    page = (tmp_path / "verification.md").read_text(encoding="utf-8")
+    assert (tmp_path / "verification.html").read_text(encoding="utf-8").count("<h2") == 1
+    assert all(path.stat().st_size > 0 for path in written)
+    assert "![Patch test](verification/patch.png)" in page
+    assert f"(#{anchor('Patch test')})" in page
