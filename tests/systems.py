@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
+import itertools
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+import shapely
 
 from clast.contact.arrays import Contacts
 from clast.contact.corners import Bisector
 from clast.contact.detection import Candidates, Reach, detect, find_candidates, near_pairs
 from clast.contact.laws import Penalty
 from clast.equations.frames import block_frames
-from clast.equations.solvers import Scipy
-from clast.errors import StepRejected
-from clast.interfaces import Method, StepResult
+from clast.equations.solvers import Automatic, Scipy
+from clast.errors import RunStopped, StepOutcome, StepRejected
+from clast.interfaces import Method, StepProcess, StepResult
 from clast.kernels import polygon
 from clast.kinematics.first_order import FirstOrder
 from clast.kinematics.rotation import Sine
 from clast.model import Floats, Ints, Model
 from clast.model_builder import ModelBuilder
+from clast.results import Run
+from clast.simulate import Schedule, simulate
 from clast.state import ContactMemory, State, initial_state
 from clast.stepping import energy
 from clast.stepping.advance import ConstantAcceleration
+from clast.stepping.convex import Convex
 from clast.stepping.modified import Modified
 
 GRAVITY = 9.8
@@ -73,6 +79,42 @@ def bricks(courses: int, columns: int, bond: float = 0.5) -> list[Floats]:
     ]
 
 
+def courses_of_bricks(courses: int, columns: int, *, bonded: bool = True) -> list[Floats]:
+    """Return a wall of 1 m x 0.5 m bricks, half bricks at the ends of every second course.
+
+    Without bond all joints are aligned, so that four corners meet everywhere.
+    """
+    outlines = []
+    for course in range(courses):
+        joints = np.arange(columns + 1.0)
+        if bonded and course % 2:
+            joints = np.array([0.0, *(joints[:-1] + 0.5), columns])
+        ends = itertools.pairwise(joints)
+        outlines += [box(left, 0.5 * course, right - left, 0.5) for left, right in ends]
+    return outlines
+
+
+def loose_polygons(count: int, columns: int, seed: int = 1) -> list[Floats]:
+    """Return random polygons of up to 1.1 m, every second one not convex, none touching."""
+    rng = np.random.default_rng(seed)
+    outlines = []
+    for k in range(count):
+        outline = star if k % 2 else convex
+        shape = outline(rng, int(rng.integers(4, 8)), rng.uniform(0.35, 0.55))
+        at = 1.15 * np.array([k % columns, k // columns]) + rng.uniform(-0.01, 0.01, 2)
+        outlines.append(shape + at + 0.7)
+    return outlines
+
+
+def trough(width: float, height: float) -> list[Floats]:
+    """Return floor and walls, 1 m thick, about the space from (0, 0)."""
+    return [
+        box(-1.0, -1.0, width + 2.0, 1.0),
+        box(-1.0, 0.0, 1.0, height),
+        box(width, 0.0, 1.0, height),
+    ]
+
+
 def voussoirs(count: int, inner: float = 2.0, outer: float = 2.6) -> list[Floats]:
     """Return the voussoirs of a semicircular arch from right to left, faces radial."""
     angle = np.linspace(0.0, np.pi, count + 1)
@@ -95,11 +137,13 @@ def system(
     cohesion: float = 0.0,
     tensile_strength: float = 0.0,
     young: float = 5e9,
+    poisson: float = 0.2,
+    density: float = 2500.0,
     gravity: Sequence[float] = (0.0, -GRAVITY),
 ) -> Model:
     """Return a model of one rock and one joint; ``fixed`` and ``velocity`` go by block index."""
     builder = ModelBuilder(gravity=gravity)
-    builder.add_rock("rock", young=young, poisson=0.2, density=2500.0)
+    builder.add_rock("rock", young=young, poisson=poisson, density=density)
     builder.add_joint(
         friction_angle=friction_angle, cohesion=cohesion, tensile_strength=tensile_strength
     )
@@ -129,6 +173,48 @@ def method(**changes: object) -> Method:
         max_displacement=0.01,
     )
     return replace(usual, **changes)  # type: ignore[arg-type]
+
+
+def by_convex(normal_stiffness: float, **changes: object) -> Method:
+    """Return the convex process with a penalty law and some things changed."""
+    usual = method(
+        process=Convex(),
+        contact_law=Penalty(normal_stiffness=normal_stiffness),
+        solver=Automatic(),
+        fixed_point_stiffness=1e13,
+    )
+    return replace(usual, **changes)  # type: ignore[arg-type]
+
+
+def wall(
+    courses: int,
+    columns: int,
+    *,
+    bonded: bool = True,
+    friction_angle: float = 30.0,
+    poisson: float = 0.0,
+    gravity: float = GRAVITY,
+) -> Model:
+    """Return a wall of bricks (rho 2600 kg/m3) on a fixed base, which is block 0."""
+    base = box(-1.0, -1.0, columns + 2.0, 1.0)
+    return system(
+        [base, *courses_of_bricks(courses, columns, bonded=bonded)],
+        fixed=[0],
+        friction_angle=friction_angle,
+        poisson=poisson,
+        density=2600.0,
+        gravity=(0.0, -gravity),
+    )
+
+
+def heap(count: int, columns: int, *, seed: int = 1, friction_angle: float = 30.0) -> Model:
+    """Return loose polygons above the floor of a fixed trough, which is blocks 0 to 2."""
+    height = 1.15 * (count // columns + 2) + 1.0
+    return system(
+        [*trough(1.15 * (columns - 1) + 1.4, height), *loose_polygons(count, columns, seed)],
+        fixed=[0, 1, 2],
+        friction_angle=friction_angle,
+    )
 
 
 # --- contact detection ---------------------------------------------------------------------
@@ -196,6 +282,104 @@ def contacts_of(model: Model, state: State | None = None, reach: Reach = REACH) 
     displacement = FirstOrder(Sine())
     centroid = polygon.moments(state.vertices, model.block_start)[1]
     return detect(model, Bisector(), displacement, state, centroid, reach)
+
+
+# --- runs to their end -----------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Watched:
+    """A process that counts why its steps were rejected."""
+
+    process: StepProcess
+    rejected: Counter[StepOutcome] = field(default_factory=Counter)
+
+    def step(self, model: Model, how: Method, state: State, step: float) -> StepResult:
+        try:
+            return self.process.step(model, how, state, step)
+        except StepRejected as rejected:
+            self.rejected[rejected.outcome] += 1
+            raise
+
+    def advice(self, model: Model, how: Method, state: State, step: float) -> tuple[str, ...]:
+        return self.process.advice(model, how, state, step)
+
+    def stiffness(self, model: Model, step: float) -> tuple[float, str]:
+        return self.process.stiffness(model, step)
+
+
+STEP_CONTROL = {StepOutcome.TRAVELLED_TOO_FAR, StepOutcome.ROTATED_TOO_FAR}
+"""Rejections by which a run keeps its movement per step within bounds, not failures."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A run and what was rejected on its way."""
+
+    run: Run
+    rejected: Counter[StepOutcome]
+
+    @property
+    def failed_steps(self) -> int:
+        """Steps rejected for anything but moving or turning too far."""
+        return sum(n for outcome, n in self.rejected.items() if outcome not in STEP_CONTROL)
+
+    @property
+    def iterations(self) -> float:
+        """Assemblies and solves per step."""
+        return self.run.report.passes / self.run.report.steps
+
+    @property
+    def moved(self) -> Floats:
+        """Movement of every vertex since the start, m, shape (nv, 2)."""
+        return self.run.state.vertices - self.run.model.vertices
+
+    @property
+    def drift(self) -> float:
+        """Largest horizontal movement of a vertex, m."""
+        return float(np.abs(self.moved[:, 0]).max())
+
+    @property
+    def created(self) -> float:
+        """Largest energy ever held beyond what the start and the loads gave, J/m."""
+        held = [self.run.energy[name] for name in STORED]
+        return float((np.sum(held, axis=0) - self.run.energy["loads"] - held[0][0]).max())
+
+    @property
+    def turnover(self) -> float:
+        """Energy that changed its form, J/m: the yardstick of the ledger."""
+        return float(np.abs(self.run.energy["gravity"]).max() + self.run.energy["kinetic"].max())
+
+
+STORED = ("kinetic", "elastic", "gravity", "contact", "fixed_points")
+"""Entries of the ledger that a system holds."""
+
+
+def finish(
+    model: Model, how: Method, step: float, end: float, *, may_stop: bool = False
+) -> Finished:
+    """Return the run of a model to ``end``, s.
+
+    Raises RunStopped where it cannot go on, unless it ``may_stop``.
+    """
+    watched = Watched(how.process)
+    schedule = Schedule(step=step, end=end, every=end)
+    try:
+        run = simulate(model, replace(how, process=watched), schedule)
+    except RunStopped as stopped:
+        if not may_stop:
+            raise
+        run = stopped.run  # type: ignore[assignment]
+    return Finished(run, watched.rejected)
+
+
+def overlaps(model: Model, vertices: Floats) -> list[tuple[int, int, float]]:
+    """Return pairs of blocks whose outlines overlap, and the area, m2."""
+    shapes = np.array([shapely.Polygon(one) for one in np.split(vertices, model.block_start[1:-1])])
+    low, high = shapely.STRtree(shapes).query(shapes, predicate="intersects")
+    low, high = low[low < high], high[low < high]
+    area = shapely.area(shapely.intersection(shapes[low], shapes[high]))
+    return [(int(i), int(j), float(a)) for i, j, a in zip(low, high, area, strict=True) if a > 0]
 
 
 # --- running -------------------------------------------------------------------------------

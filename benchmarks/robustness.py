@@ -1,0 +1,300 @@
+"""Where the convex process holds: walls and heaps over stiffness and step.
+
+    python benchmarks/robustness.py --quick       a minute: the small wall, a small heap
+    python benchmarks/robustness.py               all of it: hours
+    python benchmarks/robustness.py --only small-wall heap
+
+Every run that has ended is kept in build/robustness.jsonl and not repeated; the tables of what is
+there are written to docs/robustness.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+
+import systems  # noqa: E402
+from clast.model import Model  # noqa: E402
+
+YOUNG = 5e9
+SHARES = (0.01, 0.1, 1.0, 10.0, 50.0)
+"""Normal stiffness in units of E times 1 m."""
+STEPS = (5e-3, 1e-3, 2e-4)
+"""Steps, s: the quick ones first."""
+FRICTION = 26.57
+"""Friction angle of the headline's walls, degrees: tan phi = 0.5."""
+KEPT = ROOT / "build" / "robustness.jsonl"
+PAGE = ROOT / "docs" / "robustness.md"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wanted:
+    """One run to make."""
+
+    scene: str
+    """Table that it belongs to."""
+    share: float
+    """p/E."""
+    step: float
+    """h, s."""
+    end: float
+    """End of the run, s."""
+
+    @property
+    def key(self) -> str:
+        """Name of the run."""
+        return f"{self.scene} {self.share:g} {self.step:g} {self.end:g}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figures:
+    """What a run showed."""
+
+    stands: bool
+    """The run reached its end."""
+    drift: float
+    """Largest horizontal movement of a vertex, m."""
+    penetration: float
+    """Largest penetration in the last tenth of the run, m."""
+    peak: float
+    """Largest penetration in the run, m."""
+    iterations: float
+    """Newton iterations per step."""
+    failed: int
+    """Steps cut because they did not converge, tunnelled or were not finite."""
+    cut: int
+    """Steps cut because something moved or turned too far."""
+    created: float
+    """Largest energy beyond what start and gravity gave, over the energy turned over."""
+    unaccounted: float
+    """What the ledger fails to explain, over the energy turned over."""
+    overlap: float
+    """Largest area in which two blocks overlap at the end, m2."""
+    kinetic: float
+    """Kinetic energy at the end over the energy turned over."""
+    wall: float
+    """Wall time, s."""
+
+
+def headline_wall(courses: int, columns: int, bonded: bool) -> Callable[[], Model]:
+    """Return a maker of a wall of the headline."""
+    return lambda: systems.wall(courses, columns, bonded=bonded, friction_angle=FRICTION)
+
+
+SCENES: dict[str, Callable[[], Model]] = {
+    "small-wall": headline_wall(10, 10, True),
+    "small-columns": headline_wall(10, 10, False),
+    "large-wall": headline_wall(45, 22, True),
+    "large-columns": headline_wall(45, 22, False),
+    "brick-wall": lambda: systems.wall(10, 10, friction_angle=30.0),
+    "heap": lambda: systems.heap(200, 20),
+    "small-heap": lambda: systems.heap(30, 6),
+}
+WALLS = {
+    "small-wall": "Running bond, 105 bricks",
+    "small-columns": "Aligned columns, 100 bricks",
+    "large-wall": "Running bond, 1,012 bricks",
+    "large-columns": "Aligned columns, 990 bricks",
+}
+
+
+def wanted(quick: bool) -> Iterator[Wanted]:
+    """Yield the runs in the order in which they are made."""
+    if quick:
+        for share in (0.1, 1.0, 10.0):
+            yield Wanted(scene="small-wall", share=share, step=5e-3, end=0.3)
+            yield Wanted(scene="small-heap", share=share, step=5e-3, end=1.0)
+        return
+    for scene in ("small-wall", "small-columns"):
+        for step in STEPS:
+            for share in SHARES:
+                yield Wanted(scene=scene, share=share, step=step, end=1.0)
+    for share in (0.2, 2.0, 20.0):
+        yield Wanted(scene="brick-wall", share=share, step=1e-3, end=2.0)
+    for step in STEPS:
+        for scene in ("large-wall", "large-columns"):
+            for share in SHARES:
+                yield Wanted(scene=scene, share=share, step=step, end=1.0)
+    for step in (5e-3, 1e-3):
+        for share in (0.01, 0.1, 1.0, 10.0):
+            yield Wanted(scene="heap", share=share, step=step, end=3.0)
+
+
+def made(wish: Wanted) -> Figures:
+    """Return what one run shows."""
+    model = SCENES[wish.scene]()
+    how = systems.by_convex(wish.share * YOUNG)
+    if "heap" in wish.scene:
+        how = replace(how, max_displacement=0.05)
+    start = time.perf_counter()
+    done = systems.finish(model, how, wish.step, wish.end, may_stop=True)
+    run = done.run
+    late = run.step_rows["penetration"][run.step_rows["time"] > 0.9 * wish.end]
+    areas = [area for *_, area in systems.overlaps(model, run.state.vertices)]
+    return Figures(
+        stands=run.report.finished,
+        drift=done.drift,
+        penetration=float(late.max(initial=0.0)),
+        peak=run.report.largest_penetration,
+        iterations=done.iterations,
+        failed=done.failed_steps,
+        cut=run.report.cut_steps - done.failed_steps,
+        created=done.created / done.turnover,
+        unaccounted=abs(run.report.ledger.unaccounted) / done.turnover,
+        overlap=max(areas, default=0.0),
+        kinetic=run.report.ledger.kinetic / done.turnover,
+        wall=time.perf_counter() - start,
+    )
+
+
+def kept() -> dict[str, tuple[Wanted, Figures]]:
+    """Return the runs made so far."""
+    if not KEPT.exists():
+        return {}
+    rows = [json.loads(line) for line in KEPT.read_text().splitlines()]
+    runs = [(Wanted(**row["wanted"]), Figures(**row["figures"])) for row in rows]
+    return {wish.key: (wish, figures) for wish, figures in runs}
+
+
+def keep(wish: Wanted, figures: Figures) -> None:
+    """Add one run to those made."""
+    KEPT.parent.mkdir(exist_ok=True)
+    with KEPT.open("a") as file:
+        file.write(json.dumps({"wanted": asdict(wish), "figures": asdict(figures)}) + "\n")
+
+
+def resting_penetration(scene: str, share: float) -> float:
+    """Return W/(n_c p) at the base: the wall's weight over its contacts there, m."""
+    model = SCENES[scene]()
+    free = ~model.fixed
+    weight = float(model.mass[free].sum()) * systems.GRAVITY
+    own = model.vertices[free[model.vertex_block]]
+    contacts = int(np.sum(np.abs(own[:, 1]) < 1e-9))
+    return weight / (contacts * share * YOUNG)
+
+
+def wall_table(scene: str, runs: list[tuple[Wanted, Figures]]) -> list[str]:
+    """Return the lines of one table of walls."""
+    lines = [
+        f"### {WALLS[scene]}",
+        "",
+        "| p/E | h, ms | stands | drift, mm | penetration, mm | W/(n_c p), mm | ratio "
+        "| Newton/step | failed | cut | wall time, s |",
+        "|--:|--:|:-:|--:|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    for wish, one in sorted(runs, key=lambda run: (run[0].share, run[0].step)):
+        rest = resting_penetration(scene, wish.share)
+        lines.append(
+            f"| {wish.share:g} | {1e3 * wish.step:g} | {'yes' if one.stands else 'NO'} "
+            f"| {1e3 * one.drift:.2g} | {1e3 * one.penetration:.3g} | {1e3 * rest:.3g} "
+            f"| {one.penetration / rest:.3f} | {one.iterations:.1f} | {one.failed} | {one.cut} "
+            f"| {one.wall:.0f} |"
+        )
+    return [*lines, ""]
+
+
+def heap_table(title: str, runs: list[tuple[Wanted, Figures]]) -> list[str]:
+    """Return the lines of the table of heaps (or of the wall of 2 s)."""
+    lines = [
+        f"### {title}",
+        "",
+        "| p/E | h, ms | finished | Newton/step | failed | cut | drift, mm | peak penetration, mm "
+        "| largest overlap, cm2 | created | unaccounted | kinetic at the end | wall time, s |",
+        "|--:|--:|:-:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    for wish, one in sorted(runs, key=lambda run: (run[0].share, run[0].step)):
+        lines.append(
+            f"| {wish.share:g} | {1e3 * wish.step:g} | {'yes' if one.stands else 'NO'} "
+            f"| {one.iterations:.1f} | {one.failed} | {one.cut} | {1e3 * one.drift:.3g} "
+            f"| {1e3 * one.peak:.3g} | {1e4 * one.overlap:.3g} | {one.created:.1e} "
+            f"| {one.unaccounted:.1e} | {one.kinetic:.1e} | {one.wall:.0f} |"
+        )
+    return [*lines, ""]
+
+
+HEAD = """# Where the convex process holds
+
+Written by `python benchmarks/robustness.py`; only runs that have been made are listed. No number
+was tuned for any row: one method, penalty law, constant acceleration, default tolerance.
+
+## Walls for one second
+
+Bricks of 1 m x 0.5 m, half bricks at the ends of every second course, E 5 GPa, Poisson's ratio 0
+(so that no drift is real), 2600 kg/m3, friction angle 26.57 degrees, no damping, on a fixed base;
+the wall starts without any penetration and settles under its weight. *Drift* is the largest
+horizontal movement of any vertex, *penetration* the largest of any contact in the last tenth of
+the second, W/(n_c p) the wall's weight spread evenly over the corners that stand on the base.
+*Failed* counts steps that did not converge or let a vertex through, *cut* those in which something
+moved or turned too far for one step. Wall times are of a busy machine with two cores.
+"""
+
+TAIL = """## A heap of 200 polygons, and a wall for two seconds
+
+Random polygons of 4 to 7 corners and up to 1.1 m, every second one not convex, fall into a trough
+(E 5 GPa, friction angle 30 degrees, restitution 0) and come to rest. *Created* is the largest
+energy ever held beyond that of the start, *unaccounted* what the ledger cannot explain, both over
+the energy turned over.
+"""
+
+
+def page(runs: dict[str, tuple[Wanted, Figures]]) -> str:
+    """Return the page with the tables of the runs made."""
+
+    def of(scene: str) -> list[tuple[Wanted, Figures]]:
+        return [run for run in runs.values() if run[0].scene == scene]
+
+    lines = [HEAD]
+    for scene in WALLS:
+        if of(scene):
+            lines += wall_table(scene, of(scene))
+    lines.append(TAIL)
+    for scene, title in (
+        ("heap", "Heap of 200 polygons, 3 s"),
+        ("small-heap", "Heap of 30 polygons, 1 s"),
+        ("brick-wall", "Running bond, 105 bricks, friction angle 30 degrees, 2 s"),
+    ):
+        if of(scene):
+            lines += heap_table(title, of(scene))
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def say(text: str) -> None:
+    """Write a line to the terminal."""
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+def main() -> None:
+    """Make the runs that are missing and write the page."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="a minute instead of hours")
+    parser.add_argument("--only", nargs="+", choices=list(SCENES), help="scenes to run")
+    parser.add_argument("--table", action="store_true", help="write the page without new runs")
+    arguments = parser.parse_args()
+    runs = kept()
+    for wish in () if arguments.table else wanted(arguments.quick):
+        if wish.key in runs or (arguments.only and wish.scene not in arguments.only):
+            continue
+        figures = made(wish)
+        keep(wish, figures)
+        runs[wish.key] = wish, figures
+        say(f"{wish.key}: {figures}")
+    if arguments.quick:
+        say(page({key: run for key, run in runs.items() if run[0].end <= 1.0}))
+    else:
+        PAGE.write_text(page(runs))
+        say(f"Wrote {PAGE.relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    main()
