@@ -79,6 +79,11 @@ class MultiplierLaw(ContactLaw, Protocol):
         ...
 
     @property
+    def carries(self) -> bool:
+        """True where a step begins with the multipliers of the last."""
+        ...
+
+    @property
     def penetration_tolerance(self) -> float:
         """Penetration, m, at which the solves end early."""
         ...

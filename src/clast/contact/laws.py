@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -70,6 +70,11 @@ class Penalty:
 class FirstMultiplier(Protocol):
     """Where the multipliers of a step begin."""
 
+    @property
+    def carries(self) -> bool:
+        """True where a step begins with the multipliers of the last."""
+        ...
+
     def first(self, remembered: Floats) -> Floats:
         """Return the multipliers (m,) of the first solve, N/m, from those remembered (m,)."""
         ...
@@ -79,6 +84,8 @@ class FirstMultiplier(Protocol):
 class Reset:
     """Every step begins without multipliers (the paper)."""
 
+    carries: ClassVar[bool] = False
+
     def first(self, remembered: Floats) -> Floats:
         """Return zeros, shape (m,)."""
         return np.zeros(len(remembered))
@@ -87,6 +94,8 @@ class Reset:
 @dataclass(frozen=True)
 class Carried:
     """Every step begins with the multipliers that the last one ended with."""
+
+    carries: ClassVar[bool] = True
 
     def first(self, remembered: Floats) -> Floats:
         """Return what is remembered, shape (m,)."""
@@ -115,6 +124,11 @@ class AugmentedLagrangian:
     def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
         """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
         return springs(contacts, gap, slip, self.normal_stiffness, self.shear_stiffness)
+
+    @property
+    def carries(self) -> bool:
+        """True where a step begins with the multipliers of the last."""
+        return self.multipliers.carries
 
     def begin(self, contacts: Contacts) -> Contacts:
         """Return the contacts with the multipliers of the first solve."""

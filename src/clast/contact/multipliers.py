@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.interfaces import ContactLaw, MultiplierLaw
-from clast.model import Floats
+from clast.model import Floats, Model
+
+CONTACTS_OF_A_BLOCK = 4.0
+"""Contacts that are taken to share the mass of a block."""
 
 
 def begin(law: ContactLaw, contacts: Contacts) -> Contacts:
@@ -15,6 +18,25 @@ def begin(law: ContactLaw, contacts: Contacts) -> Contacts:
 def renew(law: ContactLaw, contacts: Contacts, response: ContactResponse) -> Contacts:
     """Return the contacts with the multipliers that follow from the forces of a solve."""
     return law.renew(contacts, response) if isinstance(law, MultiplierLaw) else contacts
+
+
+def advice(law: ContactLaw, model: Model, step: float) -> tuple[str, ...]:
+    """Warn where multipliers that are carried over would make blocks swing up.
+
+    They add up penetration from step to step; the time scheme damps that only where
+    n beta = n p h2/(2 m) is at least 1, m being the mass per contact (docs/decisions/0010).
+    """
+    if not isinstance(law, MultiplierLaw) or not law.carries or model.fixed.all():
+        return ()
+    share = float(model.mass[~model.fixed].max()) / CONTACTS_OF_A_BLOCK
+    gain = law.solves * law.normal_stiffness * step**2 / (2.0 * share)
+    if gain >= 1.0:
+        return ()
+    return (
+        f'multipliers = "carried" swings up where n p h2/(2 m) is below 1; it is {gain:.2g} for '
+        f"the heaviest block. Use normal_stiffness >= {law.normal_stiffness / gain:.2g}, more "
+        'solves, or multipliers = "reset".',
+    )
 
 
 def enough(law: ContactLaw, solves: int, gap: Floats) -> bool:

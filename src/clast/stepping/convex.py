@@ -92,8 +92,8 @@ class Convex:
         return conclude(model, method, state, solved, step, stages)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
-        """Return nothing: the process holds for any stiffness and step."""
-        return ()
+        """Warn of carried multipliers; the process itself holds for any stiffness and step."""
+        return multipliers.advice(method.contact_law, model, step)
 
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:
         """Return E of the stiffest rock: stiff enough not to be seen, soft enough to be quick."""

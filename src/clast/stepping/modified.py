@@ -113,21 +113,25 @@ class Modified:
         return conclude(model, method, state, solved, step, stages)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
-        """Warn where p h2/m is beyond what one pass bears."""
+        """Warn where p h2/m is beyond what one pass bears, or carried multipliers swing up."""
+        swing = multipliers.advice(method.contact_law, model, step)
         number = stability_number(model, method, state, step)
         if self.passes > 1 or number <= STABILITY_LIMIT:
-            return ()
+            return swing
         soft = method.contact_law.normal_stiffness * STABILITY_LIMIT / number
         return (
             f"p h2/m = {number:.3g} is above {STABILITY_LIMIT:g} (m: mass per contact): contacts "
             "of the modified process will not settle in one pass. Use normal_stiffness <= "
             f"{soft:.2g}, time.step <= {step * np.sqrt(STABILITY_LIMIT / number):.2g} "
             "or passes >= 2.",
+            *swing,
         )
 
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:
         """Return E, or less where one pass could not settle (p h2/m = 1)."""
-        share = float(model.mass[~model.fixed].min(initial=np.inf)) / CONTACTS_OF_A_BLOCK
+        share = (
+            float(model.mass[~model.fixed].min(initial=np.inf)) / multipliers.CONTACTS_OF_A_BLOCK
+        )
         stable = share / step**2
         if stable < model.stiffest:
             return stable, f"p h2/m = 1 for a contact that carries {share:.3g} kg/m (limit 6)"
@@ -222,8 +226,6 @@ def reach_of(method: Method) -> Reach:
     )
 
 
-CONTACTS_OF_A_BLOCK = 4.0
-"""Contacts that share the mass of a block when a stiffness is chosen automatically."""
 STABILITY_LIMIT = 6.0
 """Largest p h2/m with which a contact settles without passes (m: mass per contact)."""
 

@@ -84,8 +84,8 @@ class OpenClose:
         return conclude(model, method, state, solved, step, stages)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
-        """Return nothing: the process itself cuts steps that do not settle."""
-        return ()
+        """Warn of carried multipliers; the process itself cuts steps that do not settle."""
+        return multipliers.advice(method.contact_law, model, step)
 
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:
         """Return 40 E of the stiffest rock, within Shi's 10 to 100 E L for a length of 1 m."""
