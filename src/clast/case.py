@@ -26,6 +26,7 @@ from pydantic import (
     model_validator,
 )
 
+from clast import spelling
 from clast.casefile import text as case_text
 from clast.casefile.choices import Alternatives, Choice, Chosen, Number
 from clast.casefile.faults import Fault, case_error, faults_of, refusal
@@ -103,6 +104,11 @@ ALTERNATIVES = Alternatives(
 )
 """Every key that offers a choice.  A class's own numbers are read from its dataclass."""
 
+SYSTEM = frozenset(
+    {"plane", "gravity", "rock", "joint", "geometry", "block", "fixed_point", "measured_point"}
+    | {"point_load", "line_load"}
+)
+"""What a reference depends on."""
 FRAMES = 100
 """Frames of a run that does not say how many it wants."""
 TRAVEL_SHARE = 0.01
@@ -296,6 +302,19 @@ class MeasuredPointTable(Table):
     """Block; needed only where blocks touch."""
 
 
+class ReferenceTable(Table):
+    """A displacement that is known from elsewhere, to compare a run with."""
+
+    point: StrictStr
+    """Measured point that it is known for."""
+    displacement: Two
+    """Displacement [u, v] since the start, m."""
+    time: Positive | None = None
+    """When, s; the end of the run if absent."""
+    source: StrictStr = ""
+    """Where it comes from, e.g. "closed form: g t2/2"."""
+
+
 class MethodTable(Table):
     """How to simulate: a name for each choice, or a table with the name and its numbers."""
 
@@ -394,6 +413,8 @@ class Case(Table):
     """Tractions along lines."""
     measured_point: list[MeasuredPointTable] = []
     """Points recorded every step."""
+    reference: list[ReferenceTable] = []
+    """Displacements known from elsewhere; clast run and clast compare print the error."""
     method_: MethodTable = Field(default_factory=MethodTable, alias="method")
     """How to simulate."""
     output: OutputTable = Field(default_factory=OutputTable)
@@ -402,12 +423,30 @@ class Case(Table):
     _file: str = PrivateAttr("case")
     _text: str | None = PrivateAttr(None)
 
+    @model_validator(mode="after")
+    def _references_have_points(self) -> Self:
+        names = [point.name for point in self.measured_point]
+        faults = [
+            Fault(
+                place=("reference", number, "point"),
+                what=f"there is no measured point '{reference.point}'",
+                remedy=spelling.advice(reference.point, names, kind="measured point"),
+            )
+            for number, reference in enumerate(self.reference)
+            if reference.point not in names
+        ]
+        if faults:
+            raise refusal(*faults)
+        return self
+
     @classmethod
     def from_toml(cls, source: str | Path, settings: Iterable[str] = ()) -> Case:
         """Return the case in a file, or in a TOML text (a ``str`` of several lines).
 
-        ``settings`` such as ``"time.end=2"`` replace single values.  Raises CaseError naming
-        file, table, key and remedy.
+        ``settings`` such as ``"time.end=2"`` replace single values.  References belong to the
+        system as the file has it: settings that change it, such as
+        ``"joint.default.friction_angle=30"``, leave them out unless they set them too.  Raises
+        CaseError naming file, table, key and remedy.
         """
         settings = list(settings)
         is_text = isinstance(source, str) and "\n" in source
@@ -416,13 +455,36 @@ class Case(Table):
         content = case_text.parse(text, file)
         if settings:
             content = case_text.with_values(content, settings)
+            tables = {setting.replace("=", ".").split(".")[0].strip() for setting in settings}
+            if tables & SYSTEM and "reference" not in tables:
+                content.pop("reference", None)
+        case = cls._validated(content, file)
+        case._text = None if settings else text
+        return case
+
+    @classmethod
+    def _validated(cls, content: dict[str, Any], file: str) -> Case:
+        """Return the case with a content; its faults become one CaseError."""
         try:
             case = cls.model_validate(content)
         except ValidationError as error:
             raise case_error(faults_of(error, cls), file=file, content=content) from None
         case._file = file
-        case._text = None if settings else text
         return case
+
+    def with_method(self, **choices: Any) -> Case:
+        """Return the case with other choices in [method]: names, or tables with their numbers.
+
+        ``case.with_method(process="convex", contact_law={"name": "penalty"})``
+        """
+        content = self.model_dump(by_alias=True, exclude_unset=True)
+        content["method"] = {**content.get("method", {}), **choices}
+        return self._validated(content, self._file)
+
+    @property
+    def name(self) -> str:
+        """Name of the case: its file without the ending."""
+        return Path(self._file).stem
 
     @property
     def text(self) -> str:

@@ -23,8 +23,9 @@ from clast.errors import CaseError, ClastError, RunStopped
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from clast.results import Run
+    from clast.results import Report, Run
     from clast.sanity import Sanity
+    from clast.studies import Comparison, Deviation
     from clast.verification import Row
 
 MISSED = 1
@@ -32,7 +33,7 @@ BAD_INPUT = 2
 STOPPED = 3
 INTERRUPTED = 130
 
-PIPE_WIDTH = 140
+PIPE_WIDTH = 160
 """Width of tables where there is no terminal, characters."""
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of a result file."""
@@ -81,6 +82,9 @@ Settings = Annotated[
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for a program to read.")]
 
 
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
+
+
 def _print_version(wanted: bool) -> None:
     if wanted:
         import clast
@@ -110,10 +114,11 @@ def run(
     ] = None,
     settings: Settings = None,
     as_json: AsJson = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Simulate a case and write its result file."""
     from clast.case import Case
+    from clast.studies import deviations
 
     loaded = Case.from_toml(case, settings or ())
     target = output or Path(f"{case.stem}.vtkhdf")
@@ -123,11 +128,11 @@ def run(
     except RunStopped as stopped:
         partial: Any = stopped.run
         _print_warnings(partial.report.warnings)
-        _print_run(partial, as_json=as_json, quiet=quiet)
+        _print_run(partial, deviations(loaded, partial), as_json=as_json, quiet=quiet)
         _say(f"the results until then are in {target}")
         raise
     _print_warnings(done.report.warnings)
-    _print_run(done, as_json=as_json, quiet=quiet)
+    _print_run(done, deviations(loaded, done), as_json=as_json, quiet=quiet)
     if not done.report.finished:
         _say(f"{done.report.outcome}; the results until then are in {target}")
         raise typer.Exit(INTERRUPTED)
@@ -141,11 +146,12 @@ def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) ->
 
     loaded = Case.from_toml(case, settings or ())
     model = loaded.model()
-    sanity = examine(model, loaded.method(model), loaded.schedule())
+    method = loaded.method(model)
+    sanity = examine(model, method, loaded.schedule())
     if as_json:
-        _print_json(dataclasses.asdict(sanity))
+        _print_json({**dataclasses.asdict(sanity), "notes": method.notes})
         return
-    _print_table(_sanity_table(sanity))
+    _print_table(_sanity_table(sanity, method.notes))
     _print_warnings(sanity.warnings)
     if not sanity.warnings:
         typer.echo("nothing to object to")
@@ -266,6 +272,44 @@ def verify(
 
 
 @app.command()
+def compare(
+    case: CaseFile,
+    process: Annotated[
+        str, typer.Option(metavar="NAME,...", help="Processes of a step, separated by commas.")
+    ] = "modified,open-close,convex",
+    law: Annotated[
+        str, typer.Option(metavar="NAME,...", help="Contact laws, separated by commas.")
+    ] = "penalty,augmented-lagrangian",
+    settings: Settings = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Folder; build/compare-CASE if absent."),
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a case through several processes and contact laws; write a page with a picture."""
+    from clast import studies
+    from clast.case import Case
+
+    loaded = Case.from_toml(case, settings or ())
+    processes, laws = _words(process), _words(law)
+    studies.combinations(processes, laws)
+    folder = output or Path("build") / f"compare-{loaded.name}"
+    folder.mkdir(parents=True, exist_ok=True)
+    with _status() as say:
+        comparison = studies.compare(
+            loaded, processes, laws, watch=lambda one, at: say(f"{one}: {at.time:.4g} s")
+        )
+    written = studies.write_comparison(comparison, folder)
+    if as_json:
+        _print_json({**comparison.as_dict(), "files": [str(path) for path in written]})
+    elif not quiet:
+        _print_table(_comparison_table(comparison))
+        typer.echo(f"page: {written[0]}")
+
+
+@app.command()
 def warmup() -> None:
     """Compile all kernels ahead of the first run."""
     from time import perf_counter
@@ -306,15 +350,19 @@ def _check_target(path: Path) -> None:
         )
 
 
-def _print_run(run: Run, *, as_json: bool, quiet: bool) -> None:
-    """Print the summary of a run, as tables or JSON."""
+def _print_run(run: Run, deviations: Sequence[Deviation], *, as_json: bool, quiet: bool) -> None:
+    """Print the summary of a run and how far it is from its references, as tables or JSON."""
     points = {name: _last_of(run, name) for name in run.model.measured_points.name}
     if as_json:
         content = {"title": run.model.title, "output": str(run.output), "time": run.state.time}
-        _print_json({**content, **run.report.as_dict(), "measured_points": points})
+        known = {"measured_points": points, "references": [one.as_dict() for one in deviations]}
+        _print_json({**content, **run.report.as_dict(), **known})
     elif not quiet:
         _print_table(_report_table(run))
         _print_points(points)
+        for one in deviations:
+            source = f" ({one.source})" if one.source else ""
+            typer.echo(f"error of {one.point} at t = {one.time:g} s: {one.as_text()}{source}")
         typer.echo(f"results: {run.output}")
 
 
@@ -337,7 +385,7 @@ def _report_table(run: Run) -> Table:
     rows = {
         "outcome": report.outcome,
         "simulated time": f"{run.state.time:.6g} s, {speed:.3g} s per s of wall time",
-        "steps": f"{report.steps}, {report.passes} passes, {report.cut_steps} cut",
+        "steps": f"{report.steps}, {report.cut_steps} cut; {_counts_text(report)}",
         "step size": f"{sizes.min():.3g} to {sizes.max():.3g} s" if len(sizes) else "",
         "contacts": f"at most {report.largest_contacts}",
         "penetration": f"at most {report.largest_penetration:.3g} m",
@@ -347,8 +395,28 @@ def _report_table(run: Run) -> Table:
         f"unaccounted {ledger.unaccounted:.2g} J/m",
         "wall time": f"{report.wall_seconds:.3g} s: "
         + ", ".join(f"{name} {seconds:.2g}" for name, seconds in stages),
+        **_notes_rows(report.notes),
     }
     return _two_columns(run.model.title, rows)
+
+
+def _counts_text(report: Report) -> str:
+    """Return what the process counted, with the number per step where it is no whole one."""
+    steps = max(1, report.steps)
+    texts = []
+    for name, number in {"passes": report.passes, **report.counts}.items():
+        share = f" ({number / steps:.3g} a step)" if number % steps else ""
+        texts.append(f"{number} {COUNTED.get(name, name)}{share}")
+    return ", ".join(texts)
+
+
+COUNTED = {"line_search": "steps of the line search"}
+"""What a count of the report is called."""
+
+
+def _notes_rows(notes: Sequence[str]) -> dict[str, str]:
+    """Return what clast chose by itself as a row of a table, or none."""
+    return {"chosen by clast": "\n".join(notes)} if notes else {}
 
 
 def _print_points(points: dict[str, dict[str, Any]]) -> None:
@@ -368,8 +436,8 @@ def _print_points(points: dict[str, dict[str, Any]]) -> None:
     _print_table(table)
 
 
-def _sanity_table(sanity: Sanity) -> Table:
-    """Return what a case consists of, as a table."""
+def _sanity_table(sanity: Sanity, notes: Sequence[str]) -> Table:
+    """Return what a case consists of and what clast chose by itself, as a table."""
     left, low, right, high = sanity.box
     names = ", ".join(sanity.unsupported[:5]) + (", ..." if len(sanity.unsupported) > 5 else "")
     rows = {
@@ -391,6 +459,7 @@ def _sanity_table(sanity: Sanity) -> Table:
         "critdis": f"{sanity.critdis:.4g} m",
         "p h2/m": f"{sanity.stability_number:.4g} "
         f"(without passes at most {sanity.stability_limit:g})",
+        **_notes_rows(notes),
     }
     return _two_columns(sanity.title, rows)
 
@@ -416,6 +485,34 @@ def _verification_table(title: str, rows: Sequence[Row]) -> Table:
     for row in rows:
         table.add_row(*(Text(cell) for cell in cells(row)[1:]))
     return table
+
+
+def _comparison_table(comparison: Comparison) -> Table:
+    """Return what each process and law made of a case, and what is to be said of it below."""
+    from rich.table import Table
+    from rich.text import Text
+
+    from clast.studies.comparison_table import cells, headings, remarks
+
+    table = Table(
+        title=Text(comparison.title),
+        title_justify="left",
+        caption=Text("\n".join(remarks(comparison))),
+        caption_justify="left",
+    )
+    heads = headings(comparison)
+    for heading in heads:
+        words = heading in (*heads[:2], heads[-1])
+        wraps = heading == heads[-1]
+        table.add_column(heading, justify="left" if words else "right", no_wrap=not wraps)
+    for row in comparison.rows:
+        table.add_row(*(Text(cell) for cell in cells(comparison, row)))
+    return table
+
+
+def _words(listed: str) -> list[str]:
+    """Return the words of a list separated by commas."""
+    return [word.strip() for word in listed.split(",") if word.strip()]
 
 
 def _two_columns(title: str, rows: dict[str, str]) -> Table:

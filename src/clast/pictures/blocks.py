@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from clast.model import Floats
+from clast.model import Bools, Floats, Ints
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE, TEXT_SIZE, Sheet, literal
 from clast.pictures.fields import KINDS, SCALARS, prefixed
 from clast.results import Results
@@ -38,7 +38,21 @@ KIND_COLOURS = (
 """Muted colours for rocks and blocks, told apart by most eyes."""
 
 
-def outlines_of(results: Results, vertices: Floats) -> list[Floats]:
+class Outlined(Protocol):
+    """Blocks whose outlines can be drawn: results, and whatever else knows them."""
+
+    @property
+    def block_start(self) -> Ints:
+        """Index of each block's first vertex; the last entry is the vertex count, (n + 1,)."""
+        ...
+
+    @property
+    def fixed(self) -> Bools:
+        """True where a block cannot move at all, shape (n,)."""
+        ...
+
+
+def outlines_of(results: Outlined, vertices: Floats) -> list[Floats]:
     """Return the outline of each block, (k, 2), from the vertices of a frame."""
     return np.split(vertices, results.block_start[1:-1])
 
@@ -48,7 +62,7 @@ def _line_width(blocks: int) -> float:
     return float(np.clip(8.0 / np.sqrt(blocks), 0.12, 0.8))
 
 
-def draw_start(axes: Axes, results: Results, start: Floats) -> None:
+def draw_start(axes: Axes, results: Outlined, start: Floats) -> None:
     """Outline the blocks where they were at the start."""
     from matplotlib.collections import PolyCollection
 
@@ -64,7 +78,7 @@ def draw_start(axes: Axes, results: Results, start: Floats) -> None:
     )
 
 
-def draw_blocks(axes: Axes, results: Results, vertices: Floats) -> PolyCollection:
+def draw_blocks(axes: Axes, results: Outlined, vertices: Floats) -> PolyCollection:
     """Draw all blocks, the fixed ones hatched, and return those that are to be coloured."""
     from matplotlib.collections import PolyCollection
 
@@ -106,7 +120,7 @@ def colour(
     values = quantity.values(results, frame)[free]
     factor, unit = prefixed(float(np.abs(values).max()), quantity.unit)
     values = factor * values
-    colours, low, high = _scale(values)
+    colours, low, high = scale_of(values)
     blocks.set_array(values)
     blocks.set_cmap(colours)
     blocks.set_clim(low, high)
@@ -127,7 +141,7 @@ The shares leave out the dark ends, on which no outline and no arrow could be se
 """
 
 
-def _scale(values: Floats) -> tuple[Colormap, float, float]:
+def scale_of(values: Floats) -> tuple[Colormap, float, float]:
     """Return the colours for values (n,) and the limits of the scale."""
     low, high = float(values.min()), float(values.max())
     size = max(abs(low), abs(high)) or 1.0

@@ -1,0 +1,174 @@
+"""End states of the same system side by side, coloured on one scale."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clast.model import Bools, Floats, Ints
+from clast.pictures import blocks, canvas
+from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
+from clast.pictures.fields import prefixed
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
+    from matplotlib.figure import Figure
+
+STOPPED = "#b3261e"
+"""Colour of what is said about a run that could not go on."""
+BETWEEN, HEADS = 0.35, 0.5
+"""Space between panels, and for the two lines above each, inches."""
+SCALE_ROOM = 0.75
+"""Space for the colour bar below the panels, inches."""
+DOTS = 150
+"""Dots per inch."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Panel:
+    """One end state."""
+
+    title: str
+    """What it is."""
+    remark: str
+    """A line below the title."""
+    finished: bool
+    """False for a run that stopped: its remark is coloured, and it does not set the limits."""
+    vertices: Floats
+    """Vertices, m, shape (nv, 2)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SideBySide:
+    """The system that all panels show; n blocks, nv vertices."""
+
+    title: str
+    """Title of the picture."""
+    start: Floats
+    """Vertices at the start, m, shape (nv, 2)."""
+    block_start: Ints
+    """Index of each block's first vertex; the last entry is the vertex count, shape (n + 1,)."""
+    fixed: Bools
+    """True where a block cannot move at all, shape (n,)."""
+    panels: Sequence[Panel]
+    """The end states, row by row."""
+    columns: int
+    """Panels in a row."""
+
+    def displacement(self, panel: Panel) -> Floats:
+        """Return how far the centre of each block's vertices has moved, m, shape (n,)."""
+        count = np.diff(self.block_start)
+        moved = np.add.reduceat(panel.vertices - self.start, self.block_start[:-1])
+        return np.hypot(*(moved / count[:, None]).T)
+
+
+def draw_side_by_side(scene: SideBySide, path: Path) -> Path:
+    """Draw end states on one scale of colours and of lengths; return the picture's path."""
+    shown = [panel for panel in scene.panels if panel.finished] or list(scene.panels)
+    low, high = _limits(scene, shown)
+    rows = -(-len(scene.panels) // scene.columns)
+    size = _panel_size(high - low, scene.columns, rows)
+    width = canvas.LEFT + scene.columns * (size[0] + BETWEEN) + canvas.RIGHT
+    title = canvas.wrapped(scene.title, width - canvas.LEFT - 0.1, canvas.TITLE_SIZE)
+    top = 0.32 + canvas.LINE * len(title)
+    height = top + rows * (size[1] + HEADS) + canvas.BELOW + SCALE_ROOM
+    figure = canvas.new_figure((width, height), DOTS)
+    canvas.head(figure, canvas.LEFT, title, "")
+    largest = max(float(scene.displacement(panel)[~scene.fixed].max()) for panel in shown)
+    drawn = None
+    for number, panel in enumerate(scene.panels):
+        row, column = divmod(number, scene.columns)
+        left = canvas.LEFT + column * (size[0] + BETWEEN)
+        low_edge = height - top - (row + 1) * (size[1] + HEADS) + 0.08
+        box = (left / width, low_edge / height, size[0] / width, size[1] / height)
+        axes = figure.add_axes(box)
+        canvas.view(axes, low, high, size)
+        drawn = _draw_panel(axes, scene, panel, largest)
+        _keep_outer_labels(axes, row == rows - 1, column == 0)
+    if drawn is not None:
+        beyond = any(scene.displacement(panel).max() > 1.001 * largest for panel in scene.panels)
+        _draw_scale(figure, drawn, (width, height), "max" if beyond else "neither", largest)
+    return canvas.save(figure, path)
+
+
+def _limits(scene: SideBySide, shown: Sequence[Panel]) -> tuple[Floats, Floats]:
+    """Return the corners (2,), (2,) of the box that holds the start and the panels shown, m."""
+    states = np.concatenate([scene.start, *(panel.vertices for panel in shown)])
+    first, extent = scene.start.min(axis=0), np.ptp(scene.start, axis=0).max()
+    # what has flown away is left outside
+    low = np.maximum(states.min(axis=0), first - 0.5 * extent)
+    high = np.minimum(states.max(axis=0), scene.start.max(axis=0) + 0.5 * extent)
+    return low, high
+
+
+def _panel_size(extent: Floats, columns: int, rows: int) -> tuple[float, float]:
+    """Return width and height of a panel, inches, for something ``extent`` (2,) m wide, high."""
+    extent = np.maximum(extent, 0.05 * extent.max())
+    scale = min(min(4.0, 11.0 / columns) / extent[0], min(4.0, 9.0 / rows) / extent[1])
+    return max(1.8, scale * extent[0]), max(1.0, scale * extent[1])
+
+
+def _draw_panel(axes: Axes, scene: SideBySide, panel: Panel, largest: float) -> PolyCollection:
+    blocks.draw_start(axes, scene, scene.start)
+    free = blocks.draw_blocks(axes, scene, panel.vertices)
+    values = scene.displacement(panel)[~scene.fixed]
+    factor, _ = prefixed(largest, "m")
+    colours, _, _ = blocks.scale_of(np.array([0.0, 1.0]))
+    free.set_array(factor * values)
+    free.set_cmap(colours)
+    free.set_clim(0.0, factor * largest or 1.0)
+    axes.annotate(
+        canvas.literal(panel.title),
+        (0.0, 1.0),
+        xytext=(0, 17),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        fontsize=TEXT_SIZE,
+        fontweight="bold",
+        color=INK,
+    )
+    axes.annotate(
+        canvas.literal(panel.remark),
+        (0.0, 1.0),
+        xytext=(0, 5),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        fontsize=SMALL_SIZE,
+        color=INK if panel.finished else STOPPED,
+    )
+    return free
+
+
+def _keep_outer_labels(axes: Axes, lowest: bool, leftmost: bool) -> None:
+    """Take the labels off axes inside the sheet."""
+    if not lowest:
+        axes.set_xlabel("")
+        axes.tick_params(labelbottom=False)
+    if not leftmost:
+        axes.set_ylabel("")
+        axes.tick_params(labelleft=False)
+
+
+def _draw_scale(
+    figure: Figure,
+    drawn: PolyCollection,
+    size: tuple[float, float],
+    extend: str,
+    largest: float,
+) -> None:
+    """Explain the colours below the panels."""
+    width, height = size
+    long = min(width - canvas.LEFT - canvas.RIGHT, 5.0)
+    place = figure.add_axes((canvas.LEFT / width, 0.5 / height, long / width, 0.14 / height))
+    bar = figure.colorbar(drawn, cax=place, orientation="horizontal", extend=extend)
+    bar.set_label(
+        f"Displacement of a block ({prefixed(largest, 'm')[1]})", fontsize=TEXT_SIZE, color=INK
+    )
+    bar.ax.tick_params(labelsize=SMALL_SIZE, color=FAINT, labelcolor=INK, width=0.6, length=3)
+    bar.outline.set_linewidth(0.5)
+    bar.outline.set_edgecolor(FAINT)

@@ -1,0 +1,154 @@
+"""Comparisons of processes and laws, their references and their pages."""
+
+from __future__ import annotations
+
+import json
+import re
+from base64 import b64decode
+
+import numpy as np
+import pytest
+
+from clast import studies
+from clast.case import Case
+from clast.casefile.templates import INCLINE
+from clast.errors import CaseError
+from clast.studies.comparison_table import cells, headings, remarks
+
+END = "time.end=0.05"
+FALL = """
+schema = 1
+title = "A block that falls"
+gravity = [0.0, -10.0]
+time = {step = 1e-3, end = 0.1}
+rock.stone = {young = 1e9, poisson = 0.2, density = 2500.0}
+[[block]]
+name = "stone"
+vertices = [[0, 0], [1, 0], [1, 1], [0, 1]]
+[[measured_point]]
+name = "P"
+at = [0.5, 0.5]
+[[reference]]
+point = "P"
+displacement = [0.0, -0.05]
+source = "g t2/2"
+[[reference]]
+point = "P"
+displacement = [0.0, -0.0125]
+time = 0.05
+[[reference]]
+point = "P"
+displacement = [1.0, 0.0]
+time = 0.2
+"""
+
+
+@pytest.fixture(scope="module")
+def incline() -> studies.Comparison:
+    case = Case.from_toml(INCLINE, [END, "reference=[]"])
+    return studies.compare(case, ["modified", "convex"], ["penalty", "augmented-lagrangian"])
+
+
+def test_every_process_with_every_law(incline):
+    assert [str(row.combination) for row in incline.rows] == [
+        "modified, penalty",
+        "modified, augmented-lagrangian",
+        "convex, penalty",
+        "convex, augmented-lagrangian",
+    ]
+    assert all(row.report.finished for row in incline.rows)
+    u = [row.displacement["A"][0] for row in incline.rows]
+    assert u == pytest.approx(4 * [0.5 * 9.8 * 0.5 * (1 - np.tan(np.radians(20))) * 0.05**2], 0.2)
+    assert incline.rows[1].penetration < 0.5 * incline.rows[0].penetration
+    assert incline.rows[1].solves_per_step == pytest.approx(4.0, abs=0.2)
+
+
+def test_numbers_of_the_case_are_kept():
+    case = Case.from_toml(
+        INCLINE, ["method.process={name='modified', passes=3}", "method.contact_law.name=penalty"]
+    )
+    same = studies.Combination("modified", "penalty").applied_to(case).method()
+    assert same.process.passes == 3
+    assert same.contact_law.normal_stiffness == 1e9
+    other = studies.Combination("convex", "augmented-lagrangian").applied_to(case).method()
+    assert type(other.process).__name__ == "Convex"
+    assert other.contact_law.normal_stiffness == 1e9
+    assert other.contact_law.solves == 4
+
+
+def test_references_are_compared_at_their_times():
+    case = Case.from_toml(FALL)
+    first, second, third = studies.deviations(case, case.run())
+    assert first.time == 0.1
+    assert first.distance == pytest.approx(0.0, abs=1e-9)
+    assert second.relative == pytest.approx(0.0, abs=1e-6)
+    assert third.computed is None
+    assert third.as_text() == "not reached"
+
+
+def test_a_reference_of_zero_has_an_error_in_metres():
+    case = Case.from_toml(FALL, ["reference=[{point='P', displacement=[0.0, 0.0]}]"])
+    (only,) = studies.deviations(case, case.run())
+    assert only.relative is None
+    assert only.as_text() == "0.05 m"
+
+
+def test_references_belong_to_the_system_of_the_file():
+    assert Case.from_toml(INCLINE, ["time.end=0.5", "method.process=convex"]).reference
+    assert not Case.from_toml(INCLINE, ["joint.default.friction_angle=30"]).reference
+    kept = Case.from_toml(INCLINE, ["joint.default.friction_angle=30", "reference.1.time=0.5"])
+    assert kept.reference[0].time == 0.5
+
+
+def test_a_reference_to_an_unknown_point():
+    with pytest.raises(CaseError, match="no measured point 'B'") as caught:
+        Case.from_toml(INCLINE.replace('point = "A"', 'point = "B"'))
+    assert "[[reference]] 1 point" in caught.value.where
+    assert caught.value.remedy == "the measured points are: A"
+
+
+def test_a_run_that_stops_is_a_row():
+    tight = [END, "time.max_displacement=1e-4", "time.smallest_step=9e-4"]
+    comparison = studies.compare(Case.from_toml(INCLINE, tight), ["convex"], ["penalty"])
+    (row,) = comparison.rows
+    assert not row.report.finished
+    assert row.outcome.startswith("stopped at t = 0.0")
+    assert cells(comparison, row)[-1] == row.outcome
+    assert any("max_displacement" in text for text in remarks(comparison))
+
+
+def test_pages(incline, tmp_path):
+    paths = studies.write_comparison(incline, tmp_path / "new" / "pages")
+    assert [path.name for path in paths] == [
+        f"comparison.{end}" for end in ("md", "html", "json", "png")
+    ]
+    page, html, content = (path.read_text(encoding="utf-8") for path in paths[:3])
+    for row in incline.rows:
+        assert "| " + " | ".join(cells(incline, row)) + " |" in page
+    assert all(heading in html for heading in headings(incline))
+    embedded = re.search(r"base64,([^\"]+)\"", html)
+    assert embedded is not None
+    assert b64decode(embedded[1]) == paths[3].read_bytes()
+    assert "http" not in html
+    loaded = json.loads(content)
+    assert [row["process"] for row in loaded["rows"]] == [
+        "modified",
+        "modified",
+        "convex",
+        "convex",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("processes", "laws", "message"),
+    [
+        (["convx"], ["penalty"], "no process 'convx'"),
+        (["convex"], ["penality"], "no contact law 'penality'"),
+        ([], ["penalty"], "no process to compare"),
+        (["convex", "convex"], ["penalty"], "named twice"),
+    ],
+)
+def test_names_are_checked_first(processes, laws, message):
+    with pytest.raises(CaseError, match=message) as caught:
+        studies.compare(Case.from_toml(INCLINE), processes, laws)
+    assert caught.value.remedy
