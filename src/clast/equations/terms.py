@@ -28,15 +28,15 @@ class DiagonalTerms:
     """Right-hand side, shape (n, 6)."""
 
 
-def inertia(
-    frames: BlockFrames, theta: Floats, velocity: Floats, step: float
-) -> tuple[Floats, Floats]:
-    """Return M/(theta h2) (n, 6, 6) and M v/(theta h) (n, 6); constant acceleration: 2/h2, 2/h."""
+def momentum_rows(frames: BlockFrames, velocity: Floats, theta: Floats, step: float) -> Floats:
+    """Return M v/(theta h) (n, 6), N/m; constant acceleration: (2/h) M v."""
     momentum = np.einsum("nij,nj->ni", frames.mass_matrix, velocity)
-    return (
-        inertia_factor(theta, step)[:, None, None] * frames.mass_matrix,
-        velocity_factor(theta, step)[:, None] * momentum,
-    )
+    return velocity_factor(theta, step)[:, None] * momentum
+
+
+def inertia(frames: BlockFrames, theta: Floats, step: float) -> Floats:
+    """Return M/(theta h2) (n, 6, 6); constant acceleration: (2/h2) M."""
+    return inertia_factor(theta, step)[:, None, None] * frames.mass_matrix
 
 
 def elasticity(model: Model) -> Floats:
@@ -124,8 +124,8 @@ def diagonal_terms(
     step: float,
 ) -> DiagonalTerms:
     """Return everything of a step but its contacts; ``theta`` (n,) is the scheme's, by block."""
-    matrix, force = inertia(frames, theta, velocity, step)
-    matrix = matrix + elasticity(model)
+    matrix = inertia(frames, theta, step) + elasticity(model)
+    force = momentum_rows(frames, velocity, theta, step)
     force = force + stress(model, state) + body_force(model)
     block, load = load_rows(model, frames, method.displacement, state)
     np.add.at(force, block, load)

@@ -31,7 +31,8 @@ def penalty(
     for c in range(count):
         trial_normal = multiplier[c] - normal_stiffness * gap[c]
         tension = tensile_strength[c] * length[c]
-        if trial_normal > -tension:
+        # a contact that just touches counts with its stiffness: it is about to close
+        if trial_normal >= -tension:
             n_force[c], kn[c] = trial_normal, normal_stiffness
         else:
             n_force[c] = -tension  # the cut-off; the bond is lost when the step is over

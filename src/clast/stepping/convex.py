@@ -24,7 +24,7 @@ from clast.contact.arrays import Contacts
 from clast.contact.detection import Reach, detect
 from clast.equations.frames import BlockFrames, block_frames
 from clast.equations.reuse import FactorOfStep
-from clast.equations.terms import diagonal_terms
+from clast.equations.terms import diagonal_terms, momentum_rows
 from clast.interfaces import Method, StepResult
 from clast.model import Floats, Model
 from clast.state import State
@@ -38,9 +38,9 @@ from clast.stepping.stages import Stages
 class Convex:
     """Newton's method on the incremental potential, with exact line search."""
 
-    tolerance: float = 1e-7
-    """The step is solved where the potential is within tolerance^2 x energy of the step."""
-    iterations: int = 60
+    tolerance: float = 1e-5
+    """The step is solved where the potential is within tolerance^2 x energy of its forces."""
+    iterations: int = 200
     """Newton iterations at most; a step that needs more is cut."""
     friction_updates: int = 1
     """Times that the friction bound is renewed from the normal forces just found."""
@@ -72,6 +72,7 @@ class Convex:
                 law=method.contact_law,
                 contacts=contacts,
                 fixed=model.fixed,
+                momentum=momentum_rows(frames, velocity, theta, step),
             )
         # warm starts: everything goes on as it moves, or rests as it rested
         starts = (step * velocity, np.zeros_like(velocity))

@@ -46,6 +46,8 @@ class Potential:
     """Contacts of the step."""
     fixed: Bools
     """Blocks that cannot move, shape (n,)."""
+    momentum: Floats
+    """The part of F that is momentum, M v/(theta h), shape (n, 6)."""
 
     def at(self, unknowns: Floats) -> Point:
         """Return the derivatives at ``unknowns`` (n, 6)."""
@@ -70,10 +72,18 @@ class Potential:
         """
         return float(np.einsum("ni,nij,nj->", point.residual, self.inverse, point.residual))
 
-    def energy(self) -> float:
-        """Return the energy of the step without contacts, 1/2 F.K^-1 F, J/m: the yardstick."""
-        force = np.where(self.fixed[:, None], 0.0, self.base.force)
-        return 0.5 * float(np.einsum("ni,nij,nj->", force, self.inverse, force))
+    def yardstick(self) -> float:
+        """Return the energy, J/m, that tolerances refer to: 1/2 f.K^-1 f of the step's forces.
+
+        f are weight, loads and stress; momentum counts with MOMENTUM_SHARE of its energy, so that
+        fast blocks are not solved more coarsely than those at rest.
+        """
+
+        def half(force: Floats) -> float:
+            held = np.where(self.fixed[:, None], 0.0, force)
+            return 0.5 * float(np.einsum("ni,nij,nj->", held, self.inverse, held))
+
+        return half(self.base.force - self.momentum) + MOMENTUM_SHARE * half(self.momentum)
 
     def direction(self, point: Point, factor: FactorOfStep, stages: Stages) -> Floats:
         """Return the Newton direction (n, 6): H dd = residual."""
@@ -115,6 +125,8 @@ class Potential:
         return length, LINE_SEARCH_LIMIT
 
 
+MOMENTUM_SHARE = 1e-4
+"""Weight of the energy of motion among the forces that tolerances refer to."""
 LINE_SEARCH_LIMIT = 40
 """Evaluations along a line at most."""
 LINE_TOLERANCE = 1e-9
@@ -132,13 +144,13 @@ def minimise(
 ) -> Point:
     """Return the minimum of the potential, from the best of ``starts``, each (n, 6).
 
-    Done where the potential is within tolerance^2 of the step's energy above its minimum: by the
+    Done where the potential is within tolerance^2 x yardstick of its minimum: by the
     bound without a system, or by the Newton decrement r.dd.  ``counts`` is added to.  Raises
     StepRejected after ``iterations``.
     """
     with stages("law"):
         point = min((potential.at(start) for start in starts), key=potential.distance)
-        enough = tolerance**2 * potential.energy()
+        enough = tolerance**2 * potential.yardstick()
     for _ in range(iterations):
         if potential.distance(point) <= enough:
             return point
