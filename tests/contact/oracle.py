@@ -48,10 +48,12 @@ def interior_angle(outline, k):
     return (back - onward) % 360.0
 
 
-def signed_distance(point, start, end):
-    """Return the distance of a point to the line through two points, positive on its right."""
-    line = end - start
-    return ((point[0] - start[0]) * line[1] - (point[1] - start[1]) * line[0]) / np.hypot(*line)
+def signed_distances(point, outline):
+    """Return the distance of a point to the line of each edge, positive outside."""
+    line = np.roll(outline, -1, axis=0) - outline
+    offset = point - outline
+    cross = offset[:, 0] * line[:, 1] - offset[:, 1] * line[:, 0]
+    return cross / np.hypot(line[:, 0], line[:, 1])
 
 
 def elevation(towards, edge_direction):
@@ -101,17 +103,19 @@ def is_hidden(point, foot, outline, e, gap_to, critdis, foot_inside):
 
 def candidates(outline, k, other, reach: Reach):
     """Return the candidate edges of outline ``other`` for vertex k of ``outline``."""
-    if interior_angle(outline, k) > 180.0 + PARALLEL:
-        return []
     count, point = len(other), outline[k]
-    ends = [(other[e], other[(e + 1) % count]) for e in range(count)]
-    gaps = [signed_distance(point, *pair) for pair in ends]
+    gaps = signed_distances(point, other)
+    near = (gaps >= -reach.depth) & (gaps <= reach.front)
+    if not near.any() or interior_angle(outline, k) > 180.0 + PARALLEL:
+        return []
     found = []
-    for e, (start, end) in enumerate(ends):
+    for e in np.flatnonzero(near):
+        start, end = other[e], other[(e + 1) % count]
         size = np.hypot(*(end - start))
         along = float(np.dot(point - start, (end - start) / size))
         beyond = max(-along, along - size)
-        if not -reach.depth <= gaps[e] <= reach.front:
+        # the foot may not lie further beyond the ends than any of the rules below allows
+        if beyond > max(reach.critdis, reach.depth):
             continue
         towards = direction(start, end)
         if not lies_in_front(outline, k, towards):
@@ -129,7 +133,7 @@ def candidates(outline, k, other, reach: Reach):
         inside = 0.0 < along < size
         if gaps[e] < 0.0 and is_hidden(point, foot, other, e, gaps, reach.critdis, inside):
             continue
-        found.append(Candidate(k, e, gaps[e], beyond))
+        found.append(Candidate(k, int(e), float(gaps[e]), beyond))
     return found
 
 

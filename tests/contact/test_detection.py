@@ -1,6 +1,7 @@
 """Contact detection against the definition in plain Python, against overlap, and by hand."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import oracle
@@ -10,7 +11,13 @@ from encounters import FAMILIES, encounters, normal_of
 
 from systems import REACH, Touch, box, candidates_of, flat, touches_of, turned
 
-CASES = 240
+CASES = 300
+
+
+@cache
+def drawn(family):
+    """Return the pairs of outlines of a family."""
+    return list(encounters(family, CASES))
 
 
 def keyed(outlines, found):
@@ -61,7 +68,7 @@ def parts_within(outlines, distance):
 @pytest.mark.parametrize("family", FAMILIES)
 def test_candidates_are_those_of_the_definition(family, tip):
     total, reach = 0, replace(REACH, tip=tip)
-    for outlines in encounters(family, CASES):
+    for outlines in drawn(family):
         found = keyed(outlines, candidates_of(outlines, reach))
         wanted = oracle.every_candidate(outlines, reach)
         assert set(found) == set(wanted)
@@ -75,7 +82,7 @@ def test_candidates_are_those_of_the_definition(family, tip):
 def test_exactly_one_edge_is_kept_among_those_of_a_convex_corner(family):
     """The paper's bisector keeps the edge of the shortest exit: the largest signed gap."""
     choices = 0
-    for outlines in encounters(family, CASES):
+    for outlines in drawn(family):
         candidates = oracle.every_candidate(outlines, REACH)
         kept = {(*touch.vertex, *touch.edge) for touch in touches_of(outlines)}
         for i, k, j, e in candidates:
@@ -97,7 +104,7 @@ def test_exactly_one_edge_is_kept_among_those_of_a_convex_corner(family):
 @pytest.mark.parametrize("family", FAMILIES)
 def test_no_vertex_is_held_by_air(family):
     """A vertex that counts as penetrating lies in the block, or at most critdis beside a corner."""
-    for outlines in encounters(family, CASES):
+    for outlines in drawn(family):
         apart = shapely.Polygon(outlines[0]).distance(shapely.Polygon(outlines[1])) > 1e-9
         for touch in touches_of(outlines):
             if touch.gap > -1e-9:
@@ -115,7 +122,7 @@ def test_no_vertex_is_held_by_air(family):
 @pytest.mark.parametrize("family", FAMILIES)
 def test_every_penetration_has_a_contact_that_pushes_the_blocks_apart(family):
     checked = 0
-    for outlines in encounters(family, CASES):
+    for outlines in drawn(family):
         if penetration(outlines) <= 1e-6 or not parts_within(outlines, REACH.depth):
             continue
         solids = [shapely.Polygon(outline) for outline in outlines]
@@ -216,6 +223,16 @@ def test_plate_holds_a_vertex_on_the_side_that_it_came_from():
     plate = box(0.0, 0.0, 2.0, 0.02)
     tip = np.array([[1.0, 0.016], [1.3, 1.0], [0.7, 1.0]])
     assert closed_between([plate, tip], 1, 0) == {(0, 2): pytest.approx(-0.004)}
+
+
+def test_truncated_wedge_holds_a_needle_on_one_side():
+    """Three faces are behind the vertex, two of them no neighbours: one is the shortest exit."""
+    half = 0.002 + np.tan(np.radians(10.0))
+    wedge = np.array([[-half, -1.0], [half, -1.0], [0.002, 0.0], [-0.002, 0.0]])
+    needle = np.array([[0.0, -0.01], [0.02, 1.0], [-0.02, 1.0]])
+    for x, side in ((5e-4, 1), (-5e-4, 3)):
+        closed = closed_between([wedge, needle + np.array([x, 0.0])], 1, 0)
+        assert list(closed) == [(0, side)]
 
 
 @pytest.mark.parametrize("angle", np.linspace(0.0, 2.0 * np.pi, 7))

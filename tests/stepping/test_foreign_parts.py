@@ -15,7 +15,7 @@ PROCESSES = {
     "implicit": Modified(friction=ImplicitFriction(), passes=3),
     "convex": Convex(),
 }
-TIME, STEP = 0.4, 1e-3
+TIME, STEP = 0.3, 2e-3
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def moved(model, how, step=STEP, end=TIME):
     return centroids(model, last.state) - centroids(model, at_start(model)), last
 
 
-@pytest.mark.parametrize("angle", [0.0, 20.0, 35.0])
+@pytest.mark.parametrize("angle", [0.0, 30.0])
 @pytest.mark.parametrize("process", PROCESSES)
 def test_hardening_law_drives_the_incline(process, angle):
     model = incline(angle)
