@@ -14,11 +14,12 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help env env-test demo test test-fast format lint types layers check build clean distclean
+.PHONY: help env env-test demo paper test test-fast format lint types layers check build clean distclean
 
 help:
 	@echo "make env        make .venv and install clast in it"
 	@echo "make demo       run, verify and draw the block on an incline"
+	@echo "make paper      repeat the paper's studies and write docs/paper.md (some minutes)"
 	@echo "make test       run all tests"
 	@echo "make test-fast  run the tests that are not marked slow"
 	@echo "make format     format the code and sort its imports"
@@ -72,6 +73,11 @@ demo: env
 	@$(BIN)/clast verify incline
 	@$(BIN)/clast plot build/incline.vtkhdf -o build/incline.png
 	@echo "Wrote build/incline.png"
+
+paper: env
+	@echo "Running the paper's studies (some minutes)"
+	@$(BIN)/python -m clast.studies.paper cases/paper docs/paper.md
+	@echo "Wrote docs/paper.md"
 
 # --- testing and checking ------------------------------------------------------------------
 

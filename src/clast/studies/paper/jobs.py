@@ -1,0 +1,113 @@
+"""Jobs of the studies, a run each, and what comes of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+from clast.case import Case
+from clast.sanity import examine
+from clast.studies.comparing import Combination, Row, row_of
+
+WORKERS = 2
+"""Runs at a time."""
+PROCESSES = ("modified", "open-close", "convex")
+"""Processes compared: the paper's, Shi's, clast's own."""
+LAWS = {"penalty": "penalty", "augmented-lagrangian": "ALM"}
+"""Contact laws compared, and what tables and legends call them."""
+EVERY_COMBINATION = tuple(Combination(process, law) for law in LAWS for process in PROCESSES)
+"""All three processes with both laws."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """One run of a study."""
+
+    study: str
+    """Which study it belongs to."""
+    file: Path
+    """Case file."""
+    combination: Combination
+    """Process and law."""
+    settings: tuple[str, ...] = ()
+    """What is set otherwise than in the file."""
+    value: float
+    """What the study varies: an angle, degrees, a stiffness, N/m per m, or a number of solves."""
+    variant: str = ""
+    """What tells jobs of the same process and law apart."""
+
+    @property
+    def label(self) -> str:
+        """Process, variant and law, as tables and legends have it."""
+        return f"{self.combination.process}{self.variant}, {LAWS[self.combination.law]}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """What came of a job."""
+
+    job: Job
+    """What was run."""
+    row: Row
+    """What it came to."""
+    stability: float
+    """p h2/m at the start, m being the mass per contact."""
+    drift: float
+    """Largest horizontal way of a vertex, m."""
+
+    @property
+    def finished(self) -> bool:
+        """True where the run reached its end."""
+        return self.row.report.finished
+
+    @property
+    def depth(self) -> float:
+        """Largest penetration of the run, m; nan where it stopped."""
+        return self.row.report.largest_penetration if self.finished else float("nan")
+
+    def told(self, text: str) -> str:
+        """Return a text for a run that reached its end, and when it stopped for others."""
+        return text if self.finished else self.row.outcome
+
+
+@dataclass(frozen=True)
+class Findings:
+    """All findings, by study."""
+
+    by_study: Mapping[str, Sequence[Finding]] = field(default_factory=dict)
+    """Name of a study -> its findings, in the order of its jobs."""
+
+    def series(self, study: str) -> dict[str, list[Finding]]:
+        """Return the findings of a study by label, in the order of their values."""
+        found: dict[str, list[Finding]] = {}
+        for finding in self.by_study[study]:
+            found.setdefault(finding.job.label, []).append(finding)
+        return {label: sorted(s, key=lambda one: one.job.value) for label, s in found.items()}
+
+
+def found(job: Job) -> Finding:
+    """Run a job."""
+    case = Case.from_toml(job.file, job.settings)
+    applied = job.combination.applied_to(case)
+    model = applied.model()
+    row = row_of(case, job.combination)
+    return Finding(
+        job=job,
+        row=row,
+        stability=examine(model, applied.method(model), applied.schedule()).stability_number,
+        drift=float(np.abs(row.vertices - model.vertices - model.origin)[:, 0].max()),
+    )
+
+
+def run_all(jobs: Sequence[Job], workers: int = WORKERS) -> Findings:
+    """Run all jobs, some at a time; what comes of them does not depend on how many."""
+    by_study: dict[str, list[Finding]] = {}
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        for finding in pool.map(found, jobs, chunksize=1):
+            by_study.setdefault(finding.job.study, []).append(finding)
+    return Findings(by_study)

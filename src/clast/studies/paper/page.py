@@ -1,0 +1,106 @@
+"""The page of the paper's studies: each claim beside what was found, tables and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from clast.model import Floats
+from clast.pictures.curves import Series
+from clast.studies.comparison_pages import markdown_table
+
+PASSES = 6
+"""Passes of the modified process where it repeats its solves."""
+GROUPS = ("modified", "open-close", "convex", f"modified with {PASSES} passes")
+"""Processes in the order of their colours."""
+INTRODUCTION = """\
+*The paper* is Yu & Yin, Some modifications to the process of discontinuous deformation analysis,
+J. Rock Mech. Geotech. Eng. 7 (2015). This page repeats its studies with all three processes
+(`modified`, the paper's; `open-close`, Shi's; `convex`, clast's own) and both contact laws, and
+sets each claim beside what was found, also where it does not hold. The claims are given in
+substance, not in the paper's words. The page is written by `make paper`; every number on it comes
+from the runs that write it. The cases are in `cases/paper`, and each can be looked at by itself,
+for example `clast compare cases/paper/incline.toml --set joint.default.friction_angle=35`.
+
+p is the normal contact stiffness, h the step (1 ms), m the mass per contact, E Young's modulus. A
+run stops where the process does not meet its tolerance at the smallest step, or where the blocks
+hold more energy than they can have. ALM is the augmented Lagrangian law; unless said otherwise it
+has 4 solves, and multipliers that begin at zero in every step, as in the paper."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim beside what was found."""
+
+    text: str
+    """What is claimed, and by whom."""
+    found: str
+    """What was found."""
+    holds: Mapping[str, bool]
+    """Whether it holds, for each process and law or whatever else it was tried with."""
+
+    @property
+    def verdict(self) -> str:
+        """Return for what it holds."""
+        yes = [name for name, holds in self.holds.items() if holds]
+        no = [name for name, holds in self.holds.items() if not holds]
+        if not no:
+            return "holds"
+        if not yes:
+            return "does not hold"
+        return f"holds for {'; '.join(yes)}. Does not for {'; '.join(no)}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """A study on the page."""
+
+    title: str
+    """Heading."""
+    text: str
+    """What is run, and what the tables and figures show."""
+    claims: Sequence[Claim]
+    """Claims that it is about."""
+    tables: Sequence[Sequence[str]]
+    """Tables in Markdown, as lines."""
+    figure: str
+    """File name of its figure, among the images."""
+
+
+def write_page(sections: Sequence[Section], page: Path) -> None:
+    """Write the page; its figures are in ``images`` beside it."""
+    lines = ["# The paper's studies", "", INTRODUCTION, "", "## Claims", ""]
+    claims = [claim for section in sections for claim in section.claims]
+    lines += markdown_table(("claim", "verdict"), [(one.text, one.verdict) for one in claims])
+    for section in sections:
+        lines += ["", f"## {section.title}", "", section.text, ""]
+        lines += [f"- {one.text}: **{one.verdict}**. Found: {one.found}." for one in section.claims]
+        for table in section.tables:
+            lines += ["", *table]
+        lines += ["", f"![{section.title}](images/{section.figure})"]
+    page.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def series_of(x: Floats, values: Mapping[str, Floats]) -> list[Series]:
+    """Return series by label: a colour for each process, dashed for the second law."""
+    return [
+        Series(
+            label=label,
+            group=GROUPS.index(label.split(", ")[0]),
+            dashed=label.endswith("ALM"),
+            x=x,
+            y=each,
+        )
+        for label, each in values.items()
+    ]
+
+
+def percent(share: float) -> str:
+    """Return a share in %, three digits."""
+    return f"{100.0 * share:.3g} %"
+
+
+def listed(texts: Mapping[str, str]) -> str:
+    """Return texts with their labels, in one line."""
+    return "; ".join(f"{label}: {text}" for label, text in texts.items())

@@ -1,0 +1,157 @@
+"""Table 1 of the paper: a block on an incline of 45 degrees at ten friction angles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from clast.model import Floats
+from clast.pictures.curves import Diagram, Rule, draw_diagrams
+from clast.studies.comparison_pages import markdown_table
+from clast.studies.paper.jobs import EVERY_COMBINATION, Finding, Findings, Job
+from clast.studies.paper.page import Claim, Section, listed, percent, series_of
+
+ANGLES = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
+"""Friction angles of the table, degrees."""
+PAPER_ERRORS = (0.0006, 0.0066)
+"""Smallest and largest error that the paper reports, -."""
+GRAVITY, STEP, DURATION = 9.8, 1e-3, 1.0
+"""Acceleration of gravity, m/s2, step, s, and duration, s."""
+STAYS = 0.01
+"""A slider that moves less than this at 45 degrees has stayed, m."""
+FIGURE = "paper-table-1.png"
+
+
+def jobs(folder: Path) -> Iterable[Job]:
+    """Yield the incline at all angles with every process and law."""
+    for combination in EVERY_COMBINATION:
+        for angle in ANGLES:
+            yield Job(
+                study="table 1",
+                file=folder / "incline.toml",
+                combination=combination,
+                settings=(f"joint.default.friction_angle={angle}",),
+                value=angle,
+            )
+
+
+def way(friction_angle: float) -> float:
+    """Return how far the slider moves to the right (and down) in the duration, m."""
+    downhill = GRAVITY * np.sin(np.radians(45.0)) * max(0.0, 1.0 - tangent(friction_angle))
+    return float(0.5 * downhill * np.cos(np.radians(45.0)) * DURATION**2)
+
+
+def miss(finding: Finding, exact: float) -> float:
+    """Return the distance of the slider from its exact place, m; nan where the run stopped."""
+    if not finding.finished:
+        return float("nan")
+    u, v = finding.row.displacement["A"]
+    return float(np.hypot(u - exact, v + exact))
+
+
+def error(finding: Finding, exact: float) -> float:
+    """Return the miss over the exact way, -."""
+    return miss(finding, exact) / (np.sqrt(2.0) * exact)
+
+
+def lag(friction_angle: float) -> float:
+    """Return what friction that is one step old costs: (2h/t) tan(phi)/(1 - tan(phi)), -."""
+    return 2.0 * STEP / DURATION * tangent(friction_angle) / (1.0 - tangent(friction_angle))
+
+
+def tangent(degrees: float) -> float:
+    """Return the tangent of an angle in degrees."""
+    return float(np.tan(np.radians(degrees)))
+
+
+def section(findings: Findings, images: Path) -> Section:
+    """Return the section of the page; draw its figure."""
+    series = findings.series("table 1")
+    moving = np.array(ANGLES[:-1])
+    errors = {
+        label: np.array([error(one, way(one.job.value)) for one in found[:-1]])
+        for label, found in series.items()
+    }
+    stays = {label: miss(found[-1], 0.0) for label, found in series.items()}
+    draw_diagrams([_diagram(moving, errors)], images / FIGURE)
+    return Section(
+        title="Table 1: the incline",
+        text="A block slides down 45 degrees for 1 s from rest; p = 1e9 N/m per m (E/50). The "
+        "error is the distance between the computed and the exact place of the slider over the "
+        "exact way, in %; at 45 degrees, where the block stays, the distance that it creeps. "
+        "Friction from the step before costs (2h/t) tan φ/(1 - tan φ).",
+        claims=_claims(series, errors, stays),
+        tables=[_table(errors, stays)],
+        figure=FIGURE,
+    )
+
+
+def _claims(
+    series: Mapping[str, list[Finding]], errors: Mapping[str, Floats], stays: Mapping[str, float]
+) -> list[Claim]:
+    runs = [one for found in series.values() for one in found]
+    cut = sum(one.row.report.cut_steps for one in runs)
+    return [
+        Claim(
+            "Table 1: errors of 0.06 to 0.66 % (the paper)",
+            "up to 40 degrees: " + listed(ranges(errors)),
+            {label: bool(each.max() <= PAPER_ERRORS[1]) for label, each in errors.items()},
+        ),
+        Claim(
+            "At 45 degrees the block stays (closed form)",
+            "way in 1 s: "
+            + listed({label: f"{1e3 * each:.2g} mm" for label, each in stays.items()}),
+            {label: each < STAYS for label, each in stays.items()},
+        ),
+        Claim(
+            "Displacements are limited to 0.01 m a step (the paper's input)",
+            f"the limit cuts {cut} steps in {len(runs)} runs: it is never reached",
+            {"any run": cut > 0},
+        ),
+    ]
+
+
+def ranges(errors: Mapping[str, Floats]) -> dict[str, str]:
+    """Return the smallest and the largest error of each label, %, and how many runs stopped."""
+    texts = {}
+    for label, each in errors.items():
+        reached = each[np.isfinite(each)]
+        stopped = len(each) - len(reached)
+        low_high = [percent(reached.min()), percent(reached.max())] if len(reached) else ["none"]
+        texts[label] = " to ".join(low_high) + (f" ({stopped} stopped)" if stopped else "")
+    return texts
+
+
+def _table(errors: Mapping[str, Floats], stays: Mapping[str, float]) -> list[str]:
+    rows = [
+        (
+            f"{angle:g}",
+            f"{way(angle):.6f}",
+            f"{100.0 * lag(angle):.3f}",
+            *(f"{100.0 * each[k]:.3f}" for each in errors.values()),
+        )
+        for k, angle in enumerate(ANGLES[:-1])
+    ]
+    rows.append(("45", "0", "-", *(f"{1e3 * each:.3g} mm" for each in stays.values())))
+    return markdown_table(("φ, degrees", "exact u = -v, m", "friction lag, %", *errors), rows)
+
+
+def _diagram(angles: Floats, errors: Mapping[str, Floats]) -> Diagram:
+    lags = np.array([100.0 * lag(angle) for angle in angles[1:]])
+    low, high = (100.0 * each for each in PAPER_ERRORS)
+    # there and back: a frame around what the paper reports
+    quoted = Rule(
+        label=f"the paper: {low:g} to {high:g} %",
+        x=np.concatenate([angles, angles[::-1], angles[:1]]),
+        y=np.repeat([low, high, low], [len(angles), len(angles), 1]),
+    )
+    return Diagram(
+        title="Table 1",
+        x_label="friction angle φ, degrees",
+        y_label="error, %",
+        y_scale="log",
+        series=series_of(angles, {label: 100.0 * each for label, each in errors.items()}),
+        rules=[Rule(label="cost of friction lag", x=angles[1:], y=lags), quoted],
+    )
