@@ -9,6 +9,7 @@ no digits.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -194,33 +195,38 @@ class Model:
         """Number of blocks n."""
         return len(self.block_rock)
 
-    @property
+    @cached_property
     def vertex_block(self) -> Ints:
         """Block index of each vertex, shape (nv,)."""
         return np.repeat(np.arange(self.block_count), np.diff(self.block_start))
 
-    @property
+    @cached_property
     def density(self) -> Floats:
         """Density of each block, kg/m3, shape (n,)."""
         return np.array([rock.density for rock in self.rocks])[self.block_rock]
 
-    @property
+    @cached_property
     def mass(self) -> Floats:
         """Mass of each block, kg per metre of thickness, shape (n,); constant."""
         return self.density * self.area
 
-    @property
+    @cached_property
     def elasticity(self) -> Floats:
         """Elasticity matrix E' of each block, Pa, shape (n, 3, 3)."""
         by_rock = np.array([self.plane.elasticity(r.young, r.poisson) for r in self.rocks])
         return by_rock[self.block_rock]
 
-    @property
+    @cached_property
+    def compliance(self) -> Floats:
+        """Inverse of the elasticity matrix of each block, 1/Pa, shape (n, 3, 3)."""
+        return np.ascontiguousarray(np.linalg.inv(self.elasticity), np.float64)
+
+    @cached_property
     def stiffest(self) -> float:
         """Largest Young's modulus of the rocks, Pa."""
         return max(rock.young for rock in self.rocks)
 
-    @property
+    @cached_property
     def material_points(self) -> MaterialPoints:
         """All material points in one list: fixed, point loads, line starts, line ends, measured."""
         lines = self.line_loads
