@@ -7,7 +7,7 @@ registered: an object with these methods can be put into a :class:`Method` from 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol
 
 from clast.errors import StepOutcome
 from clast.model import Bools, Floats, Ints, Model
@@ -69,7 +69,6 @@ class CornerRule(Protocol):
         ...
 
 
-@runtime_checkable
 class MultiplierLaw(ContactLaw, Protocol):
     """A contact law with Lagrange multipliers that are renewed between solves of one step."""
 

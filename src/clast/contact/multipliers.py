@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.interfaces import ContactLaw, MultiplierLaw
 from clast.model import Floats, Model
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeIs
 
 CONTACTS_OF_A_BLOCK = 4.0
 """Contacts that are taken to share the mass of a block."""
 
 
+def has_multipliers(law: ContactLaw) -> TypeIs[MultiplierLaw]:
+    """Return True for laws with multipliers; isinstance of a protocol is slow in every step."""
+    return hasattr(law, "renew")
+
+
 def begin(law: ContactLaw, contacts: Contacts) -> Contacts:
     """Return the contacts as the first solve of a step sees them."""
-    return law.begin(contacts) if isinstance(law, MultiplierLaw) else contacts
+    return law.begin(contacts) if has_multipliers(law) else contacts
 
 
 def renew(law: ContactLaw, contacts: Contacts, response: ContactResponse) -> Contacts:
     """Return the contacts with the multipliers that follow from the forces of a solve."""
-    return law.renew(contacts, response) if isinstance(law, MultiplierLaw) else contacts
+    return law.renew(contacts, response) if has_multipliers(law) else contacts
 
 
 def advice(law: ContactLaw, model: Model, step: float) -> tuple[str, ...]:
@@ -26,7 +36,7 @@ def advice(law: ContactLaw, model: Model, step: float) -> tuple[str, ...]:
     They add up penetration from step to step; the time scheme damps that only where
     n beta = n p h2/(2 m) is at least 1, m being the mass per contact (docs/decisions/0010).
     """
-    if not isinstance(law, MultiplierLaw) or not law.carries or model.fixed.all():
+    if not has_multipliers(law) or not law.carries or model.fixed.all():
         return ()
     share = float(model.mass[~model.fixed].max()) / CONTACTS_OF_A_BLOCK
     gain = law.solves * law.normal_stiffness * step**2 / (2.0 * share)
@@ -41,6 +51,6 @@ def advice(law: ContactLaw, model: Model, step: float) -> tuple[str, ...]:
 
 def enough(law: ContactLaw, solves: int, gap: Floats) -> bool:
     """Return True where no further multiplier solve is due after ``solves``; gap (m,) in m."""
-    if not isinstance(law, MultiplierLaw):
+    if not has_multipliers(law):
         return True
     return solves >= law.solves or -gap.min(initial=0.0) <= law.penetration_tolerance
