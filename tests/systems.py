@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -241,13 +241,17 @@ def flat(outlines: Sequence[Floats]) -> Flat:
 
 
 def candidates_of(
-    outlines: Sequence[Floats], reach: Reach = REACH, memory: ContactMemory | None = None
+    outlines: Sequence[Floats],
+    reach: Reach = REACH,
+    memory: ContactMemory | None = None,
+    shift: Floats | None = None,
 ) -> Candidates:
-    """Return the candidate edges among outlines, all of them free to move."""
+    """Return the candidate edges among outlines, free to move; ``shift`` as in find_candidates."""
     flats = flat(outlines)
     free = np.zeros(len(outlines), np.bool_)
     pairs = near_pairs(flats.vertices, flats.start, free, reach.front + reach.critdis)
-    return find_candidates(flats.vertices, flats.start, pairs, memory or ContactMemory(), reach)
+    known = memory or ContactMemory()
+    return find_candidates(flats.vertices, flats.start, pairs, known, reach, shift)
 
 
 @dataclass(frozen=True)
@@ -292,14 +296,19 @@ class Watched:
     """A process that counts why its steps were rejected."""
 
     process: StepProcess
+    watch: Callable[[StepResult], None] | None = None
+    """Called with every step taken."""
     rejected: Counter[StepOutcome] = field(default_factory=Counter)
 
     def step(self, model: Model, how: Method, state: State, step: float) -> StepResult:
         try:
-            return self.process.step(model, how, state, step)
+            result = self.process.step(model, how, state, step)
         except StepRejected as rejected:
             self.rejected[rejected.outcome] += 1
             raise
+        if self.watch:
+            self.watch(result)
+        return result
 
     def advice(self, model: Model, how: Method, state: State, step: float) -> tuple[str, ...]:
         return self.process.advice(model, how, state, step)
@@ -356,13 +365,19 @@ STORED = ("kinetic", "elastic", "gravity", "contact", "fixed_points")
 
 
 def finish(
-    model: Model, how: Method, step: float, end: float, *, may_stop: bool = False
+    model: Model,
+    how: Method,
+    step: float,
+    end: float,
+    *,
+    may_stop: bool = False,
+    watch: Callable[[StepResult], None] | None = None,
 ) -> Finished:
     """Return the run of a model to ``end``, s.
 
     Raises RunStopped where it cannot go on, unless it ``may_stop``.
     """
-    watched = Watched(how.process)
+    watched = Watched(how.process, watch)
     schedule = Schedule(step=step, end=end, every=end)
     try:
         run = simulate(model, replace(how, process=watched), schedule)

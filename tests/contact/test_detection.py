@@ -139,6 +139,53 @@ def test_every_penetration_has_a_contact_that_pushes_the_blocks_apart(family):
     assert checked > CASES / 4
 
 
+# --- what the motion of the step brings ----------------------------------------------------
+
+
+def crossed_edges(outlines, way):
+    """Yield (vertex, edge) where a vertex of the second outline, moved, enters the first one."""
+    resting, moving = outlines
+    for k, point in enumerate(moving):
+        for e, start in enumerate(resting):
+            end = resting[(e + 1) % len(resting)]
+            matrix = np.array([way, start - end]).T
+            if abs(np.linalg.det(matrix)) < 1e-9:
+                continue
+            share, along = np.linalg.solve(matrix, start - point)
+            entering = normal_of(resting, e) @ way < 0.0
+            if 0.0 < share < 1.0 and 0.0 < along < 1.0 and entering:
+                yield k, e
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_vertex_that_would_cross_an_edge_within_the_step_is_a_candidate(family):
+    """Wherever its foot lies now: corners may fly at each other."""
+    reach = replace(REACH, front=0.025)
+    rng, beyond, crossings = np.random.default_rng(5), 0, 0
+    for outlines in drawn(family):
+        if shapely.Polygon(outlines[0]).intersects(shapely.Polygon(outlines[1])):
+            continue
+        towards = outlines[0].mean(axis=0) - outlines[1].mean(axis=0)
+        way = turned(0.025 * towards / np.hypot(*towards), rng.uniform(-0.8, 0.8))
+        # half of the motion is that of the first block
+        parts = [np.broadcast_to(-0.5 * way, outlines[0].shape)]
+        parts.append(np.broadcast_to(0.5 * way, outlines[1].shape))
+        found = keyed(outlines, candidates_of(outlines, reach, shift=np.concatenate(parts)))
+        at_rest = keyed(outlines, candidates_of(outlines, reach))
+        assert set(at_rest) <= set(found)
+        wanted = set()
+        for k, e in crossed_edges(outlines, way):
+            along = oracle.direction(outlines[0][e], outlines[0][(e + 1) % len(outlines[0])])
+            if oracle.lies_in_front(outlines[1], k, along):
+                wanted.add((1, k, 0, e))
+        assert wanted <= set(found)
+        assert {key for key in set(found) - set(at_rest) if key[0] == 1} <= wanted
+        beyond += len(wanted - set(at_rest))
+        crossings += len(wanted)
+    print(f"{family}: {crossings} crossings, {beyond} of them from beyond the end of the edge")
+    assert beyond > 0
+
+
 # --- by hand -------------------------------------------------------------------------------
 
 
