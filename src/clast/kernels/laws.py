@@ -31,16 +31,18 @@ def penalty(
     for c in range(count):
         trial_normal = multiplier[c] - normal_stiffness * gap[c]
         tension = tensile_strength[c] * length[c]
-        # a contact that just touches counts with its stiffness: it is about to close
-        if trial_normal >= -tension:
+        # in a minimisation (bound given) a contact that just touches counts with its stiffness:
+        # at the kink either is a derivative, and it is about to close
+        given = not np.isnan(friction_base[c])
+        if trial_normal > -tension or (given and trial_normal == -tension):
             n_force[c], kn[c] = trial_normal, normal_stiffness
         else:
             n_force[c] = -tension  # the cut-off; the bond is lost when the step is over
             intact[c] = intact[c] and tension == 0.0
-            if tension == 0.0 and np.isnan(friction_base[c]):
+            if tension == 0.0 and not given:
                 continue
         energy[c] = 0.5 * (n_force[c] - multiplier[c]) ** 2 / normal_stiffness
-        base = n_force[c] if np.isnan(friction_base[c]) else friction_base[c]
+        base = friction_base[c] if given else n_force[c]
         strength = cohesion[c] * length[c]
         bound = max(0.0, base * friction[c] + strength)
         trial = shear_force[c] - shear_stiffness * slip[c]
