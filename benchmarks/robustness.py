@@ -24,6 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
 import systems  # noqa: E402
+from clast.interfaces import StepResult  # noqa: E402
 from clast.model import Model  # noqa: E402
 
 YOUNG = 5e9
@@ -65,7 +66,9 @@ class Figures:
     drift: float
     """Largest horizontal movement of a vertex, m."""
     penetration: float
-    """Largest penetration in the last tenth of the run, m."""
+    """Largest penetration, averaged over the second half of the run, m."""
+    base: float
+    """Mean penetration of the contacts with block 0, averaged likewise, m."""
     peak: float
     """Largest penetration in the run, m."""
     iterations: float
@@ -115,19 +118,21 @@ def wanted(quick: bool) -> Iterator[Wanted]:
             yield Wanted(scene="small-wall", share=share, step=5e-3, end=0.3)
             yield Wanted(scene="small-heap", share=share, step=5e-3, end=1.0)
         return
-    for scene in ("small-wall", "small-columns"):
-        for step in STEPS:
+    for step in STEPS:
+        for scene in ("small-wall", "small-columns"):
             for share in SHARES:
                 yield Wanted(scene=scene, share=share, step=step, end=1.0)
     for share in (0.2, 2.0, 20.0):
         yield Wanted(scene="brick-wall", share=share, step=1e-3, end=2.0)
+    for share in (0.01, 0.1, 1.0, 10.0):
+        yield Wanted(scene="heap", share=share, step=5e-3, end=3.0)
     for step in STEPS:
         for scene in ("large-wall", "large-columns"):
             for share in SHARES:
                 yield Wanted(scene=scene, share=share, step=step, end=1.0)
-    for step in (5e-3, 1e-3):
-        for share in (0.01, 0.1, 1.0, 10.0):
-            yield Wanted(scene="heap", share=share, step=step, end=3.0)
+        if step == 1e-3:
+            for share in (0.01, 0.1, 1.0, 10.0):
+                yield Wanted(scene="heap", share=share, step=step, end=3.0)
 
 
 def made(wish: Wanted) -> Figures:
@@ -137,14 +142,25 @@ def made(wish: Wanted) -> Figures:
     if "heap" in wish.scene:
         how = replace(how, max_displacement=0.05)
     start = time.perf_counter()
-    done = systems.finish(model, how, wish.step, wish.end, may_stop=True)
+    base: list[float] = []
+
+    def watch(result: StepResult) -> None:
+        """Gather the mean penetration at the base in the second half of the run."""
+        if result.state.time > 0.5 * wish.end:
+            memory = result.state.memory
+            depth = -memory.gap[(memory.block == 0) & (memory.gap < 0.0)]
+            base.append(float(depth.mean()) if len(depth) else 0.0)
+
+    done = systems.finish(model, how, wish.step, wish.end, may_stop=True, watch=watch)
     run = done.run
-    late = run.step_rows["penetration"][run.step_rows["time"] > 0.9 * wish.end]
+    rows = run.step_rows[run.step_rows["time"] > 0.5 * wish.end]
+    total = float(np.sum(rows["penetration"] * rows["step"]))
     areas = [area for *_, area in systems.overlaps(model, run.state.vertices)]
     return Figures(
         stands=run.report.finished,
         drift=done.drift,
-        penetration=float(late.max(initial=0.0)),
+        penetration=total / max(float(np.sum(rows["step"])), 1e-300),
+        base=float(np.mean(base)) if base else 0.0,
         peak=run.report.largest_penetration,
         iterations=done.iterations,
         failed=done.failed_steps,
@@ -188,7 +204,7 @@ def wall_table(scene: str, runs: list[tuple[Wanted, Figures]]) -> list[str]:
     lines = [
         f"### {WALLS[scene]}",
         "",
-        "| p/E | h, ms | stands | drift, mm | penetration, mm | W/(n_c p), mm | ratio "
+        "| p/E | h, ms | stands | drift, mm | W/(n_c p), mm | base | largest "
         "| Newton/step | failed | cut | wall time, s |",
         "|--:|--:|:-:|--:|--:|--:|--:|--:|--:|--:|--:|",
     ]
@@ -196,7 +212,7 @@ def wall_table(scene: str, runs: list[tuple[Wanted, Figures]]) -> list[str]:
         rest = resting_penetration(scene, wish.share)
         lines.append(
             f"| {wish.share:g} | {1e3 * wish.step:g} | {'yes' if one.stands else 'NO'} "
-            f"| {1e3 * one.drift:.2g} | {1e3 * one.penetration:.3g} | {1e3 * rest:.3g} "
+            f"| {1e3 * one.drift:.2g} | {1e3 * rest:.3g} | {one.base / rest:.3f} "
             f"| {one.penetration / rest:.3f} | {one.iterations:.1f} | {one.failed} | {one.cut} "
             f"| {one.wall:.0f} |"
         )
@@ -232,8 +248,10 @@ was tuned for any row: one method, penalty law, constant acceleration, default t
 Bricks of 1 m x 0.5 m, half bricks at the ends of every second course, E 5 GPa, Poisson's ratio 0
 (so that no drift is real), 2600 kg/m3, friction angle 26.57 degrees, no damping, on a fixed base;
 the wall starts without any penetration and settles under its weight. *Drift* is the largest
-horizontal movement of any vertex, *penetration* the largest of any contact in the last tenth of
-the second, W/(n_c p) the wall's weight spread evenly over the corners that stand on the base.
+horizontal movement of any vertex. W/(n_c p) is the wall's weight spread evenly over the corners
+that stand on the base, and in units of it are given the mean penetration there (*base*) and the
+largest of any contact in the wall (*largest*), both averaged over the last half second, because an
+undamped wall on soft springs still bounces.
 *Failed* counts steps that did not converge or let a vertex through, *cut* those in which something
 moved or turned too far for one step. Wall times are of a busy machine with two cores.
 """
