@@ -36,8 +36,8 @@ class Series:
     """What the legend says."""
     group: int
     """Number of its colour and mark."""
-    dashed: bool
-    """True for the second of two series of a group."""
+    line: Literal["-", "--", ""]
+    """Line between the marks: dashed ones have open marks."""
     x: Floats
     """Abscissa, shape (k,)."""
     y: Floats
@@ -112,21 +112,22 @@ def _draw(axes: Axes, diagram: Diagram) -> None:
         axes.plot(rule.x, rule.y, style, color=FAINT, lw=1.4, label=rule.label, zorder=1)
     for one in diagram.series:
         colour, mark = COLOURS[one.group % len(COLOURS)], MARKS[one.group % len(MARKS)]
-        kept = np.isfinite(one.y)
+        kept, dashed = np.isfinite(one.y), one.line == "--"
         axes.plot(
             one.x[kept],
             one.y[kept],
-            "--" if one.dashed else "-",
+            linestyle=one.line,
             marker=mark,
             color=colour,
-            mfc="white" if one.dashed else colour,
-            ms=4.5 if one.dashed else 5.5,
+            mfc="white" if dashed else colour,
+            # marks lie on each other: the first group has the largest
+            ms=(6.0 if dashed else 8.0) - 1.2 * one.group,
             lw=1.1,
             label=one.label,
-            zorder=3 if one.dashed else 2,
+            zorder=3 if dashed else 2,
         )
         # crosses of several series would lie on each other
-        height = 0.98 - 0.05 * (2 * one.group + one.dashed)
+        height = 0.98 - 0.05 * (2 * one.group + dashed)
         axes.plot(
             one.x[~kept],
             np.full(int((~kept).sum()), height),

@@ -126,7 +126,7 @@ def _table(series: Mapping[str, list[Finding]]) -> list[str]:
 
 def _text(finding: Finding) -> str:
     """Return how far the wall moved sideways, mm, and the passes, or when the run stopped."""
-    return finding.told(f"{1e3 * finding.drift:.2g} mm, {finding.row.passes_per_step:.2g} passes")
+    return finding.told(f"{1e3 * finding.drift:.2g} mm, passes: {finding.row.passes_per_step:.2g}")
 
 
 def _draw(findings: Mapping[str, Finding], images: Path) -> None:

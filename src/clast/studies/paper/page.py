@@ -88,7 +88,7 @@ def series_of(x: Floats, values: Mapping[str, Floats]) -> list[Series]:
         Series(
             label=label,
             group=GROUPS.index(label.split(", ")[0]),
-            dashed=label.endswith("ALM"),
+            line="--" if label.endswith("ALM") else "-",
             x=x,
             y=each,
         )

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from clast.model import Floats
-from clast.pictures.curves import Diagram, Rule, draw_diagrams
+from clast.pictures.curves import Diagram, Rule, Series, draw_diagrams
 from clast.studies.comparing import Combination
 from clast.studies.comparison_pages import markdown_table
 from clast.studies.paper.jobs import EVERY_COMBINATION, PROCESSES, Finding, Findings, Job
@@ -28,7 +29,7 @@ WEIGHT = MASS * 9.8
 """Weight of the block, N/m."""
 QUARTER = 0.1
 """Shares of the penetration within this of 1/4 count as 1/4, relative."""
-AGREES = 0.01
+AGREES = 0.02
 """Shares within this of the formula agree with it, relative."""
 IN_BALANCE = 1e-4
 """Contact forces within this of the weight are the weight, relative."""
@@ -88,13 +89,18 @@ def section(findings: Findings, images: Path) -> Section:
 
 
 def _penetrations(found: list[Finding]) -> Floats:
-    """Return the penetrations at the end, m, shape (k,)."""
-    return np.array([one.row.penetration for one in found])
+    """Return the penetrations at the end, m, shape (k,); nan where a run stopped."""
+    return np.array([one.row.penetration if one.finished else np.nan for one in found])
+
+
+def _left(share: float) -> str:
+    """Return a share of the penetration, or that the run stopped."""
+    return f"{share:.4f}" if np.isfinite(share) else "stopped"
 
 
 def _claims(series: Mapping[str, list[Finding]], over_p: Mapping[str, Floats]) -> list[Claim]:
     exact = np.array([share(value, PAPER_SOLVES) for value in STIFFNESSES])
-    off = {process: float(np.abs(each / exact - 1.0).max()) for process, each in over_p.items()}
+    off = np.abs(np.array(list(over_p.values())) / exact - 1.0).max(axis=0)
     unbalanced = {
         label: max(abs(one.row.normal_force / WEIGHT - 1.0) for one in found)
         for label, found in series.items()
@@ -110,13 +116,15 @@ def _claims(series: Mapping[str, list[Finding]], over_p: Mapping[str, Floats]) -
             },
         ),
         Claim(
-            "n solves leave β/((1 + β)ⁿ - 1) of it (clast)",
-            "with 4 solves, within " + listed({p: percent(each) for p, each in off.items()}),
-            {process: each < AGREES for process, each in off.items()},
+            "n solves leave β/((1 + β)ⁿ - 1) of it (clast, for a rigid block)",
+            "with 4 solves, within "
+            + listed({f"p = {p:.0e}": percent(off[k]) for k, p in enumerate(STIFFNESSES)})
+            + "; stiffer contacts strain the block in each step as well",
+            {f"p = {p:.0e}": bool(off[k] < AGREES) for k, p in enumerate(STIFFNESSES)},
         ),
         Claim(
             "The contact force is the weight with both laws (equilibrium)",
-            "within " + listed({label: percent(each) for label, each in unbalanced.items()}),
+            "within " + listed({k: f"{100.0 * each:.1g} %" for k, each in unbalanced.items()}),
             {label: each < IN_BALANCE for label, each in unbalanced.items()},
         ),
     ]
@@ -131,7 +139,7 @@ def _table_over_p(plain: Mapping[str, Floats], over_p: Mapping[str, Floats]) -> 
             f"{1e3 * WEIGHT / (CORNERS * value):.5g}",
             *(f"{1e3 * each[k]:.5g}" for each in plain.values()),
             f"{share(value, PAPER_SOLVES):.4f}",
-            *(f"{each[k]:.4f}" for each in over_p.values()),
+            *(_left(each[k]) for each in over_p.values()),
         )
         for k, value in enumerate(STIFFNESSES)
     ]
@@ -146,12 +154,17 @@ def _table_over_n(over_n: Mapping[str, Floats]) -> list[str]:
             str(count),
             f"{1.0 / count:.4f}",
             f"{share(STIFFNESSES[0], count):.4f}",
-            *(f"{each[k]:.4f}" for each in over_n.values()),
+            *(_left(each[k]) for each in over_n.values()),
         )
         for k, count in enumerate(COUNTS)
     ]
     shares = (f"{name}, share left" for name in over_n)
     return markdown_table(("solves n", "1/n", "exact share left", *shares), rows)
+
+
+def _marks(x: Floats, values: Mapping[str, Floats]) -> list[Series]:
+    """Return series without lines: the exact curve is drawn between them."""
+    return [replace(one, line="") for one in series_of(x, values)]
 
 
 def _diagrams(over_n: Mapping[str, Floats], over_p: Mapping[str, Floats]) -> list[Diagram]:
@@ -164,7 +177,7 @@ def _diagrams(over_n: Mapping[str, Floats], over_p: Mapping[str, Floats]) -> lis
             title=f"p = {STIFFNESSES[0]:.0e} N/m per m",
             x_label="multiplier solves n in a step",
             y_label="share of the penetration left",
-            series=series_of(np.array(COUNTS, float), over_n),
+            series=_marks(np.array(COUNTS, float), over_n),
             rules=[Rule(label=exact, x=fine, y=at_counts)],
         ),
         Diagram(
@@ -172,7 +185,7 @@ def _diagrams(over_n: Mapping[str, Floats], over_p: Mapping[str, Floats]) -> lis
             x_label="normal stiffness p, N/m per m",
             y_label="share of the penetration left",
             x_scale="log",
-            series=series_of(np.array(STIFFNESSES), over_p),
+            series=_marks(np.array(STIFFNESSES), over_p),
             rules=[Rule(label=exact, x=dense, y=at_stiffnesses)],
         ),
     ]

@@ -91,24 +91,30 @@ def section(findings: Findings, images: Path) -> Section:
 def _claims(
     series: Mapping[str, list[Finding]], errors: Mapping[str, Floats], stays: Mapping[str, float]
 ) -> list[Claim]:
-    runs = [one for found in series.values() for one in found]
-    cut = sum(one.row.report.cut_steps for one in runs)
+    flat = {label: each[:-1] for label, each in errors.items()}
+    last = {label: float(each[-1]) for label, each in errors.items()}
+    largest = PAPER_ERRORS[1]
+    cut = {k: sum(one.row.report.cut_steps for one in found) for k, found in series.items()}
     return [
         Claim(
-            "Table 1: errors of 0.06 to 0.66 % (the paper)",
-            "up to 40 degrees: " + listed(ranges(errors)),
-            {label: bool(each.max() <= PAPER_ERRORS[1]) for label, each in errors.items()},
+            "Errors are at most 0.06 to 0.66 % (the paper), here up to 35 degrees",
+            listed(ranges(flat)),
+            {label: bool(each.max() <= largest) for label, each in flat.items()},
         ),
         Claim(
-            "At 45 degrees the block stays (closed form)",
-            "way in 1 s: "
-            + listed({label: f"{1e3 * each:.2g} mm" for label, each in stays.items()}),
+            "Errors are at most 0.06 to 0.66 % (the paper), here at 40 degrees",
+            listed({label: percent(each) for label, each in last.items()}),
+            {label: each <= largest for label, each in last.items()},
+        ),
+        Claim(
+            "At 45 degrees the block moves less than 1 cm in 1 s (it stays: closed form)",
+            listed({label: f"{1e3 * each:.2g} mm" for label, each in stays.items()}),
             {label: each < STAYS for label, each in stays.items()},
         ),
         Claim(
-            "Displacements are limited to 0.01 m a step (the paper's input)",
-            f"the limit cuts {cut} steps in {len(runs)} runs: it is never reached",
-            {"any run": cut > 0},
+            "The limit of 0.01 m on the displacement in a step (the paper's input) is not reached",
+            "steps that were cut: " + listed({label: str(number) for label, number in cut.items()}),
+            {label: number == 0 for label, number in cut.items()},
         ),
     ]
 
