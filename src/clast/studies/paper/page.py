@@ -26,7 +26,8 @@ for example `clast compare cases/paper/incline.toml --set joint.default.friction
 p is the normal contact stiffness, h the step (1 ms), m the mass per contact, E Young's modulus. A
 run stops where the process does not meet its tolerance at the smallest step, or where the blocks
 hold more energy than they can have. ALM is the augmented Lagrangian law; unless said otherwise it
-has 4 solves, and multipliers that begin at zero in every step, as in the paper."""
+has 4 solves, and multipliers that begin at zero in every step, as in the paper. Crosses in figures
+are runs that stopped."""
 
 
 @dataclass(frozen=True)

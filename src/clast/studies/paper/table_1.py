@@ -97,12 +97,12 @@ def _claims(
     cut = {k: sum(one.row.report.cut_steps for one in found) for k, found in series.items()}
     return [
         Claim(
-            "Errors are at most 0.06 to 0.66 % (the paper), here up to 35 degrees",
+            "Errors are 0.06 to 0.66 % (the paper): not larger up to 35 degrees",
             listed(ranges(flat)),
             {label: bool(each.max() <= largest) for label, each in flat.items()},
         ),
         Claim(
-            "Errors are at most 0.06 to 0.66 % (the paper), here at 40 degrees",
+            "Errors are 0.06 to 0.66 % (the paper): not larger at 40 degrees",
             listed({label: percent(each) for label, each in last.items()}),
             {label: each <= largest for label, each in last.items()},
         ),
