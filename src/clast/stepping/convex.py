@@ -127,6 +127,8 @@ class Convex:
             if updates <= self.friction_updates:
                 continue
             solves += 1
+            # the normal forces change with the multipliers, so friction has to follow anew
+            updates = 0
             contacts = multipliers.renew(law, contacts, point.response)
             if multipliers.enough(law, solves, point.gap):
                 counts["factorisations"] = factor.factorised
