@@ -16,6 +16,7 @@ from clast.verification import (
     penetration,
     spin,
     stack,
+    stiffness,
 )
 from clast.verification.problem import Problem
 
@@ -25,6 +26,7 @@ PROBLEMS: tuple[Problem, ...] = (
     decelerating_block.PROBLEM,
     direct_shear.PROBLEM,
     penetration.PROBLEM,
+    stiffness.PROBLEM,
     stack.PROBLEM,
     bounce.PROBLEM,
     collision.PROBLEM,

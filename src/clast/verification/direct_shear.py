@@ -16,8 +16,16 @@ from clast.model_builder import ModelBuilder
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
 from clast.simulate import Schedule, simulate
-from clast.verification.problem import Outcome, Problem, relative
-from clast.verification.variants import CONVEX, EULER, IMPLICIT, LAGGED, Variant
+from clast.verification.problem import KnownFailure, Outcome, Problem, relative
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    EULER,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
 
 GRAVITY, DENSITY = 9.8, 2500.0
 LENGTH, HEIGHT = 1.0, 0.1
@@ -31,7 +39,7 @@ PEAK = RESIDUAL + COHESION * LENGTH
 """Shear forces, N/m."""
 SHARES = (0.5, 0.9, 0.99, 0.999, 1.001, 1.01, 1.1)
 """Shear forces applied, as shares of the peak."""
-STEP, DURATION = 3e-4, 0.12
+STEP, DURATION = 3e-4, 0.06
 
 
 def sheared_block(force: float = PEAK) -> Model:
@@ -53,7 +61,7 @@ def sheared_block(force: float = PEAK) -> Model:
 def sheared(force: float, variant: Variant) -> Run:
     """Return the run under a shear force, N/m; velocities are dropped after every step."""
     model = sheared_block(force)
-    method = variant.method(model, normal_stiffness=1e8, max_displacement=0.01, dynamic_ratio=0.0)
+    method = variant.method(model, normal_stiffness=2e8, max_displacement=0.01, dynamic_ratio=0.0)
     return simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
 
 
@@ -90,12 +98,20 @@ PROBLEM = Problem(
     name="direct-shear",
     title="Direct shear of a joint with cohesion",
     text="A block of 1 m x 0.1 m under a pressure of 0.1 MPa is pulled along a fixed one with "
-    "seven forces up to 1.1 times the peak; phi = 30 degrees, c = 40 kPa, p = 0.1 GPa, h = 0.3 ms, "
+    "seven forces up to 1.1 times the peak; phi = 30 degrees, c = 40 kPa, p = 0.2 GPa, h = 0.3 ms, "
     "static (dynamic_ratio = 0).",
     formula="peak N tan phi + c A, residual N tan phi",
     source="Coulomb",
     set_up=sheared_block,
     examine=examine,
-    variants=(LAGGED, IMPLICIT, EULER, CONVEX),
+    variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX, CONVEX_MULTIPLIERS),
     quick=(LAGGED, CONVEX),
+    known_failures=(
+        KnownFailure(
+            variant=CONVEX_MULTIPLIERS,
+            quantity="peak",
+            reason="bonds are judged in every solve of a step, the first of which has a fourth of "
+            "the normal force only",
+        ),
+    ),
 )

@@ -91,5 +91,5 @@ PROBLEM = Problem(
     set_up=incline,
     examine=examine,
     variants=(LAGGED, CONVEX_LAGGED),
-    quick=(LAGGED,),
+    quick=(),
 )

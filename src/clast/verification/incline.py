@@ -13,14 +13,23 @@ from clast.model import Model
 from clast.model_builder import ModelBuilder
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.simulate import Schedule, simulate
-from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
-from clast.verification.variants import CONVEX, IMPLICIT, LAGGED, Variant
+from clast.verification.problem import (
+    Comparison,
+    KnownFailure,
+    Outcome,
+    Problem,
+    absolute,
+    relative,
+)
+from clast.verification.variants import CONVEX, IMPLICIT, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
 
 GRAVITY = 9.8
 DURATION = 1.0
 STEP = 1e-3
 ANGLES = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
 """Friction angles of the paper's Table 1, degrees."""
+SOME = (0.0, 20.0, 35.0, 45.0)
+"""Friction angles that are run with the other variants."""
 PAPER = "the paper's own errors are 0.06 to 0.66 %"
 
 
@@ -88,6 +97,8 @@ def implicit_tolerance(friction_angle: float) -> tuple[float, str]:
 
 TOLERANCES = {
     LAGGED.name: lagged_tolerance,
+    OPEN_CLOSE.name: lagged_tolerance,
+    MULTIPLIERS.name: lagged_tolerance,
     IMPLICIT.name: implicit_tolerance,
     CONVEX.name: implicit_tolerance,
 }
@@ -95,8 +106,9 @@ TOLERANCES = {
 
 
 def examine(variant: Variant) -> Outcome:
-    """Compare the ways at all ten friction angles."""
-    rows = tuple(compare(angle, variant) for angle in ANGLES)
+    """Compare the ways at the friction angles of Table 1, or at some of them."""
+    angles = ANGLES if variant in (LAGGED, CONVEX) else SOME
+    rows = tuple(compare(angle, variant) for angle in angles)
     fine = np.linspace(0.0, 45.0, 91)
     chart = Chart(
         title="way after 1 s",
@@ -104,7 +116,7 @@ def examine(variant: Variant) -> Outcome:
         y_label="way u = -v, m",
         curves=(
             exact_curve("closed form", fine, [exact_way(angle) for angle in fine]),
-            curve(variant.name, ANGLES, [row.computed for row in rows]),
+            curve(variant.name, angles, [row.computed for row in rows]),
         ),
     )
     return Outcome(rows, (chart,))
@@ -121,6 +133,14 @@ PROBLEM = Problem(
     "errors are 0.06 to 0.66 %",
     set_up=incline,
     examine=examine,
-    variants=(LAGGED, IMPLICIT, CONVEX),
+    variants=(LAGGED, CONVEX, IMPLICIT, OPEN_CLOSE, MULTIPLIERS),
     quick=(LAGGED,),
+    known_failures=(
+        KnownFailure(
+            variant=MULTIPLIERS,
+            quantity="way (the worse of u, v) at 45 degrees",
+            reason="four solves a step make the contact four times as stiff while friction stays "
+            "one step old: it swings with the normal force for longer",
+        ),
+    ),
 )

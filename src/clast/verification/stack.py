@@ -15,8 +15,17 @@ from clast.model_builder import ModelBuilder
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.simulate import Schedule, simulate
 from clast.state import State
-from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, EULER, IMPLICIT, LAGGED, PASSES, Variant
+from clast.verification.problem import Comparison, KnownFailure, Outcome, Problem, relative
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    CONVEX_TIGHT,
+    EULER,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
 
 GRAVITY = 9.8
 STIFFNESS = 1e9
@@ -27,6 +36,11 @@ CONTACTS = (2, 4, 2, 4, 2)
 """Contacts n of the joint below each block."""
 STEP, DURATION = 1e-3, 1.2
 TOLERANCE = 1e-6
+STOPS_EARLY = "by default a step is solved to 1e-5 of its forces; a tolerance of 1e-7 passes"
+KICKED = (
+    "what multipliers leave of the penetration depends on theta; where a block changes theta "
+    "(impacts) it is kicked, which the next step takes for an impact again"
+)
 REASON = "what is left of the vibration after 1.2 s"
 
 
@@ -64,7 +78,7 @@ def examine(variant: Variant) -> Outcome:
     for k in range(len(WIDTHS)):
         name = "base reaction" if k == 0 else f"normal force of joint {k}"
         rows.append(relative(name, "N/m", force[k], weight[k], TOLERANCE, REASON))
-    for k in range(len(WIDTHS)):
+    for k in range(len(WIDTHS) if variant.contact_law["name"] == "penalty" else 0):
         name = f"penetration of joint {k}, {CONTACTS[k]} contacts"
         rows.append(relative(name, "m", penetration[k], exact[k], TOLERANCE, REASON))
     joints = np.arange(len(WIDTHS))
@@ -86,10 +100,20 @@ PROBLEM = Problem(
     text="Five blocks of 1 m height, 2, 2, 1.5, 1.5 and 1 m wide, are put on each other and on a "
     "fixed floor; rho = 2700 kg/m3, g = 9.8 m/s2, p = 1 GPa, h = 1 ms. After 1.2 s they are at "
     "rest.",
-    formula="sum of N of a joint = weight W above it; penetration W/(n p)",
+    formula="sum of N of a joint = weight W above it; penetration W/(n p) with the penalty law",
     source="equilibrium",
     set_up=stack,
     examine=examine,
-    variants=(LAGGED, IMPLICIT, PASSES, EULER, CONVEX),
-    quick=(LAGGED,),
+    variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX_TIGHT, CONVEX, CONVEX_MULTIPLIERS),
+    quick=(CONVEX_TIGHT,),
+    known_failures=(
+        *(
+            KnownFailure(variant=CONVEX, quantity=quantity, reason=STOPS_EARLY)
+            for quantity in ("base reaction", "normal force", "penetration")
+        ),
+        *(
+            KnownFailure(variant=CONVEX_MULTIPLIERS, quantity=quantity, reason=KICKED)
+            for quantity in ("base reaction", "normal force")
+        ),
+    ),
 )

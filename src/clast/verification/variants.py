@@ -93,7 +93,28 @@ EULER = Variant(
 CONVEX = Variant(name="convex", process={"name": "convex"})
 """Newton's method on the incremental potential; friction follows the normal force of the step."""
 
+CONVEX_TIGHT = Variant(name="convex, tolerance 1e-7", process={"name": "convex", "tolerance": 1e-7})
+"""The same, solved to 1e-7 of the forces of a step instead of 1e-5."""
+
 CONVEX_LAGGED = Variant(
     name="convex, lagged friction", process={"name": "convex", "friction_updates": 0}
 )
 """The same with the friction bound of the step before."""
+
+OPEN_CLOSE = Variant(name="open-close", process={"name": "open-close"})
+"""Shi's open-close iteration."""
+
+FOUR_SOLVES = {"name": "augmented-lagrangian", "solves": 4}
+"""Multipliers that start anew in every step, renewed in four solves (the paper's law)."""
+
+MULTIPLIERS = Variant(
+    name="modified, augmented Lagrangian",
+    process={"name": "modified", "friction": "lagged"},
+    contact_law=FOUR_SOLVES,
+)
+"""The paper's process with its augmented Lagrangian law."""
+
+CONVEX_MULTIPLIERS = Variant(
+    name="convex, augmented Lagrangian", process={"name": "convex"}, contact_law=FOUR_SOLVES
+)
+"""The convex process with the same law."""
