@@ -246,15 +246,18 @@ was tuned for any row: one method, penalty law, constant acceleration, default t
 
 ## Walls
 
-One second each, if a table does not say otherwise. Bricks of 1 m x 0.5 m, half bricks at the ends of every second course, E 5 GPa, Poisson's ratio 0
-(so that no drift is real), 2600 kg/m3, friction angle 26.57 degrees, no damping, on a fixed base;
-the wall starts without any penetration and settles under its weight. *Drift* is the largest
-horizontal movement of any vertex. W/(n_c p) is the wall's weight spread evenly over the corners
-that stand on the base, and in units of it are given the mean penetration there (*base*) and the
-largest of any contact in the wall (*largest*), both averaged over the last half second, because an
-undamped wall on soft springs still bounces.
-*Failed* counts steps that did not converge or let a vertex through, *cut* those in which something
-moved or turned too far for one step. Wall times are of a busy machine with two cores.
+One second each, if a table does not say otherwise. Bricks of 1 m x 0.5 m, half bricks at the ends
+of every second course, E 5 GPa, Poisson's ratio 0 (so that no drift is real), 2600 kg/m3, friction
+angle 26.57 degrees, no damping, on a fixed base. The wall starts without any penetration and
+settles under its weight.
+
+*Drift* is the largest horizontal movement of any vertex. W/(n_c p) is the wall's weight spread
+evenly over the corners that stand on the base. In units of it are given the mean penetration there
+(*base*) and the largest of any contact in the wall (*largest*), both averaged over the last half
+second, because an undamped wall on soft springs still bounces. In a bond the load is not even,
+so the largest exceeds the mean; in columns it does not. *Failed* counts steps that did not converge
+or let a vertex through, *cut* those in which something moved or turned too far for one step. Wall
+times are of a busy machine with two cores.
 """
 
 TAIL = """## Heaps

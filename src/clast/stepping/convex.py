@@ -38,7 +38,7 @@ from clast.stepping.stages import Stages
 class Convex:
     """Newton's method on the incremental potential, with exact line search."""
 
-    tolerance: float = 1e-5
+    tolerance: float = 1e-7
     """The step is solved where the potential is within tolerance^2 x energy of its forces."""
     iterations: int = 200
     """Newton iterations at most; a step that needs more is cut."""
