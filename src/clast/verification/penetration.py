@@ -20,8 +20,8 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import (
+    CONVEX,
     CONVEX_MULTIPLIERS,
-    CONVEX_TIGHT,
     EULER,
     LAGGED,
     MULTIPLIERS,
@@ -108,6 +108,6 @@ PROBLEM = Problem(
     source="equilibrium; geometric series of the solves of a step",
     set_up=block_on_floor,
     examine=examine,
-    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX_TIGHT, MULTIPLIERS, CONVEX_MULTIPLIERS),
-    quick=(CONVEX_TIGHT, MULTIPLIERS),
+    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
+    quick=(CONVEX, MULTIPLIERS),
 )

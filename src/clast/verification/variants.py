@@ -93,9 +93,6 @@ EULER = Variant(
 CONVEX = Variant(name="convex", process={"name": "convex"})
 """Newton's method on the incremental potential; friction follows the normal force of the step."""
 
-CONVEX_TIGHT = Variant(name="convex, tolerance 1e-7", process={"name": "convex", "tolerance": 1e-7})
-"""The same, solved to 1e-7 of the forces of a step instead of 1e-5."""
-
 CONVEX_LAGGED = Variant(
     name="convex, lagged friction", process={"name": "convex", "friction_updates": 0}
 )
