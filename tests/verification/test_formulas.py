@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from clast.model import PlaneStrain, PlaneStress
-from clast.verification import bounce, decelerating_block, incline, patch, pendulum
+from clast.verification import bounce, decelerating_block, incline, patch, pendulum, toppling
 from clast.verification.variants import EULER, LAGGED
 
 TABLE_1 = {
@@ -68,3 +68,11 @@ def test_restitution_against_an_oscillator(variant, theta):
 def test_compliance_inverts_elasticity(plane):
     stiffness = plane.elasticity(patch.YOUNG, patch.POISSON)
     assert stiffness @ patch.strain(plane) == pytest.approx(patch.STRESS)
+
+
+def test_limit_of_the_toppling_slope():
+    assert np.tan(np.radians(toppling.limit_angle())) == pytest.approx(0.7855, abs=5e-5)
+    heights = [toppling.height(column) for column in (1, 10, 11, 16)]
+    assert heights == [4.0, 40.0, 34.0, 4.0]
+    # the far top corner of the highest column stands 92.5 m above the toe of the base
+    assert toppling.place(100.0, 50.0)[1] == pytest.approx(92.5, abs=1.0)

@@ -8,15 +8,20 @@ from clast.verification import (
     column,
     decelerating_block,
     direct_shear,
+    energy,
     free_fall,
     friction_lag,
     incline,
+    invariance,
+    order,
     patch,
     pendulum,
     penetration,
     spin,
     stack,
     stiffness,
+    toppling,
+    wave,
 )
 from clast.verification.problem import Problem
 
@@ -25,6 +30,7 @@ PROBLEMS: tuple[Problem, ...] = (
     friction_lag.PROBLEM,
     decelerating_block.PROBLEM,
     direct_shear.PROBLEM,
+    toppling.PROBLEM,
     penetration.PROBLEM,
     stiffness.PROBLEM,
     stack.PROBLEM,
@@ -32,8 +38,12 @@ PROBLEMS: tuple[Problem, ...] = (
     collision.PROBLEM,
     column.PROBLEM,
     patch.PROBLEM,
+    wave.PROBLEM,
     free_fall.PROBLEM,
     spin.PROBLEM,
     pendulum.PROBLEM,
+    energy.PROBLEM,
+    order.PROBLEM,
+    invariance.PROBLEM,
 )
-"""Problems by what they test: friction, contact, elasticity, motion."""
+"""Problems by what they test: friction, contact, elasticity, motion, the method as a whole."""
