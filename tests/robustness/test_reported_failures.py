@@ -51,8 +51,9 @@ def test_a_wedge_of_32_blocks_rests_on_a_slope(stiffness: float) -> None:
     results = march(model, by_convex(stiffness), 1e-3, 0.5)
     rest, end = results[299].state, results[-1].state
     assert np.abs(end.vertices - model.vertices).max() < 1e-3
-    assert np.abs(end.velocity[:, :3]).max() < 1e-7
-    assert np.abs(end.vertices - rest.vertices).max() < 1e-9
+    assert np.abs(end.vertices - rest.vertices).max() < 1e-11
+    # constant acceleration leaves slivers ringing, v+ = -v with d = 0; it fades and moves nothing
+    assert end.ledger.kinetic < rest.ledger.kinetic < 1e-12
 
 
 def block_on_slope(tangent: float) -> Model:
