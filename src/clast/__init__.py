@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from clast.errors import ClastError as ClastError
     from clast.errors import ModelError as ModelError
     from clast.errors import RunStopped as RunStopped
+    from clast.ground_motion import Accelerogram as Accelerogram
+    from clast.ground_motion import InertialForce as InertialForce
+    from clast.ground_motion import MovingBase as MovingBase
     from clast.interfaces import Method as Method
     from clast.model import Joint as Joint
     from clast.model import Model as Model
@@ -43,6 +46,9 @@ HOME = {
     "ClastError": "clast.errors",
     "ModelError": "clast.errors",
     "RunStopped": "clast.errors",
+    "Accelerogram": "clast.ground_motion",
+    "InertialForce": "clast.ground_motion",
+    "MovingBase": "clast.ground_motion",
     "Method": "clast.interfaces",
     "Joint": "clast.model",
     "Model": "clast.model",

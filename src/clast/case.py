@@ -30,7 +30,9 @@ from clast import spelling
 from clast.casefile import text as case_text
 from clast.casefile.choices import Alternatives, Choice, Chosen, Number
 from clast.casefile.faults import Fault, case_error, faults_of, refusal
+from clast.casefile.record import read_record
 from clast.errors import ModelError
+from clast.ground_motion import Accelerogram, GroundMotion, InertialForce, MovingBase, Still
 from clast.model import Model, PlaneStrain, PlaneStress
 from clast.model_builder import ModelBuilder
 
@@ -77,6 +79,10 @@ PLANES: dict[str, type[PlaneStress] | type[PlaneStrain]] = {
     "stress": PlaneStress,
     "strain": PlaneStrain,
 }
+GROUND_MOTIONS: dict[str, type[InertialForce] | type[MovingBase]] = {
+    "body-force": InertialForce,
+    "base": MovingBase,
+}
 
 ALTERNATIVES = Alternatives(
     classes={
@@ -106,7 +112,7 @@ ALTERNATIVES = Alternatives(
 
 SYSTEM = frozenset(
     {"plane", "gravity", "rock", "joint", "geometry", "block", "fixed_point", "measured_point"}
-    | {"point_load", "line_load"}
+    | {"point_load", "line_load", "ground_motion"}
 )
 """What a reference depends on."""
 FRAMES = 100
@@ -302,6 +308,56 @@ class MeasuredPointTable(Table):
     """Block; needed only where blocks touch."""
 
 
+class GroundMotionTable(Table):
+    """An accelerogram, linear between its instants, and how it reaches the blocks.
+
+    The ground starts from rest.  After the last instant it has no acceleration, and keeps the
+    velocity that it then has.
+    """
+
+    acts: Literal["body-force", "base"]
+    """"body-force": minus the acceleration on the mass of every block, motion is relative to the
+    ground; "base": the fixed points move with the ground.  Fixed blocks do not move: a base that
+    moves is held by fixed points."""
+    file: StrictStr | None = None
+    """Text file beside the case file, with columns t, ax and, if wanted, ay; instead of lists."""
+    time: list[Number] | None = None
+    """Instants, s, rising."""
+    acceleration: list[Number] | None = None
+    """Horizontal acceleration of the ground at the instants, m/s2, to the right."""
+    vertical: list[Number] | None = None
+    """Vertical acceleration of the ground at the instants, m/s2, upwards; none if absent."""
+    scale: Number = 1.0
+    """Factor on all accelerations: 9.81 for a record in g."""
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        lists = {"time": self.time, "acceleration": self.acceleration, "vertical": self.vertical}
+        given = {key: len(values) for key, values in lists.items() if values is not None}
+        if self.file is not None and given:
+            remedy = "name the file, or give the lists"
+            raise refusal(Fault(place=("file",), what="there are lists as well", remedy=remedy))
+        if self.file is None and not {"time", "acceleration"} <= set(given):
+            remedy = 'give file = "record.csv", or time = [...] and acceleration = [...]'
+            raise refusal(Fault(what="there is no accelerogram", remedy=remedy))
+        if len(set(given.values())) > 1:
+            counted = ", ".join(f"{key} {count}" for key, count in given.items())
+            remedy = "give as many numbers in each list"
+            raise refusal(Fault(what=f"the lists differ in length: {counted}", remedy=remedy))
+        return self
+
+    def motion(self, folder: Path) -> GroundMotion:
+        """Return the ground motion; a file is looked for in ``folder``."""
+        if self.file is not None:
+            time, acceleration = read_record(folder / self.file)
+        else:
+            time = np.array(self.time, np.float64)
+            horizontal = np.array(self.acceleration, np.float64)
+            vertical = np.zeros(len(time)) if self.vertical is None else np.array(self.vertical)
+            acceleration = np.stack([horizontal, vertical], axis=1)
+        return GROUND_MOTIONS[self.acts](Accelerogram(time, self.scale * acceleration))
+
+
 class ReferenceTable(Table):
     """A displacement that is known from elsewhere, to compare a run with."""
 
@@ -411,6 +467,8 @@ class Case(Table):
     """Forces at points."""
     line_load: list[LineLoadTable] = []
     """Tractions along lines."""
+    ground_motion: GroundMotionTable | None = None
+    """Earthquake or shaking table."""
     measured_point: list[MeasuredPointTable] = []
     """Points recorded every step."""
     reference: list[ReferenceTable] = []
@@ -498,7 +556,13 @@ class Case(Table):
 
     def model(self) -> Model:
         """Return the system of blocks; raises ModelError naming the place and the remedy."""
-        builder = ModelBuilder(title=self.title, plane=PLANES[self.plane](), gravity=self.gravity)
+        shaken = self.ground_motion
+        builder = ModelBuilder(
+            title=self.title,
+            plane=PLANES[self.plane](),
+            gravity=self.gravity,
+            ground_motion=Still() if shaken is None else shaken.motion(Path(self._file).parent),
+        )
         try:
             self._add_materials(builder)
             self._add_blocks(builder)

@@ -15,6 +15,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from clast.ground_motion import GroundMotion, Still
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -189,6 +191,8 @@ class Model:
     """Tractions along lines."""
     measured_points: MeasuredPoints
     """Points recorded every step."""
+    ground_motion: GroundMotion = field(default_factory=Still)
+    """What the ground does: nothing, a body force, or a motion of the fixed points."""
 
     @property
     def block_count(self) -> int:

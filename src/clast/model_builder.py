@@ -24,6 +24,7 @@ import shapely
 
 from clast import model_checks, spelling
 from clast.errors import ModelError
+from clast.ground_motion import GroundMotion, Still
 from clast.model import (
     Floats,
     Ints,
@@ -97,6 +98,7 @@ class ModelBuilder:
     title: str = ""
     plane: Plane = field(default_factory=PlaneStress)
     gravity: Vector = (0.0, -9.8)
+    ground_motion: GroundMotion = field(default_factory=Still)
     _rocks: list[Rock] = field(default_factory=list, init=False)
     _joints: list[_Joint] = field(default_factory=list, init=False)
     _blocks: list[_Block] = field(default_factory=list, init=False)
@@ -229,6 +231,7 @@ class ModelBuilder:
 
         fixed, measured = places(self._fixed_points), places(self._measured_points)
         points, lines = places(self._point_loads), places(self._line_loads)
+        model_checks.check_ground_motion(self.ground_motion, len(fixed.block))
         return Model(
             title=self.title,
             plane=self.plane,
@@ -252,6 +255,7 @@ class ModelBuilder:
             measured_points=MeasuredPoints(
                 block=measured.block, at=measured.at, name=tuple(self._measured_names)
             ),
+            ground_motion=self.ground_motion,
         )
 
     def _check_names(self) -> None:

@@ -17,6 +17,7 @@ import shapely
 from numpy.typing import NDArray
 
 from clast.errors import ModelError
+from clast.ground_motion import GroundMotion, InertialForce, MovingBase
 from clast.model import Floats, Ints, Joint, Plane, PlaneStrain, Rock
 
 Geometries = NDArray[Any]
@@ -334,6 +335,36 @@ def check_joint(joint: Joint, *, allow_small_friction_angle: bool) -> None:
 def _positive(value: float, where: str, remedy: str) -> None:
     if not 0.0 < value < math.inf:
         raise ModelError(f"{value:g} must be above 0 and finite", where=where, remedy=remedy)
+
+
+def check_ground_motion(motion: GroundMotion, fixed_points: int) -> None:
+    """Refuse accelerograms that are none, and a moving base without fixed points."""
+    where = "ground_motion"
+    if isinstance(motion, InertialForce | MovingBase):
+        time, acceleration = motion.accelerogram.time, motion.accelerogram.acceleration
+        if time.ndim != 1 or len(time) < 2 or acceleration.shape != (len(time), 2):
+            raise ModelError(
+                f"time has the shape {time.shape} and acceleration {acceleration.shape}",
+                where=where,
+                remedy="give at least 2 instants, and an acceleration (x, y) for each",
+            )
+        if not (np.isfinite(time).all() and np.isfinite(acceleration).all()):
+            raise ModelError(
+                "is not finite", where=where, remedy="give times in s and accelerations in m/s2"
+            )
+        for k in np.flatnonzero(np.diff(time) <= 0.0)[:1]:
+            raise ModelError(
+                f"instant {k + 2}, {time[k + 1]:g} s, is not after instant {k + 1}, {time[k]:g} s",
+                where=where,
+                remedy="order the instants by time, each once",
+            )
+    if isinstance(motion, MovingBase) and fixed_points == 0:
+        raise ModelError(
+            "the base moves, but nothing is held by it",
+            where=where,
+            remedy="hold the base by fixed points (a fixed block does not move), or let the motion "
+            "act as a body force",
+        )
 
 
 def check_numbers(values: Any, count: int, where: str) -> Floats:

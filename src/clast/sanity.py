@@ -9,6 +9,7 @@ import numpy as np
 
 from clast.contact.detection import detect
 from clast.equations.frames import block_frames
+from clast.ground_motion import MovingBase
 from clast.model import Bools, Model
 from clast.state import State, initial_state
 from clast.stepping.modified import STABILITY_LIMIT, reach_of, stability_number
@@ -110,6 +111,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
         warnings=(
             *method.process.advice(model, method, start, schedule.step),
             *_support_warnings(model),
+            *_base_warnings(model),
             *_unit_warnings(model),
             *_length_warnings(model, method),
         ),
@@ -142,6 +144,16 @@ def _support_warnings(model: Model) -> list[str]:
     if held or not model.gravity.any():
         return []
     return ["nothing is fixed: all blocks fall. Give a [[fixed_point]] or fixed = true"]
+
+
+def _base_warnings(model: Model) -> list[str]:
+    """Warn where a base moves and fixed blocks stay behind."""
+    if not isinstance(model.ground_motion, MovingBase) or not model.fixed.any():
+        return []
+    return [
+        f"{int(model.fixed.sum())} fixed block(s) stay where they are while the base moves: hold "
+        "what moves with the ground by fixed points"
+    ]
 
 
 def _unit_warnings(model: Model) -> list[str]:

@@ -53,10 +53,21 @@ def stress(model: Model, state: State) -> Floats:
     return force
 
 
-def body_force(model: Model) -> Floats:
+def weight(model: Model) -> Floats:
     """Return the weight rho A g at the centroid, N/m, shape (n, 6)."""
+    return _mass_force(model, model.gravity)
+
+
+def inertial_force(model: Model, state: State, step: float) -> Floats:
+    """Return the force -rho A a of a ground with the mean acceleration a in the step, (n, 6)."""
+    end = state.time + step
+    return _mass_force(model, model.ground_motion.body_acceleration(state.time, end))
+
+
+def _mass_force(model: Model, acceleration: Floats) -> Floats:
+    """Return mass x acceleration (2,) at the centroid, N/m, shape (n, 6)."""
     force = np.zeros((model.block_count, 6))
-    force[:, :2] = model.mass[:, None] * model.gravity
+    force[:, :2] = model.mass[:, None] * acceleration
     return force
 
 
@@ -106,12 +117,20 @@ def load_rows(
 
 
 def fixed_point_rows(
-    model: Model, frames: BlockFrames, displacement: DisplacementFunction, state: State
+    model: Model,
+    frames: BlockFrames,
+    displacement: DisplacementFunction,
+    state: State,
+    time: float,
 ) -> tuple[Floats, Floats]:
-    """Return T (k, 2, 6) at the fixed points and their distance (k, 2) from the anchor, m."""
+    """Return T (k, 2, 6) at the fixed points and their distance (k, 2) from the anchor, m.
+
+    ``time``, s, is when the anchors are looked at; the points are those of ``state``.
+    """
     at = state.points[point_slices(model).fixed]
     basis = displacement.basis(at - frames.centroid[model.fixed_points.block])
-    return basis, at - model.fixed_points.at
+    anchor = model.fixed_points.at + model.ground_motion.anchor_displacement(time)
+    return basis, at - anchor
 
 
 def diagonal_terms(
@@ -126,10 +145,11 @@ def diagonal_terms(
     """Return everything of a step but its contacts; ``theta`` (n,) is the scheme's, by block."""
     matrix = inertia(frames, theta, step) + elasticity(model)
     force = momentum_rows(frames, velocity, theta, step)
-    force = force + stress(model, state) + body_force(model)
+    force = force + stress(model, state) + weight(model) + inertial_force(model, state, step)
     block, load = load_rows(model, frames, method.displacement, state)
     np.add.at(force, block, load)
-    basis, drift = fixed_point_rows(model, frames, method.displacement, state)
+    end = state.time + step
+    basis, drift = fixed_point_rows(model, frames, method.displacement, state, end)
     held, stiffness = model.fixed_points.block, method.fixed_point_stiffness
     np.add.at(matrix, held, stiffness * np.einsum("kxi,kxj->kij", basis, basis))
     np.add.at(force, held, -stiffness * np.einsum("kxi,kx->ki", basis, drift))

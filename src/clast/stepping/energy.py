@@ -12,7 +12,7 @@ import numpy as np
 
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.equations.frames import BlockFrames, block_frames
-from clast.equations.terms import fixed_point_rows, load_rows
+from clast.equations.terms import fixed_point_rows, inertial_force, load_rows
 from clast.interfaces import Method
 from clast.model import Floats, Model
 from clast.state import Ledger, State
@@ -96,13 +96,20 @@ def balance(
     gravity_work = float(np.sum(model.mass[:, None] * model.gravity * unknowns[:, :2]))
     block, load = load_rows(model, frames, method.displacement, state)
     load_work = float(np.sum(load * unknowns[block]))
+    load_work += float(np.sum(inertial_force(model, state, step) * unknowns))
 
-    basis, drift = fixed_point_rows(model, frames, method.displacement, state)
+    # the anchors move by ``moved`` under the force that stretches their springs at the end
+    end = state.time + step
+    basis, drift = fixed_point_rows(model, frames, method.displacement, state, end)
     held = np.einsum("kxi,ki->kx", basis, unknowns[model.fixed_points.block])
     stiffness = method.fixed_point_stiffness
+    ground = model.ground_motion
+    moved = ground.anchor_displacement(end) - ground.anchor_displacement(state.time)
     fixed_work = -stiffness * float(np.sum((drift + held) * held))
+    base_work = -stiffness * float(np.sum((drift + held) * moved))
     fixed = fixed_point_energy(model, stiffness, drift + held)
-    removed += -fixed_work - (fixed - fixed_point_energy(model, stiffness, drift))
+    fixed_before = fixed_point_energy(model, stiffness, drift + moved)
+    removed += base_work - fixed_work - (fixed - fixed_before)
 
     contact_work = float(np.sum(applied[0] * (gap - contacts.gap) + applied[1] * slip))
     contact, friction = float(np.sum(response.energy)), float(np.sum(response.dissipation))
@@ -115,7 +122,7 @@ def balance(
         gravity=before.gravity - gravity_work,
         contact=contact,
         fixed_points=fixed,
-        loads=before.loads + load_work,
+        loads=before.loads + load_work + base_work,
         friction=before.friction + friction,
         numerical=before.numerical + removed + (before.kinetic - entering),
         unaccounted=before.unaccounted + inertia_work - works,

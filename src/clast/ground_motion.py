@@ -1,0 +1,134 @@
+"""Ground motion: an accelerogram, and the two ways in which it reaches the blocks.
+
+The accelerogram is linear between its instants and is integrated exactly,
+
+    v(t) = v_k + a_k s + b s2/2,    u(t) = u_k + v_k s + a_k s2/2 + b s3/6,    s = t - t_k
+
+with the slope b of the interval that begins at t_k; the ground starts from rest.  Before the first
+instant and after the last one it has no acceleration; the velocity it has at the end it keeps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Accelerogram:
+    """Acceleration of the ground over time, linear between instants."""
+
+    time: Floats
+    """Instants, s, rising, shape (k,)."""
+    acceleration: Floats
+    """Acceleration (x, y) of the ground, m/s2, shape (k, 2)."""
+
+    @cached_property
+    def _at_instants(self) -> tuple[Floats, Floats]:
+        """Velocity and displacement at the instants, each of shape (k, 2)."""
+        length = np.diff(self.time)[:, None]
+        first, second = self.acceleration[:-1], self.acceleration[1:]
+        velocity = np.zeros(self.acceleration.shape)
+        velocity[1:] = np.cumsum(0.5 * length * (first + second), axis=0)
+        way = length * velocity[:-1] + length**2 * (2.0 * first + second) / 6.0
+        displacement = np.zeros(self.acceleration.shape)
+        displacement[1:] = np.cumsum(way, axis=0)
+        return velocity, displacement
+
+    def velocity(self, time: float) -> Floats:
+        """Return the velocity (x, y) of the ground, m/s, shape (2,)."""
+        return self._integrals(time)[0]
+
+    def displacement(self, time: float) -> Floats:
+        """Return the displacement (x, y) of the ground, m, shape (2,)."""
+        return self._integrals(time)[1]
+
+    def _integrals(self, time: float) -> tuple[Floats, Floats]:
+        velocity, displacement = self._at_instants
+        k = int(np.searchsorted(self.time, time, side="right")) - 1
+        if k < 0:
+            return np.zeros(2), np.zeros(2)
+        s = time - self.time[k]
+        if k == len(self.time) - 1:
+            return velocity[k], displacement[k] + s * velocity[k]
+        begin = self.acceleration[k]
+        slope = (self.acceleration[k + 1] - begin) / (self.time[k + 1] - self.time[k])
+        return (
+            velocity[k] + s * begin + 0.5 * s**2 * slope,
+            displacement[k] + s * velocity[k] + 0.5 * s**2 * begin + s**3 * slope / 6.0,
+        )
+
+
+class GroundMotion(Protocol):
+    """What the ground does to the blocks."""
+
+    def body_acceleration(self, start: float, end: float) -> Floats:
+        """Return the mass force per mass in a step from ``start`` to ``end``, s, m/s2, (2,)."""
+        ...
+
+    def anchor_displacement(self, time: float) -> Floats:
+        """Return how far the anchors of the fixed points have moved, m, shape (2,)."""
+        ...
+
+
+NOTHING = np.zeros(2)
+
+
+@dataclass(frozen=True)
+class Still:
+    """No ground motion."""
+
+    def body_acceleration(self, start: float, end: float) -> Floats:
+        """Return zero."""
+        return NOTHING
+
+    def anchor_displacement(self, time: float) -> Floats:
+        """Return zero."""
+        return NOTHING
+
+
+@dataclass(frozen=True)
+class InertialForce:
+    """The ground's acceleration a(t) as the body force -rho a(t): motion relative to the ground.
+
+    A step uses the mean of -a over the step, so that the velocity it gives is exact at the end of
+    every step whatever the step's length; a value at either end would be of first order only.
+    """
+
+    accelerogram: Accelerogram
+    """Acceleration of the ground."""
+
+    def body_acceleration(self, start: float, end: float) -> Floats:
+        """Return minus the ground's mean acceleration."""
+        gained = self.accelerogram.velocity(end) - self.accelerogram.velocity(start)
+        return -gained / (end - start)
+
+    def anchor_displacement(self, time: float) -> Floats:
+        """Return zero: the ground is the frame of reference."""
+        return NOTHING
+
+
+@dataclass(frozen=True)
+class MovingBase:
+    """The anchors of all fixed points move with the ground; the blocks they hold follow.
+
+    The springs of the fixed points act with their elongation at the end of a step, as all springs
+    do.  Fixed blocks do not move: a base that moves is held by fixed points.
+    """
+
+    accelerogram: Accelerogram
+    """Acceleration of the ground."""
+
+    def body_acceleration(self, start: float, end: float) -> Floats:
+        """Return zero: motion is absolute."""
+        return NOTHING
+
+    def anchor_displacement(self, time: float) -> Floats:
+        """Return the displacement of the ground."""
+        return self.accelerogram.displacement(time)
