@@ -240,6 +240,10 @@ def verify(
         typer.Argument(metavar="PROBLEM", help="Names of problems; all if none is named."),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Run fewer variants of each.")] = False,
+    process: Annotated[
+        str, typer.Option(metavar="NAME,...", help="Only these processes, separated by commas.")
+    ] = "",
+    law: Annotated[str, typer.Option(metavar="NAME,...", help="Only these contact laws.")] = "",
     report: Annotated[
         Path | None,
         typer.Option(metavar="FOLDER", help="Write a page with figures into this folder too."),
@@ -249,7 +253,9 @@ def verify(
     """Run problems with closed-form answers and compare."""
     from clast import verification
 
-    choose = verification.quick if quick else verification.every
+    choose = verification.narrowed(
+        verification.quick if quick else verification.every, _words(process), _words(law)
+    )
     with _status() as say:
         findings = verification.examine(
             problems or (),
@@ -257,6 +263,10 @@ def verify(
             watch=lambda problem, variant: say(f"{problem.title}: {variant.name}"),
         )
     rows = [row for found in findings for row in found.rows]
+    if not rows:
+        raise CaseError(
+            "nothing is run with this choice", remedy="leave out --quick, --process or --law"
+        )
     missed = verification.misses(rows)
     if report:
         verification.write_report(findings, report)
@@ -265,7 +275,10 @@ def verify(
     else:
         for problem in verification.problems(problems or ()):
             own = [row for row in rows if row.problem == problem.name]
-            _print_table(_verification_table(problem.title, own))
+            if own:
+                _print_table(_verification_table(problem.title, own))
+        for known in verification.outlived(findings):
+            typer.echo(f"fails no longer: {known.quantity}, {known.variant.name}: {known.reason}")
         typer.echo(f"{len(rows)} quantities compared, {len(missed)} missed")
     if missed:
         raise typer.Exit(MISSED)

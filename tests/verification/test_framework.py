@@ -42,6 +42,20 @@ def test_problems_are_complete(each):
     assert each.set_up().block_count > 0
 
 
+def test_variants_are_narrowed_by_process_and_law():
+    choose = verification.narrowed(verification.every, ["convex"], ["augmented-lagrangian"])
+    (stack,) = map(choose, verification.problems(["stack"]))
+    assert [variant.name for variant in stack.variants] == ["convex, augmented Lagrangian"]
+    with pytest.raises(CaseError, match="no process 'convx'"):
+        verification.narrowed(verification.every, ["convx"])
+
+
+def test_a_failure_that_is_known_and_gone_is_named():
+    known = KnownFailure(variant=LAGGED, quantity="way", reason="because")
+    each = problem(absolute("way at 2 s", "m", 0.0, 0.0, 0.1, "why"), known_failures=(known,))
+    assert verification.outlived([each.findings(LAGGED)]) == [known]
+
+
 def test_relative_error_passes_within_its_tolerance():
     row = problem(relative("way", "m", 1.001, 1.0, 0.002, "why")).run(LAGGED)[0]
     assert (row.error, row.verdict) == (pytest.approx(0.001), Verdict.PASS)

@@ -10,52 +10,26 @@ numbers.  The same problems are the tests in ``tests/verification`` and the page
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 
-from clast import spelling
-from clast.errors import CaseError
 from clast.verification.catalogue import PROBLEMS
-from clast.verification.problem import Findings, Problem, Row, Verdict, misses
+from clast.verification.choosing import Choose, every, narrowed, problems, quick
+from clast.verification.problem import Findings, Problem, Row, Verdict, misses, outlived
 from clast.verification.report import write_report
 from clast.verification.tables import HEADINGS, cells
 from clast.verification.variants import Variant
 
-Choose = Callable[[Problem], Sequence[Variant]]
-"""Picks the variants that a problem is run with."""
 Watch = Callable[[Problem, Variant], None]
 """Called before a problem is run with a variant."""
-
-
-def every(problem: Problem) -> Sequence[Variant]:
-    """Choose all variants of a problem."""
-    return problem.variants
-
-
-def quick(problem: Problem) -> Sequence[Variant]:
-    """Choose the variants that together take less than a minute."""
-    return problem.quick
-
-
-def problems(names: Iterable[str] = ()) -> list[Problem]:
-    """Return the named problems, all if none is named; raise CaseError for a name unknown."""
-    known = {problem.name: problem for problem in PROBLEMS}
-    wanted = list(names)
-    for name in wanted:
-        if name not in known:
-            raise CaseError(
-                f"there is no verification problem '{name}'",
-                remedy=spelling.advice(name, known, kind="problem"),
-            )
-    return [known[name] for name in wanted] if wanted else list(PROBLEMS)
 
 
 def examine(
     names: Iterable[str] = (), *, choose: Choose = every, watch: Watch | None = None
 ) -> list[Findings]:
-    """Run problems with the variants chosen; return rows and charts of each."""
+    """Run what is chosen of the problems; return rows and charts of each variant."""
     found = []
-    for problem in problems(names):
-        for variant in choose(problem):
+    for problem in map(choose, problems(names)):
+        for variant in problem.variants:
             if watch:
                 watch(problem, variant)
             found.append(problem.findings(variant))
@@ -65,13 +39,14 @@ def examine(
 def run(
     names: Iterable[str] = (), *, choose: Choose = every, watch: Watch | None = None
 ) -> list[Row]:
-    """Run problems with the variants chosen; return a row for every quantity compared."""
+    """Run what is chosen of the problems; return a row for every quantity compared."""
     return [row for findings in examine(names, choose=choose, watch=watch) for row in findings.rows]
 
 
 __all__ = [
     "HEADINGS",
     "PROBLEMS",
+    "Choose",
     "Findings",
     "Problem",
     "Row",
@@ -81,6 +56,8 @@ __all__ = [
     "every",
     "examine",
     "misses",
+    "narrowed",
+    "outlived",
     "problems",
     "quick",
     "run",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
@@ -183,8 +183,15 @@ class Problem:
     """What it is run with."""
     quick: tuple[Variant, ...]
     """What it is run with where time is short."""
+    examine_briefly: Callable[[Variant], Outcome] | None = None
+    """The same with fewer cases, for where time is short; all of them if absent."""
     known_failures: tuple[KnownFailure, ...] = ()
     """What is known to miss."""
+
+    def brief(self) -> Problem:
+        """Return the problem with what is run of it where time is short."""
+        examine = self.examine_briefly or self.examine
+        return replace(self, variants=self.quick, examine=examine)
 
     def findings(self, variant: Variant) -> Findings:
         """Run the problem with a variant; a run that stops is a row that misses."""
@@ -216,6 +223,17 @@ class Problem:
 def _stopped(stopped: RunStopped) -> Comparison:
     """Return the comparison that a run which could not go on leaves."""
     return absolute("runs that stopped before their end", "", 1.0, 0.0, 0.0, str(stopped))
+
+
+def outlived(findings: Iterable[Findings]) -> list[KnownFailure]:
+    """Return the known failures of which not one quantity fails any more."""
+    return [
+        known
+        for found in findings
+        for known in found.problem.known_failures
+        if known.variant == found.variant
+        and not any(row.quantity.startswith(known.quantity) and not row.holds for row in found.rows)
+    ]
 
 
 def misses(rows: Iterable[Row]) -> list[Row]:
