@@ -17,7 +17,7 @@ from clast.contact.laws import Penalty
 from clast.equations.frames import block_frames
 from clast.equations.solvers import Automatic, Scipy
 from clast.errors import RunStopped, StepOutcome, StepRejected
-from clast.interfaces import Method, StepProcess, StepResult
+from clast.interfaces import CornerRule, Method, StepProcess, StepResult
 from clast.kernels import polygon
 from clast.kinematics.first_order import FirstOrder
 from clast.kinematics.rotation import Sine
@@ -220,6 +220,7 @@ def heap(count: int, columns: int, *, seed: int = 1, friction_angle: float = 30.
 # --- contact detection ---------------------------------------------------------------------
 
 REACH = Reach(front=0.005, depth=0.025, critdis=0.005)
+BISECTOR = Bisector()
 
 
 @dataclass(frozen=True)
@@ -264,9 +265,12 @@ class Touch:
 
 
 def touches_of(
-    outlines: Sequence[Floats], reach: Reach = REACH, memory: ContactMemory | None = None
+    outlines: Sequence[Floats],
+    reach: Reach = REACH,
+    memory: ContactMemory | None = None,
+    rule: CornerRule = BISECTOR,
 ) -> list[Touch]:
-    """Return the contacts that detection and bisector find among outlines."""
+    """Return the contacts that detection and a corner rule find among outlines."""
     flats = flat(outlines)
     found = candidates_of(outlines, reach, memory)
 
@@ -276,16 +280,18 @@ def touches_of(
 
     return [
         Touch(local(int(found.vertex[c])), local(int(found.edge[c])), float(found.gap[c]))
-        for c in np.flatnonzero(Bisector().choose(found, flats.vertices))
+        for c in np.flatnonzero(rule.choose(found, flats.vertices))
     ]
 
 
-def contacts_of(model: Model, state: State | None = None, reach: Reach = REACH) -> Contacts:
+def contacts_of(
+    model: Model, state: State | None = None, reach: Reach = REACH, rule: CornerRule = BISECTOR
+) -> Contacts:
     """Return the contacts of a state as a step sees them."""
     state = state or at_start(model)
     displacement = FirstOrder(Sine())
     centroid = polygon.moments(state.vertices, model.block_start)[1]
-    return detect(model, Bisector(), displacement, state, centroid, reach)
+    return detect(model, rule, displacement, state, centroid, reach)
 
 
 # --- runs to their end -----------------------------------------------------------------------

@@ -60,6 +60,7 @@ MULTIPLIERS = {
 }
 CORNER_RULES = {
     "bisector": "clast.contact.corners:Bisector",
+    "shi": "clast.contact.corners:EntranceLines",
 }
 ROTATIONS = {
     "exact": "clast.kinematics.rotation:Exact",

@@ -96,13 +96,13 @@ def test_corners_that_meet_point_to_point_hold_nothing():
 # --- an arch under its own weight ----------------------------------------------------------
 
 
-def crown_drop(outlines, noise, process, step=1e-3, end=0.3):
+def crown_drop(outlines, noise, how, step=1e-3, end=0.3):
     """Return how far the keystone of an arch falls, m, and how far any block moves."""
     rng = np.random.default_rng(4)
     moved = [one + rng.uniform(-noise, noise, one.shape) for one in outlines]
     last = len(outlines) - 1
     model = system(moved, fixed=[0, last], friction_angle=40.0)
-    results = march(model, method(process=process), step, end)
+    results = march(model, how, step, end)
     moves = centroids(model, results[-1].state) - centroids(model, results[0].state)
     return -moves[last // 2, 1], np.abs(moves).max()
 
@@ -112,7 +112,7 @@ def crown_drop(outlines, noise, process, step=1e-3, end=0.3):
 def test_arch_does_not_fall_through_itself(noise, process):
     """Springs of 1e8 N/m give way by some tenths of a millimetre at each of ten joints."""
     try:
-        drop, largest = crown_drop(voussoirs(11), noise, process)
+        drop, largest = crown_drop(voussoirs(11), noise, method(process=process))
     except StepRejected as rejected:  # the reason is the message
         pytest.fail(str(rejected))
     assert 0.0 < drop < 4e-3

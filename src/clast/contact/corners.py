@@ -1,11 +1,18 @@
-"""Corner rules: which of the candidate edges of a vertex become contacts."""
+"""Corner rules: which of the candidate edges of a vertex become contacts.
+
+Where two convex corners P and Q meet vertex to vertex there are two *entrance lines* (Shi 1988;
+the boundary of the entrance block at its corner, Shi 2015): on either side of the corners the edge
+of one of the blocks, to be passed by the vertex of the other.  The corners are inside each other
+where both lines are passed, and the line with the shorter way out makes the contact.  At a
+re-entrant corner the vertex is inside where either edge is passed, and each is a contact.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from clast.contact.detection import Candidates
-from clast.kernels import narrow_phase
+from clast.kernels import corners as kernel
 from clast.model import Bools, Floats
 
 
@@ -15,34 +22,88 @@ class Bisector:
 
     At a re-entrant corner, and between the walls of a slot, both edges are kept.  Where two convex
     corners are inside each other one of the two vertices makes the contact, by the same principle:
-    the shortest exit.
+    the shortest exit.  Where corners coincide at the end of a joint both vertices make a contact.
     """
 
     def choose(self, candidates: Candidates, vertices: Floats) -> Bools:
         """Return True for the candidates that become contacts, shape (m,)."""
-        keep = narrow_phase.bisector(
-            candidates.group_start,
-            candidates.edge,
-            candidates.gap,
-            candidates.along,
-            candidates.remembered,
-            candidates.critdis,
-            candidates.direction,
-            candidates.length,
-            candidates.vertex_block,
-            candidates.block_start,
-        )
-        narrow_phase.drop_deeper_corners(
+        return _shortest_exit(candidates, vertices)
+
+
+@dataclass(frozen=True)
+class EntranceLines:
+    """Shi's two entrance lines, and one contact for each pair of corners (Shi 1988).
+
+    Two corners are inside each other where both entrance lines are passed; the shorter distance
+    holds.  An edge is an entrance line exactly where the entrance test makes it a candidate, and
+    the bisector picks the line with the larger signed gap, so that the two rules agree on corners
+    that meet at an angle.  They differ where faces lie on each other within 3 degrees and two
+    corners coincide, as everywhere in a wall of aligned joints: the bisector keeps the vertices of
+    both blocks, Shi's rule reduces the pair to one vertex and the other's edge, which then carries
+    twice as much.  The vertex in contact before stays; else the one whose foot is on the edge.
+
+    Shi's program judges the lines again after each solve; here they are judged at the start of the
+    step.
+    """
+
+    def choose(self, candidates: Candidates, vertices: Floats) -> Bools:
+        """Return True for the candidates that become contacts, shape (m,)."""
+        keep = _shortest_exit(candidates, vertices)
+        kernel.one_vertex_per_joint_end(
             keep,
             candidates.group_start,
             candidates.pair,
             candidates.vertex,
             candidates.edge,
-            candidates.gap,
+            candidates.along,
             candidates.remembered,
+            candidates.critdis,
+            vertices,
             candidates.direction,
             candidates.length,
             candidates.vertex_block,
             candidates.block_start,
         )
         return keep
+
+
+def _shortest_exit(candidates: Candidates, vertices: Floats) -> Bools:
+    """Return True for the edges of the shortest exit from the corners that are entered, (m,)."""
+    keep: Bools = kernel.bisector(
+        candidates.group_start,
+        candidates.edge,
+        candidates.gap,
+        candidates.along,
+        candidates.remembered,
+        candidates.critdis,
+        candidates.direction,
+        candidates.length,
+        candidates.vertex_block,
+        candidates.block_start,
+    )
+    kernel.drop_not_entered(
+        keep,
+        candidates.vertex,
+        candidates.edge,
+        candidates.gap,
+        candidates.along,
+        vertices,
+        candidates.direction,
+        candidates.length,
+        candidates.vertex_block,
+        candidates.block_start,
+    )
+    kernel.drop_deeper_corners(
+        keep,
+        candidates.group_start,
+        candidates.pair,
+        candidates.vertex,
+        candidates.edge,
+        candidates.gap,
+        candidates.remembered,
+        candidates.direction,
+        candidates.length,
+        candidates.vertex_block,
+        candidates.block_start,
+    )
+    return keep

@@ -231,6 +231,7 @@ def _contacts(
             edge,
             i,
             j,
+            candidates.pair[chosen],
             state.vertices,
             model.block_start,
             candidates.direction,

@@ -1,4 +1,4 @@
-"""Vertices against edges: candidate edges, corners, contact lengths, tunnelling.
+"""Vertices against edges: candidate edges, contact lengths, tunnelling.
 
 The signed gap of a vertex to an edge's line is (P - A) . n with n the outward normal; with
 counter-clockwise polygons and edge direction t = (tx, ty), n = (ty, -tx).
@@ -9,20 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-SMALL_ANGLE = np.sin(np.radians(3.0))
-"""Sine of the angle within which edges count as parallel (Shi 1988: 3 degrees)."""
-ROUND_OFF = 1e-9
-"""Share of an edge's length that is treated as zero along the edge."""
-
-
-@njit(cache=True)
-def _previous(k, first, last):
-    return k - 1 if k > first else last - 1
-
-
-@njit(cache=True)
-def _following(k, first, last):
-    return k + 1 if k + 1 < last else first
+from clast.kernels.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
 
 
 @njit(cache=True)
@@ -59,25 +46,15 @@ def _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, beyond_end, critdis, tip_rea
 
 
 @njit(cache=True)
-def _turn(e, at_end, direction, first, last):
-    """Return the sine of the turn at one end of edge e: positive at a convex corner."""
-    if at_end:
-        f = _following(e, first, last)
-        return direction[e, 0] * direction[f, 1] - direction[e, 1] * direction[f, 0]
-    f = _previous(e, first, last)
-    return direction[f, 0] * direction[e, 1] - direction[f, 1] * direction[e, 0]
-
-
-@njit(cache=True)
 def _is_behind_next(px, py, gap, e, at_end, vertices, direction, first, last):
     """Return True if the point lies behind the next edge at one end of e too.
 
     It is inside the corner then, so that e counts although the foot lies beyond its end: at an
     obtuse corner, and at a re-entrant one, where both feet can lie beyond their ends.
     """
-    if gap >= 0.0 and _turn(e, at_end, direction, first, last) >= 0.0:
+    if gap >= 0.0 and turn_at(e, at_end, direction, first, last) >= 0.0:
         return False
-    k = _following(e, first, last) if at_end else _previous(e, first, last)
+    k = vertex_after(e, first, last) if at_end else vertex_before(e, first, last)
     nx, ny = direction[k, 1], -direction[k, 0]
     return (px - vertices[k, 0]) * nx + (py - vertices[k, 1]) * ny < 0.0
 
@@ -92,11 +69,11 @@ def _is_hidden(px, py, e, along, critdis, vertices, direction, length, first, la
     share = min(max(along, 0.0), length[e])
     fx = vertices[e, 0] + share * direction[e, 0] - px
     fy = vertices[e, 1] + share * direction[e, 1] - py
-    following = _following(e, first, last)
+    following = vertex_after(e, first, last)
     for k in range(first, last):
         if k == e:
             continue
-        after = _following(k, first, last)
+        after = vertex_after(k, first, last)
         ax, ay = vertices[k, 0] - px, vertices[k, 1] - py
         bx, by = vertices[after, 0] - px, vertices[after, 1] - py
         if (fx * ay - fy * ax > 0.0) == (fx * by - fy * bx > 0.0):
@@ -151,7 +128,7 @@ def _vertex_candidates(
     """Append the candidate edges of block j for vertex p of block i; return the new count."""
     first_i, last_i = block_start[i], block_start[i + 1]
     first_j, last_j = block_start[j], block_start[j + 1]
-    before = _previous(p, first_i, last_i)
+    before = vertex_before(p, first_i, last_i)
     # the vertex's own two edges, pointing away from it
     ax, ay = -direction[before, 0], -direction[before, 1]
     bx, by = direction[p, 0], direction[p, 1]
@@ -180,7 +157,7 @@ def _vertex_candidates(
             allowance = _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, at_end, critdis, tip_reach)
             if _is_behind_next(px, py, gap, e, at_end, vertices, direction, first_j, last_j):
                 allowance = depth
-            e_end = _following(e, first_j, last_j)
+            e_end = vertex_after(e, first_j, last_j)
             if beyond > allowance and not (
                 gap >= 0.0 and _crosses_within(p, e, e_end, gap, along, shift, tx, ty, length[e])
             ):
@@ -271,206 +248,6 @@ def candidates(
 
 
 @njit(cache=True)
-def _relation(e, f, gap_e, gap_f, along_e, along_f, direction, length, first, last):
-    """Say how two candidate edges of one block share a vertex in front of them.
-
-    0: both are kept (re-entrant corner, walls of a slot); 1: one of them, by the bisector
-    (convex corner, faces of a plate); 2: one of them, the edge that the foot lies on (flat corner).
-    """
-    adjacent = _following(e, first, last) == f
-    if adjacent or _following(f, first, last) == e:
-        turn = direction[e, 0] * direction[f, 1] - direction[e, 1] * direction[f, 0]
-        if not adjacent:
-            turn = -turn
-        cosine = direction[e, 0] * direction[f, 0] + direction[e, 1] * direction[f, 1]
-        if abs(turn) <= SMALL_ANGLE and cosine > 0.0:
-            return 2
-        return 1 if turn > 0.0 else 0
-    # not neighbours: back to back where each foot lies behind the other edge's line
-    cosine = direction[e, 0] * direction[f, 0] + direction[e, 1] * direction[f, 1]
-    behind_e = gap_e - gap_f * cosine < 0.0
-    behind_f = gap_f - gap_e * cosine < 0.0
-    return 1 if behind_e and behind_f else 0
-
-
-@njit(cache=True)
-def _loses_flat_corner(e, f, along_e, along_f, length, first, last):
-    """Return True if the foot has passed from edge e to edge f at their flat corner."""
-    if _following(e, first, last) == f:
-        # beyond the end of e and beyond the start of f; on the corner itself e is kept
-        return (along_e - length[e]) + along_f > 0.0
-    return along_e + (along_f - length[f]) <= 0.0
-
-
-@njit(cache=True)
-def bisector(
-    group_start, edge, gap, along, remembered, critdis, direction, length, edge_block, block_start
-):
-    """Return True for the candidates that the angle bisector keeps, shape (m,).
-
-    At a convex corner of edges E1, E2 the vertex lies on E1's side of the bisector exactly where
-    its signed gap to E1 exceeds the gap to E2 (Yu & Yin 2015), inside and outside the block
-    alike.  On the bisector the remembered edge stays, else the lower index is taken.  ``critdis``
-    is the length by which edges are extended.
-    """
-    keep = np.zeros(len(edge), np.bool_)
-    for g in range(len(group_start) - 1):
-        start, stop = group_start[g], group_start[g + 1]
-        if stop - start == 1:
-            keep[start] = True
-            continue
-        j = edge_block[edge[start]]
-        first, last = block_start[j], block_start[j + 1]
-        alive = np.ones(stop - start, np.bool_)
-        for a in range(start, stop):
-            for b in range(start, stop):
-                if a == b:
-                    continue
-                if _relation(
-                    edge[a],
-                    edge[b],
-                    gap[a],
-                    gap[b],
-                    along[a],
-                    along[b],
-                    direction,
-                    length,
-                    first,
-                    last,
-                ) == 2 and _loses_flat_corner(
-                    edge[a], edge[b], along[a], along[b], length, first, last
-                ):
-                    alive[a - start] = False
-        while True:
-            best = -1
-            for a in range(start, stop):
-                if not alive[a - start]:
-                    continue
-                if best < 0 or _is_nearer(a, best, gap, edge, remembered[g], length):
-                    best = a
-            if best < 0:
-                break
-            keep[best] = True
-            alive[best - start] = False
-            for a in range(start, stop):
-                if alive[a - start] and (
-                    _relation(
-                        edge[best],
-                        edge[a],
-                        gap[best],
-                        gap[a],
-                        along[best],
-                        along[a],
-                        direction,
-                        length,
-                        first,
-                        last,
-                    )
-                    == 1
-                ):
-                    alive[a - start] = False
-        for a in range(start, stop):
-            if keep[a] and _is_beyond_notch(
-                a, start, stop, edge, along, keep, critdis, direction, length, first, last
-            ):
-                keep[a] = False
-    return keep
-
-
-@njit(cache=True)
-def _is_beyond_notch(a, start, stop, edge, along, keep, critdis, direction, length, first, last):
-    """Return True if a foot lies beyond an edge's re-entrant end but the vertex is not in it.
-
-    Behind a re-entrant corner a vertex touches both edges.  Where the other edge has lost against
-    the next one (the vertex has come through the tread of a stair, not along its riser), or is
-    none of the candidates, the first edge is not touched either.
-    """
-    e = edge[a]
-    at_end = along[a] > 0.0
-    beyond = max(-along[a], along[a] - length[e])
-    if beyond <= ROUND_OFF * length[e] or _turn(e, at_end, direction, first, last) >= -SMALL_ANGLE:
-        return False
-    other = _following(e, first, last) if at_end else _previous(e, first, last)
-    for b in range(start, stop):
-        if edge[b] == other:
-            return not keep[b]
-    return beyond > critdis
-
-
-@njit(cache=True)
-def _is_nearer(a, b, gap, edge, remembered, length):
-    """Return True if candidate a is to be preferred to b: larger gap, remembered, lower index."""
-    tie = ROUND_OFF * min(length[edge[a]], length[edge[b]])
-    if gap[a] > gap[b] + tie:
-        return True
-    if gap[a] < gap[b] - tie:
-        return False
-    if edge[b] == remembered:
-        return False
-    return edge[a] == remembered or edge[a] < edge[b]
-
-
-@njit(cache=True)
-def _ends_at(e, p, first, last):
-    """Return True if vertex p is an end of edge e of its block."""
-    return e == p or _following(e, first, last) == p
-
-
-@njit(cache=True)
-def drop_deeper_corners(
-    keep,
-    group_start,
-    pair,
-    vertex,
-    edge,
-    gap,
-    remembered,
-    direction,
-    length,
-    edge_block,
-    block_start,
-):
-    """Keep one contact where two corners are inside each other (vertex to vertex), in place.
-
-    Vertex P of block i is behind edge e of block j that ends at Q, and Q behind an edge a of i
-    that ends at P.  Moving out along either normal parts the corners, so that the shortest exit
-    counts, as at one corner: the larger gap; on a tie the contact that is remembered, else the
-    lower vertex.  Where e and a run along each other P and Q are the two ends of a joint instead.
-    """
-    known = np.zeros(len(edge), np.bool_)
-    for g in range(len(group_start) - 1):
-        known[group_start[g] : group_start[g + 1]] = remembered[g] >= 0
-    start = 0
-    while start < len(edge):
-        stop = start + 1
-        while stop < len(edge) and pair[stop] == pair[start]:
-            stop += 1
-        for c in range(start, stop):
-            for d in range(c + 1, stop):
-                if not (keep[c] and keep[d]) or gap[c] >= 0.0 or gap[d] >= 0.0:
-                    continue
-                p, e, q, a = vertex[c], edge[c], vertex[d], edge[d]
-                i, j = edge_block[a], edge_block[e]
-                if i == j or not (
-                    _ends_at(e, q, block_start[j], block_start[j + 1])
-                    and _ends_at(a, p, block_start[i], block_start[i + 1])
-                ):
-                    continue
-                turn = direction[e, 0] * direction[a, 1] - direction[e, 1] * direction[a, 0]
-                if abs(turn) <= SMALL_ANGLE:
-                    continue
-                tie = ROUND_OFF * min(length[e], length[a])
-                if abs(gap[c] - gap[d]) > tie:
-                    first_stays = gap[c] > gap[d]
-                elif known[c] != known[d]:
-                    first_stays = known[c]
-                else:
-                    first_stays = p < q
-                keep[d if first_stays else c] = False
-        start = stop
-
-
-@njit(cache=True)
 def remembered_edges(
     group_start, vertex, edge, edge_block, memory_vertex, memory_block, memory_edge
 ):
@@ -484,11 +261,12 @@ def remembered_edges(
 
 
 @njit(cache=True)
-def _overlap(p, w, e, first, last, vertices, direction, length, critdis):
+def _overlap(p, w, e, first, last, others, vertices, direction, length, critdis):
     """Return the length that own edge from p to w shares with edge e, m, as seen by vertex p.
 
     Each shared piece has two ends, and each end is a vertex of one block, or a vertex of both
-    (coinciding corners, which then count half each); every end stands for half of the piece.
+    (coinciding corners, which then count half each where both are among the contacts of the two
+    blocks, whose vertices are ``others``); every end stands for half of the piece.
     """
     tx, ty = direction[e, 0], direction[e, 1]
     here = (vertices[p, 0] - vertices[e, 0]) * tx + (vertices[p, 1] - vertices[e, 1]) * ty
@@ -498,9 +276,12 @@ def _overlap(p, w, e, first, last, vertices, direction, length, critdis):
         return 0.0
     at_end = here > there
     coincide = abs(here - (length[e] if at_end else 0.0)) <= critdis
-    # a re-entrant vertex touches nothing, so that it takes no part of the piece
-    shared = coincide and _turn(e, at_end, direction, first, last) >= -SMALL_ANGLE
-    return (0.25 if shared else 0.5) * (high - low)
+    if coincide:
+        corner = vertex_after(e, first, last) if at_end else e
+        for other in others:
+            if other == corner:
+                return 0.25 * (high - low)
+    return 0.5 * (high - low)
 
 
 @njit(cache=True)
@@ -510,14 +291,14 @@ def _edge_along(p, w, e, first, last, vertices, direction, length, critdis):
     here = (vertices[p, 0] - vertices[e, 0]) * tx + (vertices[p, 1] - vertices[e, 1]) * ty
     at_end = (vertices[w, 0] - vertices[p, 0]) * tx + (vertices[w, 1] - vertices[p, 1]) * ty > 0.0
     left = length[e] - here if at_end else here
-    if left > critdis or abs(_turn(e, at_end, direction, first, last)) > SMALL_ANGLE:
+    if left > critdis or abs(turn_at(e, at_end, direction, first, last)) > SMALL_ANGLE:
         return e
-    return _following(e, first, last) if at_end else _previous(e, first, last)
+    return vertex_after(e, first, last) if at_end else vertex_before(e, first, last)
 
 
 @njit(cache=True)
 def contact_lengths(
-    vertex, edge, vertex_block, edge_block, vertices, block_start, direction, length, critdis
+    vertex, edge, vertex_block, edge_block, pair, vertices, block_start, direction, length, critdis
 ):
     """Return the length of joint that each contact stands for, m, shape (m,).
 
@@ -526,17 +307,25 @@ def contact_lengths(
     their common length.  A vertex that touches with its tip alone stands for none.
     """
     result = np.zeros(len(vertex))
+    start = stop = 0
     for c in range(len(vertex)):
+        if c == stop:  # the contacts of the next pair of blocks
+            start = stop
+            while stop < len(vertex) and pair[stop] == pair[start]:
+                stop += 1
+        others = vertex[start:stop]
         p, e, i, j = vertex[c], edge[c], vertex_block[c], edge_block[c]
-        before = _previous(p, block_start[i], block_start[i + 1])
-        after = _following(p, block_start[i], block_start[i + 1])
+        before = vertex_before(p, block_start[i], block_start[i + 1])
+        after = vertex_after(p, block_start[i], block_start[i + 1])
         first, last = block_start[j], block_start[j + 1]
         nx, ny = direction[e, 1], -direction[e, 0]
         for own, w in ((before, before), (p, after)):
             if abs(direction[own, 0] * nx + direction[own, 1] * ny) > SMALL_ANGLE:
                 continue
             along = _edge_along(p, w, e, first, last, vertices, direction, length, critdis)
-            result[c] += _overlap(p, w, along, first, last, vertices, direction, length, critdis)
+            result[c] += _overlap(
+                p, w, along, first, last, others, vertices, direction, length, critdis
+            )
     return result
 
 
@@ -546,7 +335,7 @@ def depth_inside(px, py, vertices, first, last):
     inside = False
     nearest = np.inf
     for k in range(first, last):
-        following = _following(k, first, last)
+        following = vertex_after(k, first, last)
         x1, y1 = vertices[k, 0] - px, vertices[k, 1] - py
         x2, y2 = vertices[following, 0] - px, vertices[following, 1] - py
         if (y1 > 0.0) != (y2 > 0.0) and x1 + (x2 - x1) * (-y1) / (y2 - y1) > 0.0:
