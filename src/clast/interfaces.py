@@ -14,7 +14,7 @@ from clast.model import Bools, Floats, Ints, Model
 from clast.state import State
 
 if TYPE_CHECKING:
-    from clast.contact.arrays import ContactResponse, Contacts
+    from clast.contact.arrays import ContactResponse, Contacts, SpringLimits
     from clast.contact.detection import Candidates
     from clast.equations.system import BlockSystem
 
@@ -58,6 +58,14 @@ class ContactLaw(Protocol):
 
     def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
         """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
+        ...
+
+
+class SpringLaw(ContactLaw, Protocol):
+    """A contact law that is nothing but linear springs with bounds."""
+
+    def limits(self, contacts: Contacts) -> SpringLimits:
+        """Return stiffnesses and bounds, for contacts whose friction bound is given."""
         ...
 
 
@@ -195,6 +203,7 @@ __all__ = [
     "LinearSolver",
     "Method",
     "MultiplierLaw",
+    "SpringLaw",
     "StepProcess",
     "StepResult",
 ]

@@ -98,5 +98,22 @@ class ContactResponse:
     """Work lost in sliding during the step, J/m, >= 0, shape (m,)."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class SpringLimits:
+    """Linear springs with bounds: what a law offers whose forces are clipped straight lines.
+
+    N = max(-tension, multiplier - p gap), T = shear_force - k slip within +-strength.
+    """
+
+    normal_stiffness: float
+    """p, N/m per m."""
+    shear_stiffness: float
+    """k, N/m per m."""
+    tension: Floats
+    """Tension that the contact bears, N/m, >= 0, shape (m,)."""
+    strength: Floats
+    """Largest shear force, N/m, >= 0, shape (m,)."""
+
+
 OPEN, SLIDE, LOCK = 0, 1, 2
 """Modes of a contact (Shi 1988)."""

@@ -7,7 +7,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from clast.contact.arrays import ContactResponse, Contacts
+from clast.contact.arrays import ContactResponse, Contacts, SpringLimits
 from clast.kernels import laws as kernel
 from clast.model import Floats
 
@@ -53,6 +53,19 @@ def springs(
     )
 
 
+def limits_of_springs(
+    contacts: Contacts, normal_stiffness: float, shear_stiffness: float | None
+) -> SpringLimits:
+    """Return the bounds of ``springs`` for contacts whose friction bound is given."""
+    strength = contacts.friction_base * contacts.friction + contacts.cohesion * contacts.length
+    return SpringLimits(
+        normal_stiffness=normal_stiffness,
+        shear_stiffness=normal_stiffness if shear_stiffness is None else shear_stiffness,
+        tension=contacts.tensile_strength * contacts.length,
+        strength=np.maximum(0.0, strength),
+    )
+
+
 @dataclass(frozen=True)
 class Penalty:
     """Linear springs, N = max(0, -p d_n), with Coulomb friction, cohesion, tension cut-off."""
@@ -65,6 +78,10 @@ class Penalty:
     def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
         """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
         return springs(contacts, gap, slip, self.normal_stiffness, self.shear_stiffness)
+
+    def limits(self, contacts: Contacts) -> SpringLimits:
+        """Return the same as springs with bounds, for contacts whose friction bound is given."""
+        return limits_of_springs(contacts, self.normal_stiffness, self.shear_stiffness)
 
 
 class FirstMultiplier(Protocol):
@@ -124,6 +141,10 @@ class AugmentedLagrangian:
     def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
         """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
         return springs(contacts, gap, slip, self.normal_stiffness, self.shear_stiffness)
+
+    def limits(self, contacts: Contacts) -> SpringLimits:
+        """Return the same as springs with bounds, for contacts whose friction bound is given."""
+        return limits_of_springs(contacts, self.normal_stiffness, self.shear_stiffness)
 
     @property
     def carries(self) -> bool:

@@ -6,6 +6,7 @@ with K and F of inertia, elasticity, weight and loads (block diagonal), and the 
 each contact taken from a given normal force.  N falls with the gap and T with the slip, so the
 potential is convex and once continuously differentiable: Newton's method with an exact line search
 converges from anywhere.  Each iteration solves one assembled, symmetric positive definite system.
+Where it takes long the interior point method takes over (stepping/interior.py).
 
 What is not convex is taken out of the minimisation and repeated around it: the friction bound
 follows the normal force (``friction_updates``), and bonds that reach their strength are broken
@@ -30,7 +31,8 @@ from clast.model import Floats, Model
 from clast.state import State
 from clast.stepping.conclude import Solved, conclude
 from clast.stepping.impact import theta_by_block
-from clast.stepping.newton import Point, Potential, minimise
+from clast.stepping.newton import minimise
+from clast.stepping.potential import Point, Potential
 from clast.stepping.stages import Stages
 
 
