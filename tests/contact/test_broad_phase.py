@@ -102,7 +102,7 @@ def looked_at(box):
     """Return how many boxes stand in the cells that are searched: the work of the broad phase."""
     level, smallest = broad_phase._levels(box)
     low = box[:, :2].min(axis=0)
-    cell = broad_phase._file(box, level, smallest, *low)
+    cell = broad_phase._cells(box, level, smallest, *low)
     total = 0
     for k in np.unique(level):
         size = smallest * 2.0**k

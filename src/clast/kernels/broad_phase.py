@@ -2,7 +2,8 @@
 
 A hierarchy of uniform grids: each block is filed in one cell of the level whose cells are just
 larger than the block, and looks for partners in its own and all coarser levels.  So blocks a
-thousand times different in size cost no more than equal ones.
+thousand times different in size cost no more than equal ones.  The cells are kept in a hash table,
+so that empty ones cost nothing.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ def _levels(box):
 
 
 @njit(cache=True)
-def _file(box, level, smallest, xmin, ymin):
+def _cells(box, level, smallest, xmin, ymin):
     """Return the cell (n, 2) of each box's lower left corner on its own level."""
     cell = np.empty((len(box), 2), np.int64)
     for b in range(len(box)):
@@ -49,34 +50,62 @@ def _file(box, level, smallest, xmin, ymin):
 
 
 @njit(cache=True)
-def _first_at_least(level, row, column, order, cell_level, cell, low, high):
-    """Return the first position in ``order[low:high]`` not before (level, row, column)."""
-    while low < high:
-        middle = (low + high) // 2
-        b = order[middle]
-        before = cell_level[b] < level
-        if cell_level[b] == level:
-            before = cell[b, 1] < row or (cell[b, 1] == row and cell[b, 0] < column)
-        if before:
-            low = middle + 1
-        else:
-            high = middle
-    return low
+def _slot(level, row, column, mask):
+    """Return the slot of a cell in a hash table of ``mask`` + 1 slots, a power of 2.
+
+    The cells of a row follow each other, so that neighbours are neighbours in memory too.
+    """
+    return (column + row * 0x1E3779B97F4A7C15 + level * 0x165667B19E3779F9) & mask
 
 
 @njit(cache=True)
-def _collect(box, fixed, level, cell, order, smallest, xmin, ymin, pairs):
-    """Fill ``pairs`` with overlapping boxes and return how many there are (it may be too small)."""
-    count = len(box)
-    level_start = np.zeros(LEVELS + 1, np.int64)
+def _file(level, cell):
+    """Return the first position of each slot of the hash table, and the boxes by slot (n,)."""
+    count = len(level)
+    slots = 1
+    while slots < 2 * count:
+        slots *= 2
+    start = np.zeros(slots + 1, np.int64)
+    slot = np.empty(count, np.int64)
     for b in range(count):
-        level_start[level[b] + 1] += 1
-    for k in range(LEVELS):
-        level_start[k + 1] += level_start[k]
+        slot[b] = _slot(level[b], cell[b, 1], cell[b, 0], slots - 1)
+        start[slot[b] + 1] += 1
+    for s in range(slots):
+        start[s + 1] += start[s]
+    filled = start[:slots].copy()
+    order = np.empty(count, np.int64)
+    for b in range(count):
+        order[filled[slot[b]]] = b
+        filled[slot[b]] += 1
+    return start, order
+
+
+@njit(cache=True)
+def _overlap(box, a, b):
+    """Return True if two boxes overlap or touch."""
+    return (
+        box[a, 0] <= box[b, 2]
+        and box[b, 0] <= box[a, 2]
+        and box[a, 1] <= box[b, 3]
+        and box[b, 1] <= box[a, 3]
+    )
+
+
+@njit(cache=True)
+def _collect(box, fixed, level, cell, start, order, smallest, xmin, ymin, pairs):
+    """Fill ``pairs`` with overlapping boxes and return how many there are (it may be too small).
+
+    Boxes, levels and cells stand in the order in which they are filed; ``order`` (n,) gives their
+    blocks.
+    """
+    count, mask = len(box), len(start) - 2
+    occupied = np.zeros(LEVELS, np.bool_)
+    for b in range(count):
+        occupied[level[b]] = True
     found = 0
     for b in range(count):
         for k in range(level[b], LEVELS):
-            if level_start[k + 1] == level_start[k]:
+            if not occupied[k]:
                 continue
             size = smallest * 2.0**k
             # a box of this level is filed by its lower left corner and reaches one cell further
@@ -84,46 +113,64 @@ def _collect(box, fixed, level, cell, order, smallest, xmin, ymin, pairs):
             right = int(np.floor((box[b, 2] - xmin) / size))
             bottom = int(np.floor((box[b, 1] - ymin) / size)) - 1
             top = int(np.floor((box[b, 3] - ymin) / size))
-            low = level_start[k]
             for row in range(bottom, top + 1):
-                low = _first_at_least(k, row, left, order, level, cell, low, level_start[k + 1])
-                for position in range(low, level_start[k + 1]):
-                    other = order[position]
-                    if cell[other, 1] != row or cell[other, 0] > right:
-                        break
-                    if other == b or (k == level[b] and other < b):
-                        continue
-                    if fixed[b] and fixed[other]:
-                        continue
-                    if (
-                        box[b, 0] <= box[other, 2]
-                        and box[other, 0] <= box[b, 2]
-                        and box[b, 1] <= box[other, 3]
-                        and box[other, 1] <= box[b, 3]
-                    ):
+                for column in range(left, right + 1):
+                    slot = _slot(k, row, column, mask)
+                    for other in range(start[slot], start[slot + 1]):
+                        if (k == level[b] and other <= b) or level[other] != k:
+                            continue
+                        if cell[other, 0] != column or cell[other, 1] != row:
+                            continue
+                        if (fixed[b] and fixed[other]) or not _overlap(box, b, other):
+                            continue
                         if found < len(pairs):
-                            pairs[found, 0] = min(b, other)
-                            pairs[found, 1] = max(b, other)
+                            pairs[found, 0] = min(order[b], order[other])
+                            pairs[found, 1] = max(order[b], order[other])
                         found += 1
     return found
+
+
+@njit(cache=True)
+def _sort_by(pairs, side, count):
+    """Return the pairs sorted by their block on one side, equal ones in the order they came."""
+    start = np.zeros(count + 1, np.int64)
+    for q in range(len(pairs)):
+        start[pairs[q, side] + 1] += 1
+    for b in range(count):
+        start[b + 1] += start[b]
+    result = np.empty_like(pairs)
+    for q in range(len(pairs)):
+        b = pairs[q, side]
+        result[start[b], 0] = pairs[q, 0]
+        result[start[b], 1] = pairs[q, 1]
+        start[b] += 1
+    return result
+
+
+@njit(cache=True)
+def _overlapping(box, fixed):
+    """Return sorted pairs (lower, higher) of overlapping boxes, (m, 2); two boxes at least."""
+    count = len(box)
+    level, smallest = _levels(box)
+    xmin, ymin = box[:, 0].min(), box[:, 1].min()
+    cell = _cells(box, level, smallest, xmin, ymin)
+    start, order = _file(level, cell)
+    box, fixed, level, cell = box[order], fixed[order], level[order], cell[order]
+    pairs = np.empty((8 * count + 64, 2), np.int64)
+    found = _collect(box, fixed, level, cell, start, order, smallest, xmin, ymin, pairs)
+    if found > len(pairs):
+        pairs = np.empty((found, 2), np.int64)
+        _collect(box, fixed, level, cell, start, order, smallest, xmin, ymin, pairs)
+    return _sort_by(_sort_by(pairs[:found], 1, count), 0, count)
 
 
 def overlapping_pairs(box: NDArray[np.float64], fixed: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Return pairs (lower, higher) of overlapping boxes, sorted, shape (m, 2).
 
     ``box`` (n, 4) holds (xmin, ymin, xmax, ymax) in m, already widened by the reach; pairs of two
-    blocks that are ``fixed`` (n,) are left out.  O(n log n) for sorting, O(n) otherwise.
+    blocks that are ``fixed`` (n,) are left out.  O(n).
     """
     if len(box) < 2:
         return np.zeros((0, 2), np.int64)
-    level, smallest = _levels(box)
-    xmin, ymin = box[:, 0].min(), box[:, 1].min()
-    cell = _file(box, level, smallest, xmin, ymin)
-    order = np.lexsort((cell[:, 0], cell[:, 1], level))
-    pairs = np.empty((8 * len(box) + 64, 2), np.int64)
-    found = _collect(box, fixed, level, cell, order, smallest, xmin, ymin, pairs)
-    if found > len(pairs):
-        pairs = np.empty((found, 2), np.int64)
-        _collect(box, fixed, level, cell, order, smallest, xmin, ymin, pairs)
-    pairs = pairs[:found]
-    return np.ascontiguousarray(pairs[np.argsort(pairs[:, 0] * len(box) + pairs[:, 1])])
+    pairs: NDArray[np.int64] = _overlapping(box, fixed)
+    return pairs
