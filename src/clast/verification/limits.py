@@ -1,0 +1,56 @@
+"""Limits of equilibrium, found by loading a system slowly and seeing whether it keeps moving.
+
+Velocities are dropped after every step (dynamic_ratio = 0).  What is in equilibrium then comes to
+rest; what is not moves by d = theta a h2 in every step, a being the acceleration of its unbalanced
+force.  A system fails where a stays above a small share of gravity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from clast.model import Model
+from clast.simulate import Schedule, simulate
+from clast.verification.variants import Variant
+
+AT_REST = 1e-4
+"""Unbalanced acceleration over g below which a system holds."""
+LAST = 20
+"""Steps at the end that are looked at."""
+
+
+def unbalanced(
+    model: Model,
+    variant: Variant,
+    *,
+    normal_stiffness: float,
+    step: float,
+    steps: int,
+    max_displacement: float,
+) -> float:
+    """Return the largest unbalanced acceleration of the measured points at the end, over g."""
+    method = variant.method(
+        model,
+        normal_stiffness=normal_stiffness,
+        max_displacement=max_displacement,
+        dynamic_ratio=0.0,
+    )
+    end = steps * step
+    run = simulate(model, method, Schedule(step=step, end=end, every=end))
+    moved = [
+        run.history(name).displacement[-1] - run.history(name).displacement[-1 - LAST]
+        for name in model.measured_points.name
+    ]
+    a_step = float(np.hypot(*np.array(moved).T).max()) / LAST
+    gravity = float(np.hypot(*model.gravity))
+    return a_step / (method.integrator.theta * step**2 * gravity)
+
+
+def limit(holds: Callable[[float], bool], low: float, high: float, bisections: int) -> float:
+    """Return the value between ``low``, which fails, and ``high``, from which on it holds."""
+    for _ in range(bisections):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return 0.5 * (low + high)
