@@ -7,14 +7,18 @@ corner rule -> contacts with their memory, strength and rows of the equations.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from clast.contact.arrays import Contacts
 from clast.contact.memory import recall
+from clast.contact.rows import movement, rows_of
 from clast.interfaces import CornerRule, DisplacementFunction
 from clast.kernels import broad_phase, narrow_phase, polygon
-from clast.model import Bools, Floats, Ints, JointTable, Model
+from clast.kernels import contacts as kernel
+from clast.kernels import memory as memory_kernel
+from clast.model import Bools, Floats, Ints, Joint, JointTable, Model
 from clast.state import ContactMemory, State
 
 
@@ -75,16 +79,14 @@ def pair_penetration(block_start: Ints, pairs: Ints, memory: ContactMemory) -> F
     It belongs to the pair, not to the vertex: as blocks roll over each other a deep (soft) contact
     is handed from a vertex of one to a vertex of the other.
     """
-    depth = np.zeros(len(pairs))
-    if len(memory) == 0 or len(pairs) == 0:
-        return depth
-    own = np.searchsorted(block_start, memory.vertex, side="right") - 1
-    width = len(block_start)
-    wanted = np.minimum(own, memory.block) * width + np.maximum(own, memory.block)
-    keys = pairs[:, 0] * width + pairs[:, 1]
-    at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-    there = keys[at] == wanted
-    np.maximum.at(depth, at[there], -memory.gap[there])
+    depth: Floats = memory_kernel.deepest_by_pair(
+        pairs,
+        polygon.owners(block_start),
+        len(block_start) - 1,
+        memory.vertex,
+        memory.block,
+        memory.gap,
+    )
     return depth
 
 
@@ -103,9 +105,9 @@ def find_candidates(
     """
     direction, length = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
-    vertex_block = np.repeat(np.arange(len(block_start) - 1), np.diff(block_start))
+    vertex_block = polygon.owners(block_start)
     depth = pair_penetration(block_start, pairs, memory)
-    capacity = 64 + 16 * len(pairs)
+    capacity = 64 + max(4 * len(pairs), 2 * len(memory))
     while True:
         count, start, vertex, edge, pair, gap, along = narrow_phase.candidates(
             vertices,
@@ -126,7 +128,7 @@ def find_candidates(
             break
         capacity = count
     vertex, edge = vertex[:count], edge[:count]
-    remembered = narrow_phase.remembered_edges(
+    remembered = memory_kernel.remembered_edges(
         start, vertex, edge, vertex_block, memory.vertex, memory.block, memory.edge
     )
     return Candidates(
@@ -176,13 +178,22 @@ def detect(
     shift = None
     if drift is not None:
         block = model.vertex_block
-        basis = displacement.basis(state.vertices - centroid[block])
-        shift = np.einsum("vxk,vk->vx", basis, drift[block])
+        shift = movement(displacement, state.vertices - centroid[block], drift, block)
     candidates = find_candidates(
         state.vertices, model.block_start, pairs, state.memory, reach, shift
     )
-    chosen = np.flatnonzero(corner_rule.choose(candidates, state.vertices))
-    return _contacts(model, displacement, state, centroid, pairs, candidates, chosen, reach)
+    keep = corner_rule.choose(candidates, state.vertices)
+    return _contacts(model, displacement, state, centroid, pairs, candidates, keep, reach)
+
+
+@lru_cache(maxsize=8)
+def _strengths_of(joints: tuple[Joint, ...]) -> tuple[Floats, Floats, Floats]:
+    """Return tan(phi), cohesion, Pa, and tensile strength, Pa, of all joints, each (joints,)."""
+    return (
+        np.tan(np.radians([one.friction_angle for one in joints])),
+        np.array([one.cohesion for one in joints], float),
+        np.array([one.tensile_strength for one in joints], float),
+    )
 
 
 def _contacts(
@@ -192,37 +203,41 @@ def _contacts(
     centroid: Floats,
     pairs: Ints,
     candidates: Candidates,
-    chosen: Ints,
+    keep: Bools,
     reach: Reach,
 ) -> Contacts:
-    """Return the chosen candidates with memory, strength and rows."""
-    vertex, edge = candidates.vertex[chosen], candidates.edge[chosen]
-    i, j = candidates.vertex_block[vertex], candidates.vertex_block[edge]
-    touching, pair = np.unique(candidates.pair[chosen], return_inverse=True)
-    gap = candidates.gap[chosen]
-    tangent = candidates.direction[edge]
-    normal = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
-    at = state.vertices[vertex]
-    foot = at - gap[:, None] * normal
-    at_vertex = displacement.basis(at - centroid[i])
-    at_edge = displacement.basis(foot - centroid[j])
-    joint = joints_of_pairs(model.joint_table, model.block_rock, pairs[touching])[pair]
-    joints = model.joint_table.joints
-    row = recall(state.memory, vertex, j, edge)
-    known = row >= 0
-    memory = state.memory
-    cohesion = np.array([one.cohesion for one in joints])[joint]
-    tensile = np.array([one.tensile_strength for one in joints])[joint]
+    """Return the candidates to be kept (m,) with memory, strength and rows."""
+    found, memory = candidates, state.memory
+    vertex, edge, i, j, pair, gap, touching = kernel.chosen(
+        keep, found.vertex, found.edge, found.pair, found.gap, pairs, found.vertex_block
+    )
+    normal, foot, at_vertex, at_edge = kernel.places(
+        vertex, edge, i, j, gap, state.vertices, found.direction, centroid
+    )
     # bonds exist only along joints that are closed at the start of the run
-    intact = (state.time == 0.0) & (np.abs(gap) <= reach.critdis)
-    bonded = np.where(known, _take(memory.bonded, row, known), intact)
+    bond_reach = reach.critdis if state.time == 0.0 else -1.0
+    known, bonded, shear_force, normal_force, multiplier, mode = kernel.remembered(
+        recall(memory, vertex, j, edge),
+        gap,
+        bond_reach,
+        memory.bonded,
+        memory.shear_force,
+        memory.normal_force,
+        memory.multiplier,
+        memory.mode,
+    )
+    joint = joints_of_pairs(model.joint_table, model.block_rock, touching)
+    friction, cohesion, tensile_strength = kernel.strengths(
+        joint, pair, bonded, *_strengths_of(model.joint_table.joints)
+    )
+    rows = rows_of(displacement, at_vertex, at_edge, normal)
     return Contacts(
         vertex=vertex,
         edge=edge,
         vertex_block=i,
         edge_block=j,
-        pair=np.ascontiguousarray(pair),
-        pairs=pairs[touching],
+        pair=pair,
+        pairs=touching,
         gap=gap,
         normal=normal,
         foot=foot,
@@ -231,35 +246,28 @@ def _contacts(
             edge,
             i,
             j,
-            candidates.pair[chosen],
+            pair,
             state.vertices,
             model.block_start,
-            candidates.direction,
-            candidates.length,
+            found.direction,
+            found.length,
             reach.critdis,
         ),
-        normal_vertex=np.einsum("mxk,mx->mk", at_vertex, normal),
-        normal_edge=-np.einsum("mxk,mx->mk", at_edge, normal),
-        tangent_vertex=np.einsum("mxk,mx->mk", at_vertex, tangent),
-        tangent_edge=-np.einsum("mxk,mx->mk", at_edge, tangent),
-        friction=np.tan(np.radians([one.friction_angle for one in joints]))[joint],
-        cohesion=np.where(bonded, cohesion, 0.0),
-        tensile_strength=np.where(bonded, tensile, 0.0),
+        normal_vertex=rows.normal_vertex,
+        normal_edge=rows.normal_edge,
+        tangent_vertex=rows.tangent_vertex,
+        tangent_edge=rows.tangent_edge,
+        friction=friction,
+        cohesion=cohesion,
+        tensile_strength=tensile_strength,
         bonded=bonded,
         known=known,
-        shear_force=_take(memory.shear_force, row, known),
-        normal_force=_take(memory.normal_force, row, known),
-        multiplier=_take(memory.multiplier, row, known),
-        mode=_take(memory.mode, row, known),
-        friction_base=np.full(len(chosen), np.nan),
+        shear_force=shear_force,
+        normal_force=normal_force,
+        multiplier=multiplier,
+        mode=mode,
+        friction_base=np.full(len(vertex), np.nan),
     )
-
-
-def _take(values, row: Ints, known: Bools):  # type: ignore[no-untyped-def]
-    """Return the remembered values (m,), zero where nothing is known."""
-    result = np.zeros(len(row), values.dtype)
-    result[known] = values[row[known]]
-    return result
 
 
 def find_tunnelled(model: Model, vertices: Floats, memory: ContactMemory) -> tuple[float, int, int]:

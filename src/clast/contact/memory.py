@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from clast.contact.arrays import OPEN, ContactResponse, Contacts
+from clast.contact.arrays import ContactResponse, Contacts
 from clast.kernels import memory as kernel
 from clast.model import Floats, Ints
 from clast.state import ContactMemory
@@ -12,7 +10,11 @@ from clast.state import ContactMemory
 
 def recall(memory: ContactMemory, vertex: Ints, block: Ints, edge: Ints) -> Ints:
     """Return the memory row of each contact (vertex, block of the edge, edge), or -1, (m,)."""
-    return kernel.rows_of(vertex, block, edge, memory.vertex, memory.block, memory.edge)
+    count = 1 + max(_largest(vertex), _largest(memory.vertex))
+    rows: Ints = kernel.rows_of(
+        vertex, block, edge, memory.vertex, memory.block, memory.edge, count
+    )
+    return rows
 
 
 def renew(
@@ -23,16 +25,26 @@ def renew(
     A contact that has opened forgets its shear force; one that is open further than critdis
     loses its bond.
     """
-    order = np.lexsort((contacts.edge, contacts.edge_block, contacts.vertex))
-    closed = response.mode != OPEN
-    return ContactMemory(
-        vertex=contacts.vertex[order],
-        block=contacts.edge_block[order],
-        edge=contacts.edge[order],
-        gap=gap[order],
-        normal_force=response.normal_force[order],
-        shear_force=np.where(closed, response.shear_force, 0.0)[order],
-        multiplier=contacts.multiplier[order],
-        mode=response.mode[order],
-        bonded=(response.bonded & (gap <= critdis))[order],
+    order = kernel.order_of(
+        contacts.vertex, contacts.edge_block, contacts.edge, 1 + _largest(contacts.vertex)
     )
+    columns = kernel.renewed(
+        order,
+        contacts.vertex,
+        contacts.edge_block,
+        contacts.edge,
+        gap,
+        response.normal_force,
+        response.shear_force,
+        contacts.multiplier,
+        response.mode,
+        response.bonded,
+        critdis,
+    )
+    names = ("vertex", "block", "edge", "gap", "normal_force", "shear_force", "multiplier")
+    return ContactMemory(**dict(zip((*names, "mode", "bonded"), columns, strict=True)))
+
+
+def _largest(values: Ints) -> int:
+    """Return the largest of some indices, -1 if there is none."""
+    return int(values.max(initial=-1))

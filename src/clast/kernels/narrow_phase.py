@@ -13,23 +13,6 @@ from clast.kernels.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after,
 
 
 @njit(cache=True)
-def find_key(vertex, block, memory_vertex, memory_block):
-    """Return the first row of the sorted memory with this (vertex, block), or -1."""
-    low, high = 0, len(memory_vertex)
-    while low < high:
-        middle = (low + high) // 2
-        if memory_vertex[middle] < vertex or (
-            memory_vertex[middle] == vertex and memory_block[middle] < block
-        ):
-            low = middle + 1
-        else:
-            high = middle
-    if low < len(memory_vertex) and memory_vertex[low] == vertex and memory_block[low] == block:
-        return low
-    return -1
-
-
-@njit(cache=True)
 def _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, beyond_end, critdis, tip_reach):
     """Return how far beyond the edge's end the foot may lie, m.
 
@@ -248,19 +231,6 @@ def candidates(
 
 
 @njit(cache=True)
-def remembered_edges(
-    group_start, vertex, edge, edge_block, memory_vertex, memory_block, memory_edge
-):
-    """Return the entrance edge of each group in the last step, or -1, shape (groups,)."""
-    remembered = np.empty(len(group_start) - 1, np.int64)
-    for g in range(len(remembered)):
-        first = group_start[g]
-        row = find_key(vertex[first], edge_block[edge[first]], memory_vertex, memory_block)
-        remembered[g] = memory_edge[row] if row >= 0 else -1
-    return remembered
-
-
-@njit(cache=True)
 def _overlap(p, w, e, first, last, others, vertices, direction, length, critdis):
     """Return the length that own edge from p to w shares with edge e, m, as seen by vertex p.
 
@@ -307,13 +277,13 @@ def contact_lengths(
     their common length.  A vertex that touches with its tip alone stands for none.
     """
     result = np.zeros(len(vertex))
-    start = stop = 0
+    start, stop, others = 0, 0, vertex[:0]
     for c in range(len(vertex)):
         if c == stop:  # the contacts of the next pair of blocks
             start = stop
             while stop < len(vertex) and pair[stop] == pair[start]:
                 stop += 1
-        others = vertex[start:stop]
+            others = vertex[start:stop]
         p, e, i, j = vertex[c], edge[c], vertex_block[c], edge_block[c]
         before = vertex_before(p, block_start[i], block_start[i + 1])
         after = vertex_after(p, block_start[i], block_start[i + 1])
@@ -360,7 +330,9 @@ def deepest_jump(vertices, block_start, box, pairs, pair_depth):
             i, j = pairs[q, side], pairs[q, 1 - side]
             for p in range(block_start[i], block_start[i + 1]):
                 px, py = vertices[p, 0], vertices[p, 1]
-                if px < box[j, 0] or px > box[j, 2] or py < box[j, 1] or py > box[j, 3]:
+                # the outline is nearer than the sides of the box around it
+                most = min(px - box[j, 0], box[j, 2] - px, py - box[j, 1], box[j, 3] - py)
+                if most - 2.0 * pair_depth[q] <= worst:
                     continue
                 depth = depth_inside(px, py, vertices, block_start[j], block_start[j + 1])
                 depth -= 2.0 * pair_depth[q]

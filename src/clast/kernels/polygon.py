@@ -46,6 +46,15 @@ def moments(vertices, block_start):
 
 
 @njit(cache=True)
+def owners(block_start):
+    """Return the block of each vertex, shape (nv,)."""
+    result = np.empty(block_start[-1], np.int64)
+    for b in range(len(block_start) - 1):
+        result[block_start[b] : block_start[b + 1]] = b
+    return result
+
+
+@njit(cache=True)
 def boxes(vertices, block_start):
     """Return the bounding box (xmin, ymin, xmax, ymax) of each block, m, shape (n, 4)."""
     count = len(block_start) - 1

@@ -11,8 +11,9 @@ from typing import Protocol
 
 import numpy as np
 
+from clast.kernels import first_order as kernel
 from clast.kinematics.rotation import Sine
-from clast.model import Floats
+from clast.model import Floats, Ints
 
 
 class RotationRule(Protocol):
@@ -52,19 +53,26 @@ class FirstOrder:
 
         ``moments`` are the mass moments about the centroid int x2, int y2, int xy dm, kg m2/m.
         """
-        sxx, syy, sxy = moments[:, 0], moments[:, 1], moments[:, 2]
-        m = np.zeros((len(mass), 6, 6))
-        m[:, 0, 0] = m[:, 1, 1] = mass
-        m[:, 2, 2] = sxx + syy
-        m[:, 2, 3] = m[:, 3, 2] = -sxy
-        m[:, 2, 4] = m[:, 4, 2] = sxy
-        m[:, 2, 5] = m[:, 5, 2] = 0.5 * (sxx - syy)
-        m[:, 3, 3] = sxx
-        m[:, 3, 5] = m[:, 5, 3] = 0.5 * sxy
-        m[:, 4, 4] = syy
-        m[:, 4, 5] = m[:, 5, 4] = 0.5 * sxy
-        m[:, 5, 5] = 0.25 * (sxx + syy)
-        return m
+        matrices: Floats = kernel.mass_matrices(mass, moments)
+        return matrices
+
+    def displacements(self, offset: Floats, unknowns: Floats, block: Ints) -> Floats:
+        """Return T d (k, 2) at offsets (k, 2) in blocks (k,) with d (n, 6), m."""
+        moved: Floats = kernel.displacements(offset, unknowns, block)
+        return moved
+
+    def contact_rows(
+        self, at_vertex: Floats, at_edge: Floats, normal: Floats
+    ) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return T_i^T n, -T_j^T n, T_i^T t, -T_j^T t, each (m, 6), without forming T.
+
+        ``at_vertex`` (m, 2) and ``at_edge`` (m, 2) are offsets from the centroids, m; ``normal``
+        (m, 2) is the edges' and t = (-ny, nx) their direction.
+        """
+        rows: tuple[Floats, Floats, Floats, Floats] = kernel.contact_rows(
+            at_vertex, at_edge, normal
+        )
+        return rows
 
     def place(self, offset: Floats, displacement: Floats) -> Floats:
         """Return new offsets (m, 2) from the *old* centroid after displacements d (m, 6)."""

@@ -1,0 +1,66 @@
+"""The first-order displacement function, all blocks or contacts at once (Shi 1988)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def displacements(offset, unknowns, block):
+    """Return T d, m, (k, 2) at offsets (k, 2), m, from d (n, 6) of their blocks (k,)."""
+    result = np.empty_like(offset)
+    for k in range(len(offset)):
+        x, y, d = offset[k, 0], offset[k, 1], unknowns[block[k]]
+        result[k, 0] = d[0] - y * d[2] + x * d[3] + 0.5 * y * d[5]
+        result[k, 1] = d[1] + x * d[2] + y * d[4] + 0.5 * x * d[5]
+    return result
+
+
+@njit(cache=True)
+def _row(x, y, ax, ay, row):
+    """Write T(x, y)^T a into a row (6,)."""
+    row[0] = ax
+    row[1] = ay
+    row[2] = ay * x - ax * y
+    row[3] = ax * x
+    row[4] = ay * y
+    row[5] = ax * (0.5 * y) + ay * (0.5 * x)
+
+
+@njit(cache=True)
+def contact_rows(at_vertex, at_edge, normal):
+    """Return T_i^T n, -T_j^T n, T_i^T t and -T_j^T t of the contacts, each (m, 6).
+
+    ``at_vertex`` (m, 2) and ``at_edge`` (m, 2) are the offsets of the vertex and of its foot from
+    the centroids of their blocks, m; t = (-ny, nx) is the direction of the edge.
+    """
+    count = len(normal)
+    normal_vertex, normal_edge = np.empty((count, 6)), np.empty((count, 6))
+    tangent_vertex, tangent_edge = np.empty((count, 6)), np.empty((count, 6))
+    for c in range(count):
+        nx, ny = normal[c, 0], normal[c, 1]
+        _row(at_vertex[c, 0], at_vertex[c, 1], nx, ny, normal_vertex[c])
+        _row(at_edge[c, 0], at_edge[c, 1], -nx, -ny, normal_edge[c])
+        _row(at_vertex[c, 0], at_vertex[c, 1], -ny, nx, tangent_vertex[c])
+        _row(at_edge[c, 0], at_edge[c, 1], ny, -nx, tangent_edge[c])
+    return normal_vertex, normal_edge, tangent_vertex, tangent_edge
+
+
+@njit(cache=True)
+def mass_matrices(mass, moments):
+    """Return int T^T T dm (n, 6, 6) from mass (n,), kg/m, and moments (n, 3), kg m2/m."""
+    m = np.zeros((len(mass), 6, 6))
+    for b in range(len(mass)):
+        sxx, syy, sxy = moments[b, 0], moments[b, 1], moments[b, 2]
+        m[b, 0, 0] = m[b, 1, 1] = mass[b]
+        m[b, 2, 2] = sxx + syy
+        m[b, 2, 3] = m[b, 3, 2] = -sxy
+        m[b, 2, 4] = m[b, 4, 2] = sxy
+        m[b, 2, 5] = m[b, 5, 2] = 0.5 * (sxx - syy)
+        m[b, 3, 3] = sxx
+        m[b, 3, 5] = m[b, 5, 3] = 0.5 * sxy
+        m[b, 4, 4] = syy
+        m[b, 4, 5] = m[b, 5, 4] = 0.5 * sxy
+        m[b, 5, 5] = 0.25 * (sxx + syy)
+    return m
