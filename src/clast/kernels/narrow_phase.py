@@ -89,7 +89,7 @@ def _crosses_within(p, e, e_end, gap, along, shift, tx, ty, length):
     return 0.0 <= meets <= length
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _vertex_candidates(
     p,
     i,
@@ -230,13 +230,13 @@ def candidates(
     return found, group_start[: groups + 1], vertex, edge, pair, gap, along
 
 
-@njit(cache=True)
-def _overlap(p, w, e, first, last, others, vertices, direction, length, critdis):
+@njit(cache=True, inline="always")
+def _overlap(p, w, e, first, last, vertex, start, stop, vertices, direction, length, critdis):
     """Return the length that own edge from p to w shares with edge e, m, as seen by vertex p.
 
     Each shared piece has two ends, and each end is a vertex of one block, or a vertex of both
     (coinciding corners, which then count half each where both are among the contacts of the two
-    blocks, whose vertices are ``others``); every end stands for half of the piece.
+    blocks, ``start`` to ``stop`` - 1); every end stands for half of the piece.
     """
     tx, ty = direction[e, 0], direction[e, 1]
     here = (vertices[p, 0] - vertices[e, 0]) * tx + (vertices[p, 1] - vertices[e, 1]) * ty
@@ -248,13 +248,13 @@ def _overlap(p, w, e, first, last, others, vertices, direction, length, critdis)
     coincide = abs(here - (length[e] if at_end else 0.0)) <= critdis
     if coincide:
         corner = vertex_after(e, first, last) if at_end else e
-        for other in others:
-            if other == corner:
+        for c in range(start, stop):
+            if vertex[c] == corner:
                 return 0.25 * (high - low)
     return 0.5 * (high - low)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _edge_along(p, w, e, first, last, vertices, direction, length, critdis):
     """Return the edge that own edge from p to w runs along: e, or the next one at a flat corner."""
     tx, ty = direction[e, 0], direction[e, 1]
@@ -277,24 +277,24 @@ def contact_lengths(
     their common length.  A vertex that touches with its tip alone stands for none.
     """
     result = np.zeros(len(vertex))
-    start, stop, others = 0, 0, vertex[:0]
+    start, stop = 0, 0
     for c in range(len(vertex)):
         if c == stop:  # the contacts of the next pair of blocks
             start = stop
             while stop < len(vertex) and pair[stop] == pair[start]:
                 stop += 1
-            others = vertex[start:stop]
         p, e, i, j = vertex[c], edge[c], vertex_block[c], edge_block[c]
         before = vertex_before(p, block_start[i], block_start[i + 1])
         after = vertex_after(p, block_start[i], block_start[i + 1])
         first, last = block_start[j], block_start[j + 1]
         nx, ny = direction[e, 1], -direction[e, 0]
-        for own, w in ((before, before), (p, after)):
+        for side in range(2):
+            own, w = (before, before) if side == 0 else (p, after)
             if abs(direction[own, 0] * nx + direction[own, 1] * ny) > SMALL_ANGLE:
                 continue
             along = _edge_along(p, w, e, first, last, vertices, direction, length, critdis)
             result[c] += _overlap(
-                p, w, along, first, last, others, vertices, direction, length, critdis
+                p, w, along, first, last, vertex, start, stop, vertices, direction, length, critdis
             )
     return result
 
