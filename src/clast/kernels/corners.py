@@ -158,6 +158,13 @@ def _ends_at(e, p, first, last):
 
 
 @njit(cache=True)
+def _gap(p, e, vertices, direction):
+    """Return the signed distance of vertex p to the line of edge e, m, positive in front."""
+    x, y = vertices[p, 0] - vertices[e, 0], vertices[p, 1] - vertices[e, 1]
+    return x * direction[e, 1] - y * direction[e, 0]
+
+
+@njit(cache=True)
 def _is_entrance_passed(p, e, along, vertices, direction, length, block_start, i, j):
     """Return False where vertex p, behind edge e, has not entered the corner at the end of e.
 
@@ -173,8 +180,7 @@ def _is_entrance_passed(p, e, along, vertices, direction, length, block_start, i
         return True
     corner = vertex_after(e, first, last) if at_end else e
     f = corner if at_end else vertex_before(e, first, last)
-    gap_f = _gap(vertices[p], vertices[f], direction[f])
-    if gap_f < 0.0:
+    if _gap(p, f, vertices, direction) < 0.0:
         return True
     # P's own edge above e, and the direction in which it leaves P
     a = p if at_end else vertex_before(p, block_start[i], block_start[i + 1])
@@ -184,13 +190,7 @@ def _is_entrance_passed(p, e, along, vertices, direction, length, block_start, i
         return True
     if ux * direction[f, 1] - uy * direction[f, 0] >= 0.0:
         return False
-    return _gap(vertices[corner], vertices[p], direction[a]) < 0.0
-
-
-@njit(cache=True)
-def _gap(point, start, direction):
-    """Return the signed distance of a point to the line from ``start``, m, positive in front."""
-    return (point[0] - start[0]) * direction[1] - (point[1] - start[1]) * direction[0]
+    return _gap(corner, a, vertices, direction) < 0.0
 
 
 @njit(cache=True)
