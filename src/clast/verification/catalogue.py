@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from clast.verification import (
+    active_passive,
+    arch,
     bounce,
     collision,
     column,
@@ -22,11 +24,14 @@ from clast.verification import (
     patch,
     pendulum,
     penetration,
+    rocking,
     slide_topple,
     spin,
     stack,
     stiffness,
+    three_hinges,
     toppling,
+    two_planes,
     wave,
 )
 from clast.verification.problem import Problem
@@ -42,12 +47,17 @@ PROBLEMS: tuple[Problem, ...] = (
     ladder.PROBLEM,
     overhang.PROBLEM,
     key_block.PROBLEM,
+    active_passive.PROBLEM,
     toppling.PROBLEM,
+    arch.PROBLEM,
+    three_hinges.PROBLEM,
+    two_planes.PROBLEM,
     penetration.PROBLEM,
     stiffness.PROBLEM,
     stack.PROBLEM,
     bounce.PROBLEM,
     collision.PROBLEM,
+    rocking.PROBLEM,
     column.PROBLEM,
     patch.PROBLEM,
     wave.PROBLEM,

@@ -103,7 +103,8 @@ PROBLEM = Problem(
     name="key-block",
     title="Key block in a tunnel roof",
     text="A wedge 1 m wide above, 1.6 m below and 2 m high hangs between two blocks on "
-    "frictionless rails that are pressed against it; the force is bisected. p = 0.4 GPa, h = 4 ms, static.",
+    "frictionless rails that are pressed against it; the force is bisected. p = 0.4 GPa, "
+    "h = 4 ms, static (dynamic_ratio = 0).",
     formula="W = 2 H tan(phi - a)",
     source="equilibrium of the wedge with friction mobilised on both sides (Brady & Brown)",
     set_up=roof,

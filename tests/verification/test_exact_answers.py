@@ -1,0 +1,91 @@
+"""The exact answers of problems with motion and limits, against plain integration and limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from clast.verification import (
+    active_passive,
+    arch,
+    key_block,
+    ladder,
+    moving_base,
+    newmark,
+    rocking,
+    slide_topple,
+)
+
+
+def test_newmark():
+    # integrated independently
+    assert pytest.approx((1.729768, 1.137158), rel=1e-6) == (newmark.YIELD, newmark.FACTOR)
+    assert newmark.begin() == pytest.approx(0.0573604, abs=1e-7)
+    assert newmark.end() == pytest.approx(0.6777028, abs=1e-7)
+    assert newmark.exact_way(1.0) == pytest.approx(0.31361979, rel=1e-7)
+    assert newmark.exact_way(2.0) == pytest.approx(0.6272396, rel=1e-7)
+
+
+def test_stick_and_slip_against_small_steps():
+    step = 2e-5
+    way = speed = 0.0
+    for k in range(round(moving_base.DURATION / step)):
+        base = float(moving_base.base_speed((k + 1) * step))
+        most = moving_base.GRIP * step
+        speed += float(np.clip(base - speed, -most, most))
+        way += step * speed
+    exact = moving_base.exact_way(np.array([moving_base.DURATION]))[0]
+    assert way == pytest.approx(exact, abs=2e-4)
+
+
+def test_modes_of_a_block_on_a_slope():
+    found = {name: slide_topple.exact_motion(*block) for name, block in slide_topple.BLOCKS.items()}
+    assert found["rest"] == (0.0, 0.0)
+    dip, time = slide_topple.DIP, slide_topple.DURATION
+    for name in ("slide", "slide, though b/h < tan a"):
+        friction = np.tan(np.radians(slide_topple.BLOCKS[name][1]))
+        slid = 0.5 * 9.8 * (np.sin(dip) - np.cos(dip) * friction) * time**2
+        assert found[name] == pytest.approx((slid, 0.0), abs=1e-9)
+    # toppling keeps the energy of the fall
+    angle = found["topple"][1]
+    assert angle > 0.0
+
+
+def test_a_thin_ladder_slips_at_90_degrees_less_2_phi(monkeypatch):
+    monkeypatch.setattr(ladder, "WIDTH", 1e-9)
+    assert ladder.exact_limit(50.0) == pytest.approx(20.0, abs=1e-6)
+
+
+def test_an_arch_without_joints_is_milankovitchs(monkeypatch):
+    monkeypatch.setattr(arch, "VOUSSOIRS", 80)
+    assert arch.exact_limit() == pytest.approx(0.1075, abs=1e-4)
+
+
+def test_housners_impact():
+    # e = 1 - 3/2 sin2 a of a rectangle
+    assert pytest.approx(1.0 - 1.5 * np.sin(rocking.SLENDERNESS) ** 2) == rocking.KEPT
+    _, _, rate = rocking.exact_fall()
+    drop = np.cos(rocking.SLENDERNESS - rocking.TILT) - np.cos(rocking.SLENDERNESS)
+    energy = 2.0 * 9.8 * rocking.RADIUS * drop / rocking.INERTIA
+    assert rate == pytest.approx(-np.sqrt(energy), rel=1e-6)
+
+
+def test_blocks_at_their_limit_are_in_equilibrium():
+    phi = np.radians(active_passive.exact_limit(5.0))
+    a, b = np.radians((active_passive.STEEP, 5.0))
+    _, upper, lower = active_passive.outlines(5.0)
+    weights = [active_passive.area(upper), active_passive.area(lower)]
+    # planes push at phi from their normals, the joint at phi from the horizontal
+    first = np.array([[np.sin(a - phi), -np.cos(phi)], [np.cos(a - phi), np.sin(phi)]])
+    plane, joint = np.linalg.solve(first, [0.0, weights[0]])
+    second = np.array([[np.sin(b - phi)], [np.cos(b - phi)]])
+    (lower_plane,) = (weights[1] + joint * np.sin(phi)) / second[1]
+    assert plane > 0.0
+    assert lower_plane * second[0, 0] + joint * np.cos(phi) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_force_on_a_key_block():
+    phi = np.radians(35.0)
+    normal = key_block.exact_force(35.0) * np.cos(phi) / np.cos(phi - key_block.LEAN)
+    held = 2.0 * normal * np.sin(phi - key_block.LEAN) / np.cos(phi)
+    assert held == pytest.approx(key_block.WEIGHT)
