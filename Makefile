@@ -14,12 +14,13 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help env env-test demo paper test test-fast format lint types layers check build clean distclean
+.PHONY: help env env-test demo paper verify test test-fast format lint types layers check build clean distclean
 
 help:
 	@echo "make env        make .venv and install clast in it"
 	@echo "make demo       run, verify and draw the block on an incline"
 	@echo "make paper      repeat the paper's studies and write docs/paper.md (some minutes)"
+	@echo "make verify     run all verification problems and write docs/verification.md (minutes)"
 	@echo "make test       run all tests"
 	@echo "make test-fast  run the tests that are not marked slow"
 	@echo "make format     format the code and sort its imports"
@@ -78,6 +79,14 @@ paper: env
 	@echo "Running the paper's studies (some minutes)"
 	@$(BIN)/python -m clast.studies.paper cases/paper docs/paper.md
 	@echo "Wrote docs/paper.md"
+
+verify: env
+	@echo "Running all verification problems (some minutes)"
+	@$(BIN)/clast verify --report build/verification; code=$$?; \
+	    mkdir -p docs/images/verification; \
+	    cp build/verification/verification.md docs/verification.md; \
+	    cp build/verification/images/verification/*.png docs/images/verification/; exit $$code
+	@echo "Wrote docs/verification.md"
 
 # --- testing and checking ------------------------------------------------------------------
 

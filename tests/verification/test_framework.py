@@ -99,5 +99,5 @@ def test_report_has_a_page_and_a_figure(tmp_path):
     page = (tmp_path / "verification.md").read_text(encoding="utf-8")
     assert (tmp_path / "verification.html").read_text(encoding="utf-8").count("<h2") == 1
     assert all(path.stat().st_size > 0 for path in written)
-    assert "![Patch test](verification/patch.png)" in page
+    assert "![Patch test](images/verification/patch.png)" in page
     assert f"(#{anchor('Patch test')})" in page

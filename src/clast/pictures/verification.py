@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from clast.ground_motion import Still
 from clast.model import Floats, Model
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 ROCK, FIXED, OUTLINE = "#e6dccb", "#b7aea1", "#4a443c"
 """Colours of free blocks, fixed blocks and their outlines."""
@@ -28,6 +31,8 @@ PANEL = (4.6, 3.6)
 """Width and height of a panel, inches."""
 DOTS = 100
 """Dots per inch."""
+COLOURS = 64
+"""Colours of a picture."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +104,17 @@ def draw_problem(set_up: Model, charts: Sequence[Chart], path: Path) -> None:
     draw_set_up(axes[0], set_up)
     for each, chart in zip(axes[1:], panels, strict=True):
         draw_chart(each, chart)
-    figure.savefig(path, dpi=DOTS, metadata={"Software": None})
+    _save_small(figure, path)
+
+
+def _save_small(figure: Figure, path: Path) -> None:
+    """Save a figure as a PNG with a palette, a third of the size of one with full colours."""
+    from PIL import Image
+
+    buffer = BytesIO()
+    figure.savefig(buffer, dpi=DOTS, format="png")
+    picture = Image.open(buffer).convert("RGB")
+    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def draw_chart(axes: Axes, chart: Chart) -> None:
@@ -151,6 +166,7 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     _draw_arrows(axes, *_loads(model), 0.18 * size)
     _draw_arrows(axes, *_velocities(model), 0.18 * size)
     _draw_spins(axes, model)
+    _draw_ground_motion(axes, model, size)
     axes.set_aspect("equal")
     axes.margins(0.12)
     axes.autoscale_view()
@@ -193,6 +209,23 @@ def _draw_spins(axes: Axes, model: Model) -> None:
                 "connectionstyle": f"arc3,rad={0.9 * bend}",
             },
         )
+
+
+def _draw_ground_motion(axes: Axes, model: Model, size: float) -> None:
+    """Draw a double arrow below the blocks where the ground moves."""
+    if isinstance(model.ground_motion, Still):
+        return
+    corners = model.vertices + model.origin
+    middle = 0.5 * (corners[:, 0].min() + corners[:, 0].max())
+    below = corners[:, 1].min() - 0.1 * size
+    half = 0.15 * size
+    axes.annotate(
+        "",
+        (middle + half, below),
+        (middle - half, below),
+        arrowprops={"arrowstyle": "<|-|>", "color": ARROW, "lw": 1.4},
+    )
+    axes.plot((middle - half, middle + half), 2 * [below], color=ARROW, lw=0.5)
 
 
 def _draw_arrows(axes: Axes, at: Floats, vectors: Floats, length: float) -> None:

@@ -13,12 +13,15 @@ from clast.verification.problem import Findings, Problem, Row, Verdict
 from clast.verification.tables import HEADINGS, cells, remark
 
 PAGE = "verification"
-"""Name of the pages and of the folder of their figures."""
+"""Name of the pages."""
+FIGURES = f"images/{PAGE}"
+"""Folder of their figures, beside the pages."""
 INTRODUCTION = (
     "Problems whose answer is known, run with every process, contact law and time scheme that "
     "applies. Error and tolerance are relative where they are in %. The reason of every tolerance "
-    "stands below the table; what is known to fail is listed with its cause. The page is written "
-    "by `clast verify --report DIR`."
+    "stands below the table; what is known to fail is listed with its cause. `clast verify` runs "
+    "them, all or by name; `clast verify --quick` what fits into a minute; `make verify` writes "
+    "this page."
 )
 STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem}"
@@ -38,7 +41,7 @@ class Section:
 
 def write_report(findings: Sequence[Findings], directory: Path) -> list[Path]:
     """Write verification.md, verification.html and their figures; return what was written."""
-    folder = directory / PAGE
+    folder = directory / FIGURES
     folder.mkdir(parents=True, exist_ok=True)
     sections = []
     written = []
@@ -48,7 +51,7 @@ def write_report(findings: Sequence[Findings], directory: Path) -> list[Path]:
         figure = folder / f"{problem.name}.png"
         draw_problem(problem.set_up(), [chart for one in found for chart in one.charts], figure)
         rows = tuple(row for one in found for row in one.rows)
-        sections.append(Section(problem, rows, f"{PAGE}/{figure.name}"))
+        sections.append(Section(problem, rows, f"{FIGURES}/{figure.name}"))
         written.append(figure)
     for suffix, page in ((".md", markdown(sections)), (".html", html(sections))):
         path = directory / f"{PAGE}{suffix}"

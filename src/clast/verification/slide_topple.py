@@ -37,7 +37,7 @@ BLOCKS = {
     "slide, though b/h < tan a": (0.4, 18.0),
 }
 """b/h and friction angle, degrees, of a block for every mode."""
-FEW = ("topple", "slide and topple")
+FEW = ("slide and topple",)
 """Modes where time is short."""
 STEP, DURATION = 1e-3, 0.4
 TOLERANCE = 0.025
