@@ -13,6 +13,8 @@ import shapely
 from test_coinciding_corners import SYSTEMS, crown_drop, faces_in_common, held
 from test_corners import TOP, remembering
 
+from clast.case import Case
+from clast.casefile.templates import INCLINE
 from clast.contact.corners import Bisector, EntranceLines
 from clast.contact.laws import Penalty
 from clast.stepping.convex import Convex
@@ -142,3 +144,12 @@ def test_arch_does_not_fall_through_itself(noise):
     drop, largest = crown_drop(SYSTEMS["arch"], noise, how)
     assert 0.0 < drop < 4e-3
     assert largest < 4e-3
+
+
+def test_case_files_offer_the_rule():
+    """A block slides down an incline all the same: its corners do not meet those of the base."""
+    ways = []
+    for rule in RULES:
+        settings = [f"method.corner_rule={rule}", "method.process=open-close", "time.end=0.05"]
+        ways.append(Case.from_toml(INCLINE, settings).run().state.vertices)
+    assert ways[0] == pytest.approx(ways[1], abs=1e-9)

@@ -10,10 +10,7 @@ from clast.state import ContactMemory
 
 def recall(memory: ContactMemory, vertex: Ints, block: Ints, edge: Ints) -> Ints:
     """Return the memory row of each contact (vertex, block of the edge, edge), or -1, (m,)."""
-    count = 1 + max(_largest(vertex), _largest(memory.vertex))
-    rows: Ints = kernel.rows_of(
-        vertex, block, edge, memory.vertex, memory.block, memory.edge, count
-    )
+    rows: Ints = kernel.rows_of(vertex, block, edge, memory.vertex, memory.block, memory.edge)
     return rows
 
 
@@ -25,11 +22,7 @@ def renew(
     A contact that has opened forgets its shear force; one that is open further than critdis
     loses its bond.
     """
-    order = kernel.order_of(
-        contacts.vertex, contacts.edge_block, contacts.edge, 1 + _largest(contacts.vertex)
-    )
     columns = kernel.renewed(
-        order,
         contacts.vertex,
         contacts.edge_block,
         contacts.edge,
@@ -43,8 +36,3 @@ def renew(
     )
     names = ("vertex", "block", "edge", "gap", "normal_force", "shear_force", "multiplier")
     return ContactMemory(**dict(zip((*names, "mode", "bonded"), columns, strict=True)))
-
-
-def _largest(values: Ints) -> int:
-    """Return the largest of some indices, -1 if there is none."""
-    return int(values.max(initial=-1))

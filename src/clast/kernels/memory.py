@@ -7,6 +7,15 @@ from numba import njit
 
 
 @njit(cache=True)
+def _count_of(vertex):
+    """Return one more than the largest vertex, 0 if there is none."""
+    count = 0
+    for one in vertex:
+        count = max(count, one + 1)
+    return count
+
+
+@njit(cache=True)
 def rows_by_vertex(memory_vertex, count):
     """Return the first row of each of ``count`` vertices in the sorted memory, (count + 1,)."""
     start = np.zeros(count + 1, np.int64)
@@ -44,7 +53,7 @@ def remembered_edges(
 
 
 @njit(cache=True)
-def rows_of(vertex, block, edge, memory_vertex, memory_block, memory_edge, vertex_count):
+def rows_of(vertex, block, edge, memory_vertex, memory_block, memory_edge):
     """Return the memory row of each contact, or -1, shape (m,).
 
     The same edge first; else a row of the same (vertex, block) whose edge is no longer in
@@ -52,7 +61,7 @@ def rows_of(vertex, block, edge, memory_vertex, memory_block, memory_edge, verte
     one (vertex, block) stand together; no row is given twice.
     """
     count = len(vertex)
-    by_vertex = rows_by_vertex(memory_vertex, vertex_count)
+    by_vertex = rows_by_vertex(memory_vertex, max(_count_of(vertex), _count_of(memory_vertex)))
     taken = np.zeros(len(memory_vertex), np.bool_)
     rows = np.full(count, -1, np.int64)
     start = 0
@@ -79,12 +88,12 @@ def rows_of(vertex, block, edge, memory_vertex, memory_block, memory_edge, verte
 
 
 @njit(cache=True)
-def order_of(vertex, block, edge, vertex_count):
+def _order(vertex, block, edge):
     """Return the order of contacts by vertex, then block, then edge, shape (m,).
 
     By counting, then by insertion: the contacts of one vertex are few.
     """
-    start = rows_by_vertex(vertex, vertex_count)
+    start = rows_by_vertex(vertex, _count_of(vertex))
     filled = start[:-1].copy()
     order = np.empty(len(vertex), np.int64)
     for c in range(len(vertex)):
@@ -121,13 +130,13 @@ def deepest_by_pair(pairs, vertex_block, block_count, memory_vertex, memory_bloc
 
 
 @njit(cache=True)
-def renewed(order, vertex, block, edge, gap, normal, shear, multiplier, mode, bonded, critdis):
-    """Return the columns of the memory (k,) in the given order of the contacts.
+def renewed(vertex, block, edge, gap, normal, shear, multiplier, mode, bonded, critdis):
+    """Return the columns of the memory (k,), sorted by vertex, block and edge.
 
     A contact that is open (mode 0) forgets its shear force, one further apart than ``critdis``, m,
     its bond.
     """
-    count = len(order)
+    count, order = len(vertex), _order(vertex, block, edge)
     vertices, blocks = np.empty(count, np.int64), np.empty(count, np.int64)
     edges, modes = np.empty(count, np.int64), np.empty(count, np.int64)
     gaps, normals, shears = np.empty(count), np.empty(count), np.empty(count)
