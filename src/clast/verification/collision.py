@@ -12,7 +12,15 @@ from clast.results import Run
 from clast.simulate import Schedule, simulate
 from clast.state import State, initial_state
 from clast.verification.problem import Outcome, Problem, absolute
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    EULER,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
 
 VELOCITY = (1.0, 0.2, 0.0)
 """Velocity (u, v, omega) of the arriving block, m/s and rad/s."""
@@ -90,6 +98,6 @@ PROBLEM = Problem(
     source="Newton's third law",
     set_up=two_blocks,
     examine=examine,
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX, EULER, MULTIPLIERS, CONVEX_MULTIPLIERS),
     quick=(LAGGED, CONVEX),
 )

@@ -17,7 +17,7 @@ from clast.model_builder import ModelBuilder
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, EULER, LAGGED, Variant
+from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY, YOUNG, POISSON = 9.8, 2700.0, 5e9, 0.25
 HEIGHT, WIDTH = 10.0, 2.0
@@ -104,6 +104,6 @@ PROBLEM = Problem(
     source="elasticity, averaged over the column (a block has one strain)",
     set_up=column,
     examine=examine,
-    variants=(LAGGED, EULER, CONVEX),
+    variants=(LAGGED, EULER, CONVEX, OPEN_CLOSE),
     quick=(LAGGED, CONVEX),
 )

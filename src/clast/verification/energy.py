@@ -14,7 +14,15 @@ from clast.model_builder import ModelBuilder
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import KnownFailure, Outcome, Problem, absolute
-from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    EULER,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
 
 GRAVITY = 9.8
 VELOCITY = (3.0, 1.0, -2.0)
@@ -81,7 +89,7 @@ PROBLEM = Problem(
     source="first law of thermodynamics",
     set_up=struck_pile,
     examine=examine,
-    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX),
+    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
     known_failures=tuple(
         KnownFailure(variant=variant, quantity="largest energy created", reason=FOUND_INSIDE)

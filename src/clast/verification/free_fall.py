@@ -15,7 +15,7 @@ from clast.pictures.verification import Chart, Curve, curve, exact_curve
 from clast.results import PointHistory
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, EULER, LAGGED, Variant
+from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY = 9.8
 DURATION = 1.0
@@ -111,6 +111,6 @@ PROBLEM = Problem(
     source="Galilei; the sum of n steps of backward Euler",
     set_up=block_in_the_air,
     examine=examine,
-    variants=(LAGGED, EULER, CONVEX),
+    variants=(LAGGED, EULER, CONVEX, OPEN_CLOSE),
     quick=(LAGGED,),
 )

@@ -23,7 +23,15 @@ from clast.verification.problem import (
     absolute,
     relative,
 )
-from clast.verification.variants import CONVEX, IMPLICIT, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
+from clast.verification.variants import (
+    CONVEX,
+    IMPLICIT,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    SWINGS,
+    Variant,
+)
 
 GRAVITY = 9.8
 DURATION = 1.0
@@ -148,8 +156,7 @@ PROBLEM = Problem(
         KnownFailure(
             variant=MULTIPLIERS,
             quantity="way (the worse of u, v) at 45 degrees",
-            reason="four solves a step make the contact four times as stiff while friction stays "
-            "one step old: it swings with the normal force for longer",
+            reason=SWINGS,
         ),
     ),
 )

@@ -19,7 +19,7 @@ from clast.model_builder import ModelBuilder
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import Comparison, Outcome, Problem, absolute
-from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, EULER, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
 
 GRAVITY, FRICTION_ANGLE = 9.8, 15.0
 GRIP = GRAVITY * float(np.tan(np.radians(FRICTION_ANGLE)))
@@ -134,6 +134,6 @@ PROBLEM = Problem(
     "which slip begins and ends",
     set_up=shaken_block,
     examine=examine,
-    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX),
+    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS),
     quick=(),
 )

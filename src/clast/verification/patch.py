@@ -13,7 +13,7 @@ from clast.model_builder import ModelBuilder
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, EULER, LAGGED, Variant
+from clast.verification.variants import CONVEX, EULER, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
 
 YOUNG, POISSON = 5e9, 0.25
 STRESS = np.array([3e3, -5e3, 2e3])
@@ -114,6 +114,6 @@ PROBLEM = Problem(
     source="Hooke's law",
     set_up=loaded_block,
     examine=examine,
-    variants=(LAGGED, EULER, CONVEX),
+    variants=(LAGGED, EULER, CONVEX, OPEN_CLOSE, MULTIPLIERS),
     quick=(LAGGED,),
 )

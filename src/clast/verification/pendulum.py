@@ -22,7 +22,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
-from clast.verification.variants import EULER, LAGGED, Variant
+from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY = 9.8, 2700.0
 WIDTH, HEIGHT = 0.5, 2.0
@@ -128,6 +128,6 @@ PROBLEM = Problem(
     set_up=hung_block,
     examine=partial(examine, AMPLITUDES),
     examine_briefly=partial(examine, AMPLITUDES[:1]),
-    variants=(LAGGED, EULER),
+    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX),
     quick=(LAGGED,),
 )

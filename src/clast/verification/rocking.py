@@ -25,7 +25,15 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    EULER,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
 
 GRAVITY, WIDTH, HEIGHT = 9.8, 0.5, 2.0
 RADIUS = 0.5 * float(np.hypot(WIDTH, HEIGHT))
@@ -130,6 +138,6 @@ PROBLEM = Problem(
     source="Housner (1963); the fall integrated by scipy",
     set_up=tilted_block,
     examine=examine,
-    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX),
+    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
 )

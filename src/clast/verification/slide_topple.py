@@ -25,7 +25,7 @@ from clast.model_builder import ModelBuilder
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import Comparison, Outcome, Problem, absolute
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
 
 GRAVITY, DIP = 9.8, np.radians(25.0)
 HEIGHT = 1.0
@@ -148,6 +148,6 @@ PROBLEM = Problem(
     set_up=inclined_block,
     examine=partial(examine, tuple(BLOCKS)),
     examine_briefly=partial(examine, FEW),
-    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX, MULTIPLIERS),
     quick=(CONVEX,),
 )

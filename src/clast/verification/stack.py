@@ -20,6 +20,7 @@ from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
     EULER,
+    KICKED,
     LAGGED,
     MULTIPLIERS,
     OPEN_CLOSE,
@@ -35,10 +36,6 @@ CONTACTS = (2, 4, 2, 4, 2)
 """Contacts n of the joint below each block."""
 STEP, DURATION = 1e-3, 1.2
 TOLERANCE = 1e-6
-KICKED = (
-    "what multipliers leave of the penetration depends on theta; where a block changes theta "
-    "(impacts) it is kicked, which the next step takes for an impact again"
-)
 REASON = "what is left of the vibration after 1.2 s"
 
 

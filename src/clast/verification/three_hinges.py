@@ -19,7 +19,15 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.simulate import Schedule, simulate
 from clast.state import State
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    EULER,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
 
 GRAVITY, DENSITY, DEPTH = 9.8, 2600.0, 0.5
 NOSE = 0.1
@@ -101,7 +109,7 @@ PROBLEM = Problem(
     source="equilibrium of one half about its lower hinge",
     set_up=beam,
     examine=partial(examine, SLENDERNESSES),
-    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX),
+    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
     examine_briefly=partial(examine, SLENDERNESSES[:1]),
 )

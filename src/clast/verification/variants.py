@@ -115,3 +115,15 @@ CONVEX_MULTIPLIERS = Variant(
     name="convex, augmented Lagrangian", process={"name": "convex"}, contact_law=FOUR_SOLVES
 )
 """The convex process with the same law."""
+
+KICKED = (
+    "what multipliers leave of the penetration depends on theta; where a block changes theta "
+    "(impacts) it is kicked, which the next step takes for an impact again"
+)
+"""Why multipliers that start anew in every step disturb the convex process."""
+
+SWINGS = (
+    "four solves a step make the contact four times as stiff while friction stays one step old: it "
+    "swings with the normal force for longer"
+)
+"""Why multipliers disturb lagged friction."""
