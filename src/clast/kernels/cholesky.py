@@ -292,7 +292,7 @@ def _eliminate(front, size, own):
 
 @njit(cache=True, fastmath={"contract"})
 def _update(front, begin, end, size):
-    """Take the rows ``begin`` to ``end`` off all rows after them: two rows, four terms at a time."""
+    """Take the rows ``begin`` to ``end`` off all rows after them, two rows at a time."""
     i = end
     while i + 2 <= size:
         k = begin
@@ -376,7 +376,7 @@ def factorise(
     highest,
     largest,
 ):
-    """Return the rows of U, K = U^T U, front by front; the second value is False if K is not SPD."""
+    """Return the rows of U, K = U^T U, front by front; and False where K is not definite."""
     fronts = len(first) - 1
     values = np.empty(value_start[fronts])
     stack = np.empty(highest)
