@@ -73,6 +73,7 @@ INTEGRATORS = {
 }
 SOLVERS = {
     "auto": "clast.equations.solvers:Automatic",
+    "cholesky": "clast.equations.solvers:Direct",
     "pcg": "clast.equations.solvers:PCG",
     "scipy": "clast.equations.solvers:Scipy",
 }

@@ -8,7 +8,7 @@ import pytest
 from clast.contact.arrays import Contacts
 from clast.contact.laws import Penalty
 from clast.equations.frames import block_frames
-from clast.equations.solvers import Scipy, solve, sparse_matrix
+from clast.equations.solvers import PCG, Direct, Scipy, solve, sparse_matrix
 from clast.equations.system import (
     BlockSystem,
     assemble,
@@ -159,7 +159,8 @@ def test_solver_equals_a_dense_solve(implicit):
     one = wall(implicit).assembled()
     matrix, force = dense(one), one.force.ravel()
     wanted = np.linalg.solve(matrix, force)
-    assert solve(Scipy(), one).ravel() == pytest.approx(wanted, rel=1e-9, abs=1e-16)
+    for solver, rel in ((Scipy(), 1e-9), (Direct(), 1e-9), (PCG(tolerance=1e-13), 1e-7)):
+        assert solve(solver, one).ravel() == pytest.approx(wanted, rel=rel, abs=1e-16)
 
 
 def test_fixed_blocks_move_by_nothing_at_all():

@@ -62,6 +62,7 @@ def test_free_block_solves_newtons_law():
         pairs=np.zeros((0, 2), np.int64),
         upper=none,
         lower=none,
+        symmetric=True,
         force=base.force,
     )
     after = end_velocity(np.array([theta]), solve(Scipy(), one), velocity, h)

@@ -32,6 +32,8 @@ class FactorOfStep:
             for one, other in zip(stiffness, self._stiffness, strict=True)
         )
         if self._factor is None or not same:
+            # an iteration that stalled on the last matrix would stall on this one
+            self._solver = getattr(self._factor, "next_solver", None) or self._solver
             self._factor = self._solver.factor(system)
             self._stiffness = stiffness
             self.factorised += 1

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
+from clast.equations.cholesky import Cholesky
 from clast.equations.system import BlockSystem
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Factor, LinearSolver
@@ -82,21 +83,41 @@ class Scipy:
             raise StepRejected(StepOutcome.SINGULAR, str(error)) from error
 
 
-@dataclass(frozen=True)
-class PCGMatrix:
-    """A symmetric system with the inverses of its diagonal blocks."""
+def direct(system: BlockSystem) -> Factor:
+    """Return the factorised matrix: block Cholesky, or SuperLU where it is not symmetric."""
+    return Cholesky().factor(system) if system.symmetric else Scipy().factor(system)
 
-    system: BlockSystem
-    """The system."""
-    inverse: Floats
-    """Inverses of the diagonal blocks, shape (n, 6, 6)."""
-    tolerance: float
-    """Reduction of the residual that ends the iteration."""
-    iterations: int
-    """Iterations at most."""
+
+@dataclass(frozen=True)
+class Direct:
+    """Block Cholesky for symmetric systems, SuperLU for others."""
+
+    def factor(self, system: BlockSystem) -> Factor:
+        """Return the factorised matrix; raises StepRejected where it is singular."""
+        return direct(system)
+
+
+class PCGMatrix:
+    """A symmetric system with the inverses of its diagonal blocks.
+
+    Once an iteration has stalled the matrix is factorised after all, and ``next_solver`` says that
+    this is what the next matrices of the step are for.
+    """
+
+    def __init__(
+        self, system: BlockSystem, inverse: Floats, tolerance: float, iterations: int
+    ) -> None:
+        self.system = system
+        self.inverse = inverse
+        self.tolerance = tolerance
+        self.iterations = iterations
+        self.next_solver: LinearSolver | None = None
+        self._factor: Factor | None = None
 
     def solve(self, force: Floats) -> Floats:
-        """Return d (n, 6) for F (n, 6); falls back on SuperLU where the iteration stalls."""
+        """Return d (n, 6) for F (n, 6); by a factorisation where the iteration stalls."""
+        if self._factor is not None:
+            return self._factor.solve(force)
         system = self.system
         displacement, _, reduction = pcg.solve(
             system.diagonal,
@@ -108,7 +129,8 @@ class PCGMatrix:
             self.iterations,
         )
         if not reduction <= self.tolerance:
-            return Scipy().factor(system).solve(force)
+            self._factor, self.next_solver = direct(system), Direct()
+            return self._factor.solve(force)
         return displacement
 
 
@@ -116,18 +138,18 @@ class PCGMatrix:
 class PCG:
     """Conjugate gradients with block-Jacobi preconditioning; symmetric systems.
 
-    Unsymmetric systems (friction solved inside the step) and those on which it stalls go to
-    SuperLU.
+    Unsymmetric systems (friction solved inside the step) and those on which it stalls are
+    factorised.
     """
 
     tolerance: float = 1e-8
     """Reduction of the residual, in the norm of the preconditioner, that ends the iteration."""
     iterations: int = 400
-    """Iterations at most before SuperLU takes over."""
+    """Iterations at most before a factorisation takes over."""
 
     def factor(self, system: BlockSystem) -> Factor:
         """Return the matrix made ready; raises StepRejected where it is singular."""
-        if not np.array_equal(system.lower, system.upper.transpose(0, 2, 1)):
+        if not system.symmetric:
             return Scipy().factor(system)
         inverse, bad = pcg.inverse_blocks(system.diagonal)
         if bad >= 0:
@@ -137,15 +159,29 @@ class PCG:
 
 @dataclass(frozen=True)
 class Automatic:
-    """SuperLU for a few blocks, PCG for many."""
+    """A factorisation for few blocks; for many PCG, as long as it is quicker than one."""
 
-    few: int = 60
+    few: int = 300
     """Up to this number of blocks a factorisation is quicker than starting an iteration."""
+    patience: float = 0.5
+    """An iteration is given up after this share of the time that a factorisation takes."""
 
     def factor(self, system: BlockSystem) -> Factor:
         """Return the matrix made ready; raises StepRejected where it is singular."""
-        solver = Scipy() if len(system.diagonal) <= self.few else PCG()
-        return solver.factor(system)
+        count = len(system.diagonal)
+        if count <= self.few or not system.symmetric:
+            return direct(system)
+        one = ITERATION_COST * (count + len(system.pairs))
+        limit = self.patience * FACTOR_COST * count**FACTOR_POWER / one
+        return PCG(iterations=int(np.clip(limit, LEAST_ITERATIONS, MOST_ITERATIONS))).factor(system)
+
+
+FACTOR_COST, FACTOR_POWER = 3.1e-7, 1.6
+"""Seconds that a factorisation of n blocks takes: cost n^power (walls of 100 to 10,000 bricks)."""
+ITERATION_COST = 4e-8
+"""Seconds that an iteration takes per block and per pair of blocks."""
+LEAST_ITERATIONS, MOST_ITERATIONS = 30, 1000
+"""Limits of the iterations tried before a factorisation."""
 
 
 def solve(solver: LinearSolver, system: BlockSystem) -> Floats:

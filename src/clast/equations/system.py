@@ -23,7 +23,9 @@ class BlockSystem:
     upper: Floats
     """K_ij, shape (q, 6, 6)."""
     lower: Floats
-    """K_ji, the transpose of K_ij unless friction is solved inside the step, shape (q, 6, 6)."""
+    """K_ji, shape (q, 6, 6)."""
+    symmetric: bool
+    """True where K_ji is the transpose of K_ij: unless friction is solved inside the step."""
     force: Floats
     """F, shape (n, 6)."""
 
@@ -84,14 +86,9 @@ def _with_contacts(
     fixed: Bools,
 ) -> BlockSystem:
     """Return the system with contact stiffness and loads (m,) added, fixed blocks held."""
-    diagonal, force = diagonal.copy(), force.copy()
+    diagonal = diagonal.copy()
     upper = np.zeros((len(contacts.pairs), 6, 6))
-    lower = np.zeros((len(contacts.pairs), 6, 6))
-    assembly.add_contacts(
-        diagonal,
-        upper,
-        lower,
-        force,
+    rows = (
         contacts.pair,
         contacts.vertex_block,
         contacts.edge_block,
@@ -101,13 +98,25 @@ def _with_contacts(
         contacts.tangent_edge,
         response.normal_stiffness,
         response.shear_stiffness,
-        response.coupling,
-        normal_load,
-        shear_load,
     )
+    symmetric = not response.coupling.any()
+    if symmetric:
+        force = force + contact_forces(len(force), contacts, normal_load, shear_load)
+        lower = upper.transpose(0, 2, 1)
+        assembly.add_springs(diagonal, upper, *rows)
+    else:
+        force, lower = force.copy(), np.zeros_like(upper)
+        assembly.add_contacts(
+            diagonal, upper, lower, force, *rows, response.coupling, normal_load, shear_load
+        )
     assembly.hold_blocks(diagonal, upper, lower, force, contacts.pairs, fixed)
     return BlockSystem(
-        diagonal=diagonal, pairs=contacts.pairs, upper=upper, lower=lower, force=force
+        diagonal=diagonal,
+        pairs=contacts.pairs,
+        upper=upper,
+        lower=lower,
+        symmetric=symmetric,
+        force=force,
     )
 
 

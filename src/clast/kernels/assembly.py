@@ -60,6 +60,40 @@ def add_contacts(
 
 
 @njit(cache=True)
+def add_springs(
+    diagonal,
+    upper,
+    pair,
+    vertex_block,
+    edge_block,
+    normal_vertex,
+    normal_edge,
+    tangent_vertex,
+    tangent_edge,
+    normal_stiffness,
+    shear_stiffness,
+):
+    """Add k_n n n^T + k_s t t^T of every contact to a symmetric K in place; ``upper`` is K_ij."""
+    for c in range(len(pair)):
+        kn, ks = normal_stiffness[c], shear_stiffness[c]
+        if kn == 0.0 and ks == 0.0:
+            continue
+        i, j, q = vertex_block[c], edge_block[c], pair[c]
+        for a in range(6):
+            n_i, t_i = kn * normal_vertex[c, a], ks * tangent_vertex[c, a]
+            n_j, t_j = kn * normal_edge[c, a], ks * tangent_edge[c, a]
+            for b in range(6):
+                diagonal[i, a, b] += n_i * normal_vertex[c, b] + t_i * tangent_vertex[c, b]
+                diagonal[j, a, b] += n_j * normal_edge[c, b] + t_j * tangent_edge[c, b]
+            if i < j:
+                for b in range(6):
+                    upper[q, a, b] += n_i * normal_edge[c, b] + t_i * tangent_edge[c, b]
+            else:
+                for b in range(6):
+                    upper[q, a, b] += n_j * normal_vertex[c, b] + t_j * tangent_vertex[c, b]
+
+
+@njit(cache=True)
 def hold_blocks(diagonal, upper, lower, force, pairs, fixed):
     """Remove the degrees of freedom of fixed blocks: their equations become d = 0, in place."""
     for b in range(len(fixed)):

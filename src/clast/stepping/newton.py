@@ -12,8 +12,10 @@ from clast.stepping.interior import minimise_inside
 from clast.stepping.potential import Point, Potential
 from clast.stepping.stages import Stages
 
-PATIENCE = 8
-"""Newton iterations after which the interior point method takes over."""
+WINDOW = 4
+"""Iterations from which the rate of convergence is taken."""
+INTERIOR = 30
+"""Iterations that are worth a change to the interior point method, which needs some 20."""
 
 
 def minimise(
@@ -36,14 +38,14 @@ def minimise(
         point = min((potential.at(start) for start in starts), key=potential.distance)
         enough = tolerance**2 * potential.yardstick()
     limits = limits_of(potential.law, potential.contacts)
-    first = iterations if limits is None else min(PATIENCE, iterations)
-    point, done = newton(potential, point, factor, enough, first, counts, stages)
-    if done:
-        return point
-    if limits is not None:
+    patience = iterations if limits is None else INTERIOR
+    point, done = newton(potential, point, factor, enough, iterations, patience, counts, stages)
+    if not done and limits is not None:
         counts["interior"] = counts.get("interior", 0) + 1
         point = minimise_inside(potential, limits, point, factor, enough, counts, stages)
-        point, done = newton(potential, point, factor, enough, iterations - first, counts, stages)
+        point, done = newton(
+            potential, point, factor, enough, iterations, iterations, counts, stages
+        )
     if not done:
         raise StepRejected(
             StepOutcome.NOT_CONVERGED,
@@ -59,13 +61,21 @@ def newton(
     factor: FactorOfStep,
     enough: float,
     iterations: int,
+    patience: int,
     counts: dict[str, int],
     stages: Stages,
 ) -> tuple[Point, bool]:
-    """Return where Newton's method with exact line search comes to, and whether that is enough."""
+    """Return where Newton's method with exact line search comes to, and whether that is enough.
+
+    It gives up after ``iterations``, or where at its present rate it needs more than ``patience``.
+    """
+    distances: list[float] = []
     for _ in range(iterations):
-        if potential.distance(point) <= enough:
+        distances.append(potential.distance(point))
+        if distances[-1] <= enough:
             return point, True
+        if remaining(distances, enough) > patience:
+            return point, False
         direction = potential.direction(point, factor, stages)
         counts["passes"] += 1
         decrement = float(np.sum(point.residual * direction))
@@ -77,3 +87,12 @@ def newton(
         if decrement <= enough:
             return point, True
     return point, potential.distance(point) <= enough
+
+
+def remaining(distances: list[float], enough: float) -> float:
+    """Return how many iterations are still needed at the rate of the last few; 0: unknown."""
+    if len(distances) <= WINDOW:
+        return 0.0
+    gained = np.log(distances[-1 - WINDOW] / distances[-1]) / WINDOW
+    needed = np.log(distances[-1] / enough)
+    return float(needed / gained) if gained > 0.0 else np.inf

@@ -1,0 +1,251 @@
+"""Nested dissection of the graph of coupled blocks (George 1973).
+
+A part is cut across its long direction.  The graph has no coordinates, but the distances from four
+blocks far apart serve as such: their principal component runs along the part (compare landmark
+multidimensional scaling, de Silva and Tenenbaum 2004), and its quantiles are straight cuts.
+Only the pattern is used, so the same pattern always gives the same order.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+LEAF = 4
+"""Parts of at most this many blocks are not dissected further."""
+LANDMARKS = 4
+"""Blocks from which distances are measured."""
+CUTS = np.array([0.42, 0.46, 0.5, 0.54, 0.58])
+"""Where a part is tried to be cut, as shares of its blocks."""
+HUB = 32
+"""Blocks with more neighbours than this, and than six times the mean, are ordered last."""
+
+
+@njit(cache=True)
+def graph(count, pairs, coupled):
+    """Return starts (n + 1,) and neighbours of every block."""
+    start = np.zeros(count + 1, np.int64)
+    for q in range(len(pairs)):
+        if coupled[q]:
+            start[pairs[q, 0] + 1] += 1
+            start[pairs[q, 1] + 1] += 1
+    for b in range(count):
+        start[b + 1] += start[b]
+    fill = start[:count].copy()
+    neighbour = np.empty(start[count], np.int64)
+    for q in range(len(pairs)):
+        if coupled[q]:
+            i, j = pairs[q, 0], pairs[q, 1]
+            neighbour[fill[i]] = j
+            neighbour[fill[j]] = i
+            fill[i] += 1
+            fill[j] += 1
+    return start, neighbour
+
+
+@njit(cache=True)
+def _distances(root, part, label, start, neighbour, queue, level, seen, stamp):
+    """Fill ``queue`` with the blocks of part ``label`` by distance from ``root``; return how many.
+
+    ``level`` holds their distance; ``seen`` marks them with ``stamp``.
+    """
+    queue[0] = root
+    seen[root] = stamp
+    level[root] = 0
+    head, tail = 0, 1
+    while head < tail:
+        node = queue[head]
+        head += 1
+        for at in range(start[node], start[node + 1]):
+            other = neighbour[at]
+            if part[other] == label and seen[other] != stamp:
+                seen[other] = stamp
+                level[other] = level[node] + 1
+                queue[tail] = other
+                tail += 1
+    return tail
+
+
+@njit(cache=True)
+def _coordinates(found, part, label, start, neighbour, queue, level, seen, stamp, distance):
+    """Fill ``distance`` (k, found) with the distances of the queue's blocks from the landmarks.
+
+    The queue holds a connected part as it was found from its first block; its order stays.
+    """
+    members = queue[:found].copy()
+    nearest = np.full(found, found + 1, np.int64)
+    root = members[found - 1]
+    for k in range(LANDMARKS):
+        _distances(root, part, label, start, neighbour, queue, level, seen, stamp + k)
+        far, best = 0, -1
+        for m in range(found):
+            distance[k, m] = level[members[m]]
+            nearest[m] = min(nearest[m], level[members[m]])
+            if nearest[m] > best:
+                far, best = m, nearest[m]
+        root = members[far]
+    queue[:found] = members
+    return stamp + LANDMARKS
+
+
+@njit(cache=True)
+def _along(distance, found):
+    """Return the first principal component of the distances from the landmarks, shape (found,)."""
+    mean = np.zeros(LANDMARKS)
+    for k in range(LANDMARKS):
+        for m in range(found):
+            mean[k] += distance[k, m]
+        mean[k] /= found
+    spread = np.zeros((LANDMARKS, LANDMARKS))
+    for k in range(LANDMARKS):
+        for other in range(k + 1):
+            total = 0.0
+            for m in range(found):
+                total += (distance[k, m] - mean[k]) * (distance[other, m] - mean[other])
+            spread[k, other] = spread[other, k] = total
+    axis = np.array([1.0, -1.0, 0.25, -0.5])
+    for _ in range(60):
+        following = np.zeros(LANDMARKS)
+        size = 0.0
+        for k in range(LANDMARKS):
+            for other in range(LANDMARKS):
+                following[k] += spread[k, other] * axis[other]
+            size += following[k] * following[k]
+        if size == 0.0:
+            break
+        axis = following / np.sqrt(size)
+    value = np.zeros(found)
+    for m in range(found):
+        for k in range(LANDMARKS):
+            value[m] += axis[k] * (distance[k, m] - mean[k])
+    return value
+
+
+@njit(cache=True)
+def _rim(queue, rank, cut, found, part, label, start, neighbour, position):
+    """Return how many blocks before the cut have a neighbour behind it, and the other way round."""
+    before, behind = 0, 0
+    for m in range(found):
+        node = queue[m]
+        first = rank[m] < cut
+        for at in range(start[node], start[node + 1]):
+            other = neighbour[at]
+            if part[other] == label and (rank[position[other]] < cut) != first:
+                if first:
+                    before += 1
+                else:
+                    behind += 1
+                break
+    return before, behind
+
+
+@njit(cache=True)
+def _split(found, part, label, start, neighbour, queue, position, distance, kind):
+    """Say for each block of the queue if it is in one half (0), the other (1) or between (2)."""
+    value = _along(distance, found)
+    rank = np.empty(found, np.int64)
+    rank[np.argsort(value, kind="mergesort")] = np.arange(found)
+    for m in range(found):
+        position[queue[m]] = m
+    best, cut, rim = np.inf, found // 2, 0
+    for share in CUTS:
+        place = int(share * found)
+        before, behind = _rim(queue, rank, place, found, part, label, start, neighbour, position)
+        cost = min(before, behind) * (1.0 + 2.0 * abs(share - 0.5))
+        if cost < best:
+            best, cut, rim = cost, place, 0 if before <= behind else 1
+    for m in range(found):
+        side = 0 if rank[m] < cut else 1
+        kind[m] = side
+        if side != rim:
+            continue
+        node = queue[m]
+        for at in range(start[node], start[node + 1]):
+            other = neighbour[at]
+            if part[other] == label and (rank[position[other]] < cut) != (side == 0):
+                kind[m] = 2
+                break
+
+
+@njit(cache=True)
+def _hubs_last(count, start, neighbour, order, part, nodes):
+    """Put blocks with very many neighbours last and the others into ``nodes``; return how many."""
+    busy = max(HUB, 6 * len(neighbour) // max(1, count))
+    last = count
+    for b in range(count - 1, -1, -1):
+        if start[b + 1] - start[b] > busy:
+            last -= 1
+            order[last] = b
+            part[b] = -1
+    free = 0
+    for b in range(count):
+        if part[b] == 0:
+            nodes[free] = b
+            free += 1
+    return free
+
+
+@njit(cache=True)
+def nested_dissection(count, pairs, coupled):
+    """Return the graph (starts, neighbours) and the blocks in the order of elimination (n,).
+
+    Each part is parted in two halves and the blocks between them, which come after both.  Blocks
+    with very many neighbours come last of all.
+    """
+    start, neighbour = graph(count, pairs, coupled)
+    order, nodes = np.empty(count, np.int64), np.empty(count, np.int64)
+    part = np.zeros(count, np.int64)
+    free = _hubs_last(count, start, neighbour, order, part, nodes)
+    queue, level = np.empty(count, np.int64), np.zeros(count, np.int64)
+    seen, position = np.full(count, -1, np.int64), np.zeros(count, np.int64)
+    distance = np.empty((LANDMARKS, count))
+    kind = np.empty(count, np.int64)
+    stack = np.empty((64 + 2 * count, 3), np.int64)  # first, last, label
+    stack[0, 0], stack[0, 1], stack[0, 2] = 0, free, 0
+    depth, labels, stamp = 1, 1, 0
+    while depth > 0:
+        depth -= 1
+        low, high, label = stack[depth, 0], stack[depth, 1], stack[depth, 2]
+        if high - low <= LEAF:
+            order[low:high] = nodes[low:high]
+            continue
+        found = _distances(nodes[low], part, label, start, neighbour, queue, level, seen, stamp)
+        stamp += 1
+        if found == high - low:
+            stamp = _coordinates(
+                found, part, label, start, neighbour, queue, level, seen, stamp, distance
+            )
+            _split(found, part, label, start, neighbour, queue, position, distance, kind)
+            nodes[low:high] = queue[:found]
+        else:  # several pieces: the one just found, and the rest
+            for k in range(low, high):
+                kind[k - low] = 0 if seen[nodes[k]] == stamp - 1 else 1
+        middle, end = _sorted_by_kind(nodes, low, high, kind)
+        if middle - low == 0 and end - middle == high - low:
+            order[low:high] = nodes[low:high]  # nothing between: cannot be parted
+            continue
+        part[nodes[low:middle]] = labels
+        part[nodes[middle:end]] = labels + 1
+        part[nodes[end:high]] = -2
+        order[end:high] = nodes[end:high]
+        stack[depth, 0], stack[depth, 1], stack[depth, 2] = low, middle, labels
+        stack[depth + 1, 0], stack[depth + 1, 1] = middle, end
+        stack[depth + 1, 2] = labels + 1
+        labels += 2
+        depth += 2
+    return start, neighbour, order
+
+
+@njit(cache=True)
+def _sorted_by_kind(nodes, low, high, kind):
+    """Sort ``nodes[low:high]`` by kind, keeping their order; return where kinds 1 and 2 begin."""
+    size = np.zeros(3, np.int64)
+    for k in range(high - low):
+        size[kind[k]] += 1
+    middle, end = low + size[0], low + size[0] + size[1]
+    at = np.array([low, middle, end])
+    unsorted = nodes[low:high].copy()
+    for k in range(high - low):
+        nodes[at[kind[k]]] = unsorted[k]
+        at[kind[k]] += 1
+    return middle, end
