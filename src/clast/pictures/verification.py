@@ -29,9 +29,13 @@ MARKS = ("o", "s", "^", "D", "v")
 """Colours and marks of computed values, in turn."""
 PANEL = (4.6, 3.6)
 """Width and height of a panel, inches."""
+ROOM = 5
+"""Curves whose legend finds room within the axes."""
+LEGEND = 1.8
+"""Width of a legend beside the axes, inches."""
 DOTS = 100
 """Dots per inch."""
-COLOURS = 64
+COLOURS = 160
 """Colours of a picture."""
 
 
@@ -97,10 +101,12 @@ def draw_problem(set_up: Model, charts: Sequence[Chart], path: Path) -> None:
     from matplotlib.figure import Figure
 
     panels = merged(charts)
-    size = (PANEL[0] * (1 + len(panels)), PANEL[1])
+    wide = sum(len(chart.curves) > ROOM for chart in panels)
+    size = (PANEL[0] * (1 + len(panels)) + LEGEND * wide, PANEL[1])
     figure = Figure(figsize=size, layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(1, 1 + len(panels), squeeze=False)[0]
+    widths = [PANEL[0], *(PANEL[0] + LEGEND * (len(one.curves) > ROOM) for one in panels)]
+    axes = figure.subplots(1, 1 + len(panels), squeeze=False, width_ratios=widths)[0]
     draw_set_up(axes[0], set_up)
     for each, chart in zip(axes[1:], panels, strict=True):
         draw_chart(each, chart)
@@ -142,7 +148,10 @@ def draw_chart(axes: Axes, chart: Chart) -> None:
     axes.set_ylabel(chart.y_label)
     axes.set_title(chart.title, fontsize=10)
     axes.grid(color="#dddddd", lw=0.6)
-    axes.legend(fontsize=7, frameon=False)
+    if len(chart.curves) > ROOM:
+        axes.legend(fontsize=7, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    else:
+        axes.legend(fontsize=7, frameon=False)
 
 
 def draw_set_up(axes: Axes, model: Model) -> None:

@@ -116,7 +116,6 @@ def examine(variant: Variant) -> Outcome:
         curves=(
             exact_curve("base", fine, base_way(fine)),
             exact_curve("block", fine, exact_way(fine)),
-            curve(f"base, {variant.name}", base.time[::50], base.displacement[::50, 0]),
             curve(f"block, {variant.name}", block.time[::50], moved[::50]),
         ),
     )

@@ -89,8 +89,7 @@ def examine(variant: Variant) -> Outcome:
         curves=(
             exact_curve("left plane", fine, exact[:, 0]),
             exact_curve("right plane", fine, exact[:, 1]),
-            curve(f"left, {variant.name}", DIPS_B, values[:, 0]),
-            curve(f"right, {variant.name}", DIPS_B, values[:, 1]),
+            curve(variant.name, np.repeat(DIPS_B, 2), values.ravel()),
         ),
     )
     return Outcome(tuple(rows), (chart,))
