@@ -132,9 +132,10 @@ PROCESSES = {
 
 @pytest.mark.parametrize("process", PROCESSES)
 def test_wall_stands(process):
-    """Five courses of five bricks: no brick slides."""
+    """Five courses of five bricks: no failed step, no brick slides."""
     how = replace(PROCESSES[process], corner_rule=RULES["shi"], fixed_point_stiffness=1e13)
     run = finish(wall(5, 5), how, 1e-3, 0.2)
+    assert run.failed_steps == 0
     assert run.drift < 1e-4
 
 

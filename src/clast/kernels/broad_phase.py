@@ -148,14 +148,30 @@ def _sort_by(pairs, side, count):
 
 
 @njit(cache=True)
+def _in_order(order, box, fixed, level, cell):
+    """Return boxes, which are fixed, levels and cells in the order given (n,)."""
+    boxes, held = np.empty_like(box), np.empty_like(fixed)
+    levels, cells = np.empty_like(level), np.empty_like(cell)
+    for position in range(len(order)):
+        b = order[position]
+        held[position], levels[position] = fixed[b], level[b]
+        cells[position, 0], cells[position, 1] = cell[b, 0], cell[b, 1]
+        for side in range(4):
+            boxes[position, side] = box[b, side]
+    return boxes, held, levels, cells
+
+
+@njit(cache=True)
 def _overlapping(box, fixed):
     """Return sorted pairs (lower, higher) of overlapping boxes, (m, 2); two boxes at least."""
     count = len(box)
     level, smallest = _levels(box)
-    xmin, ymin = box[:, 0].min(), box[:, 1].min()
+    xmin, ymin = np.inf, np.inf
+    for b in range(count):
+        xmin, ymin = min(xmin, box[b, 0]), min(ymin, box[b, 1])
     cell = _cells(box, level, smallest, xmin, ymin)
     start, order = _file(level, cell)
-    box, fixed, level, cell = box[order], fixed[order], level[order], cell[order]
+    box, fixed, level, cell = _in_order(order, box, fixed, level, cell)
     pairs = np.empty((8 * count + 64, 2), np.int64)
     found = _collect(box, fixed, level, cell, start, order, smallest, xmin, ymin, pairs)
     if found > len(pairs):

@@ -27,7 +27,7 @@ def chosen(keep, vertex, edge, pair, gap, pairs, vertex_block):
         if pair[c] != last:
             last = pair[c]
             q += 1
-            touching[q] = pairs[last]
+            touching[q, 0], touching[q, 1] = pairs[last, 0], pairs[last, 1]
         vertices[at], edges[at], gaps[at], number[at] = vertex[c], edge[c], gap[c], q
         i[at], j[at] = vertex_block[vertex[c]], vertex_block[edge[c]]
         at += 1

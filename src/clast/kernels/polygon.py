@@ -50,7 +50,8 @@ def owners(block_start):
     """Return the block of each vertex, shape (nv,)."""
     result = np.empty(block_start[-1], np.int64)
     for b in range(len(block_start) - 1):
-        result[block_start[b] : block_start[b + 1]] = b
+        for vertex in range(block_start[b], block_start[b + 1]):
+            result[vertex] = b
     return result
 
 

@@ -172,6 +172,9 @@ def draw_set_up(axes: Axes, model: Model) -> None:
     axes.autoscale_view()
     axes.set_title("set-up (m)", fontsize=10)
     axes.tick_params(labelsize=8)
+    width, height = np.ptp(model.vertices, axis=0)
+    if height < 0.1 * width:
+        axes.set_yticks([])  # no room for numbers
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
 

@@ -24,7 +24,7 @@ from clast.model_builder import ModelBuilder
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import Outcome, Problem, absolute
-from clast.verification.variants import CONVEX, EULER, LAGGED, PASSES, Variant
+from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, PASSES, Variant
 
 SPEED = 0.1
 """Speed of the block before it lands, m/s."""
@@ -37,7 +37,13 @@ STEPS = (0.05, 0.1, 0.2, 0.5)
 """w h."""
 FEW = STEPS[2:]
 """w h where time is short."""
-THETAS = {LAGGED.name: 1.0, PASSES.name: 1.0, EULER.name: 2.0, CONVEX.name: 1.5}
+THETAS = {
+    LAGGED.name: 1.0,
+    PASSES.name: 1.0,
+    OPEN_CLOSE.name: 1.0,
+    EULER.name: 2.0,
+    CONVEX.name: 1.5,
+}
 """theta_in + theta_out by variant."""
 ARRIVALS = np.arange(8) / 8.0
 """Shares of a step at which the block arrives."""
@@ -107,6 +113,6 @@ PROBLEM = Problem(
     set_up=block_above_floor,
     examine=partial(examine, STEPS),
     examine_briefly=partial(examine, FEW),
-    variants=(LAGGED, PASSES, EULER, CONVEX),
+    variants=(LAGGED, PASSES, EULER, OPEN_CLOSE, CONVEX),
     quick=(LAGGED,),
 )

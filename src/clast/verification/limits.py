@@ -15,7 +15,7 @@ from clast.model import Model
 from clast.simulate import Schedule, simulate
 from clast.verification.variants import Variant
 
-AT_REST = 1e-4
+AT_REST = 5e-4
 """Unbalanced acceleration over g below which a system holds."""
 LAST = 20
 """Steps at the end that are looked at."""

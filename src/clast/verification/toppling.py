@@ -21,7 +21,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import Comparison, Outcome, Problem, absolute
-from clast.verification.variants import CONVEX, LAGGED, Variant
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 DIP = np.radians(30.0)
 """Dip of the base planes; the columns lean by as much, rad."""
@@ -181,7 +181,7 @@ PROBLEM = Problem(
     source="limit equilibrium of Goodman & Bray (1976), solved here",
     set_up=slope,
     examine=examine,
-    variants=(LAGGED, CONVEX),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
     quick=(LAGGED,),
     examine_briefly=lambda variant: Outcome(failure(variant)),
 )

@@ -29,7 +29,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory, Run
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, LAGGED, Variant
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 YOUNG, POISSON, DENSITY = 50e9, 0.2, 2700.0
 SPEED = float(np.sqrt(YOUNG / DENSITY))
@@ -218,7 +218,7 @@ PROBLEM = Problem(
     source="one-dimensional elasticity; displacement discontinuity of Pyrak-Nolte et al. (1990)",
     set_up=bar,
     examine=examine,
-    variants=(LAGGED, CONVEX),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
     quick=(LAGGED,),
     examine_briefly=lambda variant: compare_passage(variant, run(EVEN, variant)),
 )
