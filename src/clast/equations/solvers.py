@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -147,6 +147,10 @@ class PCG:
     iterations: int = 400
     """Iterations at most before a factorisation takes over."""
 
+    def inexact(self, tolerance: float) -> PCG:
+        """Return the same solver ending at ``tolerance``, if that is earlier."""
+        return replace(self, tolerance=max(self.tolerance, tolerance))
+
     def factor(self, system: BlockSystem) -> Factor:
         """Return the matrix made ready; raises StepRejected where it is singular."""
         if not system.symmetric:
@@ -163,8 +167,14 @@ class Automatic:
 
     few: int = 300
     """Up to this number of blocks a factorisation is quicker than starting an iteration."""
-    patience: float = 0.5
+    patience: float = 1.0
     """An iteration is given up after this share of the time that a factorisation takes."""
+    tolerance: float = 1e-8
+    """Reduction of the residual that ends an iteration."""
+
+    def inexact(self, tolerance: float) -> Automatic:
+        """Return the same solver with iterations ending at ``tolerance``, if that is earlier."""
+        return replace(self, tolerance=max(self.tolerance, tolerance))
 
     def factor(self, system: BlockSystem) -> Factor:
         """Return the matrix made ready; raises StepRejected where it is singular."""
@@ -173,7 +183,8 @@ class Automatic:
             return direct(system)
         one = ITERATION_COST * (count + len(system.pairs))
         limit = self.patience * FACTOR_COST * count**FACTOR_POWER / one
-        return PCG(iterations=int(np.clip(limit, LEAST_ITERATIONS, MOST_ITERATIONS))).factor(system)
+        most = int(np.clip(limit, LEAST_ITERATIONS, MOST_ITERATIONS))
+        return PCG(tolerance=self.tolerance, iterations=most).factor(system)
 
 
 FACTOR_COST, FACTOR_POWER = 3.1e-7, 1.6
@@ -182,6 +193,11 @@ ITERATION_COST = 4e-8
 """Seconds that an iteration takes per block and per pair of blocks."""
 LEAST_ITERATIONS, MOST_ITERATIONS = 30, 1000
 """Limits of the iterations tried before a factorisation."""
+
+
+def inexact(solver: LinearSolver, tolerance: float) -> LinearSolver:
+    """Return the solver for systems within Newton's method: iterations may end at ``tolerance``."""
+    return solver.inexact(tolerance) if isinstance(solver, PCG | Automatic) else solver
 
 
 def solve(solver: LinearSolver, system: BlockSystem) -> Floats:

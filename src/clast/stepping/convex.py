@@ -25,6 +25,7 @@ from clast.contact.arrays import Contacts
 from clast.contact.detection import Reach, detect
 from clast.equations.frames import BlockFrames, block_frames
 from clast.equations.reuse import FactorOfStep
+from clast.equations.solvers import inexact
 from clast.equations.terms import diagonal_terms, momentum_rows
 from clast.interfaces import Method, StepResult
 from clast.model import Floats, Model
@@ -34,6 +35,9 @@ from clast.stepping.impact import theta_by_block
 from clast.stepping.newton import minimise
 from clast.stepping.potential import Point, Potential
 from clast.stepping.stages import Stages
+
+DIRECTION = 1e-2
+"""Accuracy of Newton's directions where they are found by iteration; the step's is unaffected."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +115,8 @@ class Convex:
         stages: Stages,
     ) -> tuple[Potential, Point]:
         """Return the minimum with friction bounds, bonds and multipliers in accord with it."""
-        law, factor = method.contact_law, FactorOfStep(method.solver)
+        law = method.contact_law
+        factor = FactorOfStep(inexact(method.solver, DIRECTION))
         contacts = multipliers.begin(law, potential.contacts)
         base = np.where(contacts.known, contacts.normal_force, 0.0)
         updates, solves = 0, 0

@@ -48,7 +48,10 @@ ITERATIONS = 60
 
 @dataclass(frozen=True, kw_only=True)
 class Iterate:
-    """Unknowns and multipliers; all but ``unknowns`` and ``shear`` are positive, shape (m,)."""
+    """Unknowns and multipliers; all but ``unknowns`` and ``shear`` are positive, shape (m,).
+
+    Contacts without shear strength have zeros in place of all that belongs to shear.
+    """
 
     unknowns: Floats
     """d, shape (n, 6)."""
@@ -57,7 +60,11 @@ class Iterate:
     clearance: Floats
     """w, m."""
     shear: Floats
-    """Shear force, N/m, between -b and b."""
+    """Shear force T, N/m, between -b and b."""
+    above: Floats
+    """T + b, N/m, kept beside T so that it does not end in round-off."""
+    below: Floats
+    """b - T, N/m."""
     lower: Floats
     """w+, the slip beyond the lower bound of the shear force, m."""
     upper: Floats
@@ -114,28 +121,29 @@ class Conditions:
             normal=normal,
             clearance=mu / normal,
             shear=inside,
-            lower=self._where_frictional(mu, b + inside),
-            upper=self._where_frictional(mu, b - inside),
+            above=b + inside,
+            below=b - inside,
+            lower=self.where_frictional(mu, b + inside),
+            upper=self.where_frictional(mu, b - inside),
         )
 
     def products(self, at: Iterate) -> Products:
         """Return the products that are to become zero."""
-        b = self.limits.strength
         return Products(
             normal=at.normal * at.clearance,
-            lower=(b + at.shear) * at.lower,
-            upper=(b - at.shear) * at.upper,
+            lower=at.above * at.lower,
+            upper=at.below * at.upper,
         )
 
     def length(self, at: Iterate, way: Iterate) -> float:
         """Return how far ``way`` may be gone before something that is positive becomes zero."""
-        on, b = self.frictional, self.limits.strength
+        on = self.frictional
         limit = np.inf
         for value, change in (
             (at.normal, way.normal),
             (at.clearance, way.clearance),
-            ((b + at.shear)[on], way.shear[on]),
-            ((b - at.shear)[on], -way.shear[on]),
+            (at.above[on], way.above[on]),
+            (at.below[on], way.below[on]),
             (at.lower[on], way.lower[on]),
             (at.upper[on], way.upper[on]),
         ):
@@ -143,7 +151,7 @@ class Conditions:
             limit = min(limit, float((-value[falling] / change[falling]).min(initial=np.inf)))
         return limit
 
-    def _where_frictional(self, above: Floats | float, below: Floats) -> Floats:
+    def where_frictional(self, above: Floats | float, below: Floats) -> Floats:
         """Return above/below for contacts with shear strength, else 0, shape (m,)."""
         on = self.frictional
         return np.where(on, above, 0.0) / np.where(on, below, 1.0)
@@ -170,8 +178,8 @@ class Linearised:
         trial = contacts.multiplier + limits.tension
         self._normal_error = (at.normal - trial) / p + gap - at.clearance
         self._shear_error = (at.shear - contacts.shear_force) / k + slip - at.lower + at.upper
-        softer = conditions._where_frictional(at.lower, limits.strength + at.shear)
-        softer = softer + conditions._where_frictional(at.upper, limits.strength - at.shear)
+        softer = conditions.where_frictional(at.lower, at.above)
+        softer = softer + conditions.where_frictional(at.upper, at.below)
         self._normal_stiffness = 1.0 / (1.0 / p + at.clearance / at.normal)
         self._shear_stiffness = np.where(conditions.frictional, 1.0 / (1.0 / k + softer), 0.0)
         self._system, self._response = self._matrix()
@@ -179,11 +187,12 @@ class Linearised:
     def towards(self, wanted: Products) -> Iterate:
         """Return the way to where the products have changed by ``wanted``, to first order."""
         at, conditions = self._at, self._conditions
-        p, b = conditions.limits.normal_stiffness, conditions.limits.strength
-        contacts, divided = conditions.potential.contacts, conditions._where_frictional
-        low, high = b + at.shear, b - at.shear
+        p, divided = conditions.limits.normal_stiffness, conditions.where_frictional
+        contacts = conditions.potential.contacts
         opening = wanted.normal / at.normal - self._normal_error
-        sliding = divided(wanted.lower, low) - divided(wanted.upper, high) - self._shear_error
+        sliding = (
+            divided(wanted.lower, at.above) - divided(wanted.upper, at.below) - self._shear_error
+        )
         load = self._unbalanced + self._forces(
             self._normal_stiffness * opening, self._shear_stiffness * sliding
         )
@@ -198,8 +207,10 @@ class Linearised:
             normal=normal,
             clearance=normal / p + gap + self._normal_error,
             shear=shear,
-            lower=divided(wanted.lower - at.lower * shear, low),
-            upper=divided(wanted.upper + at.upper * shear, high),
+            above=shear,
+            below=-shear,
+            lower=divided(wanted.lower - at.lower * shear, at.above),
+            upper=divided(wanted.upper + at.upper * shear, at.below),
         )
 
     def _forces(self, normal: Floats, shear: Floats) -> Floats:
