@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from clast.case import Case
+from clast.case import Case, json_schema
 from clast.errors import CaseError
 from clast.ground_motion import Accelerogram, InertialForce, MovingBase, Still
+from clast.sanity import examine
 
 CASE = """
 schema = 1
@@ -158,3 +159,18 @@ def test_a_moving_base_needs_fixed_points():
     text = text.replace("[[fixed_point]]\nat = [-2, -1]\n[[fixed_point]]\nat = [3, -1]\n", "")
     with pytest.raises(CaseError, match="nothing is held by it"):
         Case.from_toml(text).model()
+
+
+def test_a_fixed_block_that_stays_behind_is_warned_of():
+    loaded = Case.from_toml(
+        CASE.replace("ACTS", "base").replace("PROCESS", "convex")
+        + '\n[[block]]\nname = "wall"\nvertices = [[4, -1], [5, -1], [5, 1]]\nfixed = true\n'
+    )
+    model = loaded.model()
+    sanity = examine(model, loaded.method(model), loaded.schedule())
+    assert any("stay where they are while the base moves" in text for text in sanity.warnings)
+
+
+def test_a_record_is_read_by_way_of_the_schema():
+    properties = json_schema()["$defs"]["GroundMotionTable"]["properties"]
+    assert set(properties) == {"acts", "file", "time", "acceleration", "vertical", "scale"}
