@@ -341,6 +341,7 @@ WARMUPS = (
     ["method.process.friction=implicit", "method.rotation=exact"],
     ["method.integrator=backward-euler", "method.rotation=linear", "method.process.passes=2"],
     ["method.process=convex"],
+    ["method.process=convex", "method.solver=pcg", "method.corner_rule=shi"],
     ["method.process=open-close", "method.contact_law.name=augmented-lagrangian"],
 )
 """Settings that between them reach every kernel."""

@@ -17,5 +17,5 @@ def has_limits(law: ContactLaw) -> TypeIs[SpringLaw]:
 
 
 def limits_of(law: ContactLaw, contacts: Contacts) -> SpringLimits | None:
-    """Return the law as springs with bounds, or None for any other law."""
-    return law.limits(contacts) if has_limits(law) else None
+    """Return the law as springs with bounds, or None for any other law or without contacts."""
+    return law.limits(contacts) if has_limits(law) and len(contacts) else None

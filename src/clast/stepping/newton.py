@@ -38,14 +38,12 @@ def minimise(
         point = min((potential.at(start) for start in starts), key=potential.distance)
         enough = tolerance**2 * potential.yardstick()
     limits = limits_of(potential.law, potential.contacts)
-    patience = iterations if limits is None else INTERIOR
+    patience = np.inf if limits is None else INTERIOR
     point, done = newton(potential, point, factor, enough, iterations, patience, counts, stages)
     if not done and limits is not None:
         counts["interior"] = counts.get("interior", 0) + 1
         point = minimise_inside(potential, limits, point, factor, enough, counts, stages)
-        point, done = newton(
-            potential, point, factor, enough, iterations, iterations, counts, stages
-        )
+        point, done = newton(potential, point, factor, enough, iterations, np.inf, counts, stages)
     if not done:
         raise StepRejected(
             StepOutcome.NOT_CONVERGED,
@@ -61,7 +59,7 @@ def newton(
     factor: FactorOfStep,
     enough: float,
     iterations: int,
-    patience: int,
+    patience: float,
     counts: dict[str, int],
     stages: Stages,
 ) -> tuple[Point, bool]:

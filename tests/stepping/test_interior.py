@@ -1,0 +1,122 @@
+"""The interior point method finds the minimum that Newton's method finds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from clast.contact.springs import limits_of
+from clast.equations.reuse import FactorOfStep
+from clast.equations.solvers import Direct
+from clast.equations.system import gap_at_end, slip_in_step
+from clast.stepping import newton
+from clast.stepping.interior import ITERATIONS, minimise_inside
+from clast.stepping.potential import Potential
+from clast.stepping.stages import Stages
+from systems import by_convex, heap, march, wall
+
+TOLERANCE = 1e-7
+
+
+def caught(monkeypatch, model, stiffness, step, end):
+    """Return the potentials that a short run minimises."""
+    kept = []
+    usual = newton.minimise
+
+    def minimise(potential, *others):
+        if len(potential.contacts):
+            kept.append(potential)
+        return usual(potential, *others)
+
+    monkeypatch.setattr("clast.stepping.convex.minimise", minimise)
+    march(model, replace(by_convex(stiffness), max_displacement=0.05), step, end)
+    return kept
+
+
+def by_newton(potential, enough):
+    """Return the minimum found by Newton's method alone."""
+    point = potential.at(np.zeros((len(potential.fixed), 6)))
+    counts = {"passes": 0, "line_search": 0}
+    point, done = newton.newton(
+        potential, point, FactorOfStep(Direct()), enough, 500, np.inf, counts, Stages()
+    )
+    assert done
+    return point
+
+
+def inside(potential, enough):
+    """Return the minimum found by the interior point method alone, and its iterations."""
+    point = potential.at(np.zeros((len(potential.fixed), 6)))
+    counts = {"passes": 0}
+    limits = limits_of(potential.law, potential.contacts)
+    factor = FactorOfStep(Direct())
+    found = minimise_inside(potential, limits, point, factor, enough, counts, Stages())
+    return found, counts["passes"]
+
+
+def strengthened(potential: Potential, seed: int) -> Potential:
+    """Return the potential with random bonds, multipliers, shear forces and friction bounds."""
+    rng = np.random.default_rng(seed)
+    contacts = potential.contacts
+    count = len(contacts)
+    force = 1e4
+    return replace(
+        potential,
+        contacts=replace(
+            contacts,
+            bonded=np.ones(count, np.bool_),
+            cohesion=rng.choice([0.0, 1e4], count),
+            tensile_strength=rng.choice([0.0, 5e3], count),
+            multiplier=rng.choice([0.0, 1.0], count) * force * rng.uniform(0.0, 1.0, count),
+            shear_force=force * rng.normal(size=count),
+            friction_base=rng.choice([0.0, 1e-6, 1.0], count) * force,
+        ),
+    )
+
+
+@pytest.mark.parametrize("share", [0.01, 1.0, 50.0])
+@pytest.mark.parametrize("scene", ["wall", "heap"])
+def test_both_methods_find_the_same_minimum(monkeypatch, scene, share):
+    model = wall(4, 4) if scene == "wall" else heap(20, 5)
+    step, end = (1e-3, 0.01) if scene == "wall" else (5e-3, 0.15)
+    for seed, potential in enumerate(caught(monkeypatch, model, share * 5e9, step, end)[1::5]):
+        for one in (potential, strengthened(potential, seed)):
+            enough = TOLERANCE**2 * one.yardstick()
+            wanted = by_newton(one, enough)
+            found, iterations = inside(one, enough)
+            assert one.distance(found) <= enough
+            assert iterations <= 0.7 * ITERATIONS
+            size = np.abs(wanted.unknowns).max()
+            assert np.abs(found.unknowns - wanted.unknowns).max() < 1e-5 * size
+
+
+def test_the_minimum_is_in_accord_with_the_law(monkeypatch):
+    """Forces from the law at the solution balance all others: checked term by term."""
+    potential = caught(monkeypatch, wall(4, 4), 5e10, 1e-3, 5e-3)[-1]
+    enough = TOLERANCE**2 * potential.yardstick()
+    found, _ = inside(potential, enough)
+    contacts, p = potential.contacts, potential.law.normal_stiffness
+    gap = gap_at_end(contacts, found.unknowns)
+    slip = slip_in_step(contacts, found.unknowns)
+    normal = np.maximum(0.0, -p * gap)
+    bound = contacts.friction_base * contacts.friction
+    shear = np.clip(contacts.shear_force - p * slip, -bound, bound)
+    balance = potential.base.force - np.einsum(
+        "nij,nj->ni", potential.base.diagonal, found.unknowns
+    )
+    for c in range(len(contacts)):
+        i, j = contacts.vertex_block[c], contacts.edge_block[c]
+        balance[i] += normal[c] * contacts.normal_vertex[c] + shear[c] * contacts.tangent_vertex[c]
+        balance[j] += normal[c] * contacts.normal_edge[c] + shear[c] * contacts.tangent_edge[c]
+    free = ~potential.fixed
+    weight = np.abs(potential.base.force[free]).max()
+    assert np.abs(balance[free]).max() < 1e-5 * weight
+
+
+def test_many_stiff_contacts_call_for_it(monkeypatch):
+    """A wall that finds its weight on stiff springs: what Newton's method alone takes long for."""
+    counts = [result.counts for result in march(wall(20, 10), by_convex(2.5e11), 1e-3, 4e-3)]
+    assert sum(count.get("interior", 0) for count in counts) > 0
+    monkeypatch.setattr(newton, "INTERIOR", np.inf)
+    alone = [result.counts for result in march(wall(20, 10), by_convex(2.5e11), 1e-3, 4e-3)]
+    assert sum(count["passes"] for count in counts) < sum(count["passes"] for count in alone)
