@@ -174,3 +174,14 @@ def test_a_fixed_block_that_stays_behind_is_warned_of():
 def test_a_record_is_read_by_way_of_the_schema():
     properties = json_schema()["$defs"]["GroundMotionTable"]["properties"]
     assert set(properties) == {"acts", "file", "time", "acceleration", "vertical", "scale"}
+
+
+def test_displacement_under_a_body_force_is_of_second_order():
+    errors = []
+    for step in ("0.02", "0.01"):
+        text = CASE.replace("ACTS", "body-force").replace("PROCESS", "modified")
+        text = text.replace("[[fixed_point]]\nat = [-2, -1]\n[[fixed_point]]\nat = [3, -1]\n", "")
+        loaded = Case.from_toml(text, [f"time.step={step}", "time.max_displacement=1"])
+        exact = -loaded.model().ground_motion.accelerogram.displacement(0.2)[0]
+        errors.append(loaded.run().history("base").displacement[-1, 0] - exact)
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.05)
