@@ -87,7 +87,8 @@ PROBLEM = Problem(
     name="order",
     title="Order of convergence in the step",
     text="A pendulum let go at 60 degrees swings for 0.5 s, and a block moving at 0.1 m/s presses "
-    "on its contact springs for 1/w; both with 50 and with 100 steps.",
+    "on its contact springs for 1/w; both with 50 and with 100 steps. The order of sliding with "
+    "friction that lags is in the problem friction-lag.",
     formula="error proportional to h: order 1",
     source="pendulum integrated by scipy; (v/w) sin(w t)",
     set_up=lambda: pendulum.hung_block(AMPLITUDE),
