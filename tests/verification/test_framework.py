@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from pathlib import Path
 
 import pytest
 
@@ -14,6 +15,8 @@ from clast.verification.problem import KnownFailure, Outcome, absolute, relative
 from clast.verification.report import anchor
 from clast.verification.spin import PROBLEM as SPIN
 from clast.verification.variants import LAGGED, Variant
+
+DOCS = Path(__file__).parents[2] / "docs"
 
 
 def problem(*comparisons, **changes):
@@ -32,6 +35,14 @@ def test_an_unknown_name_is_refused_with_a_suggestion():
     with pytest.raises(CaseError, match="inclime") as error:
         verification.run(["inclime"])
     assert "did you mean 'incline'?" in str(error.value)
+
+
+@pytest.mark.parametrize("each", PROBLEMS, ids=lambda each: each.name)
+def test_the_page_has_every_problem_as_it_is(each):
+    page = (DOCS / "verification.md").read_text(encoding="utf-8")
+    for text in (each.title, each.text, each.formula, each.source):
+        assert text in page, "make verify writes the page anew"
+    assert (DOCS / "images" / "verification" / f"{each.name}.png").exists()
 
 
 @pytest.mark.parametrize("each", PROBLEMS, ids=lambda each: each.name)
