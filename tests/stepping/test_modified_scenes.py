@@ -36,7 +36,8 @@ def area_error(done: Run) -> float:
 
 @pytest.mark.parametrize("integrator", ["constant-acceleration", "backward-euler"])
 def test_brick_wall_runs_to_the_end(integrator: str) -> None:
-    done = run("wall.toml", '{name="modified", passes=6}', integrator, "1e9", "time.end=0.2")
+    # p h2/m = 4; at twice that, beyond the limit of 6, round-off decides what becomes of the wall
+    done = run("wall.toml", '{name="modified", passes=6}', integrator, "5e8", "time.end=0.2")
     assert done.report.finished
     assert area_error(done) < 1e-3
     assert np.isfinite(done.state.vertices).all() and np.isfinite(done.state.stress).all()

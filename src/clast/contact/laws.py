@@ -130,7 +130,11 @@ class AugmentedLagrangian:
     normal_stiffness: float = 1e9
     """p, N/m per m; "auto" picks it for the process chosen."""
     shear_stiffness: float | None = None
-    """Stiffness of the shear spring, N/m per m; equal to ``normal_stiffness`` if not given."""
+    """Stiffness of the shear spring, N/m per m; ``solves`` x ``normal_stiffness`` if not given.
+
+    The solves make the contact that much stiffer in effect; a softer shear spring would mobilise
+    friction later than the normal force (docs/decisions/0015).
+    """
     solves: int = 4
     """Solves per step, at most."""
     penetration_tolerance: float = 0.0
@@ -140,11 +144,18 @@ class AugmentedLagrangian:
 
     def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
         """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
-        return springs(contacts, gap, slip, self.normal_stiffness, self.shear_stiffness)
+        return springs(contacts, gap, slip, self.normal_stiffness, self._shear)
 
     def limits(self, contacts: Contacts) -> SpringLimits:
         """Return the same as springs with bounds, for contacts whose friction bound is given."""
-        return limits_of_springs(contacts, self.normal_stiffness, self.shear_stiffness)
+        return limits_of_springs(contacts, self.normal_stiffness, self._shear)
+
+    @property
+    def _shear(self) -> float:
+        """Stiffness of the shear spring, N/m per m."""
+        if self.shear_stiffness is None:
+            return self.solves * self.normal_stiffness
+        return self.shear_stiffness
 
     @property
     def carries(self) -> bool:

@@ -120,26 +120,28 @@ class Convex:
         contacts = multipliers.begin(law, potential.contacts)
         base = np.where(contacts.known, contacts.normal_force, 0.0)
         updates, solves = 0, 0
+        # new multipliers shift the normal forces: their solve has its own friction to find
+        wanted = self.friction_updates + int(multipliers.has_multipliers(law))
         while True:
             potential = replace(potential, contacts=replace(contacts, friction_base=base))
             point = minimise(
                 potential, starts, factor, self.tolerance, self.iterations, counts, stages
             )
             starts, base = (point.unknowns,), point.response.normal_force
-            broken = contacts.bonded & ~point.response.bonded
-            if broken.any():
-                contacts = without_bonds(contacts, broken)
-                continue
             updates += 1
-            if updates <= self.friction_updates:
+            if updates <= wanted:
                 continue
-            solves += 1
-            # the normal forces change with the multipliers, so friction has to follow anew
-            updates = 0
-            contacts = multipliers.renew(law, contacts, point.response)
-            if multipliers.enough(law, solves, point.gap):
+            updates, solves = 0, solves + 1
+            if not multipliers.enough(law, solves, point.gap):
+                contacts = multipliers.renew(law, contacts, point.response)
+                continue
+            # only the last solve has the forces by which bonds are judged
+            broken = contacts.bonded & ~point.response.bonded
+            if not broken.any():
                 counts["factorisations"] = factor.factorised
+                contacts = multipliers.renew(law, contacts, point.response)
                 return replace(potential, contacts=contacts), point
+            contacts, solves = without_bonds(contacts, broken), solves - 1
 
 
 def without_bonds(contacts: Contacts, broken: np.ndarray) -> Contacts:

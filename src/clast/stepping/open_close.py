@@ -107,6 +107,8 @@ class OpenClose:
         law, factor = method.contact_law, FactorOfStep(method.solver)
         contacts = multipliers.begin(law, contacts)
         seen = contacts.gap, slip_in_step(contacts, step * velocity)
+        # sliding friction is that of the solve before: new multipliers need one to find it
+        least = 2 if multipliers.has_multipliers(law) else 1
         solves, tried, passes = 0, 0, 0
         while tried < self.iterations:
             tried, passes = tried + 1, passes + 1
@@ -117,7 +119,7 @@ class OpenClose:
             with stages("solve"):
                 unknowns = factor.solve(system, entered)
             found = pass_result(law, contacts, entered, seen, unknowns, passes, factor)
-            if have_settled(entered, found.response):
+            if tried >= least and have_settled(entered, found.response):
                 # each set of multipliers has its own open-close iteration
                 solves, tried = solves + 1, 0
                 if multipliers.enough(law, solves, found.gap):

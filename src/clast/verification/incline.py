@@ -17,7 +17,6 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.simulate import Schedule, simulate
 from clast.verification.problem import (
     Comparison,
-    KnownFailure,
     Outcome,
     Problem,
     absolute,
@@ -29,7 +28,6 @@ from clast.verification.variants import (
     LAGGED,
     MULTIPLIERS,
     OPEN_CLOSE,
-    SWINGS,
     Variant,
 )
 
@@ -152,11 +150,4 @@ PROBLEM = Problem(
     variants=(LAGGED, CONVEX, IMPLICIT, OPEN_CLOSE, MULTIPLIERS),
     quick=(LAGGED,),
     examine_briefly=partial(examine_at, FEW),
-    known_failures=(
-        KnownFailure(
-            variant=MULTIPLIERS,
-            quantity="way (the worse of u, v) at 45 degrees",
-            reason=SWINGS,
-        ),
-    ),
 )
