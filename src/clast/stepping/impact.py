@@ -13,12 +13,26 @@ from __future__ import annotations
 import numpy as np
 
 from clast.contact.arrays import Contacts
+from clast.contact.multipliers import has_multipliers
 from clast.equations.system import gap_rate
-from clast.interfaces import Method
+from clast.interfaces import ContactLaw, Method
 from clast.model import Floats, Model
 
 THRESHOLD = 1e-6
 """Closing velocity that counts as an impact, in units of g h, the speed of one step of fall."""
+
+
+RESETTING = 1.0
+"""The same for laws whose multipliers start anew in every step.
+
+Their penetration at rest depends on theta: a block that changes theta is kicked by some hundredths
+of g h, which must not count as an impact again.
+"""
+
+
+def threshold_of(law: ContactLaw) -> float:
+    """Return the closing velocity that counts as an impact, in units of g h."""
+    return RESETTING if has_multipliers(law) and not law.carries else THRESHOLD
 
 
 def theta_by_block(
@@ -34,7 +48,7 @@ def theta_by_block(
     Only contacts that the step's approach would close, or that are closed, collide.
     """
     rate = gap_rate(contacts, velocity)
-    threshold = THRESHOLD * float(np.hypot(*model.gravity)) * step
+    threshold = threshold_of(method.contact_law) * float(np.hypot(*model.gravity)) * step
     colliding = (rate < -threshold) & (contacts.gap + step * rate < 0.0)
     theta = np.full(model.block_count, method.integrator.theta)
     stopped = max(method.integrator.theta, 1.0 / (1.0 + restitution))

@@ -37,7 +37,6 @@ from clast.verification.variants import (
     CONVEX_MULTIPLIERS,
     EULER,
     IMPLICIT,
-    KICKED,
     LAGGED,
     MULTIPLIERS,
     OPEN_CLOSE,
@@ -174,12 +173,5 @@ PROBLEM = Problem(
     variants=(LAGGED, IMPLICIT, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
     examine_briefly=partial(examine, ("moving base",), 1),
-    known_failures=(
-        KnownFailure(
-            variant=CONVEX_MULTIPLIERS,
-            quantity="way in",
-            reason=f"{KICKED}; with restitution 1, which changes no theta, the error is 0.02 %",
-        ),
-        KnownFailure(variant=MULTIPLIERS, quantity="way in", reason=CHATTERS),
-    ),
+    known_failures=(KnownFailure(variant=MULTIPLIERS, quantity="way in", reason=CHATTERS),),
 )

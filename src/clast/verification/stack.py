@@ -15,12 +15,11 @@ from clast.model_builder import ModelBuilder
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.simulate import Schedule, simulate
 from clast.state import State
-from clast.verification.problem import Comparison, KnownFailure, Outcome, Problem, relative
+from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
     EULER,
-    KICKED,
     LAGGED,
     MULTIPLIERS,
     OPEN_CLOSE,
@@ -101,8 +100,4 @@ PROBLEM = Problem(
     examine=examine,
     variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
-    known_failures=(
-        KnownFailure(variant=CONVEX_MULTIPLIERS, quantity="base reaction", reason=KICKED),
-        KnownFailure(variant=CONVEX_MULTIPLIERS, quantity="normal force", reason=KICKED),
-    ),
 )

@@ -116,12 +116,6 @@ CONVEX_MULTIPLIERS = Variant(
 )
 """The convex process with the same law."""
 
-KICKED = (
-    "what multipliers leave of the penetration depends on theta; where a block changes theta "
-    "(impacts) it is kicked, which the next step takes for an impact again"
-)
-"""Why multipliers that start anew in every step disturb the convex process."""
-
 CHATTERS = (
     "four solves a step make the contact four times as stiff while friction stays one step old: "
     "it chatters between stick and slide; with friction inside the solve the error is 0.02 %"
