@@ -161,25 +161,6 @@ def _in_order(order, box, fixed, level, cell):
     return boxes, held, levels, cells
 
 
-@njit(cache=True)
-def _overlapping(box, fixed):
-    """Return sorted pairs (lower, higher) of overlapping boxes, (m, 2); two boxes at least."""
-    count = len(box)
-    level, smallest = _levels(box)
-    xmin, ymin = np.inf, np.inf
-    for b in range(count):
-        xmin, ymin = min(xmin, box[b, 0]), min(ymin, box[b, 1])
-    cell = _cells(box, level, smallest, xmin, ymin)
-    start, order = _file(level, cell)
-    box, fixed, level, cell = _in_order(order, box, fixed, level, cell)
-    pairs = np.empty((8 * count + 64, 2), np.int64)
-    found = _collect(box, fixed, level, cell, start, order, smallest, xmin, ymin, pairs)
-    if found > len(pairs):
-        pairs = np.empty((found, 2), np.int64)
-        _collect(box, fixed, level, cell, start, order, smallest, xmin, ymin, pairs)
-    return _sort_by(_sort_by(pairs[:found], 1, count), 0, count)
-
-
 def overlapping_pairs(box: NDArray[np.float64], fixed: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Return pairs (lower, higher) of overlapping boxes, sorted, shape (m, 2).
 
@@ -188,5 +169,16 @@ def overlapping_pairs(box: NDArray[np.float64], fixed: NDArray[np.bool_]) -> NDA
     """
     if len(box) < 2:
         return np.zeros((0, 2), np.int64)
-    pairs: NDArray[np.int64] = _overlapping(box, fixed)
-    return pairs
+    count = len(box)
+    level, smallest = _levels(box)
+    xmin, ymin = box[:, 0].min(), box[:, 1].min()
+    cell = _cells(box, level, smallest, xmin, ymin)
+    start, order = _file(level, cell)
+    boxes, held, levels, cells = _in_order(order, box, fixed, level, cell)
+    pairs = np.empty((8 * count + 64, 2), np.int64)
+    found = _collect(boxes, held, levels, cells, start, order, smallest, xmin, ymin, pairs)
+    if found > len(pairs):
+        pairs = np.empty((found, 2), np.int64)
+        _collect(boxes, held, levels, cells, start, order, smallest, xmin, ymin, pairs)
+    by_pair: NDArray[np.int64] = _sort_by(_sort_by(pairs[:found], 1, count), 0, count)
+    return by_pair

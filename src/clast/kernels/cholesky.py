@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from clast.kernels.dissection import nested_dissection
 
@@ -70,6 +71,17 @@ def _postorder(parent):
 
 
 @njit(cache=True)
+def _sort(rows, low, high):
+    """Sort a short piece of rows in place."""
+    for k in range(low + 1, high):
+        row, at = rows[k], k
+        while at > low and rows[at - 1] > row:
+            rows[at] = rows[at - 1]
+            at -= 1
+        rows[at] = row
+
+
+@njit(cache=True)
 def _structures(start, neighbour, place, order, parent):
     """Return row starts (n + 1,) and rows below the diagonal of every column of the factor."""
     count = len(order)
@@ -89,7 +101,8 @@ def _structures(start, neighbour, place, order, parent):
             one = sibling[one]
         if found + room > len(rows):
             larger = np.empty(2 * len(rows) + room, np.int64)
-            larger[:found] = rows[:found]
+            for at in range(found):
+                larger[at] = rows[at]
             rows = larger
         for at in range(start[node], start[node + 1]):
             row = place[neighbour[at]]
@@ -106,13 +119,13 @@ def _structures(start, neighbour, place, order, parent):
                     rows[found] = row
                     found += 1
             one = sibling[one]
-        rows[row_start[column] : found] = np.sort(rows[row_start[column] : found])
+        _sort(rows, row_start[column], found)
         row_start[column + 1] = found
         above = parent[column]
         if above >= 0:
             sibling[column] = child[above]
             child[above] = column
-    return row_start, rows[: row_start[count]].copy()
+    return row_start, rows
 
 
 @njit(cache=True)
@@ -140,7 +153,7 @@ def _fronts(parent, row_start):
         fronts += 1
         zeros = 0
     first[fronts] = count
-    return first[: fronts + 1].copy()
+    return first[: fronts + 1]
 
 
 @njit(cache=True)
@@ -170,7 +183,8 @@ def _relations(first, start, front_rows, count):
     fronts = len(first) - 1
     front_of = np.empty(count, np.int64)
     for f in range(fronts):
-        front_of[first[f] : first[f + 1]] = f
+        for column in range(first[f], first[f + 1]):
+            front_of[column] = f
     above = np.full(fronts, -1, np.int64)
     relative = np.zeros(len(front_rows), np.int64)
     position = np.zeros(count, np.int64)
@@ -197,48 +211,68 @@ def _entries(pairs, coupled, place, front_of, first, start, front_rows):
         a, b = place[pairs[q, 0]], place[pairs[q, 1]]
         low, high = min(a, b), max(a, b)
         f = front_of[low]
-        at = start[f] + np.searchsorted(front_rows[start[f] : start[f + 1]], high) - start[f]
+        at, behind = start[f], start[f + 1]
+        while at < behind:
+            middle = (at + behind) // 2
+            if front_rows[middle] < high:
+                at = middle + 1
+            else:
+                behind = middle
         where[q, 0] = low - first[f]
-        where[q, 1] = at
+        where[q, 1] = at - start[f]
         where[q, 2] = 1 if a > b else 0
     return where
 
 
 @njit(cache=True)
-def analyse(count, pairs, coupled):
-    """Return all that the factorisation of a pattern needs; ``coupled`` (q,) pairs count.
+def _inverse(order):
+    """Return the place of each block in the order."""
+    place = np.empty(len(order), np.int64)
+    for column in range(len(order)):
+        place[order[column]] = column
+    return place
 
-    Order (n,) of the blocks, first column of each front, front row starts, front rows, parents,
-    relative rows, entries of the pairs (q, 3), pairs by front (starts, list), size of factor and
-    stack.
-    """
-    start, neighbour, order = nested_dissection(count, pairs, coupled)
-    place = np.empty(count, np.int64)
-    place[order] = np.arange(count)
-    parent = _tree(start, neighbour, place, order)
-    order = order[_postorder(parent)]
-    place[order] = np.arange(count)
-    parent = _tree(start, neighbour, place, order)
-    row_start, rows = _structures(start, neighbour, place, order, parent)
-    first = _fronts(parent, row_start)
-    front_start, front_rows = _front_rows(first, row_start, rows)
-    above, relative, front_of = _relations(first, front_start, front_rows, count)
-    where = _entries(pairs, coupled, place, front_of, first, front_start, front_rows)
-    fronts = len(first) - 1
+
+@njit(cache=True)
+def _pairs_of_fronts(fronts, pairs, coupled, place, front_of):
+    """Return the pairs by front: starts (s + 1,) and list."""
     pair_start = np.zeros(fronts + 1, np.int64)
     for q in range(len(pairs)):
         if coupled[q]:
-            low = min(place[pairs[q, 0]], place[pairs[q, 1]])
-            pair_start[front_of[low] + 1] += 1
+            pair_start[front_of[min(place[pairs[q, 0]], place[pairs[q, 1]])] + 1] += 1
     for f in range(fronts):
         pair_start[f + 1] += pair_start[f]
-    fill = pair_start[:fronts].copy()
+    fill = np.empty(fronts, np.int64)
+    for f in range(fronts):
+        fill[f] = pair_start[f]
     listed = np.empty(pair_start[fronts], np.int64)
     for q in range(len(pairs)):
         if coupled[q]:
             f = front_of[min(place[pairs[q, 0]], place[pairs[q, 1]])]
             listed[fill[f]] = q
             fill[f] += 1
+    return pair_start, listed
+
+
+def analyse(
+    count: int, pairs: NDArray[np.int64], coupled: NDArray[np.bool_]
+) -> tuple[NDArray[np.int64], ...]:
+    """Return all that the factorisation of a pattern needs; ``coupled`` (q,) pairs count.
+
+    Order (n,) of the blocks, first column of each front, front row starts, front rows, parents,
+    relative rows, entries of the pairs (q, 3), pairs by front (starts, list).
+    """
+    start, neighbour, order = nested_dissection(count, pairs, coupled)
+    parent = _tree(start, neighbour, _inverse(order), order)
+    order = order[_postorder(parent)]
+    place = _inverse(order)
+    parent = _tree(start, neighbour, place, order)
+    row_start, rows = _structures(start, neighbour, place, order, parent)
+    first = _fronts(parent, row_start)
+    front_start, front_rows = _front_rows(first, row_start, rows)
+    above, relative, front_of = _relations(first, front_start, front_rows, count)
+    where = _entries(pairs, coupled, place, front_of, first, front_start, front_rows)
+    pair_start, listed = _pairs_of_fronts(len(first) - 1, pairs, coupled, place, front_of)
     return order, first, front_start, front_rows, above, relative, where, pair_start, listed
 
 
@@ -247,7 +281,6 @@ def sizes(first, front_start, above):
     """Return where each front's rows start in the factor (s + 1,), stack size, largest front."""
     fronts = len(first) - 1
     value_start = np.zeros(fronts + 1, np.int64)
-    held = np.zeros(fronts + 1, np.int64)  # stack height when the front's children are all done
     stack, highest, largest = 0, 0, 0
     waiting = np.zeros(fronts, np.int64)
     for f in range(fronts):
@@ -261,7 +294,6 @@ def sizes(first, front_start, above):
             waiting[above[f]] += left
         highest = max(highest, stack)
         largest = max(largest, size)
-        held[f] = stack
     return value_start, highest, largest
 
 

@@ -15,8 +15,8 @@ LEAF = 4
 """Parts of at most this many blocks are not dissected further."""
 LANDMARKS = 4
 """Blocks from which distances are measured."""
-CUTS = np.array([0.42, 0.46, 0.5, 0.54, 0.58])
-"""Where a part is tried to be cut, as shares of its blocks."""
+CUTS = 5
+"""Places tried for the cut, from 0.42 to 0.58 of a part's blocks."""
 HUB = 32
 """Blocks with more neighbours than this, and than six times the mean, are ordered last."""
 
@@ -31,7 +31,9 @@ def graph(count, pairs, coupled):
             start[pairs[q, 1] + 1] += 1
     for b in range(count):
         start[b + 1] += start[b]
-    fill = start[:count].copy()
+    fill = np.empty(count, np.int64)
+    for b in range(count):
+        fill[b] = start[b]
     neighbour = np.empty(start[count], np.int64)
     for q in range(len(pairs)):
         if coupled[q]:
@@ -72,8 +74,11 @@ def _coordinates(found, part, label, start, neighbour, queue, level, seen, stamp
 
     The queue holds a connected part as it was found from its first block; its order stays.
     """
-    members = queue[:found].copy()
-    nearest = np.full(found, found + 1, np.int64)
+    members = np.empty(found, np.int64)
+    nearest = np.empty(found, np.int64)
+    for m in range(found):
+        members[m] = queue[m]
+        nearest[m] = found + 1
     root = members[found - 1]
     for k in range(LANDMARKS):
         _distances(root, part, label, start, neighbour, queue, level, seen, stamp + k)
@@ -84,7 +89,8 @@ def _coordinates(found, part, label, start, neighbour, queue, level, seen, stamp
             if nearest[m] > best:
                 far, best = m, nearest[m]
         root = members[far]
-    queue[:found] = members
+    for m in range(found):
+        queue[m] = members[m]
     return stamp + LANDMARKS
 
 
@@ -103,22 +109,46 @@ def _along(distance, found):
             for m in range(found):
                 total += (distance[k, m] - mean[k]) * (distance[other, m] - mean[other])
             spread[k, other] = spread[other, k] = total
-    axis = np.array([1.0, -1.0, 0.25, -0.5])
+    axis, following = np.empty(LANDMARKS), np.empty(LANDMARKS)
+    for k in range(LANDMARKS):
+        axis[k] = 1.0 if k == 0 else -0.25 * k
     for _ in range(60):
-        following = np.zeros(LANDMARKS)
         size = 0.0
         for k in range(LANDMARKS):
+            following[k] = 0.0
             for other in range(LANDMARKS):
                 following[k] += spread[k, other] * axis[other]
             size += following[k] * following[k]
         if size == 0.0:
             break
-        axis = following / np.sqrt(size)
+        for k in range(LANDMARKS):
+            axis[k] = following[k] / np.sqrt(size)
     value = np.zeros(found)
     for m in range(found):
         for k in range(LANDMARKS):
             value[m] += axis[k] * (distance[k, m] - mean[k])
     return value
+
+
+@njit(cache=True)
+def _ranks(value, found):
+    """Return the place (found,) of each value in their order, to within a fine grid of values."""
+    low, high = value[0], value[0]
+    for m in range(found):
+        low, high = min(low, value[m]), max(high, value[m])
+    buckets = 4 * found
+    scale = (buckets - 1) / (high - low) if high > low else 0.0
+    first = np.zeros(buckets + 1, np.int64)
+    for m in range(found):
+        first[int((value[m] - low) * scale) + 1] += 1
+    for k in range(buckets):
+        first[k + 1] += first[k]
+    rank = np.empty(found, np.int64)
+    for m in range(found):
+        bucket = int((value[m] - low) * scale)
+        rank[m] = first[bucket]
+        first[bucket] += 1
+    return rank
 
 
 @njit(cache=True)
@@ -142,13 +172,12 @@ def _rim(queue, rank, cut, found, part, label, start, neighbour, position):
 @njit(cache=True)
 def _split(found, part, label, start, neighbour, queue, position, distance, kind):
     """Say for each block of the queue if it is in one half (0), the other (1) or between (2)."""
-    value = _along(distance, found)
-    rank = np.empty(found, np.int64)
-    rank[np.argsort(value, kind="mergesort")] = np.arange(found)
+    rank = _ranks(_along(distance, found), found)
     for m in range(found):
         position[queue[m]] = m
     best, cut, rim = np.inf, found // 2, 0
-    for share in CUTS:
+    for one in range(CUTS):
+        share = 0.42 + 0.16 * one / (CUTS - 1)
         place = int(share * found)
         before, behind = _rim(queue, rank, place, found, part, label, start, neighbour, position)
         cost = min(before, behind) * (1.0 + 2.0 * abs(share - 0.5))
@@ -207,7 +236,8 @@ def nested_dissection(count, pairs, coupled):
         depth -= 1
         low, high, label = stack[depth, 0], stack[depth, 1], stack[depth, 2]
         if high - low <= LEAF:
-            order[low:high] = nodes[low:high]
+            for k in range(low, high):
+                order[k] = nodes[k]
             continue
         found = _distances(nodes[low], part, label, start, neighbour, queue, level, seen, stamp)
         stamp += 1
@@ -216,18 +246,18 @@ def nested_dissection(count, pairs, coupled):
                 found, part, label, start, neighbour, queue, level, seen, stamp, distance
             )
             _split(found, part, label, start, neighbour, queue, position, distance, kind)
-            nodes[low:high] = queue[:found]
+            for k in range(found):
+                nodes[low + k] = queue[k]
         else:  # several pieces: the one just found, and the rest
             for k in range(low, high):
                 kind[k - low] = 0 if seen[nodes[k]] == stamp - 1 else 1
         middle, end = _sorted_by_kind(nodes, low, high, kind)
-        if middle - low == 0 and end - middle == high - low:
-            order[low:high] = nodes[low:high]  # nothing between: cannot be parted
-            continue
-        part[nodes[low:middle]] = labels
-        part[nodes[middle:end]] = labels + 1
-        part[nodes[end:high]] = -2
-        order[end:high] = nodes[end:high]
+        for k in range(low, high):
+            if k < end:
+                part[nodes[k]] = labels if k < middle else labels + 1
+            else:
+                part[nodes[k]] = -2
+                order[k] = nodes[k]
         stack[depth, 0], stack[depth, 1], stack[depth, 2] = low, middle, labels
         stack[depth + 1, 0], stack[depth + 1, 1] = middle, end
         stack[depth + 1, 2] = labels + 1
@@ -239,12 +269,16 @@ def nested_dissection(count, pairs, coupled):
 @njit(cache=True)
 def _sorted_by_kind(nodes, low, high, kind):
     """Sort ``nodes[low:high]`` by kind, keeping their order; return where kinds 1 and 2 begin."""
-    size = np.zeros(3, np.int64)
+    at = np.zeros(3, np.int64)
+    unsorted = np.empty(high - low, np.int64)
     for k in range(high - low):
-        size[kind[k]] += 1
-    middle, end = low + size[0], low + size[0] + size[1]
-    at = np.array([low, middle, end])
-    unsorted = nodes[low:high].copy()
+        unsorted[k] = nodes[low + k]
+        if kind[k] < 2:
+            at[kind[k] + 1] += 1
+    at[0] = low
+    at[1] += at[0]
+    at[2] += at[1]
+    middle, end = at[1], at[2]
     for k in range(high - low):
         nodes[at[kind[k]]] = unsorted[k]
         at[kind[k]] += 1

@@ -14,7 +14,7 @@ from clast.studies.paper.jobs import EVERY_COMBINATION, Finding, Findings, Job
 from clast.studies.paper.page import Claim, Section, listed, percent, series_of
 from clast.studies.paper.table_1 import error, ranges, way
 
-STIFFNESSES = (1e7, 1e8, 1e9, 1e10, 3e10, 5e10, 1e11, 1e12)
+STIFFNESSES = (1e7, 1e8, 1e9, 1e10, 3e10, 5e10, 1e11, 1e12, 5e12)
 """Normal stiffnesses, N/m per m."""
 YOUNG = 5e10
 """Young's modulus, Pa."""
