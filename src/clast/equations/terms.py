@@ -8,6 +8,8 @@ their mass: the strain energy 1/2 A sigma.C.sigma is then the same before and af
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import accumulate, pairwise
 
 import numpy as np
 
@@ -84,15 +86,19 @@ class PointSlices:
 
 def point_slices(model: Model) -> PointSlices:
     """Return which rows of ``State.points`` belong to which kind of point."""
-    counts = [
+    return _slices(
         len(model.fixed_points.block),
         len(model.point_loads.block),
         len(model.line_loads.block),
-        len(model.line_loads.block),
         len(model.measured_points.block),
-    ]
-    stops = np.cumsum(counts)
-    rows = [slice(int(stop) - count, int(stop)) for stop, count in zip(stops, counts, strict=True)]
+    )
+
+
+@lru_cache(maxsize=16)
+def _slices(fixed: int, loaded: int, lines: int, measured: int) -> PointSlices:
+    """Return consecutive slices of these lengths; asked for several times in every step."""
+    stops = [0, *accumulate((fixed, loaded, lines, lines, measured))]
+    rows = [slice(start, stop) for start, stop in pairwise(stops)]
     return PointSlices(
         fixed=rows[0], loaded=rows[1], line_start=rows[2], line_end=rows[3], measured=rows[4]
     )
@@ -106,6 +112,8 @@ def load_rows(
     A uniform traction q along a line of length L gives L T(midpoint)^T q, exact because T is
     linear.
     """
+    if not len(model.point_loads.block) and not len(model.line_loads.block):
+        return model.point_loads.block, np.zeros((0, 6))
     rows = point_slices(model)
     start, end = state.points[rows.line_start], state.points[rows.line_end]
     length = np.hypot(*(end - start).T)
