@@ -424,7 +424,10 @@ def _counts_text(report: Report) -> str:
     return ", ".join(texts)
 
 
-COUNTED = {"line_search": "steps of the line search"}
+COUNTED = {
+    "line_search": "steps of the line search",
+    "interior": "minimisations by the interior point method",
+}
 """What a count of the report is called."""
 
 
