@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from clast.kernels.compiled import kernel
 
 
-@njit(cache=True)
+@kernel()
 def add_contacts(
     diagonal,
     upper,
@@ -59,7 +60,7 @@ def add_contacts(
                     lower[q, b, a] += ks * t[1, b] * t[0, a]
 
 
-@njit(cache=True)
+@kernel()
 def add_springs(
     diagonal,
     upper,
@@ -93,7 +94,7 @@ def add_springs(
                     upper[q, a, b] += n_j * normal_vertex[c, b] + t_j * tangent_vertex[c, b]
 
 
-@njit(cache=True)
+@kernel()
 def hold_blocks(diagonal, upper, lower, force, pairs, fixed):
     """Remove the degrees of freedom of fixed blocks: their equations become d = 0, in place."""
     for b in range(len(fixed)):
@@ -114,7 +115,7 @@ def hold_blocks(diagonal, upper, lower, force, pairs, fixed):
                     lower[q, a, c] = 0.0
 
 
-@njit(cache=True)
+@kernel()
 def contact_motion(vertex_block, edge_block, row_vertex, row_edge, displacement):
     """Return row_i . d_i + row_j . d_j of every contact, m, shape (m,)."""
     result = np.empty(len(vertex_block))
@@ -127,7 +128,7 @@ def contact_motion(vertex_block, edge_block, row_vertex, row_edge, displacement)
     return result
 
 
-@njit(cache=True)
+@kernel()
 def add_forces(
     force,
     vertex_block,

@@ -9,14 +9,15 @@ so that empty ones cost nothing.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from clast.kernels.compiled import kernel
 
 LEVELS = 48
 """Cell sizes differ by 2 from level to level; 48 levels span a ratio of 1e14."""
 
 
-@njit(cache=True)
+@kernel()
 def _levels(box):
     """Return the level of each box (n,) and the cell size of level 0, larger than its boxes."""
     count = len(box)
@@ -38,7 +39,7 @@ def _levels(box):
     return level, smallest
 
 
-@njit(cache=True)
+@kernel()
 def _cells(box, level, smallest, xmin, ymin):
     """Return the cell (n, 2) of each box's lower left corner on its own level."""
     cell = np.empty((len(box), 2), np.int64)
@@ -49,7 +50,7 @@ def _cells(box, level, smallest, xmin, ymin):
     return cell
 
 
-@njit(cache=True)
+@kernel()
 def _slot(level, row, column, mask):
     """Return the slot of a cell in a hash table of ``mask`` + 1 slots, a power of 2.
 
@@ -58,7 +59,7 @@ def _slot(level, row, column, mask):
     return (column + row * 0x1E3779B97F4A7C15 + level * 0x165667B19E3779F9) & mask
 
 
-@njit(cache=True)
+@kernel()
 def _file(level, cell):
     """Return the first position of each slot of the hash table, and the boxes by slot (n,)."""
     count = len(level)
@@ -80,7 +81,7 @@ def _file(level, cell):
     return start, order
 
 
-@njit(cache=True)
+@kernel()
 def _overlap(box, a, b):
     """Return True if two boxes overlap or touch."""
     return (
@@ -91,7 +92,7 @@ def _overlap(box, a, b):
     )
 
 
-@njit(cache=True)
+@kernel()
 def _collect(box, fixed, level, cell, start, order, smallest, xmin, ymin, pairs):
     """Fill ``pairs`` with overlapping boxes and return how many there are (it may be too small).
 
@@ -130,7 +131,7 @@ def _collect(box, fixed, level, cell, start, order, smallest, xmin, ymin, pairs)
     return found
 
 
-@njit(cache=True)
+@kernel()
 def _sort_by(pairs, side, count):
     """Return the pairs sorted by their block on one side, equal ones in the order they came."""
     start = np.zeros(count + 1, np.int64)
@@ -147,7 +148,7 @@ def _sort_by(pairs, side, count):
     return result
 
 
-@njit(cache=True)
+@kernel()
 def _in_order(order, box, fixed, level, cell):
     """Return boxes, which are fixed, levels and cells in the order given (n,)."""
     boxes, held = np.empty_like(box), np.empty_like(fixed)

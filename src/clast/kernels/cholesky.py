@@ -8,9 +8,9 @@ inner loop runs along memory.  The order of all sums is fixed: the answer repeat
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from clast.kernels.compiled import kernel
 from clast.kernels.dissection import nested_dissection
 
 WIDTH = 6
@@ -19,7 +19,7 @@ PANEL = 24
 """Rows that are eliminated together in a front."""
 
 
-@njit(cache=True)
+@kernel()
 def _tree(start, neighbour, place, order):
     """Return the parent of each column in the elimination tree (Liu 1990), -1 for roots."""
     count = len(order)
@@ -38,7 +38,7 @@ def _tree(start, neighbour, place, order):
     return parent
 
 
-@njit(cache=True)
+@kernel()
 def _postorder(parent):
     """Return the columns so that every subtree stands together, children first."""
     count = len(parent)
@@ -70,7 +70,7 @@ def _postorder(parent):
     return result
 
 
-@njit(cache=True)
+@kernel()
 def _sort(rows, low, high):
     """Sort a short piece of rows in place."""
     for k in range(low + 1, high):
@@ -81,7 +81,7 @@ def _sort(rows, low, high):
         rows[at] = row
 
 
-@njit(cache=True)
+@kernel()
 def _structures(start, neighbour, place, order, parent):
     """Return row starts (n + 1,) and rows below the diagonal of every column of the factor."""
     count = len(order)
@@ -128,7 +128,7 @@ def _structures(start, neighbour, place, order, parent):
     return row_start, rows
 
 
-@njit(cache=True)
+@kernel()
 def _fronts(parent, row_start):
     """Return the first column of each front (s + 1,): runs of columns with almost the same rows.
 
@@ -156,7 +156,7 @@ def _fronts(parent, row_start):
     return first[: fronts + 1]
 
 
-@njit(cache=True)
+@kernel()
 def _front_rows(first, row_start, rows):
     """Return starts (s + 1,) and rows of every front: its own columns, then those below."""
     fronts = len(first) - 1
@@ -177,7 +177,7 @@ def _front_rows(first, row_start, rows):
     return start, front_rows
 
 
-@njit(cache=True)
+@kernel()
 def _relations(first, start, front_rows, count):
     """Return the parent front of each front (-1: root) and where its lower rows stand in it."""
     fronts = len(first) - 1
@@ -201,7 +201,7 @@ def _relations(first, start, front_rows, count):
     return above, relative, front_of
 
 
-@njit(cache=True)
+@kernel()
 def _entries(pairs, coupled, place, front_of, first, start, front_rows):
     """Return where each pair's block goes: front, row and column in it, and if it is turned."""
     where = np.full((len(pairs), 3), -1, np.int64)
@@ -224,7 +224,7 @@ def _entries(pairs, coupled, place, front_of, first, start, front_rows):
     return where
 
 
-@njit(cache=True)
+@kernel()
 def _inverse(order):
     """Return the place of each block in the order."""
     place = np.empty(len(order), np.int64)
@@ -233,7 +233,7 @@ def _inverse(order):
     return place
 
 
-@njit(cache=True)
+@kernel()
 def _pairs_of_fronts(fronts, pairs, coupled, place, front_of):
     """Return the pairs by front: starts (s + 1,) and list."""
     pair_start = np.zeros(fronts + 1, np.int64)
@@ -276,7 +276,7 @@ def analyse(
     return order, first, front_start, front_rows, above, relative, where, pair_start, listed
 
 
-@njit(cache=True)
+@kernel()
 def sizes(first, front_start, above):
     """Return where each front's rows start in the factor (s + 1,), stack size, largest front."""
     fronts = len(first) - 1
@@ -297,7 +297,7 @@ def sizes(first, front_start, above):
     return value_start, highest, largest
 
 
-@njit(cache=True)
+@kernel()
 def _eliminate(front, size, own):
     """Factorise the first ``own`` rows of an upper triangular front (size, size) in place.
 
@@ -322,7 +322,7 @@ def _eliminate(front, size, own):
     return True
 
 
-@njit(cache=True, fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def _update(front, begin, end, size):
     """Take the rows ``begin`` to ``end`` off all rows after them, two rows at a time."""
     i = end
@@ -354,7 +354,7 @@ def _update(front, begin, end, size):
         i += 1
 
 
-@njit(cache=True)
+@kernel()
 def _gather(front, f, diagonal, upper, order, first, where, pair_start, listed):
     """Add the blocks of the matrix that belong to front f; upper triangle."""
     for column in range(first[f], first[f + 1]):
@@ -376,7 +376,7 @@ def _gather(front, f, diagonal, upper, order, first, where, pair_start, listed):
                     front[row + a, column + b] += upper[q, b, a]
 
 
-@njit(cache=True)
+@kernel()
 def _extend(front, update, height, relative, low, blocks):
     """Add a child's update matrix, stacked from ``height`` on, to its parent's front."""
     size = WIDTH * blocks
@@ -392,7 +392,7 @@ def _extend(front, update, height, relative, low, blocks):
                     front[row + a, column + b] += update[line + WIDTH * q + b]
 
 
-@njit(cache=True)
+@kernel()
 def factorise(
     diagonal,
     upper,
@@ -450,7 +450,7 @@ def factorise(
     return values, True
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@kernel(fastmath={"reassoc", "contract"})
 def _dot(values, at, x, begin, end):
     """Return the product of a row of U from ``begin`` on with x."""
     total = 0.0
@@ -459,7 +459,7 @@ def _dot(values, at, x, begin, end):
     return total
 
 
-@njit(cache=True)
+@kernel()
 def solve(values, order, first, front_start, front_rows, value_start, force):
     """Return d (n, 6) of U^T U d = F."""
     count, fronts = len(order), len(first) - 1
@@ -509,7 +509,7 @@ def solve(values, order, first, front_start, front_rows, value_start, force):
     return result
 
 
-@njit(cache=True)
+@kernel()
 def coupled_pairs(diagonal, pairs):
     """Return False (q,) for pairs with a block that is held: its equations read s d = 0."""
     held = np.ones(len(diagonal), np.bool_)

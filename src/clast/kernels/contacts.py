@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from clast.kernels.compiled import kernel
 
 
-@njit(cache=True)
+@kernel()
 def chosen(keep, vertex, edge, pair, gap, pairs, vertex_block):
     """Return the candidates that are kept: vertex, edge, their blocks, pair, gap, each (m,).
 
@@ -34,7 +35,7 @@ def chosen(keep, vertex, edge, pair, gap, pairs, vertex_block):
     return vertices, edges, i, j, number, gaps, touching[: q + 1]
 
 
-@njit(cache=True)
+@kernel()
 def places(vertex, edge, i, j, gap, vertices, direction, centroid):
     """Return normal and foot of the contacts, and the offsets of vertex and foot, each (m, 2).
 
@@ -53,7 +54,7 @@ def places(vertex, edge, i, j, gap, vertices, direction, centroid):
     return normal, foot, at_vertex, at_edge
 
 
-@njit(cache=True)
+@kernel()
 def strengths(joint, pair, bonded, tangent, cohesion, tensile_strength):
     """Return tan(phi), cohesion and tensile strength of the contacts, each (m,), 0 once broken.
 
@@ -70,7 +71,7 @@ def strengths(joint, pair, bonded, tangent, cohesion, tensile_strength):
     return friction, c_left, t_left
 
 
-@njit(cache=True)
+@kernel()
 def remembered(row, gap, bond_reach, bonded, shear_force, normal_force, multiplier, mode):
     """Return known, bonded, shear force, normal force, multiplier and mode of contacts, each (m,).
 

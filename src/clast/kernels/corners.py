@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from clast.kernels.compiled import kernel
 from clast.kernels.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
 
 
-@njit(cache=True)
+@kernel()
 def _relation(e, f, gap_e, gap_f, along_e, along_f, direction, length, first, last):
     """Say how two candidate edges of one block share a vertex in front of them.
 
@@ -31,7 +31,7 @@ def _relation(e, f, gap_e, gap_f, along_e, along_f, direction, length, first, la
     return 1 if behind_e and behind_f else 0
 
 
-@njit(cache=True)
+@kernel()
 def _loses_flat_corner(e, f, along_e, along_f, length, first, last):
     """Return True if the foot has passed from edge e to edge f at their flat corner."""
     if vertex_after(e, first, last) == f:
@@ -40,7 +40,7 @@ def _loses_flat_corner(e, f, along_e, along_f, length, first, last):
     return along_e + (along_f - length[f]) <= 0.0
 
 
-@njit(cache=True)
+@kernel()
 def bisector(
     group_start, edge, gap, along, remembered, critdis, direction, length, edge_block, block_start
 ):
@@ -115,7 +115,7 @@ def bisector(
     return keep
 
 
-@njit(cache=True)
+@kernel()
 def _is_beyond_notch(a, start, stop, edge, along, keep, critdis, direction, length, first, last):
     """Return True if a foot lies beyond an edge's re-entrant end but the vertex is not in it.
 
@@ -138,7 +138,7 @@ def _is_beyond_notch(a, start, stop, edge, along, keep, critdis, direction, leng
     return beyond > critdis
 
 
-@njit(cache=True)
+@kernel()
 def _is_nearer(a, b, gap, edge, remembered, length):
     """Return True if candidate a is to be preferred to b: larger gap, remembered, lower index."""
     tie = ROUND_OFF * min(length[edge[a]], length[edge[b]])
@@ -151,20 +151,20 @@ def _is_nearer(a, b, gap, edge, remembered, length):
     return edge[a] == remembered or edge[a] < edge[b]
 
 
-@njit(cache=True)
+@kernel()
 def _ends_at(e, p, first, last):
     """Return True if vertex p is an end of edge e of its block."""
     return e == p or vertex_after(e, first, last) == p
 
 
-@njit(cache=True)
+@kernel()
 def _gap(p, e, vertices, direction):
     """Return the signed distance of vertex p to the line of edge e, m, positive in front."""
     x, y = vertices[p, 0] - vertices[e, 0], vertices[p, 1] - vertices[e, 1]
     return x * direction[e, 1] - y * direction[e, 0]
 
 
-@njit(cache=True)
+@kernel()
 def _is_entrance_passed(p, e, along, vertices, direction, length, block_start, i, j):
     """Return False where vertex p, behind edge e, has not entered the corner at the end of e.
 
@@ -193,7 +193,7 @@ def _is_entrance_passed(p, e, along, vertices, direction, length, block_start, i
     return _gap(corner, a, vertices, direction) < 0.0
 
 
-@njit(cache=True)
+@kernel()
 def drop_not_entered(
     keep, vertex, edge, gap, along, vertices, direction, length, vertex_block, block_start
 ):
@@ -210,7 +210,7 @@ def drop_not_entered(
             )
 
 
-@njit(cache=True)
+@kernel()
 def _meets(p, e, q, a, direction, vertex_block, block_start):
     """Say how contacts (P, edge e) and (Q, edge a) of two blocks meet.
 
@@ -233,7 +233,7 @@ def _meets(p, e, q, a, direction, vertex_block, block_start):
     return 2 if (cosine > 0.0) == ((e == q) == (a == p)) else 3
 
 
-@njit(cache=True)
+@kernel()
 def _are_known(group_start, remembered, count):
     """Return True for the candidates of a (vertex, block) that was in contact before, (count,)."""
     known = np.zeros(count, np.bool_)
@@ -242,7 +242,7 @@ def _are_known(group_start, remembered, count):
     return known
 
 
-@njit(cache=True)
+@kernel()
 def drop_deeper_corners(
     keep,
     group_start,
@@ -286,7 +286,7 @@ def drop_deeper_corners(
         start = stop
 
 
-@njit(cache=True)
+@kernel()
 def one_vertex_per_joint_end(
     keep,
     group_start,

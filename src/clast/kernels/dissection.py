@@ -9,7 +9,8 @@ Only the pattern is used, so the same pattern always gives the same order.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from clast.kernels.compiled import kernel
 
 LEAF = 4
 """Parts of at most this many blocks are not dissected further."""
@@ -21,7 +22,7 @@ HUB = 32
 """Blocks with more neighbours than this, and than six times the mean, are ordered last."""
 
 
-@njit(cache=True)
+@kernel()
 def graph(count, pairs, coupled):
     """Return starts (n + 1,) and neighbours of every block."""
     start = np.zeros(count + 1, np.int64)
@@ -45,7 +46,7 @@ def graph(count, pairs, coupled):
     return start, neighbour
 
 
-@njit(cache=True)
+@kernel()
 def _distances(root, part, label, start, neighbour, queue, level, seen, stamp):
     """Fill ``queue`` with the blocks of part ``label`` by distance from ``root``; return how many.
 
@@ -68,7 +69,7 @@ def _distances(root, part, label, start, neighbour, queue, level, seen, stamp):
     return tail
 
 
-@njit(cache=True)
+@kernel()
 def _coordinates(found, part, label, start, neighbour, queue, level, seen, stamp, distance):
     """Fill ``distance`` (k, found) with the distances of the queue's blocks from the landmarks.
 
@@ -94,7 +95,7 @@ def _coordinates(found, part, label, start, neighbour, queue, level, seen, stamp
     return stamp + LANDMARKS
 
 
-@njit(cache=True)
+@kernel()
 def _along(distance, found):
     """Return the first principal component of the distances from the landmarks, shape (found,)."""
     mean = np.zeros(LANDMARKS)
@@ -130,7 +131,7 @@ def _along(distance, found):
     return value
 
 
-@njit(cache=True)
+@kernel()
 def _ranks(value, found):
     """Return the place (found,) of each value in their order, to within a fine grid of values."""
     low, high = value[0], value[0]
@@ -151,7 +152,7 @@ def _ranks(value, found):
     return rank
 
 
-@njit(cache=True)
+@kernel()
 def _rim(queue, rank, cut, found, part, label, start, neighbour, position):
     """Return how many blocks before the cut have a neighbour behind it, and the other way round."""
     before, behind = 0, 0
@@ -169,7 +170,7 @@ def _rim(queue, rank, cut, found, part, label, start, neighbour, position):
     return before, behind
 
 
-@njit(cache=True)
+@kernel()
 def _split(found, part, label, start, neighbour, queue, position, distance, kind):
     """Say for each block of the queue if it is in one half (0), the other (1) or between (2)."""
     rank = _ranks(_along(distance, found), found)
@@ -196,7 +197,7 @@ def _split(found, part, label, start, neighbour, queue, position, distance, kind
                 break
 
 
-@njit(cache=True)
+@kernel()
 def _hubs_last(count, start, neighbour, order, part, nodes):
     """Put blocks with very many neighbours last and the others into ``nodes``; return how many."""
     busy = max(HUB, 6 * len(neighbour) // max(1, count))
@@ -214,7 +215,7 @@ def _hubs_last(count, start, neighbour, order, part, nodes):
     return free
 
 
-@njit(cache=True)
+@kernel()
 def nested_dissection(count, pairs, coupled):
     """Return the graph (starts, neighbours) and the blocks in the order of elimination (n,).
 
@@ -266,7 +267,7 @@ def nested_dissection(count, pairs, coupled):
     return start, neighbour, order
 
 
-@njit(cache=True)
+@kernel()
 def _sorted_by_kind(nodes, low, high, kind):
     """Sort ``nodes[low:high]`` by kind, keeping their order; return where kinds 1 and 2 begin."""
     at = np.zeros(3, np.int64)

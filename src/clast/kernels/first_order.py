@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from clast.kernels.compiled import kernel
 
 
-@njit(cache=True)
+@kernel()
 def displacements(offset, unknowns, block):
     """Return T d, m, (k, 2) at offsets (k, 2), m, from d (n, 6) of their blocks (k,)."""
     result = np.empty_like(offset)
@@ -17,7 +18,7 @@ def displacements(offset, unknowns, block):
     return result
 
 
-@njit(cache=True)
+@kernel()
 def _row(x, y, ax, ay, row):
     """Write T(x, y)^T a into a row (6,)."""
     row[0] = ax
@@ -28,7 +29,7 @@ def _row(x, y, ax, ay, row):
     row[5] = ax * (0.5 * y) + ay * (0.5 * x)
 
 
-@njit(cache=True)
+@kernel()
 def contact_rows(at_vertex, at_edge, normal):
     """Return T_i^T n, -T_j^T n, T_i^T t and -T_j^T t of the contacts, each (m, 6).
 
@@ -47,7 +48,7 @@ def contact_rows(at_vertex, at_edge, normal):
     return normal_vertex, normal_edge, tangent_vertex, tangent_edge
 
 
-@njit(cache=True)
+@kernel()
 def mass_matrices(mass, moments):
     """Return int T^T T dm (n, 6, 6) from mass (n,), kg/m, and moments (n, 3), kg m2/m."""
     m = np.zeros((len(mass), 6, 6))

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from clast.kernels.compiled import kernel
 
 
-@njit(cache=True)
+@kernel()
 def penalty(
     gap,
     slip,

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from clast.kernels.compiled import kernel
 
 
-@njit(cache=True)
+@kernel()
 def _count_of(vertex):
     """Return one more than the largest vertex, 0 if there is none."""
     count = 0
@@ -15,7 +16,7 @@ def _count_of(vertex):
     return count
 
 
-@njit(cache=True)
+@kernel()
 def rows_by_vertex(memory_vertex, count):
     """Return the first row of each of ``count`` vertices in the sorted memory, (count + 1,)."""
     start = np.zeros(count + 1, np.int64)
@@ -26,7 +27,7 @@ def rows_by_vertex(memory_vertex, count):
     return start
 
 
-@njit(cache=True)
+@kernel()
 def rows_of_key(vertex, block, start, memory_block):
     """Return the first row with this (vertex, block) and the one after the last; equal if none."""
     first, stop = start[vertex], start[vertex + 1]
@@ -38,7 +39,7 @@ def rows_of_key(vertex, block, start, memory_block):
     return first, last
 
 
-@njit(cache=True)
+@kernel()
 def remembered_edges(
     group_start, vertex, edge, edge_block, memory_vertex, memory_block, memory_edge
 ):
@@ -52,7 +53,7 @@ def remembered_edges(
     return remembered
 
 
-@njit(cache=True)
+@kernel()
 def rows_of(vertex, block, edge, memory_vertex, memory_block, memory_edge):
     """Return the memory row of each contact, or -1, shape (m,).
 
@@ -87,7 +88,7 @@ def rows_of(vertex, block, edge, memory_vertex, memory_block, memory_edge):
     return rows
 
 
-@njit(cache=True)
+@kernel()
 def _order(vertex, block, edge):
     """Return the order of contacts by vertex, then block, then edge, shape (m,).
 
@@ -109,7 +110,7 @@ def _order(vertex, block, edge):
     return order
 
 
-@njit(cache=True)
+@kernel()
 def deepest_by_pair(pairs, vertex_block, block_count, memory_vertex, memory_block, memory_gap):
     """Return the largest remembered penetration of each sorted pair of blocks, m, (q,)."""
     start = rows_by_vertex(pairs[:, 0], block_count)
@@ -129,7 +130,7 @@ def deepest_by_pair(pairs, vertex_block, block_count, memory_vertex, memory_bloc
     return depth
 
 
-@njit(cache=True)
+@kernel()
 def renewed(vertex, block, edge, gap, normal, shear, multiplier, mode, bonded, critdis):
     """Return the columns of the memory (k,), sorted by vertex, block and edge.
 

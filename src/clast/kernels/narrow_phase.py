@@ -7,12 +7,12 @@ counter-clockwise polygons and edge direction t = (tx, ty), n = (ty, -tx).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from clast.kernels.compiled import kernel
 from clast.kernels.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
 
 
-@njit(cache=True)
+@kernel()
 def _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, beyond_end, critdis, tip_reach):
     """Return how far beyond the edge's end the foot may lie, m.
 
@@ -28,7 +28,7 @@ def _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, beyond_end, critdis, tip_rea
     return tip_reach
 
 
-@njit(cache=True)
+@kernel()
 def _is_behind_next(px, py, gap, e, at_end, vertices, direction, first, last):
     """Return True if the point lies behind the next edge at one end of e too.
 
@@ -42,7 +42,7 @@ def _is_behind_next(px, py, gap, e, at_end, vertices, direction, first, last):
     return (px - vertices[k, 0]) * nx + (py - vertices[k, 1]) * ny < 0.0
 
 
-@njit(cache=True)
+@kernel()
 def _is_hidden(px, py, e, along, critdis, vertices, direction, length, first, last):
     """Return True if another edge of the block lies between the point and its foot on edge e.
 
@@ -73,7 +73,7 @@ def _is_hidden(px, py, e, along, critdis, vertices, direction, length, first, la
     return False
 
 
-@njit(cache=True)
+@kernel()
 def _crosses_within(p, e, e_end, gap, along, shift, tx, ty, length):
     """Return True if the step's motion takes vertex p across edge e between its ends.
 
@@ -89,7 +89,7 @@ def _crosses_within(p, e, e_end, gap, along, shift, tx, ty, length):
     return 0.0 <= meets <= length
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _vertex_candidates(
     p,
     i,
@@ -157,7 +157,7 @@ def _vertex_candidates(
     return found
 
 
-@njit(cache=True)
+@kernel()
 def candidates(
     vertices,
     shift,
@@ -230,7 +230,7 @@ def candidates(
     return found, group_start[: groups + 1], vertex, edge, pair, gap, along
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _overlap(p, w, e, first, last, vertex, start, stop, vertices, direction, length, critdis):
     """Return the length that own edge from p to w shares with edge e, m, as seen by vertex p.
 
@@ -254,7 +254,7 @@ def _overlap(p, w, e, first, last, vertex, start, stop, vertices, direction, len
     return 0.5 * (high - low)
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def _edge_along(p, w, e, first, last, vertices, direction, length, critdis):
     """Return the edge that own edge from p to w runs along: e, or the next one at a flat corner."""
     tx, ty = direction[e, 0], direction[e, 1]
@@ -266,7 +266,7 @@ def _edge_along(p, w, e, first, last, vertices, direction, length, critdis):
     return vertex_after(e, first, last) if at_end else vertex_before(e, first, last)
 
 
-@njit(cache=True)
+@kernel()
 def contact_lengths(
     vertex, edge, vertex_block, edge_block, pair, vertices, block_start, direction, length, critdis
 ):
@@ -299,7 +299,7 @@ def contact_lengths(
     return result
 
 
-@njit(cache=True)
+@kernel()
 def depth_inside(px, py, vertices, first, last):
     """Return the distance to the outline of a point inside the polygon, m; 0 outside."""
     inside = False
@@ -317,7 +317,7 @@ def depth_inside(px, py, vertices, first, last):
     return np.sqrt(nearest) if inside else 0.0
 
 
-@njit(cache=True)
+@kernel()
 def deepest_jump(vertices, block_start, box, pairs, pair_depth):
     """Return how much deeper than its pair's penetration a vertex lies in a block, and which.
 

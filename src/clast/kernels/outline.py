@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from clast.kernels.compiled import kernel
 
 SMALL_ANGLE = np.sin(np.radians(3.0))
 """Sine of the angle within which edges count as parallel (Shi 1988: 3 degrees)."""
@@ -11,19 +12,19 @@ ROUND_OFF = 1e-9
 """Share of an edge's length that is treated as zero along the edge."""
 
 
-@njit(cache=True)
+@kernel()
 def vertex_before(k, first, last):
     """Return the vertex before k of the block with vertices first to last - 1."""
     return k - 1 if k > first else last - 1
 
 
-@njit(cache=True)
+@kernel()
 def vertex_after(k, first, last):
     """Return the vertex after k of the block with vertices first to last - 1."""
     return k + 1 if k + 1 < last else first
 
 
-@njit(cache=True)
+@kernel()
 def turn_at(e, at_end, direction, first, last):
     """Return the sine of the turn at one end of edge e: positive at a convex corner."""
     if at_end:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from clast.kernels.compiled import kernel
 
 
-@njit(cache=True)
+@kernel()
 def _invert(block, inverse):
     """Invert a symmetric positive definite 6 x 6 block by Cholesky; return False if it is not."""
     lower = np.zeros((6, 6))
@@ -37,7 +38,7 @@ def _invert(block, inverse):
     return True
 
 
-@njit(cache=True)
+@kernel()
 def inverse_blocks(diagonal):
     """Return the inverses (n, 6, 6) of diagonal blocks, and the first that has none or -1."""
     inverse = np.empty_like(diagonal)
@@ -47,7 +48,7 @@ def inverse_blocks(diagonal):
     return inverse, -1
 
 
-@njit(cache=True)
+@kernel()
 def multiply(diagonal, pairs, upper, x, y):
     """Write K x into y (n, 6); K symmetric, K_ij of each pair (i < j) in ``upper``."""
     for b in range(len(diagonal)):
@@ -67,7 +68,7 @@ def multiply(diagonal, pairs, upper, x, y):
             y[i, a] += total
 
 
-@njit(cache=True)
+@kernel()
 def _precondition(inverse, r, z):
     """Write the block-Jacobi preconditioned residual into z and return r.z."""
     total = 0.0
@@ -81,7 +82,7 @@ def _precondition(inverse, r, z):
     return total
 
 
-@njit(cache=True)
+@kernel()
 def solve(diagonal, inverse, pairs, upper, force, tolerance, limit):
     """Return d (n, 6) of K d = F, the iterations and the final reduction of r.M^-1 r.
 

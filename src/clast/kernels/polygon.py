@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from clast.kernels.compiled import kernel
 
 
-@njit(cache=True)
+@kernel()
 def moments(vertices, block_start):
     """Return area (n,), centroid (n, 2) and central second moments (n, 3): int x2, y2, xy dA.
 
@@ -45,7 +46,7 @@ def moments(vertices, block_start):
     return area, centroid, second
 
 
-@njit(cache=True)
+@kernel()
 def owners(block_start):
     """Return the block of each vertex, shape (nv,)."""
     result = np.empty(block_start[-1], np.int64)
@@ -55,7 +56,7 @@ def owners(block_start):
     return result
 
 
-@njit(cache=True)
+@kernel()
 def boxes(vertices, block_start):
     """Return the bounding box (xmin, ymin, xmax, ymax) of each block, m, shape (n, 4)."""
     count = len(block_start) - 1
@@ -70,7 +71,7 @@ def boxes(vertices, block_start):
     return box
 
 
-@njit(cache=True)
+@kernel()
 def edges(vertices, block_start):
     """Return unit direction (nv, 2) and length (nv,) of the edge that starts at each vertex."""
     direction = np.empty((len(vertices), 2))
@@ -87,7 +88,7 @@ def edges(vertices, block_start):
     return direction, length
 
 
-@njit(cache=True)
+@kernel()
 def travel(before, after):
     """Return the largest distance between two sets of points (k, 2), m; nan where not finite."""
     largest = 0.0

@@ -1,0 +1,55 @@
+"""How kernels are compiled: once, kept on disk, and again when any kernel has changed.
+
+numba keeps what it has compiled beside each file and looks at the age of that file alone; a kernel
+that calls one of another file would go on with the old one after a change there.  So what is kept
+lies in a folder named after the text of all kernels.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+
+SETTINGS: Any = numba.config
+"""numba's settings of this process."""
+
+
+def folder() -> str:
+    """Return where compiled kernels are kept; "" leaves it to numba.
+
+    It is left to numba where NUMBA_CACHE_DIR is set, or where the folder cannot be written.
+    """
+    if SETTINGS.CACHE_DIR:
+        return ""
+    here = Path(__file__).parent
+    text = hashlib.sha256()
+    for file in sorted(here.glob("*.py")):
+        text.update(file.read_bytes())
+    kept = here / "__pycache__" / f"kernels-{text.hexdigest()[:16]}"
+    try:
+        kept.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return ""
+    return str(kept) if os.access(kept, os.W_OK) else ""
+
+
+FOLDER = folder()
+
+
+def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Return the decorator of a kernel; ``options`` are those of ``numba.njit``."""
+
+    def compiled(function: Callable[..., Any]) -> Any:
+        usual = SETTINGS.CACHE_DIR
+        SETTINGS.CACHE_DIR = FOLDER or usual
+        try:
+            return numba.njit(cache=True, **options)(function)
+        finally:
+            SETTINGS.CACHE_DIR = usual
+
+    return compiled
