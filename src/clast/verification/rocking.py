@@ -24,7 +24,7 @@ from clast.model_builder import ModelBuilder
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory
 from clast.simulate import Schedule, simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problem import Comparison, KnownFailure, Outcome, Problem, relative
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -140,4 +140,12 @@ PROBLEM = Problem(
     examine=examine,
     variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
+    known_failures=(
+        KnownFailure(
+            variant=MULTIPLIERS,
+            quantity="tilt after the impact",
+            reason="four solves make the contact four times as stiff: w h is 1.3, and one pass "
+            "takes more out of the impact (see bounce); with half the step the error is 1.5 %",
+        ),
+    ),
 )
