@@ -258,9 +258,8 @@ second, because an undamped wall on soft springs still bounces. In a bond the lo
 so the largest exceeds the mean; in columns it does not. From p = E up all penetration is within
 20 % of W/(n_c p), and drift stays below 0.05 mm but for 990 bricks in aligned columns at p = E,
 h = 0.2 ms: 0.07 mm. Softer walls bounce by millimetres and drift more. *Failed* counts steps that
-did not
-converge or let a vertex through, *cut* those in which something moved or turned too far for one
-step. Wall times are of a busy machine with two cores.
+did not converge or let a vertex through, *cut* those in which something moved or turned too far for
+one step. Wall times are of a busy machine with two cores.
 """
 
 TAIL = """## Heaps

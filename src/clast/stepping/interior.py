@@ -249,7 +249,8 @@ def minimise_inside(
 ) -> Point:
     """Return the best point that was found from ``point`` on; ``counts`` is added to.
 
-    Ends where the potential's distance from its minimum is ``enough`` (J/m) or no longer falls.
+    Ends where the potential's distance from its minimum is ``enough`` (J/m), where mu has fallen
+    into round-off, or after ITERATIONS.
     """
     conditions = Conditions(potential=potential, limits=limits)
     at = conditions.centred(point)
