@@ -83,18 +83,13 @@ class Scipy:
             raise StepRejected(StepOutcome.SINGULAR, str(error)) from error
 
 
-def direct(system: BlockSystem) -> Factor:
-    """Return the factorised matrix: block Cholesky, or SuperLU where it is not symmetric."""
-    return Cholesky().factor(system) if system.symmetric else Scipy().factor(system)
-
-
 @dataclass(frozen=True)
 class Direct:
     """Block Cholesky for symmetric systems, SuperLU for others."""
 
     def factor(self, system: BlockSystem) -> Factor:
         """Return the factorised matrix; raises StepRejected where it is singular."""
-        return direct(system)
+        return Cholesky().factor(system) if system.symmetric else Scipy().factor(system)
 
 
 class PCGMatrix:
@@ -129,7 +124,8 @@ class PCGMatrix:
             self.iterations,
         )
         if not reduction <= self.tolerance:
-            self._factor, self.next_solver = direct(system), Direct()
+            self.next_solver = Direct()
+            self._factor = self.next_solver.factor(system)
             return self._factor.solve(force)
         return displacement
 
@@ -180,7 +176,7 @@ class Automatic:
         """Return the matrix made ready; raises StepRejected where it is singular."""
         count = len(system.diagonal)
         if count <= self.few or not system.symmetric:
-            return direct(system)
+            return Direct().factor(system)
         one = ITERATION_COST * (count + len(system.pairs))
         limit = self.patience * FACTOR_COST * count**FACTOR_POWER / one
         most = int(np.clip(limit, LEAST_ITERATIONS, MOST_ITERATIONS))
