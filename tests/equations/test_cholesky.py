@@ -47,6 +47,7 @@ def random_system(rng, count, pairs, stiffness=1e6):
         lower=upper.transpose(0, 2, 1),
         symmetric=True,
         force=rng.normal(size=(count, 6)),
+        centroid=rng.normal(size=(count, 2)),
     )
 
 

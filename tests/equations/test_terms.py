@@ -64,6 +64,7 @@ def test_free_block_solves_newtons_law():
         lower=none,
         symmetric=True,
         force=base.force,
+        centroid=base.centroid,
     )
     after = end_velocity(np.array([theta]), solve(Scipy(), one), velocity, h)
     assert after[0] == pytest.approx([1.0, -2.0 - h * GRAVITY, 0.5, 0.0, 0.0, 0.0], abs=1e-12)

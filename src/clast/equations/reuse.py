@@ -21,6 +21,10 @@ class FactorOfStep:
         self._solver = solver
         self._factor: Factor | None = None
         self._stiffness: tuple[Floats, ...] = ()
+        self._other: LinearSolver | None = None
+        self._pause = 0
+        self._left = 0
+        self._iterated = 0
         self.factorised = 0
         self.solved = 0
 
@@ -32,10 +36,33 @@ class FactorOfStep:
             for one, other in zip(stiffness, self._stiffness, strict=True)
         )
         if self._factor is None or not same:
-            # an iteration that stalled on the last matrix would stall on this one
-            self._solver = getattr(self._factor, "next_solver", None) or self._solver
-            self._factor = self._solver.factor(system)
+            solver = self._next_solver()
+            self._iterated = self.iterations
+            self._factor = solver.factor(system)
             self._stiffness = stiffness
             self.factorised += 1
         self.solved += 1
         return self._factor.solve(system.force)
+
+    @property
+    def iterations(self) -> int:
+        """Iterations of an iterative solver so far."""
+        return self._iterated + int(getattr(self._factor, "iterated", 0))
+
+    def _next_solver(self) -> LinearSolver:
+        """Return the solver for the next matrix.
+
+        Where an iteration has stalled the next matrix is given to the solver that took over; if the
+        one after it stalls too, the next two, then four: stalling never more than doubles the cost,
+        and a few odd matrices do not spoil a step.
+        """
+        stalled = getattr(self._factor, "next_solver", None)
+        if stalled is not None:
+            self._other, self._pause = stalled, max(1, 2 * self._pause)
+            self._left = self._pause
+        elif hasattr(self._factor, "iterated"):
+            self._pause = 0
+        if self._left > 0 and self._other is not None:
+            self._left -= 1
+            return self._other
+        return self._solver

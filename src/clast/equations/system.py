@@ -28,6 +28,8 @@ class BlockSystem:
     """True where K_ji is the transpose of K_ij: unless friction is solved inside the step."""
     force: Floats
     """F, shape (n, 6)."""
+    centroid: Floats
+    """Where the blocks are, m, shape (n, 2)."""
 
 
 def gap_at_end(contacts: Contacts, displacement: Floats) -> Floats:
@@ -77,7 +79,7 @@ def contact_forces(
 
 
 def _with_contacts(
-    diagonal: Floats,
+    base: DiagonalTerms,
     force: Floats,
     contacts: Contacts,
     response: ContactResponse,
@@ -86,7 +88,7 @@ def _with_contacts(
     fixed: Bools,
 ) -> BlockSystem:
     """Return the system with contact stiffness and loads (m,) added, fixed blocks held."""
-    diagonal = diagonal.copy()
+    diagonal = base.diagonal.copy()
     upper = np.zeros((len(contacts.pairs), 6, 6))
     rows = (
         contacts.pair,
@@ -117,6 +119,7 @@ def _with_contacts(
         lower=lower,
         symmetric=symmetric,
         force=force,
+        centroid=base.centroid,
     )
 
 
@@ -141,9 +144,7 @@ def assemble(
         + response.shear_stiffness * slip
         + response.coupling * (normal_load - response.normal_force)
     )
-    return _with_contacts(
-        base.diagonal, base.force, contacts, response, normal_load, shear_load, fixed
-    )
+    return _with_contacts(base, base.force, contacts, response, normal_load, shear_load, fixed)
 
 
 def newton_system(
@@ -155,4 +156,4 @@ def newton_system(
 ) -> BlockSystem:
     """Return the system of a Newton iteration: K with the law in it, F the residual (n, 6)."""
     nothing = np.zeros(len(contacts))
-    return _with_contacts(base.diagonal, residual, contacts, response, nothing, nothing, fixed)
+    return _with_contacts(base, residual, contacts, response, nothing, nothing, fixed)

@@ -28,6 +28,8 @@ class DiagonalTerms:
     """Diagonal 6 x 6 blocks of K, shape (n, 6, 6)."""
     force: Floats
     """Right-hand side, shape (n, 6)."""
+    centroid: Floats
+    """Centroids of the blocks, m, shape (n, 2)."""
 
 
 def momentum_rows(frames: BlockFrames, velocity: Floats, theta: Floats, step: float) -> Floats:
@@ -161,4 +163,4 @@ def diagonal_terms(
     held, stiffness = model.fixed_points.block, method.fixed_point_stiffness
     np.add.at(matrix, held, stiffness * np.einsum("kxi,kxj->kij", basis, basis))
     np.add.at(force, held, -stiffness * np.einsum("kxi,kx->ki", basis, drift))
-    return DiagonalTerms(diagonal=matrix, force=force)
+    return DiagonalTerms(diagonal=matrix, force=force, centroid=frames.centroid)

@@ -3,6 +3,10 @@
 numba keeps what it has compiled beside each file and looks at the age of that file alone; a kernel
 that calls one of another file would go on with the old one after a change there.  So what is kept
 lies in a folder named after the text of all kernels.
+
+Threads come from OpenMP where numba has it.  They wait for each other by spinning for some
+microseconds and then sleep: where they spin for good, as they do if nothing is said, a product of
+1 ms takes 6 on a machine with something else to do.
 """
 
 from __future__ import annotations
@@ -17,6 +21,7 @@ import numba
 
 SETTINGS: Any = numba.config
 """numba's settings of this process."""
+os.environ.setdefault("GOMP_SPINCOUNT", "1000")  # read when OpenMP is loaded, with the threads
 
 
 def folder() -> str:
@@ -53,3 +58,12 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
             SETTINGS.CACHE_DIR = usual
 
     return compiled
+
+
+def start_threads() -> int:
+    """Start the threads that parallel kernels share, if they do not run yet; return their number.
+
+    numba does so itself when it compiles a parallel kernel, and when it loads one, but not when it
+    loads a kernel that calls one.
+    """
+    return int(numba.get_num_threads())

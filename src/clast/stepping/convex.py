@@ -36,7 +36,7 @@ from clast.stepping.newton import minimise
 from clast.stepping.potential import Point, Potential
 from clast.stepping.stages import Stages
 
-DIRECTION = 1e-2
+DIRECTION = 1e-3
 """Accuracy of Newton's directions where they are found by iteration; the step's is unaffected."""
 
 
@@ -139,6 +139,7 @@ class Convex:
             broken = contacts.bonded & ~point.response.bonded
             if not broken.any():
                 counts["factorisations"] = factor.factorised
+                counts["pcg"] = factor.iterations
                 contacts = multipliers.renew(law, contacts, point.response)
                 return replace(potential, contacts=contacts), point
             contacts, solves = without_bonds(contacts, broken), solves - 1

@@ -1,0 +1,158 @@
+"""The levels of larger blocks by which the iterative solver is preconditioned."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from clast.equations.system import BlockSystem
+from clast.errors import StepOutcome, StepRejected
+from clast.kernels import aggregates, block_rows, dense
+from clast.kernels.multilevel import LEVELS
+from clast.model import Floats, Ints
+
+COARSEST = 20
+"""A level of no more blocks than this is factorised."""
+STALLED = 0.8
+"""Blocks that aggregates may leave, as a share, for another level to be worth it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Level:
+    """A block system by rows, and the aggregates that its blocks form; in the kernels' order."""
+
+    diagonal: Floats
+    """K_ii, shape (n, 6, 6)."""
+    inverse: Floats
+    """Inverses of the diagonal blocks, shape (n, 6, 6)."""
+    upper: Floats
+    """K_ij, shape (q, 6, 6)."""
+    pairs: Ints
+    """Coupled blocks (i, j), i < j, sorted, shape (q, 2)."""
+    right: Ints
+    """First pair (i, .) of each row, shape (n + 1,)."""
+    left: Ints
+    """First of ``listed`` of each row, shape (n + 1,)."""
+    listed: Ints
+    """Pairs (., i), row by row, shape (q,)."""
+    parent: Ints
+    """Aggregate of each block, -1 for none, shape (n,)."""
+    start: Ints
+    """First of each aggregate's ``members``, shape (number of aggregates + 1,)."""
+    members: Ints
+    """Blocks of the aggregates."""
+    offset: Floats
+    """Centroid of each block less the centre of its aggregate, m, shape (n, 2)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Levels:
+    """All levels, the finest first, as the kernels take them."""
+
+    levels: tuple[tuple[Any, ...], ...]
+    """For each field of Level the arrays of all levels, filled up to LEVELS."""
+    last: int
+    """Index of the coarsest level."""
+    factor: Floats
+    """Its Cholesky factor, or nothing where it is too large for one."""
+    work: tuple[tuple[Floats, ...], ...]
+    """Eight arrays (n, 6) per level."""
+
+
+WORK = 8
+"""Arrays that a cycle needs on each level."""
+
+
+def levels_of(system: BlockSystem) -> Levels:
+    """Return the levels of a symmetric system; raises StepRejected where it is singular."""
+    found: list[Level] = []
+    diagonal, upper, pairs = system.diagonal, system.upper, system.pairs
+    centroid = system.centroid
+    while True:
+        level, centre = _level(diagonal, upper, pairs, centroid)
+        found.append(level)
+        count, aggregated = len(diagonal), len(level.start) - 1
+        if len(found) == LEVELS or aggregated == 0:
+            break
+        if count <= COARSEST or aggregated > STALLED * count:
+            break
+        coarse = aggregates.coarse_pairs(
+            pairs, level.right, level.left, level.listed, level.parent, level.start, level.members
+        )
+        diagonal, upper = aggregates.coarse_matrix(
+            diagonal,
+            upper,
+            pairs,
+            level.right,
+            level.left,
+            level.listed,
+            level.parent,
+            level.start,
+            level.members,
+            level.offset,
+            coarse,
+        )
+        pairs, centroid = coarse, centre
+    factor = np.zeros((0, 0))
+    if len(diagonal) <= COARSEST:
+        factor, definite = dense.factor_blocks(diagonal, pairs, upper)
+        if not definite:
+            raise StepRejected(StepOutcome.SINGULAR, "the matrix is not positive definite")
+    filled = [*found, *[_EMPTY] * (LEVELS - len(found))]
+    return Levels(
+        levels=tuple(tuple(column) for column in zip(*map(_fields, filled), strict=True)),
+        last=len(found) - 1,
+        factor=factor,
+        work=tuple(
+            tuple(np.empty((len(level.diagonal), 6)) for level in filled) for _ in range(WORK)
+        ),
+    )
+
+
+def _fields(level: Level) -> tuple[Any, ...]:
+    return tuple(vars(level).values())
+
+
+def _level(diagonal: Floats, upper: Floats, pairs: Ints, centroid: Floats) -> tuple[Level, Floats]:
+    """Return a level and the centres (N, 2) of its aggregates, m."""
+    count = len(diagonal)
+    inverse, bad = block_rows.inverse_blocks(diagonal)
+    if bad >= 0:
+        raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
+    right, left, listed = block_rows.row_pointers(count, pairs)
+    strong = aggregates.strong_pairs(diagonal, pairs, upper)
+    parent, number = aggregates.aggregate(count, pairs, right, left, listed, strong)
+    start, members = aggregates.members_of(parent, number)
+    centre, offset = aggregates.centres(start, members, centroid)
+    level = Level(
+        diagonal=diagonal,
+        inverse=inverse,
+        upper=upper,
+        pairs=pairs,
+        right=right,
+        left=left,
+        listed=listed,
+        parent=parent,
+        start=start,
+        members=members,
+        offset=offset,
+    )
+    return level, centre
+
+
+_EMPTY = Level(
+    diagonal=np.zeros((0, 6, 6)),
+    inverse=np.zeros((0, 6, 6)),
+    upper=np.zeros((0, 6, 6)),
+    pairs=np.zeros((0, 2), np.int64),
+    right=np.zeros(1, np.int64),
+    left=np.zeros(1, np.int64),
+    listed=np.zeros(0, np.int64),
+    parent=np.zeros(0, np.int64),
+    start=np.zeros(1, np.int64),
+    members=np.zeros(0, np.int64),
+    offset=np.zeros((0, 2)),
+)
+"""What stands for levels that are not there."""

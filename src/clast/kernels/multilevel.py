@@ -1,0 +1,196 @@
+"""Conjugate gradients preconditioned by a cycle over levels of larger and larger blocks.
+
+Level k + 1 is the system of the aggregates of level k (kernels/aggregates.py).  On each level one
+damped Jacobi step goes before and one after the correction by the next level, which is found by one
+or two cycles there, combined so that the error's energy is least (K-cycle, Notay and Vassilevski
+2008).  The last level is factorised.
+
+The cycle is positive definite whatever the contacts: each adds k m m^T to K, and with the sign of
+one block's half of m changed it still adds something positive, so that K <= 2 D.
+
+A level is (diagonal, inverse, upper, pairs, right, left, listed, parent, start, members, offset):
+its blocks, the inverses of the diagonal ones, its rows (kernels/block_rows.py) and its aggregates.
+``levels`` holds one tuple of arrays, over the levels, for each of these, and ``work`` one for each
+of eight vectors.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.kernels.aggregates import prolong, restrict
+from clast.kernels.block_rows import FMA, dot, multiply, relax
+from clast.kernels.compiled import kernel
+from clast.kernels.dense import solve_factored
+
+LEVELS = 8
+"""Levels at most: each has about a seventh of the blocks of the one before."""
+GOOD = 0.25
+"""A first cycle that leaves less than this share of the residual needs no second."""
+DAMPING = 0.8
+"""Share of a Jacobi step; of 0.6 to 1 the fewest iterations, and below 1 the cycle is definite."""
+
+
+@kernel()
+def _multiply(k, levels, x, y):
+    """Write K x of level k into y and return x.K x."""
+    return multiply(
+        levels[0][k],
+        levels[2][k],
+        levels[3][k],
+        levels[4][k],
+        levels[5][k],
+        levels[6][k],
+        x,
+        y,
+    )
+
+
+@kernel()
+def _smooth_before(k, levels, b, x, rest):
+    """Take a Jacobi step from zero into x; write what is left of b into ``rest``."""
+    x[:] = 0.0
+    relax(DAMPING, levels[1][k], b, x, x)
+    _multiply(k, levels, x, rest)
+    for i in range(len(b)):
+        for a in range(6):
+            rest[i, a] = b[i, a] - rest[i, a]
+
+
+@kernel()
+def _smooth_after(k, levels, b, product, x):
+    """Take a Jacobi step from x; ``product`` is overwritten."""
+    _multiply(k, levels, x, product)
+    relax(DAMPING, levels[1][k], b, product, x)
+
+
+@kernel()
+def _combine(b, c, v, d, w, e):
+    """Write into e the best correction from cycles c and d, given v = K c and w = K d."""
+    rho, alpha = dot(c, v), dot(c, b)
+    gamma, beta = dot(d, v), dot(d, w)
+    second = beta - gamma * gamma / rho
+    of_d = (dot(d, b) - gamma * alpha / rho) / second if second > 0.0 else 0.0
+    of_c = (alpha - gamma * of_d) / rho
+    for i in range(len(e)):
+        for a in range(6):
+            e[i, a] = of_c * c[i, a] + of_d * d[i, a]
+
+
+@kernel()
+def _solve_last(k, levels, factor, work):
+    """Solve the last level: by its factor, or roughly by two Jacobi steps where it has none."""
+    rhs, result, rest = work[0][k], work[1][k], work[3][k]
+    if len(factor) > 0:
+        solve_factored(factor, rhs, result)
+        return
+    _smooth_before(k, levels, rhs, result, rest)
+    _smooth_after(k, levels, rhs, rest, result)
+
+
+@kernel()
+def _go_down(k, second, levels, work):
+    """Smooth level k and hand what is left to the next level as its right-hand side."""
+    b = work[5][k] if second else work[0][k]
+    x = work[1][k] if k == 0 else work[7][k] if second else work[4][k]
+    _smooth_before(k, levels, b, x, work[3][k])
+    restrict(levels[8][k], levels[9][k], levels[10][k], work[3][k], work[0][k + 1])
+
+
+@kernel()
+def _come_up(k, second, levels, work):
+    """Correct level k by the next one and smooth; return True if it is done, after 1 or 2 cycles.
+
+    With c and d the results of the two cycles, the second is for what c leaves of the right-hand
+    side, and the answer is the combination of c and d with the least error in energy.
+    """
+    rhs, result, rest = work[0][k], work[1][k], work[3][k]
+    c, other, product, d = work[4][k], work[5][k], work[6][k], work[7][k]
+    b = other if second else rhs
+    x = result if k == 0 else d if second else c
+    prolong(levels[7][k], levels[10][k], work[1][k + 1], x)
+    _smooth_after(k, levels, b, rest, x)
+    if k == 0:
+        return True
+    if second:
+        _multiply(k, levels, d, rest)
+        _combine(rhs, c, product, d, rest, result)
+        return True
+    alpha, rho = dot(c, rhs), _multiply(k, levels, c, product)
+    share = alpha / rho if rho > 0.0 else 0.0
+    left, whole = 0.0, 0.0
+    for i in range(len(rhs)):
+        for a in range(6):
+            result[i, a] = share * c[i, a]
+            other[i, a] = rhs[i, a] - share * product[i, a]
+            left += other[i, a] ** 2
+            whole += rhs[i, a] ** 2
+    return left <= GOOD**2 * whole
+
+
+@kernel()
+def _cycle(last, levels, factor, work):
+    """Solve level 0 roughly: work[1][0] becomes about K^-1 work[0][0]."""
+    second = np.zeros(LEVELS, np.bool_)
+    k = 0
+    while True:
+        while k < last:
+            _go_down(k, second[k], levels, work)
+            k += 1
+            second[k] = False
+        _solve_last(k, levels, factor, work)
+        while True:
+            if k == 0:
+                return
+            k -= 1
+            if not _come_up(k, second[k], levels, work):
+                second[k] = True
+                break
+
+
+@kernel(fastmath=FMA)
+def _advance(alpha, p, kp, x, r):
+    """Go alpha along p: x += alpha p, r -= alpha K p."""
+    for i in range(len(p)):
+        for a in range(6):
+            x[i, a] += alpha * p[i, a]
+            r[i, a] -= alpha * kp[i, a]
+
+
+@kernel()
+def solve(levels, last, factor, work, force, tolerance, limit):
+    """Return d (n, 6) of K d = F, the iterations and the final reduction of r.B r.
+
+    B is the cycle.  Flexible conjugate gradients (the K-cycle is not quite linear) that stop where
+    r.B r has fallen to tolerance^2 of its start, or after ``limit`` iterations; inf where K or B is
+    not positive definite.
+    """
+    x = np.zeros_like(force)
+    r, z = work[0][0], work[1][0]
+    r[:] = force
+    _cycle(last, levels, factor, work)
+    rz = dot(r, z)
+    start = rz
+    if start == 0.0:
+        return x, 0, 0.0
+    p = z.copy()
+    kp = np.empty_like(force)
+    count = 0
+    while count < limit and rz > tolerance**2 * start:
+        curvature = _multiply(0, levels, p, kp)
+        if not curvature > 0.0:
+            return x, count, np.inf
+        alpha = rz / curvature
+        _advance(alpha, p, kp, x, r)
+        count += 1
+        _cycle(last, levels, factor, work)
+        following = dot(r, z)
+        if not following >= 0.0:
+            return x, count, np.inf
+        # z.(r - r_before), Polak and Ribiere's, for a preconditioner that is not quite linear
+        beta = -alpha * dot(kp, z) / rz
+        rz = following
+        for i in range(len(p)):
+            for a in range(6):
+                p[i, a] = z[i, a] + beta * p[i, a]
+    return x, count, np.sqrt(rz / start)
