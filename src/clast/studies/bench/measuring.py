@@ -1,0 +1,122 @@
+"""Runs scenes and measures what they cost: time by stage, iterations, accuracy, memory."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from time import perf_counter
+
+import numpy as np
+
+from clast.errors import RunStopped
+from clast.interfaces import Method, StepProcess, StepResult
+from clast.model import Model
+from clast.results import Run, RunRecorder
+from clast.simulate import simulate
+from clast.state import State
+from clast.studies.bench.bandwidth import measured_product, system_of_step, triad_rate
+from clast.studies.bench.footprint import footprint
+from clast.studies.bench.machine import forget_peak, peak_memory, this_machine
+from clast.studies.bench.measured import Benchmark, Measured
+from clast.studies.bench.scenes import SCENES, Scene
+from clast.studies.bench.wishes import Wishes, method_for, schedule_of
+
+WARM_SIZES = (100, 400)
+"""Sizes that are run first and not counted: one is factorised and one iterated."""
+WARM_STEPS = 3
+"""Steps of such a run."""
+
+Watch = Callable[[str], None]
+"""Called with what is going on."""
+
+
+def benchmark(wishes: Wishes, watch: Watch = lambda _: None) -> Benchmark:
+    """Return what all scenes and sizes of the wishes cost, compilation not counted."""
+    scenes = [SCENES[name] for name in wishes.scenes]
+    watch("compiling")
+    warm_up(scenes, wishes)
+    rows = []
+    for scene in scenes:
+        for size in wishes.sizes:
+            watch(f"{scene.title}, {size} blocks")
+            rows.append(measure(scene, size, wishes))
+    watch("memory bandwidth")
+    return Benchmark(
+        machine=this_machine(),
+        wishes=wishes,
+        triad=triad_rate(),
+        triad_by_threads=triad_rate(threads=True),
+        rows=tuple(rows),
+    )
+
+
+def warm_up(scenes: Sequence[Scene], wishes: Wishes) -> None:
+    """Run small scenes, so that kernels are compiled and loaded before anything is measured."""
+    short = replace(wishes, steps=WARM_STEPS, end=None, results=None)
+    for size in WARM_SIZES:
+        for scene in dict.fromkeys((SCENES["wall"], *scenes)):
+            measure(scene, size, short)
+
+
+def measure(scene: Scene, size: int, wishes: Wishes) -> Measured:
+    """Build a scene, run it and return what that cost."""
+    gc.collect()
+    forget_peak()
+    begun = perf_counter()
+    model = scene.build(size)
+    built = perf_counter() - begun
+    method = method_for(model, wishes)
+    kept = Kept(method.process)
+    recorder = RunRecorder(model, output=wishes.file_of(scene.name, size))
+    run = _run(model, replace(method, process=kept), wishes, recorder)
+    peak = peak_memory()
+    system = system_of_step(model, method, run.state, wishes.step)
+    moved = run.state.vertices[:, 0] - model.vertices[:, 0]
+    return Measured(
+        scene=scene,
+        wanted=size,
+        blocks=model.block_count,
+        contacts=len(kept.last.contacts) if kept.last else 0,
+        pairs=len(kept.last.contacts.pairs) if kept.last else 0,
+        report=run.report,
+        simulated=run.state.time,
+        drift=float(np.abs(moved).max()) if scene.rests else None,
+        build_seconds=built,
+        footprint=footprint(model, run.state, kept.last, system),
+        peak=peak,
+        product=None if system is None else measured_product(system),
+    )
+
+
+class Kept:
+    """A process that keeps the result of its last step."""
+
+    def __init__(self, process: StepProcess) -> None:
+        self._process = process
+        self.last: StepResult | None = None
+
+    def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
+        """Return the state ``step`` seconds later."""
+        self.last = self._process.step(model, method, state, step)
+        return self.last
+
+    def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
+        """Return what the process itself advises."""
+        return self._process.advice(model, method, state, step)
+
+    def stiffness(self, model: Model, step: float) -> tuple[float, str]:
+        """Return what the process itself takes."""
+        return self._process.stiffness(model, step)
+
+
+def _run(model: Model, method: Method, wishes: Wishes, recorder: RunRecorder) -> Run:
+    """Return the run, also where it could not go on; interrupting it interrupts everything."""
+    try:
+        run = simulate(model, method, schedule_of(wishes), recorder=recorder)
+    except RunStopped as stopped:
+        partial: Run = stopped.run  # type: ignore[assignment]
+        return partial
+    if not run.report.finished:
+        raise KeyboardInterrupt
+    return run

@@ -1,0 +1,115 @@
+"""A benchmark as tables of texts: what the command line and pages show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from clast.studies.bench.measured import Benchmark, Measured
+
+NOTHING = "-"
+"""What stands where there is no figure."""
+STAGES = (
+    "contacts",
+    "base system",
+    "law",
+    "assembly",
+    "solve",
+    "line search",
+    "advance",
+    "tunnelling",
+    "ledger",
+)
+"""Stages in the order of a step; others follow."""
+HEADINGS = (
+    "scene",
+    "blocks",
+    "contacts",
+    "steps",
+    "passes",
+    "pcg",
+    "drift, m",
+    "penetration, m",
+    "wall per s",
+    "build",
+    "B/block",
+    "B/contact",
+    "peak",
+    "product",
+    "of triad",
+)
+"""Headings of the first table."""
+
+
+def cells(row: Measured) -> tuple[str, ...]:
+    """Return the texts of a row, in the order of the headings."""
+    product = row.product
+    return (
+        row.scene.name,
+        str(row.blocks),
+        str(row.contacts),
+        _steps(row),
+        _number(row.counted("passes")),
+        _number(row.counted("pcg")),
+        _number(row.drift),
+        _number(row.report.largest_penetration),
+        f"{row.per_simulated_second:.3g} s",
+        f"{row.build_seconds:.3g} s",
+        f"{row.footprint.per_block:.0f}",
+        f"{row.footprint.per_contact:.0f}",
+        f"{row.peak / 2**20:.0f} MiB",
+        NOTHING if product is None else _rate(product.rate),
+        NOTHING if product is None else f"{100.0 * product.share:.0f} %",
+    )
+
+
+def stage_headings(benchmark: Benchmark) -> tuple[str, ...]:
+    """Return the headings of the second table: ms per step, and by stage."""
+    return ("scene", "blocks", "ms/step", *_stages(benchmark.rows))
+
+
+def stage_cells(benchmark: Benchmark, row: Measured) -> tuple[str, ...]:
+    """Return the texts of a row of the second table."""
+    used = row.stages
+    return (
+        row.scene.name,
+        str(row.blocks),
+        f"{row.milliseconds:.3g}",
+        *(_number(used.get(name)) for name in _stages(benchmark.rows)),
+    )
+
+
+def remarks(benchmark: Benchmark) -> list[str]:
+    """Return what has to be said below the tables: the machine, units, runs that stopped."""
+    wishes = benchmark.wishes
+    said = [
+        str(benchmark.machine),
+        f"h = {wishes.step:g} s, p/E = {wishes.share:g}, solver {wishes.solver}",
+        "passes, pcg: Newton iterations and iterations of the solver per step; drift: largest "
+        "horizontal movement of what should rest",
+        f"triad in main memory: {_rate(benchmark.triad)} by one thread, "
+        f"{_rate(benchmark.triad_by_threads)} by all; 'of triad': over as many bytes, one thread",
+    ]
+    for row in benchmark.rows:
+        if not row.report.finished:
+            said.append(f"{row.scene.name}, {row.blocks} blocks: {row.report.outcome}")
+    return said
+
+
+def _stages(rows: Sequence[Measured]) -> tuple[str, ...]:
+    """Return all stages that a row has, in the order of a step."""
+    found = dict.fromkeys(name for row in rows for name in row.stages)
+    others = [name for name in found if name not in STAGES and name != "other"]
+    return (*(name for name in STAGES if name in found), *others, "other")
+
+
+def _steps(row: Measured) -> str:
+    cut = row.report.cut_steps
+    return f"{row.report.steps} ({cut} cut)" if cut else str(row.report.steps)
+
+
+def _number(value: float | None) -> str:
+    return NOTHING if value is None else f"{value:.3g}"
+
+
+def _rate(rate: float) -> str:
+    return f"{rate / 1e9:.3g} GB/s"
