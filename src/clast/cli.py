@@ -589,6 +589,8 @@ def _print_benchmark(measured: Benchmark) -> None:
     _print_table(_plain_table(table.HEADINGS, [table.cells(row) for row in rows]))
     by_stage = [table.stage_cells(measured, row) for row in rows]
     _print_table(_plain_table(table.stage_headings(measured), by_stage, title="ms per step"))
+    memory = [table.memory_cells(measured, row) for row in rows]
+    _print_table(_plain_table(table.MEMORY_HEADINGS, memory, title="memory"))
     for remark in table.remarks(measured):
         typer.echo(remark)
 

@@ -15,11 +15,20 @@ from clast.results import read_results
 from clast.studies.bench import SCENES, Benchmark, Wishes, benchmark, measure, sizes_in
 from clast.studies.bench.bandwidth import bytes_of_product, system_of_step
 from clast.studies.bench.scenes import outlines_of_wall, wall
-from clast.studies.bench.table import HEADINGS, cells, remarks, stage_cells, stage_headings
+from clast.studies.bench.table import (
+    HEADINGS,
+    MEMORY_HEADINGS,
+    cells,
+    memory_cells,
+    remarks,
+    stage_cells,
+    stage_headings,
+)
 from clast.studies.bench.wishes import method_for, schedule_of
 from systems import at_start, overlaps
 
 SHORT = ["--size", "40", "--steps", "3"]
+PRODUCT = {"bytes", "rate", "triad", "triad_by_threads", "share"}
 STAGES = {"contacts", "base system", "law", "advance", "tunnelling", "ledger", "other"}
 
 
@@ -85,6 +94,7 @@ def test_every_scene_is_measured(measured):
         assert row.product is not None and row.product.rate > 0.0
         assert len(cells(row)) == len(HEADINGS)
         assert len(stage_cells(measured, row)) == len(stage_headings(measured))
+        assert len(memory_cells(measured, row)) == len(MEMORY_HEADINGS)
     assert any("triad" in remark for remark in remarks(measured))
 
 
@@ -104,7 +114,7 @@ def test_figures_for_a_program(measured):
     for row in content["rows"]:
         assert row["counts_per_step"]["passes"] > 0.0
         assert row["wall_per_simulated_second"] > 0.0
-        assert set(row["product"]) == {"bytes", "rate", "triad", "share"}
+        assert set(row["product"]) == PRODUCT
 
 
 def test_the_product_moves_every_block_once():

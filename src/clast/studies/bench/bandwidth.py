@@ -25,18 +25,23 @@ LARGE = 192 * 2**20
 
 @dataclass(frozen=True, kw_only=True)
 class Product:
-    """The matrix product of a step's system against the triad; figures of one thread."""
+    """The matrix product of a step's system against the triad over as many bytes.
+
+    Both are held by the same caches then; small systems never come near main memory.
+    """
 
     bytes: int
     """Bytes moved: every block of the matrix read once, x read and y written."""
     rate: float
     """Bytes per second of the product."""
     triad: float
-    """Bytes per second of the triad over as many bytes, so that both share the same caches."""
+    """Bytes per second of the triad, one thread."""
+    triad_by_threads: float
+    """Bytes per second of the triad, all threads."""
 
     @property
     def share(self) -> float:
-        """Rate of the product as a share of the triad's."""
+        """Rate of the product as a share of the triad's by one thread."""
         return self.rate / self.triad
 
     def as_dict(self) -> dict[str, Any]:
@@ -89,7 +94,12 @@ def measured_product(system: BlockSystem) -> Product:
     x, y = np.ones_like(system.force), np.empty_like(system.force)
     moved = bytes_of_product(system)
     taken = fastest(lambda: pcg.multiply(system.diagonal, system.pairs, system.upper, x, y))
-    return Product(bytes=moved, rate=moved / taken, triad=triad_rate(moved))
+    return Product(
+        bytes=moved,
+        rate=moved / taken,
+        triad=triad_rate(moved),
+        triad_by_threads=triad_rate(moved, threads=True),
+    )
 
 
 def triad_rate(moved: int = LARGE, *, threads: bool = False) -> float:

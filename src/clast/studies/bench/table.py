@@ -30,19 +30,25 @@ HEADINGS = (
     "drift, m",
     "penetration, m",
     "wall per s",
-    "build",
-    "B/block",
-    "B/contact",
-    "peak",
-    "product",
-    "of triad",
+    "µs/block/step",
 )
 """Headings of the first table."""
+MEMORY_HEADINGS = (
+    "scene",
+    "blocks",
+    "build, s",
+    "B/block",
+    "B/contact",
+    "peak, MiB",
+    "product, GB/s",
+    "of triad",
+    "of triad in main memory",
+)
+"""Headings of the third table."""
 
 
 def cells(row: Measured) -> tuple[str, ...]:
     """Return the texts of a row, in the order of the headings."""
-    product = row.product
     return (
         row.scene.name,
         str(row.blocks),
@@ -53,12 +59,7 @@ def cells(row: Measured) -> tuple[str, ...]:
         _number(row.drift),
         _number(row.report.largest_penetration),
         f"{row.per_simulated_second:.3g} s",
-        f"{row.build_seconds:.3g} s",
-        f"{row.footprint.per_block:.0f}",
-        f"{row.footprint.per_contact:.0f}",
-        f"{row.peak / 2**20:.0f} MiB",
-        NOTHING if product is None else _rate(product.rate),
-        NOTHING if product is None else f"{100.0 * product.share:.0f} %",
+        f"{1e3 * row.milliseconds / row.blocks:.3g}",
     )
 
 
@@ -78,6 +79,27 @@ def stage_cells(benchmark: Benchmark, row: Measured) -> tuple[str, ...]:
     )
 
 
+def memory_cells(benchmark: Benchmark, row: Measured) -> tuple[str, ...]:
+    """Return the texts of a row of the third table: memory and its bandwidth."""
+    product = row.product
+    rates = (NOTHING, NOTHING, NOTHING)
+    if product is not None:
+        rates = (
+            f"{product.rate / 1e9:.3g}",
+            f"{100.0 * product.share:.0f} %",
+            f"{100.0 * product.rate / benchmark.triad:.0f} %",
+        )
+    return (
+        row.scene.name,
+        str(row.blocks),
+        f"{row.build_seconds:.3g}",
+        f"{row.footprint.per_block:.0f}",
+        f"{row.footprint.per_contact:.0f}",
+        f"{row.peak / 2**20:.0f}",
+        *rates,
+    )
+
+
 def remarks(benchmark: Benchmark) -> list[str]:
     """Return what has to be said below the tables: the machine, units, runs that stopped."""
     wishes = benchmark.wishes
@@ -87,7 +109,8 @@ def remarks(benchmark: Benchmark) -> list[str]:
         "passes, pcg: Newton iterations and iterations of the solver per step; drift: largest "
         "horizontal movement of what should rest",
         f"triad in main memory: {_rate(benchmark.triad)} by one thread, "
-        f"{_rate(benchmark.triad_by_threads)} by all; 'of triad': over as many bytes, one thread",
+        f"{_rate(benchmark.triad_by_threads)} by all; 'of triad': over as many bytes as "
+        "the product moves, one thread",
     ]
     for row in benchmark.rows:
         if not row.report.finished:
