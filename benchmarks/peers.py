@@ -1,6 +1,6 @@
 """clast beside Chipmunk and Box2D v3: the same walls and heaps, one program after the other.
 
-    pip install --group peers -c constraints.txt    Chipmunk (pymunk) and Box2D (pyb2d3)
+    pip install -c constraints.txt pymunk pyb2d3    Chipmunk and Box2D, the group "peers"
     python benchmarks/peers.py --walls 105 --heaps  seconds: one small wall
     python benchmarks/peers.py                      all of it: an hour or so
     python benchmarks/peers.py --page               write docs/performance.md from what is kept

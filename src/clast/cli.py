@@ -336,8 +336,11 @@ def bench(
     step: Annotated[float, typer.Option(metavar="H", help="Length of a step, s.")] = 1e-3,
     steps: Annotated[int | None, typer.Option(metavar="K", help="Steps; 50 if absent.")] = None,
     end: Annotated[
-        float | None, typer.Option(metavar="T", help="End of the runs, s, instead of --steps.")
+        float | None, typer.Option(metavar="T", help="Simulated time, s, instead of --steps.")
     ] = None,
+    settle: Annotated[
+        int, typer.Option(metavar="K", help="Steps before these that are not counted.")
+    ] = 0,
     stiffness: Annotated[
         float, typer.Option(metavar="SHARE", help="Normal stiffness p as a share of E.")
     ] = 1.0,
@@ -360,6 +363,7 @@ def bench(
         step=step,
         steps=steps,
         end=end,
+        settle=settle,
         share=stiffness,
         solver=solver,
         results=results,

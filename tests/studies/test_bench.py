@@ -73,7 +73,7 @@ def test_squares_fall_from_the_start():
     model = SCENES["heap"].build(30)
     found = measure(SCENES["heap"], 30, Wishes(end=0.02, step=5e-3))
     assert found.contacts == 0 and found.drift is None
-    assert found.simulated == pytest.approx(0.02)
+    assert found.costs.simulated == pytest.approx(0.02)
     turned = model.vertices[model.block_start[:-1]][~model.fixed]
     assert len(np.unique(np.round(turned[:, 0] % 1.15, 9))) > 20
     again = SCENES["heap"].build(30)
@@ -96,6 +96,16 @@ def test_every_scene_is_measured(measured):
         assert len(stage_cells(measured, row)) == len(stage_headings(measured))
         assert len(memory_cells(measured, row)) == len(MEMORY_HEADINGS)
     assert any("triad" in remark for remark in remarks(measured))
+
+
+def test_steps_in_which_a_wall_settles_are_not_counted():
+    whole = measure(SCENES["wall"], 100, Wishes(steps=6))
+    rest = measure(SCENES["wall"], 100, Wishes(steps=2, settle=4))
+    assert (whole.costs.steps, rest.costs.steps, rest.report.steps) == (6, 2, 6)
+    assert rest.costs.simulated == pytest.approx(2e-3)
+    assert rest.costs.counts["passes"] < whole.costs.counts["passes"]
+    assert rest.costs.wall < rest.report.wall_seconds
+    assert rest.drift == whole.drift
 
 
 def test_figures_for_a_program(measured):
@@ -152,6 +162,7 @@ REFUSED = {
     "negative step": (["--step", "-1e-3"], "--step: -0.001 must be above 0"),
     "no steps": (["--steps", "0"], "--steps: 0 is no number of steps"),
     "both": (["--steps", "1", "--end", "1"], "--steps and --end"),
+    "negative settle": (["--settle", "-1"], "--settle: -1 is no number of steps"),
     "negative end": (["--end", "-1"], "--end"),
     "stiffness": (["--stiffness", "nan"], "--stiffness"),
     "solver": (["--solver", "cholesk"], "did you mean 'cholesky'?"),

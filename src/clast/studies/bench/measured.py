@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 from clast.results import Report
 from clast.studies.bench.bandwidth import Product
+from clast.studies.bench.counting import Costs
 from clast.studies.bench.footprint import Footprint
 from clast.studies.bench.machine import Machine
 from clast.studies.bench.scenes import Scene
@@ -31,9 +33,9 @@ class Measured:
     pairs: int
     """Pairs of blocks that share them."""
     report: Report
-    """How the run went."""
-    simulated: float
-    """Simulated time, s."""
+    """How the whole run went."""
+    costs: Costs
+    """What the steps that count cost."""
     drift: float | None
     """Largest horizontal movement of a vertex, m; None where things are meant to move."""
     build_seconds: float
@@ -47,28 +49,29 @@ class Measured:
 
     @property
     def steps(self) -> int:
-        """Accepted steps, at least 1."""
-        return max(1, self.report.steps)
+        """Accepted steps that count, at least 1."""
+        return max(1, self.costs.steps)
 
     @property
     def stages(self) -> dict[str, float]:
         """Wall time per step by stage, ms; "other" is what no stage accounts for."""
-        known = {name: 1e3 * used / self.steps for name, used in self.report.seconds.items()}
+        known = {name: 1e3 * used / self.steps for name, used in self.costs.seconds.items()}
         return {**known, "other": self.milliseconds - sum(known.values())}
 
     @property
     def milliseconds(self) -> float:
         """Wall time per step, ms."""
-        return 1e3 * self.report.wall_seconds / self.steps
+        return 1e3 * self.costs.wall / self.steps
 
     @property
     def per_simulated_second(self) -> float:
         """Wall time per simulated second."""
-        return self.report.wall_seconds / self.simulated if self.simulated > 0.0 else float("inf")
+        costs = self.costs
+        return costs.wall / costs.simulated if costs.simulated > 0.0 else math.inf
 
     def counted(self, name: str) -> float | None:
         """Return a count of the process per step, or None where it does not count that."""
-        total = self.report.counts.get(name)
+        total = self.costs.counts.get(name)
         return None if total is None else total / self.steps
 
     def as_dict(self) -> dict[str, Any]:
@@ -80,19 +83,19 @@ class Measured:
             "blocks": self.blocks,
             "contacts": self.contacts,
             "pairs": self.pairs,
-            "steps": self.report.steps,
+            "steps": self.costs.steps,
             "cut_steps": self.report.cut_steps,
             "finished": self.report.finished,
             "outcome": self.report.outcome,
-            "simulated": self.simulated,
+            "simulated": self.costs.simulated,
             "build_seconds": self.build_seconds,
-            "wall_seconds": self.report.wall_seconds,
+            "wall_seconds": self.costs.wall,
             "wall_per_simulated_second": self.per_simulated_second,
             "ms_per_step": self.milliseconds,
             "ms_per_step_by_stage": self.stages,
-            "counts_per_step": {name: n / self.steps for name, n in self.report.counts.items()},
+            "counts_per_step": {name: n / self.steps for name, n in self.costs.counts.items()},
             "drift": self.drift,
-            "largest_penetration": self.report.largest_penetration,
+            "largest_penetration": self.costs.penetration,
             "bytes_per_block": self.footprint.per_block,
             "bytes_per_contact": self.footprint.per_contact,
             "peak_memory": self.peak,

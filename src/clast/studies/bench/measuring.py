@@ -10,12 +10,12 @@ from time import perf_counter
 import numpy as np
 
 from clast.errors import RunStopped
-from clast.interfaces import Method, StepProcess, StepResult
+from clast.interfaces import Method
 from clast.model import Model
 from clast.results import Run, RunRecorder
 from clast.simulate import simulate
-from clast.state import State
 from clast.studies.bench.bandwidth import measured_product, system_of_step, triad_rate
+from clast.studies.bench.counting import Counted
 from clast.studies.bench.footprint import footprint
 from clast.studies.bench.machine import forget_peak, peak_memory, this_machine
 from clast.studies.bench.measured import Benchmark, Measured
@@ -53,7 +53,7 @@ def benchmark(wishes: Wishes, watch: Watch = lambda _: None) -> Benchmark:
 
 def warm_up(scenes: Sequence[Scene], wishes: Wishes) -> None:
     """Run small scenes, so that kernels are compiled and loaded before anything is measured."""
-    short = replace(wishes, steps=WARM_STEPS, end=None, results=None)
+    short = replace(wishes, steps=WARM_STEPS, end=None, settle=0, results=None)
     for size in WARM_SIZES:
         for scene in dict.fromkeys((SCENES["wall"], *scenes)):
             measure(scene, size, short)
@@ -67,9 +67,9 @@ def measure(scene: Scene, size: int, wishes: Wishes) -> Measured:
     model = scene.build(size)
     built = perf_counter() - begun
     method = method_for(model, wishes)
-    kept = Kept(method.process)
+    counted = Counted(method.process, wishes.settle)
     recorder = RunRecorder(model, output=wishes.file_of(scene.name, size))
-    run = _run(model, replace(method, process=kept), wishes, recorder)
+    run = _run(model, replace(method, process=counted), wishes, recorder)
     peak = peak_memory()
     system = system_of_step(model, method, run.state, wishes.step)
     moved = run.state.vertices[:, 0] - model.vertices[:, 0]
@@ -77,37 +77,16 @@ def measure(scene: Scene, size: int, wishes: Wishes) -> Measured:
         scene=scene,
         wanted=size,
         blocks=model.block_count,
-        contacts=len(kept.last.contacts) if kept.last else 0,
-        pairs=len(kept.last.contacts.pairs) if kept.last else 0,
+        contacts=len(counted.last.contacts) if counted.last else 0,
+        pairs=len(counted.last.contacts.pairs) if counted.last else 0,
         report=run.report,
-        simulated=run.state.time,
+        costs=counted.costs,
         drift=float(np.abs(moved).max()) if scene.rests else None,
         build_seconds=built,
-        footprint=footprint(model, run.state, kept.last, system),
+        footprint=footprint(model, run.state, counted.last, system),
         peak=peak,
         product=None if system is None else measured_product(system),
     )
-
-
-class Kept:
-    """A process that keeps the result of its last step."""
-
-    def __init__(self, process: StepProcess) -> None:
-        self._process = process
-        self.last: StepResult | None = None
-
-    def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
-        """Return the state ``step`` seconds later."""
-        self.last = self._process.step(model, method, state, step)
-        return self.last
-
-    def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
-        """Return what the process itself advises."""
-        return self._process.advice(model, method, state, step)
-
-    def stiffness(self, model: Model, step: float) -> tuple[float, str]:
-        """Return what the process itself takes."""
-        return self._process.stiffness(model, step)
 
 
 def _run(model: Model, method: Method, wishes: Wishes, recorder: RunRecorder) -> Run:

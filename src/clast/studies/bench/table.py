@@ -57,7 +57,7 @@ def cells(row: Measured) -> tuple[str, ...]:
         _number(row.counted("passes")),
         _number(row.counted("pcg")),
         _number(row.drift),
-        _number(row.report.largest_penetration),
+        _number(row.costs.penetration),
         f"{row.per_simulated_second:.3g} s",
         f"{1e3 * row.milliseconds / row.blocks:.3g}",
     )
@@ -105,7 +105,8 @@ def remarks(benchmark: Benchmark) -> list[str]:
     wishes = benchmark.wishes
     said = [
         str(benchmark.machine),
-        f"h = {wishes.step:g} s, p/E = {wishes.share:g}, solver {wishes.solver}",
+        f"h = {wishes.step:g} s, p/E = {wishes.share:g}, solver {wishes.solver}"
+        + (f"; {wishes.settle} steps before are not counted" if wishes.settle else ""),
         "passes, pcg: Newton iterations and iterations of the solver per step; drift: largest "
         "horizontal movement of what should rest",
         f"triad in main memory: {_rate(benchmark.triad)} by one thread, "
@@ -127,7 +128,7 @@ def _stages(rows: Sequence[Measured]) -> tuple[str, ...]:
 
 def _steps(row: Measured) -> str:
     cut = row.report.cut_steps
-    return f"{row.report.steps} ({cut} cut)" if cut else str(row.report.steps)
+    return f"{row.costs.steps} ({cut} cut)" if cut else str(row.costs.steps)
 
 
 def _number(value: float | None) -> str:

@@ -37,7 +37,9 @@ class Wishes:
     steps: int | None = None
     """Steps; STEPS where there is no end either."""
     end: float | None = None
-    """End of the runs, s, instead of a number of steps."""
+    """Simulated time, s, instead of a number of steps."""
+    settle: int = 0
+    """Steps at the start that are not counted: what is to rest settles under its weight."""
     share: float = 1.0
     """Normal stiffness as a share of Young's modulus."""
     solver: str = "auto"
@@ -57,6 +59,10 @@ class Wishes:
         if self.steps is not None and self.steps < 1:
             raise CaseError(
                 f"{self.steps} is no number of steps", where="--steps", remedy="give 1 or more"
+            )
+        if self.settle < 0:
+            raise CaseError(
+                f"{self.settle} is no number of steps", where="--settle", remedy="give 0 or more"
             )
         if self.end is not None:
             _check_positive(self.end, "--end", "give the end of the runs in s")
@@ -80,6 +86,7 @@ class Wishes:
             "sizes": list(self.sizes),
             "step": self.step,
             "end": schedule_of(self).end,
+            "settle": self.settle,
             "stiffness": self.share,
             "solver": self.solver,
         }
@@ -116,6 +123,7 @@ def schedule_of(wishes: Wishes) -> Schedule:
     end = wishes.end
     if end is None:
         end = wishes.step * (STEPS if wishes.steps is None else wishes.steps)
+    end += wishes.settle * wishes.step
     return Schedule(step=wishes.step, end=end, every=end)
 
 
