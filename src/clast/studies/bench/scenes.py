@@ -153,7 +153,9 @@ def slope_of(size: int) -> Model:
     """Return a benched slope of about ``size`` parallelograms; the bottom and the back are fixed.
 
     The bedding dips out of the face at 10 degrees, less than the friction angle, and the steep set
-    leans into the rock, so that the slope stands by friction.
+    leans into the rock, so that the slope stands by friction.  It settles along the steep set under
+    its weight, by a tenth of a millimetre with 15 rows and some millimetres with 50: that much of
+    its drift is real.
     """
     rows = min(HIGHEST, max(6, round(math.sqrt(size / 2.0))))
     first = BENCH[1] * (np.maximum(0, np.arange(rows) - 1) // BENCH[0])

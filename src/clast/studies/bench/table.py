@@ -108,7 +108,7 @@ def remarks(benchmark: Benchmark) -> list[str]:
         f"h = {wishes.step:g} s, p/E = {wishes.share:g}, solver {wishes.solver}"
         + (f"; {wishes.settle} steps before are not counted" if wishes.settle else ""),
         "passes, pcg: Newton iterations and iterations of the solver per step; drift: largest "
-        "horizontal movement of what should rest",
+        "horizontal movement of what should rest (slopes settle along their joints as well)",
         f"triad in main memory: {_rate(benchmark.triad)} by one thread, "
         f"{_rate(benchmark.triad_by_threads)} by all; 'of triad': over as many bytes as "
         "the product moves, one thread",
