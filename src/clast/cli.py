@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from clast.results import Report, Run
     from clast.sanity import Sanity
     from clast.studies import Comparison, Deviation
+    from clast.studies.bench import Benchmark
     from clast.verification import Row
 
 MISSED = 1
@@ -68,7 +69,8 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
+    rich_markup_mode=None,  # rich is loaded by commands that print tables, not by --help
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 120},
 )
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).")]
@@ -323,6 +325,62 @@ def compare(
 
 
 @app.command()
+def bench(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="SCENE", help="wall, stack, heap, slope; all if none is named."),
+    ] = None,
+    size: Annotated[
+        str, typer.Option(metavar="N,...", help="Numbers of blocks, separated by commas.")
+    ] = "100,1000",
+    step: Annotated[float, typer.Option(metavar="H", help="Length of a step, s.")] = 1e-3,
+    steps: Annotated[int | None, typer.Option(metavar="K", help="Steps; 50 if absent.")] = None,
+    end: Annotated[
+        float | None, typer.Option(metavar="T", help="Simulated time, s, instead of --steps.")
+    ] = None,
+    settle: Annotated[
+        int, typer.Option(metavar="K", help="Steps before these that are not counted.")
+    ] = 0,
+    stiffness: Annotated[
+        float, typer.Option(metavar="SHARE", help="Normal stiffness p as a share of E.")
+    ] = 1.0,
+    solver: Annotated[str, typer.Option(metavar="NAME", help="Solver, as in case files.")] = "auto",
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write JSON there too.")
+    ] = None,
+    results: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Keep first and last state of every run there."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure what scenes of any size cost: time by stage, iterations, accuracy, memory."""
+    from clast.studies.bench import SCENES, Wishes, benchmark, sizes_in
+
+    wanted = Wishes(
+        scenes=tuple(dict.fromkeys(scenes or SCENES)),
+        sizes=sizes_in(size),
+        step=step,
+        steps=steps,
+        end=end,
+        settle=settle,
+        share=stiffness,
+        solver=solver,
+        results=results,
+    )
+    if output is not None and not output.absolute().parent.is_dir():
+        raise CaseError("its folder does not exist", where=str(output), remedy="make it first")
+    with _status() as say:
+        measured = benchmark(wanted, say)
+    if output is not None:
+        output.write_text(_json(measured.as_dict()) + "\n", encoding="utf-8")
+    if as_json:
+        _print_json(measured.as_dict())
+    else:
+        _print_benchmark(measured)
+
+
+@app.command()
 def warmup() -> None:
     """Compile all kernels ahead of the first run."""
     from time import perf_counter
@@ -527,6 +585,34 @@ def _comparison_table(comparison: Comparison) -> Table:
     return table
 
 
+def _print_benchmark(measured: Benchmark) -> None:
+    """Print what scenes cost, by stage below, and what is to be said of it."""
+    from clast.studies.bench import table
+
+    rows = measured.rows
+    _print_table(_plain_table(table.HEADINGS, [table.cells(row) for row in rows]))
+    by_stage = [table.stage_cells(measured, row) for row in rows]
+    _print_table(_plain_table(table.stage_headings(measured), by_stage, title="ms per step"))
+    memory = [table.memory_cells(measured, row) for row in rows]
+    _print_table(_plain_table(table.MEMORY_HEADINGS, memory, title="memory"))
+    for remark in table.remarks(measured):
+        typer.echo(remark)
+
+
+def _plain_table(
+    headings: Sequence[str], rows: Sequence[Sequence[str]], title: str | None = None
+) -> Table:
+    """Return texts as a table whose first column is words and the others numbers."""
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left")
+    for number, heading in enumerate(headings):
+        table.add_column(heading, justify="right" if number else "left", no_wrap=True)
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
 def _words(listed: str) -> list[str]:
     """Return the words of a list separated by commas."""
     return [word.strip() for word in listed.split(",") if word.strip()]
@@ -565,7 +651,11 @@ def _status() -> Iterator[Callable[[str], None]]:
 
 def _print_json(content: Any) -> None:
     """Print JSON; numbers that JSON does not know become null."""
-    typer.echo(json.dumps(_plain(content), indent=2, ensure_ascii=False))
+    typer.echo(_json(content))
+
+
+def _json(content: Any) -> str:
+    return json.dumps(_plain(content), indent=2, ensure_ascii=False)
 
 
 def _plain(value: Any) -> Any:

@@ -199,7 +199,8 @@ def _crossing(outlines: Outlines, block: int) -> str:
 def check_overlaps(outlines: Outlines, polygons: Geometries) -> None:
     """Refuse blocks that overlap by more than round-off; shared edges and corners are normal."""
     first, second = shapely.STRtree(polygons).query(polygons)
-    first, second = first[first < second], second[first < second]
+    size = np.sqrt(np.abs(outlines.area))
+    first, second = _deep_boxes(outlines, *_ordered(first, second), size)
     shared = shapely.intersection(polygons[first], polygons[second])
     # A pair that only touches shares lines and points; only shared areas overlap.
     parts, pair = shapely.get_parts(shared, return_index=True)
@@ -207,7 +208,6 @@ def check_overlaps(outlines: Outlines, polygons: Geometries) -> None:
     parts, pair = parts[areal], pair[areal]
     # Twice area over perimeter is the thickness of a sliver and half the width of a square.
     depth = 2.0 * shapely.area(parts) / shapely.length(parts)
-    size = np.sqrt(np.abs(outlines.area))
     limit = TOUCHING * np.maximum(size[first[pair]], size[second[pair]])
     bad = np.flatnonzero(depth > limit)
     if len(bad) == 0:
@@ -224,6 +224,24 @@ def check_overlaps(outlines: Outlines, polygons: Geometries) -> None:
         remedy="move or cut the blocks so that they touch at most (coordinates rounded too "
         "coarsely overlap as well: give more digits)",
     )
+
+
+def _ordered(first: Ints, second: Ints) -> tuple[Ints, Ints]:
+    """Return each pair once, the lower block first."""
+    once = first < second
+    return first[once], second[once]
+
+
+def _deep_boxes(outlines: Outlines, first: Ints, second: Ints, size: Floats) -> tuple[Ints, Ints]:
+    """Return the pairs whose bounding boxes share more than round-off in both directions.
+
+    The others share at most a strip of the thickness allowed; in a wall these are all pairs.
+    """
+    low = np.minimum.reduceat(outlines.vertices, outlines.start[:-1])
+    high = np.maximum.reduceat(outlines.vertices, outlines.start[:-1])
+    shared = np.minimum(high[first], high[second]) - np.maximum(low[first], low[second])
+    deep = shared.min(axis=1) > TOUCHING * np.maximum(size[first], size[second])
+    return first[deep], second[deep]
 
 
 def locate(

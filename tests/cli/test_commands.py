@@ -265,6 +265,17 @@ def test_help_starts_without_loading_anything_heavy():
     assert done.returncode == 0, done.stderr
 
 
+def test_help_is_printed_without_rich():
+    code = (
+        "import atexit, sys; from clast.cli import main; sys.argv = ['clast', '--help'];"
+        " atexit.register(lambda: print('rich' in sys.modules)); main()"
+    )
+    done = run_python("-c", code)
+    assert done.returncode == 0, done.stderr
+    assert "bench" in done.stdout
+    assert done.stdout.splitlines()[-1] == "False"
+
+
 def test_every_public_name_is_there():
     for name in clast.__all__:
         assert getattr(clast, name) is not None

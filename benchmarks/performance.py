@@ -1,0 +1,111 @@
+"""The page docs/performance.md, written from figures that were kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+from typing import Any
+
+from clast.studies.comparison_pages import markdown_table
+
+INTRODUCTION = """\
+# Performance
+
+Written by `python benchmarks/peers.py --page` from figures of one machine:
+{machine}.
+
+## Beside other programs
+
+Made by `python benchmarks/peers.py`, one program after the other. The same outlines, tan phi = 0.5,
+2600 kg/m3, no damping, sleeping turned off, one thread. The blocks of Chipmunk and Box2D are rigid
+and their steps explicit; clast's blocks deform (E 5 GPa, nu 0, so that no drift is real) and its
+steps are implicit, so they may be longer. *Drift* is the largest horizontal movement of a corner of
+a wall that should stand still, *overlap* the thickness of the thickest overlap of two blocks, both
+at the end. What counts is wall time at a stated accuracy.
+"""
+SCENES = """\
+## Cost by scene and size
+
+Made by `clast bench --output build/bench.json`: h = {step:g} s, p/E = {stiffness:g}, solver
+{solver}, on {machine}. *Product* is the matrix product of a step's
+system, as a share of a triad over as many bytes, one thread each; the triad reaches
+{triad:.3g} GB/s in main memory.
+"""
+PEER_HEADINGS = ("program", "wall time per simulated second", "drift", "overlap", "remark")
+BENCH_HEADINGS = (
+    "scene",
+    "blocks",
+    "contacts",
+    "ms per step",
+    "µs per block and step",
+    "passes",
+    "pcg",
+    "drift, mm",
+    "penetration, mm",
+    "B/block",
+    "B/contact",
+    "peak, MiB",
+    "product",
+)
+
+
+def page(peers: Mapping[str, Any], bench: Mapping[str, Any] | None) -> str:
+    """Return the page from the content of build/peers.json and, if there is one, bench.json."""
+    lines = [INTRODUCTION.format(machine=machine_text(peers["machine"]))]
+
+    def title(row: Mapping[str, Any]) -> str:
+        return f"{row['scene'].capitalize()} of {row['blocks']:,} blocks"
+
+    order = {"wall": 0, "heap": 1}
+    rows = sorted(peers["rows"], key=lambda row: (order[row["scene"]], row["blocks"]))
+    for name, group in groupby(rows, key=title):
+        lines += [f"### {name}", ""]
+        lines += [*markdown_table(PEER_HEADINGS, [peer_cells(row) for row in group]), ""]
+    if bench is not None:
+        settings = bench["settings"]
+        machine = machine_text(bench["machine"])
+        lines.append(SCENES.format(machine=machine, triad=bench["triad"] / 1e9, **settings))
+        lines += markdown_table(BENCH_HEADINGS, [bench_cells(row) for row in bench["rows"]])
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def machine_text(machine: Mapping[str, Any]) -> str:
+    """Return a machine in words."""
+    versions = ", ".join(f"{name} {number}" for name, number in machine["versions"].items())
+    memory = machine["memory"] / 2**30
+    return f"{machine['cpu']}, {machine['cores']} cores, {memory:.3g} GiB; {versions}"
+
+
+def peer_cells(row: Mapping[str, Any]) -> Sequence[str]:
+    """Return the texts of a row of the first tables."""
+    return (
+        row["program"],
+        f"{row['wall_per_simulated_second']:.3g} s",
+        _millimetres(row["drift"]),
+        _millimetres(row["overlap"]),
+        row["remark"],
+    )
+
+
+def bench_cells(row: Mapping[str, Any]) -> Sequence[str]:
+    """Return the texts of a row of the last table."""
+    counts, product = row["counts_per_step"], row["product"]
+    return (
+        row["scene"],
+        str(row["blocks"]),
+        str(row["contacts"]),
+        f"{row['ms_per_step']:.3g}",
+        f"{1e3 * row['ms_per_step'] / row['blocks']:.3g}",
+        f"{counts['passes']:.3g}",
+        f"{counts['pcg']:.3g}" if "pcg" in counts else "-",
+        "-" if row["drift"] is None else f"{1e3 * row['drift']:.3g}",
+        f"{1e3 * row['largest_penetration']:.3g}",
+        f"{row['bytes_per_block']:.0f}",
+        f"{row['bytes_per_contact']:.0f}",
+        f"{row['peak_memory'] / 2**20:.0f}",
+        "-" if product is None else f"{100.0 * product['share']:.0f} %",
+    )
+
+
+def _millimetres(value: float | None) -> str:
+    return "-" if value is None else f"{1e3 * value:.3g} mm"

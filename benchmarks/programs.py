@@ -1,0 +1,254 @@
+"""The programs that peers.py compares: clast, Chipmunk (pymunk) and Box2D v3 (pyb2d3).
+
+Each takes the same outlines and gives back where they are at the end.  Chipmunk and Box2D are
+optional and looked for when they are asked for; their blocks are rigid, clast's deform.  Both run
+in one thread, without damping, and with sleeping turned off: a wall that sleeps is not simulated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.util import find_spec
+from time import perf_counter
+from typing import Any, Protocol
+
+import numpy as np
+
+from clast.interfaces import Method
+from clast.model import Floats, Model
+from clast.model_builder import ModelBuilder
+from clast.simulate import Progress, Schedule, simulate
+from clast.studies.bench import Wishes, warm_up
+from clast.studies.bench.scenes import DENSITY, FRICTION_ANGLE, GRAVITY, SCENES, YOUNG
+from clast.studies.bench.wishes import method_for
+
+FRICTION = 0.5
+"""tan(phi) of every contact."""
+PEER_STEP = 1e-3
+"""Step of the peers, s."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """Blocks to be simulated; all quadrilaterals, counter-clockwise."""
+
+    name: str
+    """Name of the scene and number of free blocks."""
+    free: Floats
+    """Outlines of blocks that move, m, shape (n, 4, 2)."""
+    fixed: Floats
+    """Outlines of blocks that do not, m, shape (f, 4, 2)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What a program made of a setting."""
+
+    time: float
+    """Simulated time, s: shorter than wanted where the limit of wall time was met."""
+    wall: float
+    """Wall time of the steps, s; building and warming up are not counted."""
+    free: Floats
+    """Outlines at the end, m, shape (n, 4, 2)."""
+    remark: str = ""
+    """How the run ended where it did not reach its end."""
+
+
+class Program(Protocol):
+    """Something that can simulate a setting."""
+
+    @property
+    def name(self) -> str:
+        """Name with the settings that matter."""
+        ...
+
+    @property
+    def missing(self) -> str:
+        """Python package that is needed and not installed, or an empty text."""
+        ...
+
+    def simulate(self, setting: Setting, end: float, limit: float) -> Outcome:
+        """Simulate ``end`` seconds in ``limit`` seconds of wall time at most."""
+        ...
+
+
+@dataclass(frozen=True)
+class Clast:
+    """clast: convex process with a penalty law."""
+
+    step: float
+    """h, s."""
+    share: float = 1.0
+    """p/E."""
+    solver: str = "auto"
+    """Solver, as in case files."""
+    missing: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name with step and stiffness."""
+        return f"clast, h = {1e3 * self.step:g} ms, p = {self.share:g} E"
+
+    def simulate(self, setting: Setting, end: float, limit: float) -> Outcome:
+        """Simulate with compiled kernels."""
+        wishes = Wishes(step=self.step, share=self.share, solver=self.solver)
+        warm_up([SCENES["wall"]], wishes)
+        model = model_of(setting)
+        method: Method = method_for(model, wishes)
+        begun = perf_counter()
+
+        def watch(_: Progress) -> None:
+            if perf_counter() - begun > limit:
+                raise KeyboardInterrupt
+
+        run = simulate(model, method, Schedule(step=self.step, end=end, every=end), watch=watch)
+        free = run.state.vertices[~model.fixed[model.vertex_block]]
+        return Outcome(
+            time=run.state.time,
+            wall=run.report.wall_seconds,
+            free=free.reshape(-1, 4, 2),
+            remark="" if run.report.finished else f"stopped after {limit:g} s",
+        )
+
+
+def model_of(setting: Setting) -> Model:
+    """Return the model with the rock and the joints of the scenes of ``clast bench``."""
+    builder = ModelBuilder(title=setting.name, gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
+    builder.add_joint(friction_angle=FRICTION_ANGLE)
+    builder.blocks(vertices=setting.fixed, fixed=True)
+    builder.blocks(vertices=setting.free)
+    return builder.build()
+
+
+@dataclass(frozen=True)
+class Chipmunk:
+    """Chipmunk through pymunk: impulses, solved by a number of iterations."""
+
+    iterations: int
+    """Iterations of the solver per step."""
+    step: float = PEER_STEP
+    """h, s."""
+    slop: float = 1e-4
+    """Penetration that is left alone, m; the default, 0.1 m, is meant for pixels."""
+
+    @property
+    def name(self) -> str:
+        """Name with iterations."""
+        return f"Chipmunk, {self.iterations} iterations, h = {1e3 * self.step:g} ms"
+
+    @property
+    def missing(self) -> str:
+        """The package, where it is not installed."""
+        return "" if find_spec("pymunk") else "pymunk"
+
+    def simulate(self, setting: Setting, end: float, limit: float) -> Outcome:
+        """Simulate with all bodies awake."""
+        import pymunk
+
+        space = pymunk.Space()
+        space.gravity = (0.0, -GRAVITY)
+        space.iterations = self.iterations
+        space.collision_slop = self.slop
+        bodies = []
+        for outline in setting.free:
+            centre = outline.mean(axis=0)
+            corners = [tuple(corner) for corner in (outline - centre).tolist()]
+            mass = DENSITY * _area(outline)
+            body = pymunk.Body(mass, pymunk.moment_for_poly(mass, corners))
+            body.position = tuple(centre.tolist())
+            space.add(body, _with_friction(pymunk.Poly(body, corners)))
+            bodies.append(body)
+        for outline in setting.fixed:
+            corners = [tuple(corner) for corner in outline.tolist()]
+            space.add(_with_friction(pymunk.Poly(space.static_body, corners)))
+        time, wall, remark = stepped(lambda: space.step(self.step), self.step, end, limit)
+        place = np.array([tuple(body.position) for body in bodies])
+        angle = np.array([body.angle for body in bodies])
+        return Outcome(time=time, wall=wall, free=moved(setting.free, place, angle), remark=remark)
+
+
+@dataclass(frozen=True)
+class Box2D:
+    """Box2D v3 through pyb2d3: soft constraints with sub-steps, one thread."""
+
+    hertz: float | None = None
+    """Stiffness of contacts, Hz; None leaves the default."""
+    substeps: int = 4
+    """Sub-steps of each step."""
+    step: float = PEER_STEP
+    """h, s."""
+
+    @property
+    def name(self) -> str:
+        """Name with the stiffness of contacts."""
+        contact = "default" if self.hertz is None else f"contact {self.hertz:g} Hz"
+        return f"Box2D v3, {contact}, {self.substeps} sub-steps, h = {1e3 * self.step:g} ms"
+
+    @property
+    def missing(self) -> str:
+        """The package, where it is not installed."""
+        return "" if find_spec("pyb2d3") else "pyb2d3"
+
+    def simulate(self, setting: Setting, end: float, limit: float) -> Outcome:
+        """Simulate with all bodies awake."""
+        import pyb2d3
+
+        world = pyb2d3.World(gravity=(0.0, -GRAVITY))
+        world.sleeping_enabled = False
+        if self.hertz is not None:
+            world.set_contact_tuning(self.hertz, 10.0, 3.0)
+        surface = pyb2d3.surface_material(friction=FRICTION, restitution=0.0)
+        shape = pyb2d3.shape_def(density=DENSITY, material=surface)
+        bodies = []
+        for outline in setting.free:
+            centre = outline.mean(axis=0)
+            body = world.create_dynamic_body(position=tuple(centre.tolist()))
+            body.create_shape(shape, pyb2d3.polygon(outline - centre))
+            bodies.append(body)
+        for outline in setting.fixed:
+            centre = outline.mean(axis=0)
+            body = world.create_static_body(position=tuple(centre.tolist()))
+            body.create_shape(shape, pyb2d3.polygon(outline - centre))
+        time, wall, remark = stepped(
+            lambda: world.step(self.step, self.substeps), self.step, end, limit
+        )
+        place = np.array([(body.position.x, body.position.y) for body in bodies])
+        angle = np.array([body.angle for body in bodies])
+        world.destroy()
+        return Outcome(time=time, wall=wall, free=moved(setting.free, place, angle), remark=remark)
+
+
+def stepped(
+    step: Callable[[], object], length: float, end: float, limit: float
+) -> tuple[float, float, str]:
+    """Call ``step`` until ``end``; return simulated time, wall time, s, and how it ended."""
+    wanted = round(end / length)
+    begun = perf_counter()
+    for number in range(wanted):
+        step()
+        wall = perf_counter() - begun
+        if wall > limit and number + 1 < wanted:
+            return (number + 1) * length, wall, f"stopped after {limit:g} s"
+    return end, perf_counter() - begun, ""
+
+
+def moved(outlines: Floats, place: Floats, angle: Floats) -> Floats:
+    """Return rigid outlines (n, 4, 2) whose centres are at ``place`` (n, 2), turned by (n,) rad."""
+    arm = outlines - outlines.mean(axis=1, keepdims=True)
+    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    x = cosine * arm[..., 0] - sine * arm[..., 1]
+    y = sine * arm[..., 0] + cosine * arm[..., 1]
+    return place[:, None, :] + np.stack([x, y], axis=2)
+
+
+def _area(outline: Floats) -> float:
+    x, y = outline.T
+    return 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
+
+
+def _with_friction(shape: Any) -> Any:
+    """Return a shape of pymunk with sqrt of the friction: it multiplies those of both shapes."""
+    shape.friction, shape.elasticity = np.sqrt(FRICTION), 0.0
+    return shape

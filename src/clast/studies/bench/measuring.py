@@ -1,0 +1,101 @@
+"""Runs scenes and measures what they cost: time by stage, iterations, accuracy, memory."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from time import perf_counter
+
+import numpy as np
+
+from clast.errors import RunStopped
+from clast.interfaces import Method
+from clast.model import Model
+from clast.results import Run, RunRecorder
+from clast.simulate import simulate
+from clast.studies.bench.bandwidth import measured_product, system_of_step, triad_rate
+from clast.studies.bench.counting import Counted
+from clast.studies.bench.footprint import footprint
+from clast.studies.bench.machine import forget_peak, peak_memory, this_machine
+from clast.studies.bench.measured import Benchmark, Measured
+from clast.studies.bench.scenes import SCENES, Scene
+from clast.studies.bench.wishes import Wishes, method_for, schedule_of
+
+WARM_SIZES = (100, 400)
+"""Sizes that are run first and not counted: one is factorised and one iterated."""
+WARM_STEPS = 3
+"""Steps of such a run."""
+
+Watch = Callable[[str], None]
+"""Called with what is going on."""
+
+
+def benchmark(wishes: Wishes, watch: Watch = lambda _: None) -> Benchmark:
+    """Return what all scenes and sizes of the wishes cost, compilation not counted."""
+    scenes = [SCENES[name] for name in wishes.scenes]
+    watch("compiling")
+    warm_up(scenes, wishes)
+    rows = []
+    for scene in scenes:
+        for size in wishes.sizes:
+            watch(f"{scene.title}, {size} blocks")
+            rows.append(measure(scene, size, wishes))
+    watch("memory bandwidth")
+    return Benchmark(
+        machine=this_machine(),
+        wishes=wishes,
+        triad=triad_rate(),
+        triad_by_threads=triad_rate(threads=True),
+        rows=tuple(rows),
+    )
+
+
+def warm_up(scenes: Sequence[Scene], wishes: Wishes) -> None:
+    """Run small scenes, so that kernels are compiled and loaded before anything is measured."""
+    short = replace(wishes, steps=WARM_STEPS, end=None, settle=0, results=None)
+    for size in WARM_SIZES:
+        for scene in dict.fromkeys((SCENES["wall"], *scenes)):
+            measure(scene, size, short)
+
+
+def measure(scene: Scene, size: int, wishes: Wishes) -> Measured:
+    """Build a scene, run it and return what that cost."""
+    gc.collect()
+    forget_peak()
+    begun = perf_counter()
+    model = scene.build(size)
+    built = perf_counter() - begun
+    method = method_for(model, wishes)
+    counted = Counted(method.process, wishes.settle)
+    recorder = RunRecorder(model, output=wishes.file_of(scene.name, size))
+    run = _run(model, replace(method, process=counted), wishes, recorder)
+    peak = peak_memory()
+    system = system_of_step(model, method, run.state, wishes.step)
+    moved = run.state.vertices[:, 0] - model.vertices[:, 0]
+    return Measured(
+        scene=scene,
+        wanted=size,
+        blocks=model.block_count,
+        contacts=len(counted.last.contacts) if counted.last else 0,
+        pairs=len(counted.last.contacts.pairs) if counted.last else 0,
+        report=run.report,
+        costs=counted.costs,
+        drift=float(np.abs(moved).max()) if scene.rests else None,
+        build_seconds=built,
+        footprint=footprint(model, run.state, counted.last, system),
+        peak=peak,
+        product=None if system is None else measured_product(system),
+    )
+
+
+def _run(model: Model, method: Method, wishes: Wishes, recorder: RunRecorder) -> Run:
+    """Return the run, also where it could not go on; interrupting it interrupts everything."""
+    try:
+        run = simulate(model, method, schedule_of(wishes), recorder=recorder)
+    except RunStopped as stopped:
+        partial: Run = stopped.run  # type: ignore[assignment]
+        return partial
+    if not run.report.finished:
+        raise KeyboardInterrupt
+    return run

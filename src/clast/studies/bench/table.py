@@ -1,0 +1,139 @@
+"""A benchmark as tables of texts: what the command line and pages show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from clast.studies.bench.measured import Benchmark, Measured
+
+NOTHING = "-"
+"""What stands where there is no figure."""
+STAGES = (
+    "contacts",
+    "base system",
+    "law",
+    "assembly",
+    "solve",
+    "line search",
+    "advance",
+    "tunnelling",
+    "ledger",
+)
+"""Stages in the order of a step; others follow."""
+HEADINGS = (
+    "scene",
+    "blocks",
+    "contacts",
+    "steps",
+    "passes",
+    "pcg",
+    "drift, m",
+    "penetration, m",
+    "wall per s",
+    "µs/block/step",
+)
+"""Headings of the first table."""
+MEMORY_HEADINGS = (
+    "scene",
+    "blocks",
+    "build, s",
+    "B/block",
+    "B/contact",
+    "peak, MiB",
+    "product, GB/s",
+    "of triad",
+    "of triad in main memory",
+)
+"""Headings of the third table."""
+
+
+def cells(row: Measured) -> tuple[str, ...]:
+    """Return the texts of a row, in the order of the headings."""
+    return (
+        row.scene.name,
+        str(row.blocks),
+        str(row.contacts),
+        _steps(row),
+        _number(row.counted("passes")),
+        _number(row.counted("pcg")),
+        _number(row.drift),
+        _number(row.costs.penetration),
+        f"{row.per_simulated_second:.3g} s",
+        f"{1e3 * row.milliseconds / row.blocks:.3g}",
+    )
+
+
+def stage_headings(benchmark: Benchmark) -> tuple[str, ...]:
+    """Return the headings of the second table: ms per step, and by stage."""
+    return ("scene", "blocks", "ms/step", *_stages(benchmark.rows))
+
+
+def stage_cells(benchmark: Benchmark, row: Measured) -> tuple[str, ...]:
+    """Return the texts of a row of the second table."""
+    used = row.stages
+    return (
+        row.scene.name,
+        str(row.blocks),
+        f"{row.milliseconds:.3g}",
+        *(_number(used.get(name)) for name in _stages(benchmark.rows)),
+    )
+
+
+def memory_cells(benchmark: Benchmark, row: Measured) -> tuple[str, ...]:
+    """Return the texts of a row of the third table: memory and its bandwidth."""
+    product = row.product
+    rates = (NOTHING, NOTHING, NOTHING)
+    if product is not None:
+        rates = (
+            f"{product.rate / 1e9:.3g}",
+            f"{100.0 * product.share:.0f} %",
+            f"{100.0 * product.rate / benchmark.triad:.0f} %",
+        )
+    return (
+        row.scene.name,
+        str(row.blocks),
+        f"{row.build_seconds:.3g}",
+        f"{row.footprint.per_block:.0f}",
+        f"{row.footprint.per_contact:.0f}",
+        f"{row.peak / 2**20:.0f}",
+        *rates,
+    )
+
+
+def remarks(benchmark: Benchmark) -> list[str]:
+    """Return what has to be said below the tables: the machine, units, runs that stopped."""
+    wishes = benchmark.wishes
+    said = [
+        str(benchmark.machine),
+        f"h = {wishes.step:g} s, p/E = {wishes.share:g}, solver {wishes.solver}"
+        + (f"; {wishes.settle} steps before are not counted" if wishes.settle else ""),
+        "passes, pcg: Newton iterations and iterations of the solver per step; drift: largest "
+        "horizontal movement of what should rest (slopes settle along their joints as well)",
+        f"triad in main memory: {_rate(benchmark.triad)} by one thread, "
+        f"{_rate(benchmark.triad_by_threads)} by all; 'of triad': over as many bytes as "
+        "the product moves, one thread",
+    ]
+    for row in benchmark.rows:
+        if not row.report.finished:
+            said.append(f"{row.scene.name}, {row.blocks} blocks: {row.report.outcome}")
+    return said
+
+
+def _stages(rows: Sequence[Measured]) -> tuple[str, ...]:
+    """Return all stages that a row has, in the order of a step."""
+    found = dict.fromkeys(name for row in rows for name in row.stages)
+    others = [name for name in found if name not in STAGES and name != "other"]
+    return (*(name for name in STAGES if name in found), *others, "other")
+
+
+def _steps(row: Measured) -> str:
+    cut = row.report.cut_steps
+    return f"{row.costs.steps} ({cut} cut)" if cut else str(row.costs.steps)
+
+
+def _number(value: float | None) -> str:
+    return NOTHING if value is None else f"{value:.3g}"
+
+
+def _rate(rate: float) -> str:
+    return f"{rate / 1e9:.3g} GB/s"

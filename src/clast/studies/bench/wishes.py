@@ -1,0 +1,144 @@
+"""What is to be measured, checked before anything slow begins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clast import spelling
+from clast.case import SOLVERS, TRAVEL_SHARE, MethodTable
+from clast.errors import CaseError
+from clast.interfaces import Method
+from clast.model import Model
+from clast.simulate import Schedule
+from clast.studies.bench.scenes import LARGEST, SCENES, SMALLEST, scene_named
+
+SIZES = (100, 1000)
+"""Blocks where no size is asked for."""
+STEPS = 50
+"""Steps where neither steps nor an end are asked for."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wishes:
+    """Scenes, sizes and how they are simulated."""
+
+    scenes: tuple[str, ...] = tuple(SCENES)
+    """Names of the scenes."""
+    sizes: tuple[int, ...] = SIZES
+    """Blocks of each."""
+    step: float = 1e-3
+    """Length of a step, s."""
+    steps: int | None = None
+    """Steps; STEPS where there is no end either."""
+    end: float | None = None
+    """Simulated time, s, instead of a number of steps."""
+    settle: int = 0
+    """Steps at the start that are not counted: what is to rest settles under its weight."""
+    share: float = 1.0
+    """Normal stiffness as a share of Young's modulus."""
+    solver: str = "auto"
+    """Solver by its name in case files."""
+    results: Path | None = None
+    """Folder that gets a result file of every run, with its first and its last frame."""
+
+    def __post_init__(self) -> None:
+        """Raise CaseError where something cannot be used."""
+        for name in self.scenes:
+            scene_named(name)
+        _check_sizes(self.sizes)
+        _check_positive(self.step, "--step", "give the length of a step in s, e.g. 1e-3")
+        _check_positive(self.share, "--stiffness", "give p/E, a share of Young's modulus, e.g. 1")
+        if self.steps is not None and self.end is not None:
+            raise CaseError("both are given", where="--steps and --end", remedy="give one of them")
+        if self.steps is not None and self.steps < 1:
+            raise CaseError(
+                f"{self.steps} is no number of steps", where="--steps", remedy="give 1 or more"
+            )
+        if self.settle < 0:
+            raise CaseError(
+                f"{self.settle} is no number of steps", where="--settle", remedy="give 0 or more"
+            )
+        if self.end is not None:
+            _check_positive(self.end, "--end", "give the end of the runs in s")
+        if self.solver not in SOLVERS:
+            raise CaseError(
+                f"there is no solver '{self.solver}'",
+                where="--solver",
+                remedy=spelling.advice(self.solver, SOLVERS, kind="solver"),
+            )
+        if self.results is not None and not self.results.is_dir():
+            raise CaseError("is no folder", where=str(self.results), remedy="make it first")
+
+    def file_of(self, scene: str, size: int) -> Path | None:
+        """Return the result file of a run, or None where none is wanted."""
+        return None if self.results is None else self.results / f"{scene}-{size}.vtkhdf"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return them as plain numbers and texts, ready for JSON."""
+        return {
+            "scenes": list(self.scenes),
+            "sizes": list(self.sizes),
+            "step": self.step,
+            "end": schedule_of(self).end,
+            "settle": self.settle,
+            "stiffness": self.share,
+            "solver": self.solver,
+        }
+
+
+def sizes_in(listed: str) -> tuple[int, ...]:
+    """Return the sizes of a list such as "100,1e5"; raises CaseError for what is none."""
+    sizes = []
+    for word in filter(None, (word.strip() for word in listed.split(","))):
+        try:
+            number = float(word)
+        except ValueError:
+            number = math.nan
+        if not number.is_integer():
+            raise CaseError(
+                f"'{word}' is no number of blocks",
+                where="--size",
+                remedy="give whole numbers separated by commas, e.g. 100,1000,1e5",
+            )
+        sizes.append(int(number))
+    return tuple(sizes)
+
+
+def method_for(model: Model, wishes: Wishes) -> Method:
+    """Return the convex process with the stiffness and the solver asked for."""
+    law = {"name": "penalty", "normal_stiffness": wishes.share * model.stiffest}
+    table = MethodTable(process="convex", contact_law=law, solver=wishes.solver)
+    smallest = float(np.sqrt(model.area.min()))
+    return table.method(model, step=wishes.step, max_displacement=TRAVEL_SHARE * smallest)
+
+
+def schedule_of(wishes: Wishes) -> Schedule:
+    """Return when to step; only the first and the last state are frames."""
+    end = wishes.end
+    if end is None:
+        end = wishes.step * (STEPS if wishes.steps is None else wishes.steps)
+    end += wishes.settle * wishes.step
+    return Schedule(step=wishes.step, end=end, every=end)
+
+
+def _check_sizes(sizes: Sequence[int]) -> None:
+    if not sizes:
+        raise CaseError("there is no size", where="--size", remedy="give one, e.g. 1000")
+    for size in sizes:
+        if not SMALLEST <= size <= LARGEST:
+            raise CaseError(
+                f"{size} is no size of a scene",
+                where="--size",
+                remedy=f"give a number of blocks from {SMALLEST} to {LARGEST:,}",
+            )
+
+
+def _check_positive(value: float, where: str, remedy: str) -> None:
+    if not 0.0 < value < math.inf:
+        raise CaseError(f"{value:g} must be above 0 and finite", where=where, remedy=remedy)

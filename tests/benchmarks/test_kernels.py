@@ -1,0 +1,99 @@
+"""What the kernels of a step cost on a wall of 1,000 bricks.
+
+    pytest tests/benchmarks --benchmark-enable --benchmark-autosave
+    pytest tests/benchmarks --benchmark-enable --benchmark-compare
+
+Otherwise each runs once, as a test: nothing here asserts a time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from clast.contact.arrays import Contacts
+from clast.contact.detection import Reach, find_candidates, near_pairs
+from clast.equations.frames import block_frames
+from clast.equations.system import BlockSystem, newton_system
+from clast.equations.terms import diagonal_terms
+from clast.interfaces import Method
+from clast.kernels import pcg
+from clast.model import Ints, Model
+from clast.state import State
+from clast.studies.bench.bandwidth import system_of_step
+from clast.studies.bench.scenes import SCENES
+from clast.studies.bench.wishes import Wishes, method_for
+from systems import at_start
+
+STEP = 1e-3
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A wall that has settled on its contacts, and the contacts that it had just before."""
+
+    model: Model
+    method: Method
+    state: State
+    contacts: Contacts
+    system: BlockSystem
+
+    @property
+    def reach(self) -> Reach:
+        limit = self.method.critdis + 2.0 * self.method.max_displacement
+        return Reach(front=limit, depth=limit, critdis=self.method.critdis)
+
+    @property
+    def pairs(self) -> Ints:
+        around = self.reach.front + self.reach.critdis
+        return near_pairs(self.state.vertices, self.model.block_start, self.model.fixed, around)
+
+
+@pytest.fixture(scope="module")
+def wall() -> Standing:
+    model = SCENES["wall"].build(1000)
+    method = method_for(model, Wishes(step=STEP))
+    first = method.process.step(model, method, at_start(model), STEP)
+    result = method.process.step(model, method, first.state, STEP)
+    system = system_of_step(model, method, result.state, STEP)
+    assert system is not None
+    return Standing(model, method, result.state, result.contacts, system)
+
+
+def test_broad_phase(benchmark, wall):
+    pairs = benchmark(lambda: wall.pairs)
+    assert len(pairs) > 2 * wall.model.block_count
+
+
+def test_narrow_phase(benchmark, wall):
+    model, state, pairs = wall.model, wall.state, wall.pairs
+    found = benchmark(
+        find_candidates, state.vertices, model.block_start, pairs, state.memory, wall.reach
+    )
+    assert len(found.vertex) >= len(wall.contacts)
+
+
+def test_law(benchmark, wall):
+    gap, slip = wall.contacts.gap, np.zeros(len(wall.contacts))
+    response = benchmark(wall.method.contact_law.respond, wall.contacts, gap, slip)
+    assert (response.normal_force > 0.0).any()
+
+
+def test_assembly(benchmark, wall):
+    model, method = wall.model, wall.method
+    contacts = replace(wall.contacts, friction_base=wall.contacts.normal_force)
+    frames = block_frames(model, method.displacement, wall.state)
+    theta = np.full(model.block_count, 0.5)
+    base = diagonal_terms(model, method, frames, wall.state, wall.state.velocity, theta, STEP)
+    response = method.contact_law.respond(contacts, contacts.gap, np.zeros(len(contacts)))
+    system = benchmark(newton_system, base, contacts, response, base.force, model.fixed)
+    assert system.symmetric and len(system.pairs) == len(contacts.pairs)
+
+
+def test_matrix_product(benchmark, wall):
+    system = wall.system
+    x, y = np.ones_like(system.force), np.empty_like(system.force)
+    benchmark(pcg.multiply, system.diagonal, system.pairs, system.upper, x, y)
+    assert np.isfinite(y).all()
