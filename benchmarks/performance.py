@@ -28,7 +28,7 @@ SCENES = """\
 
 Made by `clast bench --output build/bench.json`: h = {step:g} s, p/E = {stiffness:g}, solver
 {solver}, on {machine}. *Product* is the matrix product of a step's
-system, as a share of a triad over as many bytes, one thread each; the triad reaches
+system, as a share of a triad over as many bytes, by as many threads; the triad reaches
 {triad:.3g} GB/s in main memory.
 """
 PEER_HEADINGS = ("program", "wall time per simulated second", "drift", "overlap", "remark")

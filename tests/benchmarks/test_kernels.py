@@ -16,10 +16,11 @@ import pytest
 from clast.contact.arrays import Contacts
 from clast.contact.detection import Reach, find_candidates, near_pairs
 from clast.equations.frames import block_frames
+from clast.equations.multilevel import levels_of
 from clast.equations.system import BlockSystem, newton_system
 from clast.equations.terms import diagonal_terms
 from clast.interfaces import Method
-from clast.kernels import pcg
+from clast.kernels import block_rows, multilevel
 from clast.model import Ints, Model
 from clast.state import State
 from clast.studies.bench.bandwidth import system_of_step
@@ -95,5 +96,20 @@ def test_assembly(benchmark, wall):
 def test_matrix_product(benchmark, wall):
     system = wall.system
     x, y = np.ones_like(system.force), np.empty_like(system.force)
-    benchmark(pcg.multiply, system.diagonal, system.pairs, system.upper, x, y)
+    rows = block_rows.row_pointers(len(x), system.pairs)
+    benchmark(block_rows.multiply, system.diagonal, system.upper, system.pairs, *rows, x, y)
     assert np.isfinite(y).all()
+
+
+def test_levels(benchmark, wall):
+    found = benchmark(levels_of, wall.system)
+    assert found.last >= 1
+
+
+def test_iteration(benchmark, wall):
+    found, force = levels_of(wall.system), wall.system.force
+    levels = (found.levels, found.last, found.factor, found.work)
+    d, iterations, reduction = benchmark(multilevel.solve, *levels, force, 1e-6, 400)
+    assert reduction <= 1e-6
+    assert iterations < 100
+    assert np.isfinite(d).all()

@@ -28,7 +28,7 @@ from clast.studies.bench.wishes import method_for, schedule_of
 from systems import at_start, overlaps
 
 SHORT = ["--size", "40", "--steps", "3"]
-PRODUCT = {"bytes", "rate", "triad", "triad_by_threads", "share"}
+PRODUCT = {"bytes", "rate", "triad", "triad_by_threads", "shared", "share"}
 STAGES = {"contacts", "base system", "law", "advance", "tunnelling", "ledger", "other"}
 
 

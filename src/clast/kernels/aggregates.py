@@ -58,7 +58,7 @@ def _around(i, right, left, listed, strong, of_pair):
 
 @kernel()
 def aggregate(count, pairs, right, left, listed, strong):
-    """Return the aggregate of each block (n,), -1 for blocks without strong neighbours, and how many.
+    """Return the aggregate of each block (n,), -1 for those that stay alone, and their number.
 
     First every block all of whose neighbours are free gathers them around itself; those left join
     the aggregate of a neighbour (Vanek, Mandel and Brezina 1996).

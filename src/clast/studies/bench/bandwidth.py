@@ -11,7 +11,7 @@ import numpy as np
 
 from clast.equations.system import BlockSystem
 from clast.interfaces import Method
-from clast.kernels import pcg, stream
+from clast.kernels import block_rows, stream
 from clast.model import Model
 from clast.state import State
 
@@ -39,10 +39,13 @@ class Product:
     triad_by_threads: float
     """Bytes per second of the triad, all threads."""
 
+    shared: bool
+    """True where the threads share the product, as they do where there are enough blocks."""
+
     @property
     def share(self) -> float:
-        """Rate of the product as a share of the triad's by one thread."""
-        return self.rate / self.triad
+        """Rate of the product as a share of the triad's, by as many threads."""
+        return self.rate / (self.triad_by_threads if self.shared else self.triad)
 
     def as_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
@@ -93,12 +96,15 @@ def measured_product(system: BlockSystem) -> Product:
     """Return the rate of K x, beside the triad's."""
     x, y = np.ones_like(system.force), np.empty_like(system.force)
     moved = bytes_of_product(system)
-    taken = fastest(lambda: pcg.multiply(system.diagonal, system.pairs, system.upper, x, y))
+    pairs = system.pairs
+    rows = block_rows.row_pointers(len(x), pairs)
+    taken = fastest(lambda: block_rows.multiply(system.diagonal, system.upper, pairs, *rows, x, y))
     return Product(
         bytes=moved,
         rate=moved / taken,
         triad=triad_rate(moved),
         triad_by_threads=triad_rate(moved, threads=True),
+        shared=len(x) >= block_rows.SHARED,
     )
 
 
