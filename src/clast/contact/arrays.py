@@ -69,6 +69,11 @@ class Contacts:
     def __len__(self) -> int:
         return len(self.vertex)
 
+    @property
+    def rows(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Rows n_i, n_j, t_i, t_j of the equations, shape (m, 6) each."""
+        return self.normal_vertex, self.normal_edge, self.tangent_vertex, self.tangent_edge
+
 
 @dataclass(frozen=True, kw_only=True)
 class ContactResponse:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import SuperLU, splu
 
 from clast.equations.cholesky import Cholesky
 from clast.equations.multilevel import Levels, levels_of
@@ -15,6 +14,10 @@ from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Factor, LinearSolver
 from clast.kernels import multilevel
 from clast.model import Floats, Ints
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
+    from scipy.sparse.linalg import SuperLU
 
 
 def _block_pattern(system: BlockSystem) -> tuple[Ints, Ints, Floats]:
@@ -28,6 +31,8 @@ def _block_pattern(system: BlockSystem) -> tuple[Ints, Ints, Floats]:
 
 def sparse_matrix(system: BlockSystem) -> csc_array:
     """Return K as a scipy matrix (6n, 6n) in compressed columns."""
+    from scipy.sparse import csc_array  # slow to import, and needed by this solver alone
+
     rows, columns, blocks = _block_pattern(system)
     # sorted by block column, then block row: each column of a block is six contiguous entries
     order = np.lexsort((rows, columns))
@@ -71,6 +76,8 @@ class Scipy:
 
     def factor(self, system: BlockSystem) -> SuperLUFactor:
         """Return the factorised matrix; raises StepRejected where K is singular."""
+        from scipy.sparse.linalg import splu
+
         try:
             return SuperLUFactor(
                 splu(

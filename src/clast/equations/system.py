@@ -8,7 +8,7 @@ import numpy as np
 
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.equations.terms import DiagonalTerms
-from clast.kernels import assembly
+from clast.kernels import assembly, block_rows
 from clast.model import Bools, Floats, Ints
 
 
@@ -32,31 +32,37 @@ class BlockSystem:
     """Where the blocks are, m, shape (n, 2)."""
 
 
+Graph = tuple[Ints, Ints, Ints, Ints]
+"""First contact of each pair (q + 1,), and the pairs of each block (kernels/block_rows.py)."""
+
+
+def graph_of(contacts: Contacts, count: int) -> Graph:
+    """Return which pairs ``count`` blocks belong to and which contacts those have."""
+    start = assembly.first_of_pairs(contacts.pair, len(contacts.pairs))
+    right, left, listed = block_rows.row_pointers(count, contacts.pairs)
+    return start, right, left, listed
+
+
+def contact_motions(contacts: Contacts, displacement: Floats) -> tuple[Floats, Floats]:
+    """Return how far each contact opens and slips by d (n, 6), m, shape (m,): n.d and t.d."""
+    return assembly.contact_motions(
+        contacts.vertex_block, contacts.edge_block, contacts.rows, displacement
+    )
+
+
 def gap_at_end(contacts: Contacts, displacement: Floats) -> Floats:
     """Return the gap of each contact at the end of the step, m, shape (m,): gap + n.d."""
-    return contacts.gap + assembly.contact_motion(
-        contacts.vertex_block,
-        contacts.edge_block,
-        contacts.normal_vertex,
-        contacts.normal_edge,
-        displacement,
-    )
+    return contacts.gap + contact_motions(contacts, displacement)[0]
 
 
 def slip_in_step(contacts: Contacts, displacement: Floats) -> Floats:
     """Return the slip of each contact in the step, m, shape (m,): t.d."""
-    return assembly.contact_motion(
-        contacts.vertex_block,
-        contacts.edge_block,
-        contacts.tangent_vertex,
-        contacts.tangent_edge,
-        displacement,
-    )
+    return contact_motions(contacts, displacement)[1]
 
 
 def gap_rate(contacts: Contacts, velocity: Floats) -> Floats:
     """Return the rate of each gap, m/s, shape (m,): n.v; negative where a contact closes."""
-    return gap_at_end(contacts, velocity) - contacts.gap
+    return contact_motions(contacts, velocity)[0]
 
 
 def contact_forces(
@@ -83,41 +89,81 @@ def _with_contacts(
     force: Floats,
     contacts: Contacts,
     response: ContactResponse,
-    normal_load: Floats,
-    shear_load: Floats,
+    loads: tuple[Floats, Floats],
     fixed: Bools,
 ) -> BlockSystem:
     """Return the system with contact stiffness and loads (m,) added, fixed blocks held."""
-    diagonal = base.diagonal.copy()
+    if not response.coupling.any():
+        graph = graph_of(contacts, len(fixed))
+        nothing = np.zeros_like(force)
+        force = assembly.unbalanced(
+            base.diagonal,
+            nothing,
+            force,
+            fixed,
+            graph,
+            contacts.vertex_block,
+            contacts.rows,
+            *loads,
+        )
+        return symmetric_system(base, contacts, response, force, fixed, graph)
+    diagonal, force = base.diagonal.copy(), force.copy()
     upper = np.zeros((len(contacts.pairs), 6, 6))
-    rows = (
+    lower = np.zeros_like(upper)
+    assembly.add_contacts(
+        diagonal,
+        upper,
+        lower,
+        force,
         contacts.pair,
         contacts.vertex_block,
         contacts.edge_block,
-        contacts.normal_vertex,
-        contacts.normal_edge,
-        contacts.tangent_vertex,
-        contacts.tangent_edge,
+        *contacts.rows,
         response.normal_stiffness,
         response.shear_stiffness,
+        response.coupling,
+        *loads,
     )
-    symmetric = not response.coupling.any()
-    if symmetric:
-        force = force + contact_forces(len(force), contacts, normal_load, shear_load)
-        lower = upper.transpose(0, 2, 1)
-        assembly.add_springs(diagonal, upper, *rows)
-    else:
-        force, lower = force.copy(), np.zeros_like(upper)
-        assembly.add_contacts(
-            diagonal, upper, lower, force, *rows, response.coupling, normal_load, shear_load
-        )
     assembly.hold_blocks(diagonal, upper, lower, force, contacts.pairs, fixed)
     return BlockSystem(
         diagonal=diagonal,
         pairs=contacts.pairs,
         upper=upper,
         lower=lower,
-        symmetric=symmetric,
+        symmetric=False,
+        force=force,
+        centroid=base.centroid,
+    )
+
+
+def symmetric_system(
+    base: DiagonalTerms,
+    contacts: Contacts,
+    response: ContactResponse,
+    force: Floats,
+    fixed: Bools,
+    graph: Graph,
+) -> BlockSystem:
+    """Return the system of contact springs alone with right-hand side ``force`` (n, 6).
+
+    ``force`` is 0 for fixed blocks already; ``graph`` that of the contacts.
+    """
+    diagonal, upper = assembly.assemble(
+        base.diagonal,
+        fixed,
+        contacts.pairs,
+        graph,
+        contacts.vertex_block,
+        contacts.rows,
+        response.normal_stiffness,
+        response.shear_stiffness,
+    )
+    return BlockSystem(
+        diagonal=diagonal,
+        pairs=contacts.pairs,
+        upper=upper,
+        lower=upper.transpose(0, 2, 1),
+        symmetric=True,
         force=force,
         centroid=base.centroid,
     )
@@ -144,7 +190,8 @@ def assemble(
         + response.shear_stiffness * slip
         + response.coupling * (normal_load - response.normal_force)
     )
-    return _with_contacts(base, base.force, contacts, response, normal_load, shear_load, fixed)
+    loads = normal_load, shear_load
+    return _with_contacts(base, base.force, contacts, response, loads, fixed)
 
 
 def newton_system(
@@ -156,4 +203,4 @@ def newton_system(
 ) -> BlockSystem:
     """Return the system of a Newton iteration: K with the law in it, F the residual (n, 6)."""
     nothing = np.zeros(len(contacts))
-    return _with_contacts(base, residual, contacts, response, nothing, nothing, fixed)
+    return _with_contacts(base, residual, contacts, response, (nothing, nothing), fixed)

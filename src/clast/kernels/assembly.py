@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
+from clast.kernels.block_rows import CHUNK, FMA, SHARED, chunks
 from clast.kernels.compiled import kernel
+
+PIECE, MANY = 4096, 12000
+"""Contacts that a thread takes at a time, and number from which threads share them."""
 
 
 @kernel()
@@ -61,37 +66,133 @@ def add_contacts(
 
 
 @kernel()
-def add_springs(
-    diagonal,
-    upper,
-    pair,
-    vertex_block,
-    edge_block,
-    normal_vertex,
-    normal_edge,
-    tangent_vertex,
-    tangent_edge,
-    normal_stiffness,
-    shear_stiffness,
-):
-    """Add k_n n n^T + k_s t t^T of every contact to a symmetric K in place; ``upper`` is K_ij."""
-    for c in range(len(pair)):
-        kn, ks = normal_stiffness[c], shear_stiffness[c]
-        if kn == 0.0 and ks == 0.0:
+def first_of_pairs(pair, count):
+    """Return the first contact of each of ``count`` pairs, shape (count + 1,); contacts by pair."""
+    start = np.zeros(count + 1, np.int64)
+    for q in pair:
+        start[q + 1] += 1
+    for q in range(count):
+        start[q + 1] += start[q]
+    return start
+
+
+@kernel(fastmath=FMA)
+def _add_dyads(i, first, last, vertex_block, n_own, n_other, t_own, t_other, kn, ks, block):
+    """Add k_n n n^T + k_s t t^T of contacts ``first`` to ``last`` - 1, as block i has a part in."""
+    for c in range(first, last):
+        if kn[c] == 0.0 and ks[c] == 0.0:
             continue
-        i, j, q = vertex_block[c], edge_block[c], pair[c]
+        n, t = (n_own, t_own) if vertex_block[c] == i else (n_other, t_other)
         for a in range(6):
-            n_i, t_i = kn * normal_vertex[c, a], ks * tangent_vertex[c, a]
-            n_j, t_j = kn * normal_edge[c, a], ks * tangent_edge[c, a]
+            na, ta = kn[c] * n[c, a], ks[c] * t[c, a]
             for b in range(6):
-                diagonal[i, a, b] += n_i * normal_vertex[c, b] + t_i * tangent_vertex[c, b]
-                diagonal[j, a, b] += n_j * normal_edge[c, b] + t_j * tangent_edge[c, b]
-            if i < j:
-                for b in range(6):
-                    upper[q, a, b] += n_i * normal_edge[c, b] + t_i * tangent_edge[c, b]
+                block[a, b] += na * n[c, b] + ta * t[c, b]
+
+
+@kernel(fastmath=FMA)
+def _couple(i, first, last, vertex_block, n_own, n_other, t_own, t_other, kn, ks, block):
+    """Write K_ij of a pair (i, j), i < j, from its contacts ``first`` to ``last`` - 1."""
+    block[:] = 0.0
+    for c in range(first, last):
+        if kn[c] == 0.0 and ks[c] == 0.0:
+            continue
+        own = vertex_block[c] == i
+        ni, nj = (n_own, n_other) if own else (n_other, n_own)
+        ti, tj = (t_own, t_other) if own else (t_other, t_own)
+        for a in range(6):
+            na, ta = kn[c] * ni[c, a], ks[c] * ti[c, a]
+            for b in range(6):
+                block[a, b] += na * nj[c, b] + ta * tj[c, b]
+
+
+@kernel()
+def _assemble_rows(low, high, base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper):
+    """Assemble blocks ``low`` to ``high`` - 1 and the pairs that begin with them."""
+    start, right, left, listed = graph
+    n_own, n_other, t_own, t_other = rows
+    for i in range(low, high):
+        own[i] = base[i]
+        if fixed[i]:
+            scale = 0.0
+            for a in range(6):
+                scale = max(scale, base[i, a, a])
+            own[i] = 0.0
+            for a in range(6):
+                own[i, a, a] = scale
+        for at in range(left[i] if not fixed[i] else left[i + 1], left[i + 1]):
+            q = listed[at]
+            _add_dyads(
+                i,
+                start[q],
+                start[q + 1],
+                vertex_block,
+                n_own,
+                n_other,
+                t_own,
+                t_other,
+                kn,
+                ks,
+                own[i],
+            )
+        for q in range(right[i], right[i + 1]):
+            if not fixed[i]:
+                _add_dyads(
+                    i,
+                    start[q],
+                    start[q + 1],
+                    vertex_block,
+                    n_own,
+                    n_other,
+                    t_own,
+                    t_other,
+                    kn,
+                    ks,
+                    own[i],
+                )
+            if fixed[i] or fixed[pairs[q, 1]]:
+                upper[q] = 0.0
             else:
-                for b in range(6):
-                    upper[q, a, b] += n_j * normal_vertex[c, b] + t_j * tangent_vertex[c, b]
+                _couple(
+                    i,
+                    start[q],
+                    start[q + 1],
+                    vertex_block,
+                    n_own,
+                    n_other,
+                    t_own,
+                    t_other,
+                    kn,
+                    ks,
+                    upper[q],
+                )
+
+
+@kernel(parallel=True)
+def _assemble_shared(base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper):
+    for c in prange(chunks(len(base))):
+        last = min((c + 1) * CHUNK, len(base))
+        _assemble_rows(
+            c * CHUNK, last, base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper
+        )
+
+
+@kernel()
+def assemble(base, fixed, pairs, graph, vertex_block, rows, kn, ks):
+    """Return diagonal (n, 6, 6) and upper blocks (q, 6, 6) of K with the contact springs in it.
+
+    ``base`` (n, 6, 6) is K without contacts; ``graph`` the first contact of each pair and
+    the pairs of each block (see block_rows.row_pointers); ``rows`` the four sets of contact rows.
+    Blocks held fixed keep a diagonal of their own size and no couplings.  Every block sums up its
+    own contacts in their order: threads can share the work.
+    """
+    own, upper = np.empty_like(base), np.empty((len(pairs), 6, 6))
+    if len(base) >= SHARED:
+        _assemble_shared(base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper)
+    else:
+        _assemble_rows(
+            0, len(base), base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper
+        )
+    return own, upper
 
 
 @kernel()
@@ -115,17 +216,102 @@ def hold_blocks(diagonal, upper, lower, force, pairs, fixed):
                     lower[q, a, c] = 0.0
 
 
-@kernel()
-def contact_motion(vertex_block, edge_block, row_vertex, row_edge, displacement):
-    """Return row_i . d_i + row_j . d_j of every contact, m, shape (m,)."""
-    result = np.empty(len(vertex_block))
-    for c in range(len(vertex_block)):
-        total = 0.0
+@kernel(fastmath=FMA)
+def _motions(first, last, vertex_block, edge_block, rows, displacement, normal, tangent):
+    """Write n.d and t.d of contacts ``first`` to ``last`` - 1."""
+    n_own, n_other, t_own, t_other = rows
+    for c in range(first, last):
         i, j = vertex_block[c], edge_block[c]
+        along_n, along_t = 0.0, 0.0
         for k in range(6):
-            total += row_vertex[c, k] * displacement[i, k] + row_edge[c, k] * displacement[j, k]
-        result[c] = total
-    return result
+            own, other = displacement[i, k], displacement[j, k]
+            along_n += n_own[c, k] * own + n_other[c, k] * other
+            along_t += t_own[c, k] * own + t_other[c, k] * other
+        normal[c], tangent[c] = along_n, along_t
+
+
+@kernel(parallel=True)
+def _motions_shared(vertex_block, edge_block, rows, displacement, normal, tangent):
+    count = len(normal)
+    for c in prange((count + PIECE - 1) // PIECE):
+        last = min((c + 1) * PIECE, count)
+        _motions(c * PIECE, last, vertex_block, edge_block, rows, displacement, normal, tangent)
+
+
+@kernel()
+def contact_motions(vertex_block, edge_block, rows, displacement):
+    """Return n.d and t.d of every contact: how far it opens and slips by d (n, 6), m, (m,) each."""
+    count = len(vertex_block)
+    normal, tangent = np.empty(count), np.empty(count)
+    if count >= MANY:
+        _motions_shared(vertex_block, edge_block, rows, displacement, normal, tangent)
+    else:
+        _motions(0, count, vertex_block, edge_block, rows, displacement, normal, tangent)
+    return normal, tangent
+
+
+@kernel(fastmath=FMA)
+def _balance_rows(low, high, base, d, load, fixed, graph, vertex_block, rows, normal, shear, out):
+    """Write load - B d + sum of N n + T t of blocks ``low`` to ``high`` - 1; 0 where fixed."""
+    start, right, left, listed = graph
+    n_own, n_other, t_own, t_other = rows
+    for i in range(low, high):
+        for a in range(6):
+            out[i, a] = 0.0
+        if fixed[i]:
+            continue
+        for a in range(6):
+            total = load[i, a]
+            for b in range(6):
+                total -= base[i, a, b] * d[i, b]
+            out[i, a] = total
+        for at in range(left[i], left[i + 1] + right[i + 1] - right[i]):
+            of_left = at < left[i + 1]
+            q = listed[at] if of_left else right[i] + at - left[i + 1]
+            for c in range(start[q], start[q + 1]):
+                if normal[c] == 0.0 and shear[c] == 0.0:
+                    continue
+                n, t = (n_own, t_own) if vertex_block[c] == i else (n_other, t_other)
+                for a in range(6):
+                    out[i, a] += normal[c] * n[c, a] + shear[c] * t[c, a]
+
+
+@kernel(parallel=True)
+def _balance_shared(base, d, load, fixed, graph, vertex_block, rows, normal, shear, out):
+    for c in prange(chunks(len(d))):
+        last = min((c + 1) * CHUNK, len(d))
+        _balance_rows(
+            c * CHUNK, last, base, d, load, fixed, graph, vertex_block, rows, normal, shear, out
+        )
+
+
+@kernel()
+def unbalanced(base, d, load, fixed, graph, vertex_block, rows, normal, shear):
+    """Return load - B d + sum of N n + T t (n, 6): what is out of balance; 0 for fixed blocks."""
+    out = np.empty_like(d)
+    if len(d) >= SHARED:
+        _balance_shared(base, d, load, fixed, graph, vertex_block, rows, normal, shear, out)
+    else:
+        _balance_rows(
+            0, len(d), base, d, load, fixed, graph, vertex_block, rows, normal, shear, out
+        )
+    return out
+
+
+@kernel(fastmath=FMA)
+def form(blocks, d):
+    """Return the sum of d_i.B_i d_i over blocks B (n, 6, 6)."""
+    total = 0.0
+    for c in range(chunks(len(d))):
+        part = 0.0
+        for i in range(c * CHUNK, min((c + 1) * CHUNK, len(d))):
+            for a in range(6):
+                line = 0.0
+                for b in range(6):
+                    line += blocks[i, a, b] * d[i, b]
+                part += line * d[i, a]
+        total += part
+    return total
 
 
 @kernel()

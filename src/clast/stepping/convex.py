@@ -26,6 +26,7 @@ from clast.contact.detection import Reach, detect
 from clast.equations.frames import BlockFrames, block_frames
 from clast.equations.reuse import FactorOfStep
 from clast.equations.solvers import inexact
+from clast.equations.system import contact_motions, graph_of
 from clast.equations.terms import diagonal_terms, momentum_rows
 from clast.interfaces import Method, StepResult
 from clast.model import Floats, Model
@@ -38,6 +39,10 @@ from clast.stepping.stages import Stages
 
 DIRECTION = 1e-3
 """Accuracy of Newton's directions where they are found by iteration; the step's is unaffected."""
+
+
+AT_REST = 1.0
+"""Slip rate below which a new contact is taken to hold at first, in units of g h."""
 
 
 @dataclass(frozen=True)
@@ -79,11 +84,13 @@ class Convex:
                 contacts=contacts,
                 fixed=model.fixed,
                 momentum=momentum_rows(frames, velocity, theta, step),
+                graph=graph_of(contacts, model.block_count),
             )
         # warm starts: everything goes on as it moves, or rests as it rested
         starts = (step * velocity, np.zeros_like(velocity))
         counts = {"passes": 0, "line_search": 0}
-        potential, point = self._minimum(potential, starts, method, counts, stages)
+        base_force = first_friction_base(model, potential, velocity, step)
+        potential, point = self._minimum(potential, starts, base_force, method, counts, stages)
         response = point.response
         solved = Solved(
             frames=frames,
@@ -110,15 +117,18 @@ class Convex:
         self,
         potential: Potential,
         starts: tuple[Floats, ...],
+        base: Floats,
         method: Method,
         counts: dict[str, int],
         stages: Stages,
     ) -> tuple[Potential, Point]:
-        """Return the minimum with friction bounds, bonds and multipliers in accord with it."""
+        """Return the minimum with friction bounds, bonds and multipliers in accord with it.
+
+        ``base`` (m,) are the normal forces that bound friction to begin with, N/m.
+        """
         law = method.contact_law
         factor = FactorOfStep(inexact(method.solver, DIRECTION))
         contacts = multipliers.begin(law, potential.contacts)
-        base = np.where(contacts.known, contacts.normal_force, 0.0)
         updates, solves = 0, 0
         # new multipliers shift the normal forces: their solve has its own friction to find
         wanted = self.friction_updates + int(multipliers.has_multipliers(law))
@@ -143,6 +153,22 @@ class Convex:
                 contacts = multipliers.renew(law, contacts, point.response)
                 return replace(potential, contacts=contacts), point
             contacts, solves = without_bonds(contacts, broken), solves - 1
+
+
+def first_friction_base(
+    model: Model, potential: Potential, velocity: Floats, step: float
+) -> Floats:
+    """Return the normal forces, N/m, that bound friction at first, shape (m,).
+
+    Those of the last step; a new contact holds whatever comes if it is at rest, so that blocks
+    just put upon each other are not minimised without any friction first, and has none if it slips
+    already.
+    """
+    contacts = potential.contacts
+    _, slip_rate = contact_motions(contacts, velocity)
+    slow = np.abs(slip_rate) <= AT_REST * float(np.hypot(*model.gravity)) * step
+    new = np.where(slow, potential.largest_force(), 0.0)
+    return np.where(contacts.known, contacts.normal_force, new)
 
 
 def without_bonds(contacts: Contacts, broken: np.ndarray) -> Contacts:

@@ -25,13 +25,7 @@ import numpy as np
 
 from clast.contact.arrays import ContactResponse, SpringLimits
 from clast.equations.reuse import FactorOfStep
-from clast.equations.system import (
-    BlockSystem,
-    contact_forces,
-    gap_at_end,
-    newton_system,
-    slip_in_step,
-)
+from clast.equations.system import BlockSystem, contact_motions, symmetric_system
 from clast.model import Floats
 from clast.stepping.potential import Point, Potential
 from clast.stepping.stages import Stages
@@ -171,10 +165,9 @@ class Linearised:
         self._factor, self._stages = factor, stages
         potential, limits = conditions.potential, conditions.limits
         contacts, p, k = potential.contacts, limits.normal_stiffness, limits.shear_stiffness
-        gap, slip = gap_at_end(contacts, at.unknowns), slip_in_step(contacts, at.unknowns)
-        elastic = np.einsum("nij,nj->ni", potential.base.diagonal, at.unknowns)
-        force = self._forces(at.normal - limits.tension, at.shear)
-        self._unbalanced = potential.base.force - elastic + force
+        opening, slip = contact_motions(contacts, at.unknowns)
+        gap = contacts.gap + opening
+        self._unbalanced = potential.unbalanced(at.unknowns, at.normal - limits.tension, at.shear)
         trial = contacts.multiplier + limits.tension
         self._normal_error = (at.normal - trial) / p + gap - at.clearance
         self._shear_error = (at.shear - contacts.shear_force) / k + slip - at.lower + at.upper
@@ -193,15 +186,14 @@ class Linearised:
         sliding = (
             divided(wanted.lower, at.above) - divided(wanted.upper, at.below) - self._shear_error
         )
-        load = self._unbalanced + self._forces(
+        load = self._unbalanced + conditions.potential.contact_forces(
             self._normal_stiffness * opening, self._shear_stiffness * sliding
         )
-        load[conditions.potential.fixed] = 0.0
         with self._stages("solve"):
             unknowns = self._factor.solve(replace(self._system, force=load), self._response)
-        gap = gap_at_end(contacts, unknowns) - contacts.gap
+        gap, slip = contact_motions(contacts, unknowns)  # their changes
         normal = self._normal_stiffness * (opening - gap)
-        shear = self._shear_stiffness * (sliding - slip_in_step(contacts, unknowns))
+        shear = self._shear_stiffness * (sliding - slip)
         return Iterate(
             unknowns=unknowns,
             normal=normal,
@@ -212,10 +204,6 @@ class Linearised:
             lower=divided(wanted.lower - at.lower * shear, at.above),
             upper=divided(wanted.upper + at.upper * shear, at.below),
         )
-
-    def _forces(self, normal: Floats, shear: Floats) -> Floats:
-        potential = self._conditions.potential
-        return contact_forces(len(potential.fixed), potential.contacts, normal, shear)
 
     def _matrix(self) -> tuple[BlockSystem, ContactResponse]:
         potential, at = self._conditions.potential, self._at
@@ -232,8 +220,13 @@ class Linearised:
             dissipation=nothing,
         )
         with self._stages("assembly"):
-            system = newton_system(
-                potential.base, potential.contacts, response, self._unbalanced, potential.fixed
+            system = symmetric_system(
+                potential.base,
+                potential.contacts,
+                response,
+                self._unbalanced,
+                potential.fixed,
+                potential.graph,
             )
         return system, response
 

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from clast.contact.arrays import ContactResponse, Contacts
+from clast.contact.springs import limits_of
 from clast.equations.reuse import FactorOfStep
-from clast.equations.system import contact_forces, gap_at_end, newton_system, slip_in_step
+from clast.equations.system import Graph, contact_motions, symmetric_system
 from clast.equations.terms import DiagonalTerms
 from clast.interfaces import ContactLaw
+from clast.kernels import assembly
+from clast.kernels.laws import slope_of_springs
 from clast.model import Bools, Floats
 from clast.stepping.stages import Stages
 
@@ -47,29 +51,52 @@ class Potential:
     """Blocks that cannot move, shape (n,)."""
     momentum: Floats
     """The part of F that is momentum, M v/(theta h), shape (n, 6)."""
+    graph: Graph
+    """Which pairs the blocks belong to and which contacts those have."""
 
     def at(self, unknowns: Floats) -> Point:
         """Return the derivatives at ``unknowns`` (n, 6)."""
-        gap = gap_at_end(self.contacts, unknowns)
-        slip = slip_in_step(self.contacts, unknowns)
+        opening, slip = contact_motions(self.contacts, unknowns)
+        gap = self.contacts.gap + opening
         response = self.law.respond(self.contacts, gap, slip)
-        force = contact_forces(
-            len(unknowns),
-            self.contacts,
-            response.normal_force,
-            response.shear_force,
-        )
-        elastic = np.einsum("nij,nj->ni", self.base.diagonal, unknowns)
-        residual = self.base.force - elastic + force
-        residual[self.fixed] = 0.0
+        residual = self.unbalanced(unknowns, response.normal_force, response.shear_force)
         return Point(unknowns=unknowns, gap=gap, slip=slip, response=response, residual=residual)
+
+    def unbalanced(self, unknowns: Floats, normal: Floats, shear: Floats) -> Floats:
+        """Return F - K d + sum of N n + T t (n, 6) for forces (m,); 0 for fixed blocks."""
+        return assembly.unbalanced(
+            self.base.diagonal,
+            unknowns,
+            self.base.force,
+            self.fixed,
+            self.graph,
+            self.contacts.vertex_block,
+            self.contacts.rows,
+            normal,
+            shear,
+        )
+
+    def contact_forces(self, normal: Floats, shear: Floats) -> Floats:
+        """Return the sum of N n + T t (n, 6) for forces (m,); 0 for fixed blocks."""
+        nothing = np.zeros_like(self.base.force)
+        return assembly.unbalanced(
+            self.base.diagonal,
+            nothing,
+            nothing,
+            self.fixed,
+            self.graph,
+            self.contacts.vertex_block,
+            self.contacts.rows,
+            normal,
+            shear,
+        )
 
     def distance(self, point: Point) -> float:
         """Return a bound on twice the potential above its minimum, J/m.
 
         Contacts only add curvature to K, so r.H^-1 r <= r.K^-1 r, which costs no system.
         """
-        return float(np.einsum("ni,nij,nj->", point.residual, self.inverse, point.residual))
+        return float(assembly.form(self.inverse, point.residual))
 
     def yardstick(self) -> float:
         """Return the energy, J/m, that tolerances refer to: 1/2 f.K^-1 f of the step's forces.
@@ -80,15 +107,20 @@ class Potential:
 
         def half(force: Floats) -> float:
             held = np.where(self.fixed[:, None], 0.0, force)
-            return 0.5 * float(np.einsum("ni,nij,nj->", held, self.inverse, held))
+            return 0.5 * float(assembly.form(self.inverse, held))
 
         return half(self.base.force - self.momentum) + MOMENTUM_SHARE * half(self.momentum)
+
+    def largest_force(self) -> float:
+        """Return the sum of all forces on the blocks, N/m: more than any contact can bear."""
+        held = np.where(self.fixed[:, None], 0.0, self.base.force)
+        return float(np.hypot(held[:, 0], held[:, 1]).sum())
 
     def direction(self, point: Point, factor: FactorOfStep, stages: Stages) -> Floats:
         """Return the Newton direction (n, 6): H dd = residual."""
         with stages("assembly"):
-            system = newton_system(
-                self.base, self.contacts, point.response, point.residual, self.fixed
+            system = symmetric_system(
+                self.base, self.contacts, point.response, point.residual, self.fixed, self.graph
             )
         with stages("solve"):
             return factor.solve(system, point.response)
@@ -99,29 +131,57 @@ class Potential:
         The derivative along the line rises monotonically and, for a piecewise linear law, is
         piecewise linear: Newton's method on it, kept inside a bracket, ends on the exact root.
         """
-        contacts = self.contacts
-        d_gap = gap_at_end(contacts, direction) - contacts.gap
-        d_slip = slip_in_step(contacts, direction)
-        curvature = float(np.einsum("ni,nij,nj->", direction, self.base.diagonal, direction))
+        d_gap, d_slip = contact_motions(self.contacts, direction)
+        curvature = float(assembly.form(self.base.diagonal, direction))
         before = point.response
-        start = -float(np.sum(point.residual * direction))
-        held = before.normal_force * d_gap + before.shear_force * d_slip
-        smooth = start + float(np.sum(held))
+        start = -float(np.vdot(point.residual, direction))
+        smooth = start + float(before.normal_force @ d_gap + before.shear_force @ d_slip)
+        contact_part = self._along(point, d_gap, d_slip)
         low, high, length = 0.0, np.inf, 1.0
         for evaluations in range(1, LINE_SEARCH_LIMIT + 1):
-            answer = self.law.respond(
-                contacts, point.gap + length * d_gap, point.slip + length * d_slip
-            )
-            work = answer.normal_force * d_gap + answer.shear_force * d_slip
-            slope = smooth + length * curvature - float(np.sum(work))
+            work, bend = contact_part(length)
+            slope = smooth + length * curvature - work
             if abs(slope) <= LINE_TOLERANCE * abs(start):
                 return length, evaluations
             low, high = (length, high) if slope < 0.0 else (low, length)
-            bend = answer.normal_stiffness * d_gap**2 + answer.shear_stiffness * d_slip**2
-            trial = length - slope / (curvature + float(np.sum(bend)))
+            trial = length - slope / (curvature + bend)
             inside = low < trial < high
             length = trial if inside else 0.5 * (low + min(high, 2.0 * low + 1.0))
         return length, LINE_SEARCH_LIMIT
+
+    def _along(
+        self, point: Point, d_gap: Floats, d_slip: Floats
+    ) -> Callable[[float], tuple[float, float]]:
+        """Return the contacts' part of the slope along a line, and of its bend, by length."""
+        contacts, limits = self.contacts, limits_of(self.law, self.contacts)
+        if limits is None:
+
+            def by_law(length: float) -> tuple[float, float]:
+                answer = self.law.respond(
+                    contacts, point.gap + length * d_gap, point.slip + length * d_slip
+                )
+                work = answer.normal_force @ d_gap + answer.shear_force @ d_slip
+                bend = answer.normal_stiffness @ d_gap**2 + answer.shear_stiffness @ d_slip**2
+                return float(work), float(bend)
+
+            return by_law
+
+        def by_springs(length: float) -> tuple[float, float]:
+            return slope_of_springs(
+                length,
+                point.gap,
+                d_gap,
+                point.slip,
+                d_slip,
+                contacts.multiplier,
+                contacts.shear_force,
+                limits.normal_stiffness,
+                limits.shear_stiffness,
+                limits.tension,
+                limits.strength,
+            )
+
+        return by_springs
 
 
 MOMENTUM_SHARE = 1e-4
