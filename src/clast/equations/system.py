@@ -148,7 +148,8 @@ def symmetric_system(
 
     ``force`` is 0 for fixed blocks already; ``graph`` that of the contacts.
     """
-    diagonal, upper = assembly.assemble(
+    diagonal, upper = np.empty_like(base.diagonal), np.empty((len(contacts.pairs), 6, 6))
+    assembly.assemble(
         base.diagonal,
         fixed,
         contacts.pairs,
@@ -157,6 +158,8 @@ def symmetric_system(
         contacts.rows,
         response.normal_stiffness,
         response.shear_stiffness,
+        diagonal,
+        upper,
     )
     return BlockSystem(
         diagonal=diagonal,

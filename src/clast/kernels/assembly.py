@@ -8,7 +8,7 @@ from numba import prange
 from clast.kernels.block_rows import CHUNK, FMA, SHARED, chunks
 from clast.kernels.compiled import kernel
 
-PIECE, MANY = 4096, 12000
+PIECE, MANY = 2048, 8000
 """Contacts that a thread takes at a time, and number from which threads share them."""
 
 
@@ -177,22 +177,20 @@ def _assemble_shared(base, fixed, pairs, graph, vertex_block, rows, kn, ks, own,
 
 
 @kernel()
-def assemble(base, fixed, pairs, graph, vertex_block, rows, kn, ks):
-    """Return diagonal (n, 6, 6) and upper blocks (q, 6, 6) of K with the contact springs in it.
+def assemble(base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper):
+    """Write K with the contact springs in it: diagonal ``own`` (n, 6, 6), ``upper`` (q, 6, 6).
 
     ``base`` (n, 6, 6) is K without contacts; ``graph`` the first contact of each pair and
     the pairs of each block (see block_rows.row_pointers); ``rows`` the four sets of contact rows.
     Blocks held fixed keep a diagonal of their own size and no couplings.  Every block sums up its
     own contacts in their order: threads can share the work.
     """
-    own, upper = np.empty_like(base), np.empty((len(pairs), 6, 6))
     if len(base) >= SHARED:
         _assemble_shared(base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper)
     else:
         _assemble_rows(
             0, len(base), base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper
         )
-    return own, upper
 
 
 @kernel()

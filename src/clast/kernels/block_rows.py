@@ -17,9 +17,9 @@ start_threads()
 
 FMA = {"contract"}
 """a b + c may be one operation; the order of sums stays."""
-CHUNK = 512
+CHUNK = 256
 """Rows that a thread takes at a time, and that are summed up by themselves."""
-SHARED = 3000
+SHARED = 1500
 """Rows from which threads share the work; below, starting them costs more than they give."""
 
 

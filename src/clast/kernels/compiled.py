@@ -60,10 +60,13 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     return compiled
 
 
-def start_threads() -> int:
-    """Start the threads that parallel kernels share, if they do not run yet; return their number.
+def start_threads() -> None:
+    """Start the threads that parallel kernels share, if they do not run yet.
 
     numba does so itself when it compiles a parallel kernel, and when it loads one, but not when it
-    loads a kernel that calls one.
+    loads a kernel that calls one.  One thread works unless NUMBA_NUM_THREADS asks for more: whole
+    steps have not gained by a second one yet (docs/decisions/0017).
     """
-    return int(numba.get_num_threads())
+    if "NUMBA_NUM_THREADS" not in os.environ:
+        numba.set_num_threads(1)
+    numba.get_num_threads()
