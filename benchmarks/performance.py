@@ -22,6 +22,11 @@ and their steps explicit; clast's blocks deform (E 5 GPa, nu 0, so that no drift
 steps are implicit, so they may be longer. *Drift* is the largest horizontal movement of a corner of
 a wall that should stand still, *overlap* the thickness of the thickest overlap of two blocks, both
 at the end. What counts is wall time at a stated accuracy.
+
+Walls at rest are where implicit steps pay: fifty to a hundred times as long as those of the others,
+with less drift. Heaps of falling blocks are where they do not: before the impact max_displacement
+keeps the steps near 1 ms, after it every step takes 20 to 30 iterations, half of them of the
+interior point method, because everywhere contacts open, close, stick and slide at once.
 """
 SCENES = """\
 ## Cost by scene and size
