@@ -25,7 +25,7 @@ at the end. What counts is wall time at a stated accuracy.
 
 Walls at rest are where implicit steps pay: fifty to a hundred times as long as those of the others,
 with less drift. Heaps of falling blocks are where they do not: before the impact max_displacement
-keeps the steps near 1 ms, after it every step takes 20 to 30 iterations, half of them of the
+keeps the steps near 1 ms, after it a step takes 20 to 30 iterations and most go through the
 interior point method, because everywhere contacts open, close, stick and slide at once.
 
 A run *stopped after 60 s* of wall time is measured over what it had simulated by then.

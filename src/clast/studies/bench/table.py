@@ -111,7 +111,7 @@ def remarks(benchmark: Benchmark) -> list[str]:
         "horizontal movement of what should rest (slopes settle along their joints as well)",
         f"triad in main memory: {_rate(benchmark.triad)} by one thread, "
         f"{_rate(benchmark.triad_by_threads)} by all; 'of triad': over as many bytes as "
-        "the product moves, one thread",
+        "the product moves, by as many threads",
     ]
     for row in benchmark.rows:
         if not row.report.finished:
