@@ -17,7 +17,7 @@ from clast.contact.arrays import Contacts
 from clast.contact.detection import Reach, find_candidates, near_pairs
 from clast.equations.frames import block_frames
 from clast.equations.multilevel import levels_of
-from clast.equations.system import BlockSystem, newton_system
+from clast.equations.system import BlockSystem, graph_of, symmetric_system
 from clast.equations.terms import diagonal_terms
 from clast.interfaces import Method
 from clast.kernels import block_rows, multilevel
@@ -89,7 +89,8 @@ def test_assembly(benchmark, wall):
     theta = np.full(model.block_count, 0.5)
     base = diagonal_terms(model, method, frames, wall.state, wall.state.velocity, theta, STEP)
     response = method.contact_law.respond(contacts, contacts.gap, np.zeros(len(contacts)))
-    system = benchmark(newton_system, base, contacts, response, base.force, model.fixed)
+    graph = graph_of(contacts, model.block_count)
+    system = benchmark(symmetric_system, base, contacts, response, base.force, model.fixed, graph)
     assert system.symmetric and len(system.pairs) == len(contacts.pairs)
 
 

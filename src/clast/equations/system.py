@@ -195,15 +195,3 @@ def assemble(
     )
     loads = normal_load, shear_load
     return _with_contacts(base, base.force, contacts, response, loads, fixed)
-
-
-def newton_system(
-    base: DiagonalTerms,
-    contacts: Contacts,
-    response: ContactResponse,
-    residual: Floats,
-    fixed: Bools,
-) -> BlockSystem:
-    """Return the system of a Newton iteration: K with the law in it, F the residual (n, 6)."""
-    nothing = np.zeros(len(contacts))
-    return _with_contacts(base, residual, contacts, response, (nothing, nothing), fixed)
