@@ -44,7 +44,14 @@ def solved(one, tolerance=1e-10, limit=500):
     """Return d, iterations and reduction."""
     found = levels_of(one)
     return multilevel.solve(
-        found.levels, found.last, found.factor, found.work, one.force, tolerance, limit
+        found.levels,
+        found.last,
+        found.factor,
+        found.work,
+        one.force,
+        np.zeros_like(one.force),
+        tolerance,
+        limit,
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from clast.contact.arrays import ContactResponse
+from clast.equations.solvers import IteratedMatrix
 from clast.equations.system import BlockSystem
 from clast.interfaces import Factor, LinearSolver
 from clast.model import Floats
@@ -30,6 +31,22 @@ class FactorOfStep:
 
     def solve(self, system: BlockSystem, response: ContactResponse) -> Floats:
         """Return d (n, 6) of a system that was assembled with ``response``."""
+        return self._factor_of(system, response).solve(system.force)
+
+    def nearer(
+        self, system: BlockSystem, response: ContactResponse, guess: Floats, tolerance: float
+    ) -> Floats:
+        """Return d (n, 6) of a system; an iteration starts from ``guess`` (n, 6).
+
+        It ends where the residual has fallen to ``tolerance`` of the guess's.
+        """
+        factor = self._factor_of(system, response)
+        if isinstance(factor, IteratedMatrix):
+            return factor.nearer(system.force, guess, max(tolerance, factor.tolerance))
+        return factor.solve(system.force)
+
+    def _factor_of(self, system: BlockSystem, response: ContactResponse) -> Factor:
+        """Return the matrix made ready, or the last one where no stiffness has changed."""
         stiffness = (response.normal_stiffness, response.shear_stiffness, response.coupling)
         same = len(self._stiffness) == len(stiffness) and all(
             np.array_equal(one, other)
@@ -42,7 +59,7 @@ class FactorOfStep:
             self._stiffness = stiffness
             self.factorised += 1
         self.solved += 1
-        return self._factor.solve(system.force)
+        return self._factor
 
     @property
     def iterations(self) -> int:
@@ -60,9 +77,10 @@ class FactorOfStep:
         if stalled is not None:
             self._other, self._pause = stalled, max(1, 2 * self._pause)
             self._left = self._pause
-        elif hasattr(self._factor, "iterated"):
+        elif self._other is None:
             self._pause = 0
         if self._left > 0 and self._other is not None:
             self._left -= 1
             return self._other
+        self._other = None
         return self._solver

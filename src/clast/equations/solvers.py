@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from clast.equations.multilevel import Levels, levels_of
 from clast.equations.system import BlockSystem
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Factor, LinearSolver
-from clast.kernels import multilevel
+from clast.kernels import block_rows, conjugate, multilevel
 from clast.model import Floats, Ints
 
 if TYPE_CHECKING:
@@ -100,57 +100,105 @@ class Direct:
         return Cholesky().factor(system) if system.symmetric else Scipy().factor(system)
 
 
-class PCGMatrix:
-    """A symmetric system with the levels that precondition it.
+class Iteration(Protocol):
+    """A way to come nearer to the solution of one system, step by step."""
 
-    Once an iteration has stalled the matrix is factorised after all, and ``next_solver`` says by
-    whom; ``iterated`` counts iterations.
+    def __call__(self, force: Floats, guess: Floats, tolerance: float) -> tuple[Floats, int, float]:
+        """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class WithLevels:
+    """Conjugate gradients with a cycle over levels of larger blocks."""
+
+    levels: Levels
+    """The levels."""
+    iterations: int
+    """Iterations at most."""
+
+    def __call__(self, force: Floats, guess: Floats, tolerance: float) -> tuple[Floats, int, float]:
+        """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
+        at = self.levels
+        found: tuple[Floats, int, float] = multilevel.solve(
+            at.levels, at.last, at.factor, at.work, force, guess, tolerance, self.iterations
+        )
+        return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class WithDiagonal:
+    """Conjugate gradients with the diagonal blocks alone."""
+
+    rows: tuple[Floats | Ints, ...]
+    """Diagonal blocks, their inverses, the others, pairs and rows, as the kernel takes them."""
+    iterations: int
+    """Iterations at most."""
+
+    def __call__(self, force: Floats, guess: Floats, tolerance: float) -> tuple[Floats, int, float]:
+        """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
+        found: tuple[Floats, int, float] = conjugate.solve(
+            *self.rows, force, guess, tolerance, self.iterations
+        )
+        return found
+
+
+class IteratedMatrix:
+    """A symmetric system that is solved by iteration.
+
+    Where that stalls another solver takes over, whom ``next_solver`` names from then on;
+    ``iterated`` counts the iterations of both.
     """
 
     def __init__(
-        self, system: BlockSystem, levels: Levels, tolerance: float, iterations: int
+        self, system: BlockSystem, iteration: Iteration, takes_over: LinearSolver, tolerance: float
     ) -> None:
-        self.system = system
-        self.levels = levels
+        self._system, self._iteration, self._takes_over = system, iteration, takes_over
         self.tolerance = tolerance
-        self.iterations = iterations
-        self.iterated = 0
         self.next_solver: LinearSolver | None = None
+        self._own = 0
         self._factor: Factor | None = None
 
+    @property
+    def iterated(self) -> int:
+        """Iterations so far."""
+        return self._own + int(getattr(self._factor, "iterated", 0))
+
     def solve(self, force: Floats) -> Floats:
-        """Return d (n, 6) for F (n, 6); by a factorisation where the iteration stalls."""
-        if self._factor is not None:
+        """Return d (n, 6) for F (n, 6)."""
+        return self.nearer(force, np.zeros_like(force), self.tolerance)
+
+    def nearer(self, force: Floats, guess: Floats, tolerance: float) -> Floats:
+        """Return d (n, 6) whose residual is at most ``tolerance`` of that of ``guess`` (n, 6)."""
+        if self._factor is None:
+            displacement, iterations, left = self._iteration(force, guess, tolerance)
+            self._own += iterations
+            if left <= tolerance:
+                return displacement
+            self._factor = self._takes_over.factor(self._system)
+        if not isinstance(self._factor, IteratedMatrix):
+            self.next_solver = self._takes_over
             return self._factor.solve(force)
-        displacement, iterations, reduction = multilevel.solve(
-            self.levels.levels,
-            self.levels.last,
-            self.levels.factor,
-            self.levels.work,
-            force,
-            self.tolerance,
-            self.iterations,
-        )
-        self.iterated += iterations
-        if not reduction <= self.tolerance:
-            self.next_solver = Direct()
-            self._factor = self.next_solver.factor(self.system)
-            return self._factor.solve(force)
+        displacement = self._factor.nearer(force, guess, tolerance)
+        self.next_solver = self._factor.next_solver or self._takes_over
         return displacement
 
 
 @dataclass(frozen=True)
 class PCG:
-    """Conjugate gradients with a cycle over levels of larger blocks; symmetric systems.
+    """Conjugate gradients for symmetric systems, preconditioned as strongly as they need.
 
-    Unsymmetric systems (friction solved inside the step) and those on which it stalls are
-    factorised.
+    By the diagonal blocks where inertia holds its own against the contacts, else by a cycle over
+    levels of larger blocks.  Systems on which that stalls, and unsymmetric ones (friction solved
+    inside the step), are factorised.
     """
 
     tolerance: float = 1e-8
     """Reduction of the residual, in the norm of the preconditioner, that ends the iteration."""
     iterations: int = 400
-    """Iterations at most before a factorisation takes over."""
+    """Iterations with levels at most, before a factorisation takes over."""
+    plain: int = 60
+    """Iterations with the diagonal blocks at most, before levels take over; 0: none."""
 
     def inexact(self, tolerance: float) -> PCG:
         """Return the same solver ending at ``tolerance``, if that is earlier."""
@@ -160,7 +208,35 @@ class PCG:
         """Return the matrix made ready; raises StepRejected where it is singular."""
         if not system.symmetric:
             return Scipy().factor(system)
-        return PCGMatrix(system, levels_of(system), self.tolerance, self.iterations)
+        if self.plain > 0 and inertia_share(system) > SOFT:
+            return IteratedMatrix(
+                system, self._with_diagonal(system), replace(self, plain=0), self.tolerance
+            )
+        iteration = WithLevels(levels=levels_of(system), iterations=self.iterations)
+        return IteratedMatrix(system, iteration, Direct(), self.tolerance)
+
+    def _with_diagonal(self, system: BlockSystem) -> WithDiagonal:
+        inverse, bad = block_rows.inverse_blocks(system.diagonal)
+        if bad >= 0:
+            raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
+        pointers = block_rows.row_pointers(len(system.diagonal), system.pairs)
+        rows = (system.diagonal, inverse, system.upper, system.pairs, *pointers)
+        return WithDiagonal(rows=rows, iterations=self.plain)
+
+
+def inertia_share(system: BlockSystem) -> float:
+    """Return how much of the blocks' stiffness against translation is not that of contacts.
+
+    A translation of all blocks together moves no contact between two of them, so that what is left
+    of e.K e, e being all translations, is inertia, over the sum of the diagonal blocks' own.
+    """
+    own = float(system.diagonal[:, 0, 0].sum() + system.diagonal[:, 1, 1].sum())
+    between = float(system.upper[:, 0, 0].sum() + system.upper[:, 1, 1].sum())
+    return (own + 2.0 * between) / own
+
+
+SOFT = 0.05
+"""Share of inertia above which the diagonal blocks suffice: ten to fifty iterations."""
 
 
 @dataclass(frozen=True)

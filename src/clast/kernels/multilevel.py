@@ -19,8 +19,9 @@ from __future__ import annotations
 import numpy as np
 
 from clast.kernels.aggregates import prolong, restrict
-from clast.kernels.block_rows import FMA, dot, multiply, relax
+from clast.kernels.block_rows import dot, multiply, relax
 from clast.kernels.compiled import kernel
+from clast.kernels.conjugate import advance
 from clast.kernels.dense import solve_factored
 
 LEVELS = 8
@@ -148,40 +149,32 @@ def _cycle(last, levels, factor, work):
                 break
 
 
-@kernel(fastmath=FMA)
-def _advance(alpha, p, kp, x, r):
-    """Go alpha along p: x += alpha p, r -= alpha K p."""
-    for i in range(len(p)):
-        for a in range(6):
-            x[i, a] += alpha * p[i, a]
-            r[i, a] -= alpha * kp[i, a]
-
-
 @kernel()
-def solve(levels, last, factor, work, force, tolerance, limit):
+def solve(levels, last, factor, work, force, guess, tolerance, limit):
     """Return d (n, 6) of K d = F, the iterations and the final reduction of r.B r.
 
-    B is the cycle.  Flexible conjugate gradients (the K-cycle is not quite linear) that stop where
-    r.B r has fallen to tolerance^2 of its start, or after ``limit`` iterations; inf where K or B is
-    not positive definite.
+    Starts from ``guess`` (n, 6).  B is the cycle.  Flexible conjugate gradients (the K-cycle is not
+    quite linear) that stop where r.B r has fallen to tolerance^2 of its start, or after ``limit``
+    iterations; inf where K or B is not positive definite.
     """
-    x = np.zeros_like(force)
+    x = guess.copy()
     r, z = work[0][0], work[1][0]
-    r[:] = force
+    kp = np.empty_like(force)
+    _multiply(0, levels, x, kp)
+    r[:] = force - kp
     _cycle(last, levels, factor, work)
     rz = dot(r, z)
     start = rz
     if start == 0.0:
         return x, 0, 0.0
     p = z.copy()
-    kp = np.empty_like(force)
     count = 0
     while count < limit and rz > tolerance**2 * start:
         curvature = _multiply(0, levels, p, kp)
         if not curvature > 0.0:
             return x, count, np.inf
         alpha = rz / curvature
-        _advance(alpha, p, kp, x, r)
+        advance(alpha, p, kp, x, r)
         count += 1
         _cycle(last, levels, factor, work)
         following = dot(r, z)

@@ -38,6 +38,8 @@ REDUCTION = 3
 """mu is aimed at (predicted mu / mu)^REDUCTION (Mehrotra 1992)."""
 ITERATIONS = 60
 """Iterations at most."""
+ROUGH = 0.1
+"""Accuracy of the predictor, and of the corrector, which begins with it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,8 +179,12 @@ class Linearised:
         self._shear_stiffness = np.where(conditions.frictional, 1.0 / (1.0 / k + softer), 0.0)
         self._system, self._response = self._matrix()
 
-    def towards(self, wanted: Products) -> Iterate:
-        """Return the way to where the products have changed by ``wanted``, to first order."""
+    def towards(self, wanted: Products, guess: Floats) -> Iterate:
+        """Return the way to where the products have changed by ``wanted``, to first order.
+
+        Where systems are solved by iteration it begins with the unknowns ``guess`` (n, 6) and ends
+        where what they leave has fallen to ROUGH of itself.
+        """
         at, conditions = self._at, self._conditions
         p, divided = conditions.limits.normal_stiffness, conditions.where_frictional
         contacts = conditions.potential.contacts
@@ -190,7 +196,9 @@ class Linearised:
             self._normal_stiffness * opening, self._shear_stiffness * sliding
         )
         with self._stages("solve"):
-            unknowns = self._factor.solve(replace(self._system, force=load), self._response)
+            unknowns = self._factor.nearer(
+                replace(self._system, force=load), self._response, guess, ROUGH
+            )
         gap, slip = contact_motions(contacts, unknowns)  # their changes
         normal = self._normal_stiffness * (opening - gap)
         shear = self._shear_stiffness * (sliding - slip)
@@ -253,11 +261,13 @@ def minimise_inside(
         mu = now.mean(conditions.frictional)
         linearised = Linearised(conditions, at, factor, stages)
         counts["passes"] += 1
-        predictor = linearised.towards(aimed(conditions, now, 0.0, None))
+        predictor = linearised.towards(
+            aimed(conditions, now, 0.0, None), np.zeros_like(at.unknowns)
+        )
         reached = at.moved(predictor, min(1.0, conditions.length(at, predictor)))
         predicted = conditions.products(reached).mean(conditions.frictional)
         target = mu * (predicted / mu) ** REDUCTION
-        way = linearised.towards(aimed(conditions, now, target, predictor))
+        way = linearised.towards(aimed(conditions, now, target, predictor), predictor.unknowns)
         at = at.moved(way, min(1.0, STEP_SHARE * conditions.length(at, way)))
         with stages("law"):
             point = potential.at(at.unknowns)

@@ -1,0 +1,145 @@
+"""Iterations of one system: by the diagonal blocks, by levels, from a guess, one after another."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_cholesky import PATTERNS, dense, grid, random_system
+from test_multilevel import elastic_grid
+
+from clast.contact.arrays import ContactResponse
+from clast.equations.cholesky import Cholesky, CholeskyFactor
+from clast.equations.reuse import FactorOfStep
+from clast.equations.solvers import (
+    PCG,
+    SOFT,
+    IteratedMatrix,
+    WithDiagonal,
+    inertia_share,
+)
+from clast.kernels import block_rows, conjugate
+
+
+def with_diagonal(one, guess, tolerance, limit):
+    """Return d, iterations and reduction by the diagonal blocks alone."""
+    inverse, _ = block_rows.inverse_blocks(one.diagonal)
+    rows = block_rows.row_pointers(len(one.diagonal), one.pairs)
+    return conjugate.solve(
+        one.diagonal, inverse, one.upper, one.pairs, *rows, one.force, guess, tolerance, limit
+    )
+
+
+def heavier(one, inertia):
+    """Return a system with so much more inertia in every block."""
+    return replace(one, diagonal=one.diagonal + inertia * np.eye(6))
+
+
+def response_of(stiffness):
+    """Return an answer of a law by which systems are told apart."""
+    one, nothing = np.array([stiffness]), np.zeros(1)
+    return ContactResponse(
+        normal_force=nothing,
+        shear_force=nothing,
+        normal_stiffness=one,
+        shear_stiffness=nothing,
+        coupling=nothing,
+        mode=np.zeros(1, np.int64),
+        bonded=np.zeros(1, np.bool_),
+        energy=nothing,
+        dissipation=nothing,
+    )
+
+
+@pytest.mark.parametrize("name", PATTERNS)
+def test_diagonal_blocks_alone_reach_the_dense_solution(name):
+    count, pairs = PATTERNS[name]
+    one = random_system(np.random.default_rng(1), count, pairs)
+    wanted = np.linalg.solve(dense(one), one.force.ravel()).reshape(-1, 6)
+    found, _, left = with_diagonal(one, np.zeros_like(one.force), 1e-12, 100_000)
+    assert left <= 1e-12
+    assert np.abs(found - wanted).max() <= 1e-8 * np.abs(wanted).max()
+
+
+def test_a_guess_is_improved_by_the_share_asked_for():
+    one = heavier(elastic_grid(8, 8), 1e6)
+    wanted = Cholesky().factor(one).solve(one.force)
+    guess = wanted + 1e-3 * np.random.default_rng(2).normal(size=wanted.shape)
+    for iteration in (PCG(plain=100), PCG(plain=0)):
+        found = iteration.factor(one).nearer(one.force, guess, 1e-4)
+        assert np.abs(found - wanted).max() <= 1e-3 * np.abs(guess - wanted).max()
+    assert np.array_equal(with_diagonal(one, wanted, 1e300, 10)[0], wanted)
+
+
+def test_the_share_of_inertia_is_what_a_common_translation_feels():
+    """Springs between blocks add nothing to it, and all to the blocks' own stiffness."""
+    sheet = elastic_grid(10, 10)
+    for inertia in (1e2, 1e6, 1e8):
+        one = heavier(sheet, inertia)
+        two = np.eye(6)[:, :2]
+        everywhere = np.tile(two, (len(one.diagonal), 1))
+        felt = np.trace(everywhere.T @ dense(one) @ everywhere)
+        own = sum(np.trace(block[:2, :2]) for block in one.diagonal)
+        assert inertia_share(one) == pytest.approx(felt / own, rel=1e-9)
+
+
+def test_the_preconditioner_is_as_strong_as_the_system_is_stiff():
+    soft, stiff = heavier(elastic_grid(10, 10), 1e7), elastic_grid(10, 10)
+    assert inertia_share(stiff) < SOFT < inertia_share(soft)
+    for one, plain in ((soft, True), (stiff, False)):
+        matrix = PCG().factor(one)
+        assert isinstance(matrix, IteratedMatrix)
+        assert isinstance(matrix._iteration, WithDiagonal) is plain
+        wanted = Cholesky().factor(one).solve(one.force)
+        found = matrix.solve(one.force)
+        assert matrix.next_solver is None
+        assert np.abs(found - wanted).max() <= 1e-5 * np.abs(wanted).max()
+
+
+def test_a_slow_iteration_is_left_early():
+    one = elastic_grid(30, 30)
+    _, iterations, left = with_diagonal(one, np.zeros_like(one.force), 1e-8, 20)
+    assert iterations == conjugate.TRIED
+    assert left > 1e-8
+
+
+def test_levels_take_over_and_then_a_factorisation(monkeypatch):
+    monkeypatch.setattr("clast.equations.solvers.SOFT", 0.0)
+    one = elastic_grid(20, 20)
+    matrix = PCG(tolerance=1e-8, plain=3).factor(one)
+    found = matrix.solve(one.force)
+    assert matrix.next_solver == PCG(tolerance=1e-8, plain=0)
+    assert matrix.iterated > 3
+    wanted = Cholesky().factor(one).solve(one.force)
+    assert np.abs(found - wanted).max() <= 1e-5 * np.abs(wanted).max()
+    short = PCG(tolerance=1e-8, plain=3, iterations=2).factor(one)
+    assert np.array_equal(short.solve(one.force), wanted)
+    assert isinstance(short.next_solver.factor(one), CholeskyFactor)
+
+
+def test_a_step_goes_back_to_its_solver_more_and_more_rarely(monkeypatch):
+    """After a stall the other solver gets 1 matrix, then 2, then 4."""
+    monkeypatch.setattr("clast.equations.solvers.SOFT", 0.0)
+    one = elastic_grid(10, 10)
+    tried = []
+
+    class Recorded(PCG):
+        def factor(self, system):
+            if self.plain > 0:
+                tried.append(number)
+            return super().factor(system)
+
+    factor = FactorOfStep(Recorded(tolerance=1e-6, plain=2))
+    for number in range(12):
+        factor.nearer(one, response_of(number), np.zeros_like(one.force), 1e-6)
+    assert factor.factorised == 12
+    assert tried == [0, 2, 5, 10]
+
+
+def test_one_system_is_made_ready_once():
+    one = random_system(np.random.default_rng(3), 60, grid(6, 10))
+    factor = FactorOfStep(PCG())
+    for _ in range(3):
+        factor.solve(one, response_of(1.0))
+    assert (factor.factorised, factor.solved) == (1, 3)
+    factor.solve(one, response_of(2.0))
+    assert (factor.factorised, factor.solved) == (2, 4)
