@@ -89,7 +89,8 @@ def heap(squares: int) -> Setting:
 def programs(arguments: argparse.Namespace, scene: str) -> list[Program]:
     """Return the programs for a scene: heaps fall with a step and stiffness of their own."""
     if scene == "heap":
-        own: list[Program] = [Clast(arguments.heap_step, arguments.heap_stiffness)]
+        step, share = arguments.heap_step, arguments.heap_stiffness
+        own: list[Program] = [Clast(step, share, travel=arguments.heap_travel)]
     else:
         own = [Clast(step, arguments.stiffness) for step in arguments.steps]
     peers: list[Program] = [Chipmunk(10), Chipmunk(50), Box2D(), Box2D(500.0)]
@@ -195,7 +196,10 @@ def main() -> None:
     parser.add_argument("--heap-end", type=float, default=2.0, help="simulated time of heaps, s")
     parser.add_argument("--steps", type=float, nargs="+", default=[0.05, 0.005], help="h, s")
     parser.add_argument("--stiffness", type=float, default=1.0, help="p/E")
-    parser.add_argument("--heap-step", type=float, default=0.005, help="h of heaps, s")
+    parser.add_argument("--heap-step", type=float, default=0.0025, help="h of heaps, s")
+    parser.add_argument(
+        "--heap-travel", type=float, default=0.1, help="max_displacement of heaps in block sizes"
+    )
     parser.add_argument("--heap-stiffness", type=float, default=0.1, help="p/E of heaps")
     parser.add_argument("--programs", nargs="+", help="clast, chipmunk, box2d: only these")
     parser.add_argument("--limit", type=float, default=600.0, help="wall time of a run, s")

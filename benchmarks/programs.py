@@ -8,14 +8,14 @@ in one thread, without damping, and with sleeping turned off: a wall that sleeps
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from time import perf_counter
 from typing import Any, Protocol
 
 import numpy as np
 
-from clast.interfaces import Method
+from clast.case import TRAVEL_SHARE
 from clast.model import Floats, Model
 from clast.model_builder import ModelBuilder
 from clast.simulate import Progress, Schedule, simulate
@@ -83,6 +83,8 @@ class Clast:
     """p/E."""
     solver: str = "auto"
     """Solver, as in case files."""
+    travel: float = TRAVEL_SHARE
+    """max_displacement in units of the smallest block."""
     missing: str = ""
 
     @property
@@ -95,7 +97,8 @@ class Clast:
         wishes = Wishes(step=self.step, share=self.share, solver=self.solver)
         warm_up([SCENES["wall"]], wishes)
         model = model_of(setting)
-        method: Method = method_for(model, wishes)
+        smallest = float(np.sqrt(model.area.min()))
+        method = replace(method_for(model, wishes), max_displacement=self.travel * smallest)
         begun = perf_counter()
 
         def watch(_: Progress) -> None:

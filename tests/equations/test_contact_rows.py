@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from clast.equations.frames import block_frames
-from clast.equations.system import contact_forces, gap_at_end, gap_rate, slip_in_step
+from clast.equations.system import (
+    gap_at_end,
+    gap_rate,
+    graph_of,
+    slip_in_step,
+    with_contact_forces,
+)
 from clast.kinematics.first_order import FirstOrder
 from clast.kinematics.rotation import Exact, Linear, Sine
 from clast.stepping.advance import move
@@ -104,7 +110,11 @@ def test_contact_forces_are_equal_and_opposite(name):
     frames = block_frames(model, FirstOrder(), state)
     rng = np.random.default_rng(3)
     normal, shear = rng.uniform(0.0, 1.0, len(contacts)), rng.normal(size=len(contacts))
-    force = contact_forces(model.block_count, contacts, normal, shear)
+    count = model.block_count
+    nothing, free = np.zeros((count, 6)), np.zeros(count, np.bool_)
+    graph = graph_of(contacts, count)
+    any_blocks = rng.normal(size=(count, 6, 6))
+    force = with_contact_forces(nothing, any_blocks, contacts, graph, free, normal, shear)
     assert force[:, :2].sum(axis=0) == pytest.approx([0.0, 0.0], abs=1e-12)
     x, y = frames.centroid.T
     moment = force[:, 2] + x * force[:, 1] - y * force[:, 0]

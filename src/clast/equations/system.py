@@ -65,23 +65,23 @@ def gap_rate(contacts: Contacts, velocity: Floats) -> Floats:
     return contact_motions(contacts, velocity)[0]
 
 
-def contact_forces(
-    block_count: int, contacts: Contacts, normal_force: Floats, shear_force: Floats
+def with_contact_forces(
+    force: Floats,
+    diagonal: Floats,
+    contacts: Contacts,
+    graph: Graph,
+    fixed: Bools,
+    normal: Floats,
+    shear: Floats,
 ) -> Floats:
-    """Return the generalised forces (n, 6) of normal and shear forces (m,) of the contacts."""
-    force = np.zeros((block_count, 6))
-    assembly.add_forces(
-        force,
-        contacts.vertex_block,
-        contacts.edge_block,
-        contacts.normal_vertex,
-        contacts.normal_edge,
-        contacts.tangent_vertex,
-        contacts.tangent_edge,
-        normal_force,
-        shear_force,
+    """Return ``force`` (n, 6) plus N n + T t of forces (m,), N/m; 0 for fixed blocks.
+
+    ``diagonal`` (n, 6, 6) are the blocks of K without contacts, which a zero d leaves out.
+    """
+    nothing = np.zeros_like(force)
+    return assembly.unbalanced(
+        diagonal, nothing, force, fixed, graph, contacts.vertex_block, contacts.rows, normal, shear
     )
-    return force
 
 
 def _with_contacts(
@@ -95,17 +95,7 @@ def _with_contacts(
     """Return the system with contact stiffness and loads (m,) added, fixed blocks held."""
     if not response.coupling.any():
         graph = graph_of(contacts, len(fixed))
-        nothing = np.zeros_like(force)
-        force = assembly.unbalanced(
-            base.diagonal,
-            nothing,
-            force,
-            fixed,
-            graph,
-            contacts.vertex_block,
-            contacts.rows,
-            *loads,
-        )
+        force = with_contact_forces(force, base.diagonal, contacts, graph, fixed, *loads)
         return symmetric_system(base, contacts, response, force, fixed, graph)
     diagonal, force = base.diagonal.copy(), force.copy()
     upper = np.zeros((len(contacts.pairs), 6, 6))

@@ -310,26 +310,3 @@ def form(blocks, d):
                 part += line * d[i, a]
         total += part
     return total
-
-
-@kernel()
-def add_forces(
-    force,
-    vertex_block,
-    edge_block,
-    normal_vertex,
-    normal_edge,
-    tangent_vertex,
-    tangent_edge,
-    normal_force,
-    shear_force,
-):
-    """Add N n + T t of every contact to the generalised forces (n, 6), in place."""
-    for c in range(len(vertex_block)):
-        i, j = vertex_block[c], edge_block[c]
-        normal, shear = normal_force[c], shear_force[c]
-        if normal == 0.0 and shear == 0.0:
-            continue
-        for k in range(6):
-            force[i, k] += normal * normal_vertex[c, k] + shear * tangent_vertex[c, k]
-            force[j, k] += normal * normal_edge[c, k] + shear * tangent_edge[c, k]

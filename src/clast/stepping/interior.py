@@ -192,8 +192,8 @@ class Linearised:
         sliding = (
             divided(wanted.lower, at.above) - divided(wanted.upper, at.below) - self._shear_error
         )
-        load = self._unbalanced + conditions.potential.contact_forces(
-            self._normal_stiffness * opening, self._shear_stiffness * sliding
+        load = conditions.potential.loaded(
+            self._unbalanced, self._normal_stiffness * opening, self._shear_stiffness * sliding
         )
         with self._stages("solve"):
             unknowns = self._factor.nearer(

@@ -10,7 +10,12 @@ import numpy as np
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.contact.springs import limits_of
 from clast.equations.reuse import FactorOfStep
-from clast.equations.system import Graph, contact_motions, symmetric_system
+from clast.equations.system import (
+    Graph,
+    contact_motions,
+    symmetric_system,
+    with_contact_forces,
+)
 from clast.equations.terms import DiagonalTerms
 from clast.interfaces import ContactLaw
 from clast.kernels import assembly
@@ -76,19 +81,10 @@ class Potential:
             shear,
         )
 
-    def contact_forces(self, normal: Floats, shear: Floats) -> Floats:
-        """Return the sum of N n + T t (n, 6) for forces (m,); 0 for fixed blocks."""
-        nothing = np.zeros_like(self.base.force)
-        return assembly.unbalanced(
-            self.base.diagonal,
-            nothing,
-            nothing,
-            self.fixed,
-            self.graph,
-            self.contacts.vertex_block,
-            self.contacts.rows,
-            normal,
-            shear,
+    def loaded(self, force: Floats, normal: Floats, shear: Floats) -> Floats:
+        """Return ``force`` (n, 6) plus N n + T t of forces (m,); 0 for fixed blocks."""
+        return with_contact_forces(
+            force, self.base.diagonal, self.contacts, self.graph, self.fixed, normal, shear
         )
 
     def distance(self, point: Point) -> float:
