@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -310,7 +311,14 @@ def test_status_line():
 @pytest.mark.skipif(os.name != "posix", reason="sends a signal")
 def test_the_interrupt_key(incline):
     command = [sys.executable, "-m", "clast", "run", str(incline), "--set", "time.end=1e3"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # tests that run in the background may have been told to ignore it, and hand that on
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     deadline = time.monotonic() + 60.0
     while not Path("incline.vtkhdf").exists() and time.monotonic() < deadline:
         time.sleep(0.1)
