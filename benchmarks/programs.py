@@ -15,7 +15,6 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from clast.case import TRAVEL_SHARE
 from clast.model import Floats, Model
 from clast.model_builder import ModelBuilder
 from clast.simulate import Progress, Schedule, simulate
@@ -83,8 +82,8 @@ class Clast:
     """p/E."""
     solver: str = "auto"
     """Solver, as in case files."""
-    travel: float = TRAVEL_SHARE
-    """max_displacement in units of the smallest block."""
+    travel: float = 1.0
+    """max_displacement in units of the default."""
     missing: str = ""
 
     @property
@@ -97,8 +96,8 @@ class Clast:
         wishes = Wishes(step=self.step, share=self.share, solver=self.solver)
         warm_up([SCENES["wall"]], wishes)
         model = model_of(setting)
-        smallest = float(np.sqrt(model.area.min()))
-        method = replace(method_for(model, wishes), max_displacement=self.travel * smallest)
+        usual = method_for(model, wishes)
+        method = replace(usual, max_displacement=self.travel * usual.max_displacement)
         begun = perf_counter()
 
         def watch(_: Progress) -> None:
