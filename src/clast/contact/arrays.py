@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from clast.model import Bools, Floats, Ints
 
 
@@ -73,6 +75,19 @@ class Contacts:
     def rows(self) -> tuple[Floats, Floats, Floats, Floats]:
         """Rows n_i, n_j, t_i, t_j of the equations, shape (m, 6) each."""
         return self.normal_vertex, self.normal_edge, self.tangent_vertex, self.tangent_edge
+
+
+def of_pairs(contacts: Contacts, wanted: Bools, number: Ints) -> Contacts:
+    """Return the contacts of the pairs ``wanted`` (q,), with blocks renumbered by ``number`` (n,).
+
+    ``number`` must keep the order of the blocks.
+    """
+    kept = wanted[contacts.pair]
+    values = {name: value[kept] for name, value in vars(contacts).items() if name != "pairs"}
+    values["pair"] = (np.cumsum(wanted) - 1)[values["pair"]]
+    for end in ("vertex_block", "edge_block"):
+        values[end] = number[values[end]]
+    return Contacts(pairs=number[contacts.pairs[wanted]], **values)
 
 
 @dataclass(frozen=True, kw_only=True)

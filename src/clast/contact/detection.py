@@ -27,13 +27,19 @@ class Reach:
     """How far contact detection looks, m."""
 
     front: float
-    """In front of an edge: contacts that may close within the step."""
+    """In front of an edge, beside what the blocks may move."""
     depth: float
     """Behind an edge, beyond the remembered penetration: how deep a vertex may have moved."""
     critdis: float
     """Length by which edges are extended where corners coincide."""
     tip: float = 0.0
     """Length by which edges are extended for a vertex that touches with its tip alone."""
+    travel: Floats | None = None
+    """How far a vertex of each block may move in the step, added to ``front``, shape (n,)."""
+
+    def travel_of(self, count: int) -> Floats:
+        """Return the travel of ``count`` blocks, m, shape (count,); 0 where none is given."""
+        return np.zeros(count) if self.travel is None else self.travel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,10 +72,19 @@ class Candidates:
     """Length by which edges are extended where corners coincide, m."""
 
 
-def near_pairs(vertices: Floats, block_start: Ints, fixed: Bools, distance: float) -> Ints:
-    """Return pairs (lower, higher) of blocks nearer than ``distance`` by their boxes, (q, 2)."""
-    half = 0.5 * distance
-    box = polygon.boxes(vertices, block_start) + np.array([-half, -half, half, half])
+def near_pairs(
+    vertices: Floats,
+    block_start: Ints,
+    fixed: Bools,
+    distance: float,
+    travel: Floats | float = 0.0,
+) -> Ints:
+    """Return pairs (lower, higher) of blocks that are near each other by their boxes, (q, 2).
+
+    Nearer than ``distance``, m, plus the ``travel`` (n,) of each of the two, m.
+    """
+    half = np.broadcast_to(0.5 * distance + np.asarray(travel), len(block_start) - 1)
+    box = polygon.boxes(vertices, block_start) + half[:, None] * np.array([-1.0, -1.0, 1.0, 1.0])
     return broad_phase.overlapping_pairs(box, fixed)
 
 
@@ -119,6 +134,7 @@ def find_candidates(
             pairs,
             depth,
             reach.front,
+            reach.travel_of(len(box)),
             reach.depth,
             reach.critdis,
             reach.tip,
@@ -174,7 +190,8 @@ def detect(
     tip that would cross an edge beside which it stands now is a contact already.
     """
     around = reach.front + max(reach.critdis, reach.tip)
-    pairs = near_pairs(state.vertices, model.block_start, model.fixed, around)
+    travel = reach.travel_of(model.block_count)
+    pairs = near_pairs(state.vertices, model.block_start, model.fixed, around, travel)
     shift = None
     if drift is not None:
         block = model.vertex_block

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.equations.system import BlockSystem
+from clast.equations.system import BlockSystem, inverse_of_blocks
 from clast.errors import StepOutcome, StepRejected
 from clast.kernels import aggregates, block_rows, dense
 from clast.kernels.multilevel import LEVELS
@@ -118,9 +118,7 @@ def _fields(level: Level) -> tuple[Any, ...]:
 def _level(diagonal: Floats, upper: Floats, pairs: Ints, centroid: Floats) -> tuple[Level, Floats]:
     """Return a level and the centres (N, 2) of its aggregates, m."""
     count = len(diagonal)
-    inverse, bad = block_rows.inverse_blocks(diagonal)
-    if bad >= 0:
-        raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
+    inverse = inverse_of_blocks(diagonal)
     right, left, listed = block_rows.row_pointers(count, pairs)
     strong = aggregates.strong_pairs(diagonal, pairs, upper)
     parent, number = aggregates.aggregate(count, pairs, right, left, listed, strong)

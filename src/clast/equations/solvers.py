@@ -9,7 +9,7 @@ import numpy as np
 
 from clast.equations.cholesky import Cholesky
 from clast.equations.multilevel import Levels, levels_of
-from clast.equations.system import BlockSystem
+from clast.equations.system import BlockSystem, inverse_of_blocks
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Factor, LinearSolver
 from clast.kernels import block_rows, conjugate, multilevel
@@ -216,9 +216,7 @@ class PCG:
         return IteratedMatrix(system, iteration, Direct(), self.tolerance)
 
     def _with_diagonal(self, system: BlockSystem) -> WithDiagonal:
-        inverse, bad = block_rows.inverse_blocks(system.diagonal)
-        if bad >= 0:
-            raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
+        inverse = inverse_of_blocks(system.diagonal)
         pointers = block_rows.row_pointers(len(system.diagonal), system.pairs)
         rows = (system.diagonal, inverse, system.upper, system.pairs, *pointers)
         return WithDiagonal(rows=rows, iterations=self.plain)

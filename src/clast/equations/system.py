@@ -8,6 +8,7 @@ import numpy as np
 
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.equations.terms import DiagonalTerms
+from clast.errors import StepOutcome, StepRejected
 from clast.kernels import assembly, block_rows
 from clast.model import Bools, Floats, Ints
 
@@ -41,6 +42,14 @@ def graph_of(contacts: Contacts, count: int) -> Graph:
     start = assembly.first_of_pairs(contacts.pair, len(contacts.pairs))
     right, left, listed = block_rows.row_pointers(count, contacts.pairs)
     return start, right, left, listed
+
+
+def inverse_of_blocks(diagonal: Floats) -> Floats:
+    """Return the inverses of positive definite blocks (n, 6, 6); raises StepRejected for others."""
+    inverse, bad = block_rows.inverse_blocks(diagonal)
+    if bad >= 0:
+        raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
+    return np.asarray(inverse)
 
 
 def contact_motions(contacts: Contacts, displacement: Floats) -> tuple[Floats, Floats]:

@@ -53,7 +53,7 @@ def chunks(count):
 
 
 @kernel(fastmath=FMA)
-def _line(blocks, i, a, x0, x1, x2, x3, x4, x5):
+def line(blocks, i, a, x0, x1, x2, x3, x4, x5):
     """Return line a of block i times six numbers."""
     return (
         blocks[i, a, 0] * x0
@@ -93,12 +93,12 @@ def _multiply_rows(first, last, diagonal, upper, pairs, right, left, listed, x, 
         for q in range(right[i], right[i + 1]):
             j = pairs[q, 1]
             x0, x1, x2, x3, x4, x5 = x[j, 0], x[j, 1], x[j, 2], x[j, 3], x[j, 4], x[j, 5]
-            y0 += _line(upper, q, 0, x0, x1, x2, x3, x4, x5)
-            y1 += _line(upper, q, 1, x0, x1, x2, x3, x4, x5)
-            y2 += _line(upper, q, 2, x0, x1, x2, x3, x4, x5)
-            y3 += _line(upper, q, 3, x0, x1, x2, x3, x4, x5)
-            y4 += _line(upper, q, 4, x0, x1, x2, x3, x4, x5)
-            y5 += _line(upper, q, 5, x0, x1, x2, x3, x4, x5)
+            y0 += line(upper, q, 0, x0, x1, x2, x3, x4, x5)
+            y1 += line(upper, q, 1, x0, x1, x2, x3, x4, x5)
+            y2 += line(upper, q, 2, x0, x1, x2, x3, x4, x5)
+            y3 += line(upper, q, 3, x0, x1, x2, x3, x4, x5)
+            y4 += line(upper, q, 4, x0, x1, x2, x3, x4, x5)
+            y5 += line(upper, q, 5, x0, x1, x2, x3, x4, x5)
         y[i, 0], y[i, 1], y[i, 2], y[i, 3], y[i, 4], y[i, 5] = y0, y1, y2, y3, y4, y5
         total += x[i, 0] * y0 + x[i, 1] * y1 + x[i, 2] * y2
         total += x[i, 3] * y3 + x[i, 4] * y4 + x[i, 5] * y5
@@ -141,7 +141,7 @@ def _relax_rows(first, last, damping, inverse, b, kx, x):
         r0, r1, r2 = b[i, 0] - kx[i, 0], b[i, 1] - kx[i, 1], b[i, 2] - kx[i, 2]
         r3, r4, r5 = b[i, 3] - kx[i, 3], b[i, 4] - kx[i, 4], b[i, 5] - kx[i, 5]
         for a in range(6):
-            x[i, a] += damping * _line(inverse, i, a, r0, r1, r2, r3, r4, r5)
+            x[i, a] += damping * line(inverse, i, a, r0, r1, r2, r3, r4, r5)
 
 
 @kernel(parallel=True)

@@ -8,8 +8,9 @@ units, ten of them are enough.
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
-from clast.kernels.block_rows import FMA, dot, multiply, relax
+from clast.kernels.block_rows import CHUNK, FMA, SHARED, chunks, line, multiply
 from clast.kernels.compiled import kernel
 
 TRIED = 8
@@ -19,12 +20,44 @@ HOPE = 1.5
 
 
 @kernel(fastmath=FMA)
-def advance(alpha, p, kp, x, r):
-    """Go alpha along p: x += alpha p, r -= alpha K p."""
-    for i in range(len(p)):
+def _advance_rows(first, last, alpha, p, kp, inverse, x, r, z):
+    """Go alpha along p in rows ``first`` to ``last`` - 1 and return their part of r.z.
+
+    x += alpha p, r -= alpha K p, z = D^-1 r.
+    """
+    total = 0.0
+    for i in range(first, last):
         for a in range(6):
             x[i, a] += alpha * p[i, a]
             r[i, a] -= alpha * kp[i, a]
+        r0, r1, r2, r3, r4, r5 = r[i, 0], r[i, 1], r[i, 2], r[i, 3], r[i, 4], r[i, 5]
+        for a in range(6):
+            z[i, a] = line(inverse, i, a, r0, r1, r2, r3, r4, r5)
+            total += r[i, a] * z[i, a]
+    return total
+
+
+@kernel(parallel=True)
+def _advance_shared(alpha, p, kp, inverse, x, r, z, parts):
+    for c in prange(len(parts)):
+        last = min((c + 1) * CHUNK, len(p))
+        parts[c] = _advance_rows(c * CHUNK, last, alpha, p, kp, inverse, x, r, z)
+
+
+@kernel()
+def advance(alpha, p, kp, inverse, x, r, z):
+    """Go alpha along p: x += alpha p, r -= alpha K p, z = D^-1 r, in place; return r.z."""
+    parts = np.empty(chunks(len(p)))
+    if len(p) >= SHARED:
+        _advance_shared(alpha, p, kp, inverse, x, r, z, parts)
+    else:
+        for c in range(len(parts)):
+            last = min((c + 1) * CHUNK, len(p))
+            parts[c] = _advance_rows(c * CHUNK, last, alpha, p, kp, inverse, x, r, z)
+    total = 0.0
+    for part in parts:
+        total += part
+    return total
 
 
 @kernel()
@@ -36,13 +69,12 @@ def solve(diagonal, inverse, upper, pairs, right, left, listed, force, guess, to
     blocks and ``inverse`` (n, 6, 6) theirs.  Rows are those of kernels/block_rows.py.
     """
     x = guess.copy()
-    kp = np.empty_like(force)
-    multiply(diagonal, upper, pairs, right, left, listed, x, kp)
-    r = force - kp
-    z = np.zeros_like(force)
-    nothing = np.zeros_like(force)
-    relax(1.0, inverse, r, nothing, z)
-    start = rz = dot(r, z)
+    r, z, kp = force.copy(), np.empty_like(force), np.zeros_like(force)
+    if x.any():
+        multiply(diagonal, upper, pairs, right, left, listed, x, kp)
+        r -= kp
+    rz = advance(0.0, r, kp, inverse, x, r, z)
+    start = rz
     if start == 0.0:
         return x, 0, 0.0
     p = z.copy()
@@ -51,11 +83,8 @@ def solve(diagonal, inverse, upper, pairs, right, left, listed, force, guess, to
         curvature = multiply(diagonal, upper, pairs, right, left, listed, p, kp)
         if not curvature > 0.0:
             return x, count, np.inf
-        advance(rz / curvature, p, kp, x, r)
+        following = advance(rz / curvature, p, kp, inverse, x, r, z)
         count += 1
-        z[:] = 0.0
-        relax(1.0, inverse, r, nothing, z)
-        following = dot(r, z)
         beta = following / rz
         rz = following
         if count == TRIED and rz > tolerance**2 * start:

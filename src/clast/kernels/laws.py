@@ -63,33 +63,3 @@ def penalty(
         if n_force[c] == 0.0 and tension == 0.0:
             mode[c] = 0
     return n_force, t_force, kn, ks, coupling, mode, intact, energy, loss
-
-
-@kernel()
-def slope_of_springs(
-    length, gap, d_gap, slip, d_slip, multiplier, shear_force, p, k, tension, strength
-):
-    """Return the work of the contact forces per unit of length along a line, and -its derivative.
-
-    The forces are N = max(-tension, multiplier - p gap) and T = shear_force - k slip within
-    +-strength, at ``gap`` and ``slip`` plus ``length`` times ``d_gap`` and ``d_slip``, (m,) each.
-    """
-    work, bend = 0.0, 0.0
-    for c in range(len(gap)):
-        normal = multiplier[c] - p * (gap[c] + length * d_gap[c])
-        if normal >= -tension[c]:
-            work += normal * d_gap[c]
-            bend += p * d_gap[c] * d_gap[c]
-        else:
-            work -= tension[c] * d_gap[c]
-        bound = strength[c]
-        if bound > 0.0:
-            shear = shear_force[c] - k * (slip[c] + length * d_slip[c])
-            if shear > bound:
-                work += bound * d_slip[c]
-            elif shear < -bound:
-                work -= bound * d_slip[c]
-            else:
-                work += shear * d_slip[c]
-                bend += k * d_slip[c] * d_slip[c]
-    return work, bend

@@ -19,9 +19,8 @@ from __future__ import annotations
 import numpy as np
 
 from clast.kernels.aggregates import prolong, restrict
-from clast.kernels.block_rows import dot, multiply, relax
+from clast.kernels.block_rows import FMA, dot, multiply, relax
 from clast.kernels.compiled import kernel
-from clast.kernels.conjugate import advance
 from clast.kernels.dense import solve_factored
 
 LEVELS = 8
@@ -30,6 +29,15 @@ GOOD = 0.25
 """A first cycle that leaves less than this share of the residual needs no second."""
 DAMPING = 0.8
 """Share of a Jacobi step; of 0.6 to 1 the fewest iterations, and below 1 the cycle is definite."""
+
+
+@kernel(fastmath=FMA)
+def advance(alpha, p, kp, x, r):
+    """Go alpha along p: x += alpha p, r -= alpha K p, in place."""
+    for i in range(len(p)):
+        for a in range(6):
+            x[i, a] += alpha * p[i, a]
+            r[i, a] -= alpha * kp[i, a]
 
 
 @kernel()

@@ -74,6 +74,38 @@ def _is_hidden(px, py, e, along, critdis, vertices, direction, length, first, la
 
 
 @kernel()
+def _moves_into(p, e, e_end, share, shift, nx, ny):
+    """Return how far the step's motion takes vertex p towards the point at ``share`` of edge e, m.
+
+    ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m.
+    """
+    mx = shift[p, 0] - (1.0 - share) * shift[e, 0] - share * shift[e_end, 0]
+    my = shift[p, 1] - (1.0 - share) * shift[e, 1] - share * shift[e_end, 1]
+    return -(mx * nx + my * ny)
+
+
+@kernel()
+def _passes_by(p, e, gap, at_end, ax, ay, bx, by, vertices, shift, direction, length, first, last):
+    """Return True if vertex p stands at the very end of edge e, flush with the next edge there.
+
+    (ax, ay) and (bx, by) are its own two edges.  Its block lies beyond that end then, as two blocks
+    do that meet corner to corner across a joint: moving towards e it would slide along the next
+    edge and not come to bear on this one, unless the step's motion takes it in.
+    """
+    if gap < -ROUND_OFF * length[e] or turn_at(e, at_end, direction, first, last) <= SMALL_ANGLE:
+        return False
+    f = vertex_after(e, first, last) if at_end else vertex_before(e, first, last)
+    nx, ny = direction[f, 1], -direction[f, 0]
+    flush = ROUND_OFF * length[f]
+    if abs((vertices[p, 0] - vertices[f, 0]) * nx + (vertices[p, 1] - vertices[f, 1]) * ny) > flush:
+        return False
+    if ax * nx + ay * ny < -SMALL_ANGLE or bx * nx + by * ny < -SMALL_ANGLE:
+        return False
+    share = 0.0 if at_end else 1.0
+    return _moves_into(p, f, vertex_after(f, first, last), share, shift, nx, ny) <= flush
+
+
+@kernel()
 def _crosses_within(p, e, e_end, gap, along, shift, tx, ty, length):
     """Return True if the step's motion takes vertex p across edge e between its ends.
 
@@ -135,9 +167,30 @@ def _vertex_candidates(
             continue
         if inward_x * nx + inward_y * ny <= 0.0:  # a flat vertex on the wrong side
             continue
+        at_end = along > 0.5 * length[e]
+        allowance = _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, at_end, critdis, tip_reach)
+        if (
+            abs(beyond) <= ROUND_OFF * length[e]
+            and allowance == tip_reach
+            and _passes_by(
+                p,
+                e,
+                gap,
+                at_end,
+                ax,
+                ay,
+                bx,
+                by,
+                vertices,
+                shift,
+                direction,
+                length,
+                first_j,
+                last_j,
+            )
+        ):
+            continue
         if beyond > ROUND_OFF * length[e]:
-            at_end = along > 0.0
-            allowance = _foot_allowance(ax, ay, bx, by, nx, ny, tx, ty, at_end, critdis, tip_reach)
             if _is_behind_next(px, py, gap, e, at_end, vertices, direction, first_j, last_j):
                 allowance = depth
             e_end = vertex_after(e, first_j, last_j)
@@ -167,7 +220,8 @@ def candidates(
     box,
     pairs,
     pair_depth,
-    reach,
+    front,
+    travel,
     depth_reach,
     critdis,
     tip_reach,
@@ -176,10 +230,11 @@ def candidates(
     """Return candidate (vertex, edge) couples of all pairs, grouped by (vertex, block of edge).
 
     ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m.  ``box``
-    (n, 4) are the blocks' boxes, not widened.  A vertex is looked for up to ``reach`` in
-    front of an edge and, behind it, as deep as ``depth_reach`` plus the penetration (q,) that the
-    pair of blocks had at the end of the last step.  Result: count, group starts, and per
-    candidate vertex, edge, pair, gap, distance along the edge; valid where count <= capacity.
+    (n, 4) are the blocks' boxes, not widened.  A vertex is looked for up to ``front`` plus the
+    ``travel`` (n,) of the two blocks in front of an edge and, behind it, as deep as ``depth_reach``
+    plus the penetration (q,) that the pair of blocks had at the end of the last step.  Result:
+    count, group starts, and per candidate vertex, edge, pair, gap, distance along the edge; valid
+    where count <= capacity.
     """
     vertex = np.empty(capacity, np.int64)
     edge = np.empty(capacity, np.int64)
@@ -189,9 +244,10 @@ def candidates(
     group_start = np.empty(capacity + 1, np.int64)
     group_start[0] = 0
     groups, found = 0, 0
-    around = reach + max(critdis, tip_reach)  # in front of an edge and beyond its end
     for q in range(len(pairs)):
         depth = depth_reach + pair_depth[q]
+        reach = front + travel[pairs[q, 0]] + travel[pairs[q, 1]]
+        around = reach + max(critdis, tip_reach)  # in front of an edge and beyond its end
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
             for p in range(block_start[i], block_start[i + 1]):

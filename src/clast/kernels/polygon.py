@@ -99,3 +99,16 @@ def travel(before, after):
             return np.nan
         largest = max(largest, square)
     return np.sqrt(largest)
+
+
+@kernel()
+def farthest(movement, block_start):
+    """Return the largest movement of a vertex of each block, m, shape (n,), from (nv, 2)."""
+    result = np.empty(len(block_start) - 1)
+    for b in range(len(result)):
+        largest = 0.0
+        for k in range(block_start[b], block_start[b + 1]):
+            dx, dy = movement[k, 0], movement[k, 1]
+            largest = max(largest, dx * dx + dy * dy)
+        result[b] = np.sqrt(largest)
+    return result

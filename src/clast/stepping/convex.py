@@ -22,11 +22,11 @@ import numpy as np
 
 from clast.contact import multipliers
 from clast.contact.arrays import Contacts
-from clast.contact.detection import Reach, detect
+from clast.contact.detection import detect
 from clast.equations.frames import BlockFrames, block_frames
 from clast.equations.reuse import FactorOfStep
 from clast.equations.solvers import inexact
-from clast.equations.system import contact_motions, graph_of
+from clast.equations.system import contact_motions, graph_of, inverse_of_blocks
 from clast.equations.terms import diagonal_terms, momentum_rows
 from clast.interfaces import Method, StepResult
 from clast.model import Floats, Model
@@ -34,7 +34,15 @@ from clast.state import State
 from clast.stepping.conclude import Solved, conclude
 from clast.stepping.impact import theta_by_block
 from clast.stepping.newton import minimise
-from clast.stepping.potential import Point, Potential
+from clast.stepping.potential import Point, Potential, regions_of
+from clast.stepping.reach import (
+    closes_unseen,
+    depth_within_step,
+    farther,
+    reach_within_step,
+    travel_expected,
+    travel_of,
+)
 from clast.stepping.stages import Stages
 
 DIRECTION = 1e-3
@@ -43,6 +51,39 @@ DIRECTION = 1e-3
 
 AT_REST = 1.0
 """Slip rate below which a new contact is taken to hold at first, in units of g h."""
+LANDING = 1e-3
+"""Closing velocity from which a new contact is one that lands, in units of g h."""
+
+
+@dataclass(frozen=True)
+class Begun:
+    """A step that has begun: all that it starts from."""
+
+    model: Model
+    method: Method
+    state: State
+    frames: BlockFrames
+    velocity: Floats
+    """Velocity that enters the equations, shape (n, 6)."""
+    step: float
+    """h, s."""
+
+    @property
+    def drift(self) -> Floats:
+        """Displacement that the velocities would bring, shape (n, 6)."""
+        return self.step * self.velocity
+
+    def contacts(self, travel: Floats) -> Contacts:
+        """Return the contacts that blocks may close which move by ``travel`` (n,) at most, m."""
+        return detect(
+            self.model,
+            self.method.corner_rule,
+            self.method.displacement,
+            self.state,
+            self.frames.centroid,
+            reach_within_step(self.method, travel),
+            self.drift,
+        )
 
 
 @dataclass(frozen=True)
@@ -64,45 +105,22 @@ class Convex:
         velocity = method.dynamic_ratio * state.velocity
         with stages("contacts"):
             frames = block_frames(model, method.displacement, state)
-            reach = reach_within_step(model, method, frames, velocity, step)
-            contacts = detect(
-                model,
-                method.corner_rule,
-                method.displacement,
-                state,
-                frames.centroid,
-                reach,
-                step * velocity,
-            )
-            theta = theta_by_block(model, method, contacts, velocity, self.restitution, step)
-        with stages("base system"):
-            base = diagonal_terms(model, method, frames, state, velocity, theta, step)
-            potential = Potential(
-                base=base,
-                inverse=np.linalg.inv(base.diagonal).astype(np.float64, copy=False),
-                law=method.contact_law,
-                contacts=contacts,
-                fixed=model.fixed,
-                momentum=momentum_rows(frames, velocity, theta, step),
-                graph=graph_of(contacts, model.block_count),
-            )
-        # warm starts: everything goes on as it moves, or rests as it rested
-        starts = (step * velocity, np.zeros_like(velocity))
-        counts = {"passes": 0, "line_search": 0}
-        base_force = first_friction_base(model, potential, velocity, step)
-        potential, point = self._minimum(potential, starts, base_force, method, counts, stages)
-        response = point.response
-        solved = Solved(
-            frames=frames,
-            velocity=velocity,
-            theta=theta,
-            unknowns=point.unknowns,
-            contacts=potential.contacts,
-            response=response,
-            applied=(response.normal_force, response.shear_force),
-            depth=reach.depth,
-            counts=counts,
-        )
+            begun = Begun(model, method, state, frames, velocity, step)
+            travel = travel_expected(model, method, frames, state, begun.drift, step)
+            contacts = begun.contacts(travel)
+        starts: tuple[Floats, ...] = (begun.drift, np.zeros_like(velocity))
+        counts = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}
+        while True:
+            solved = self._solved(begun, contacts, starts, counts, stages)
+            with stages("contacts"):
+                gone = travel_of(model, method, frames, state, solved.unknowns)
+                wider = farther(method, travel, gone)
+                if wider is None:
+                    break
+                seen, travel, contacts = contacts, wider, begun.contacts(wider)
+                if not closes_unseen(seen, contacts, solved.unknowns):
+                    break
+            starts = (solved.unknowns,)
         return conclude(model, method, state, solved, step, stages)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
@@ -112,6 +130,48 @@ class Convex:
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:
         """Return E of the stiffest rock: stiff enough not to be seen, soft enough to be quick."""
         return model.stiffest, "E of the stiffest rock; the process holds for any"
+
+    def _solved(
+        self,
+        begun: Begun,
+        contacts: Contacts,
+        starts: tuple[Floats, ...],
+        counts: dict[str, int],
+        stages: Stages,
+    ) -> Solved:
+        """Return what the step comes to with these contacts; ``counts`` is added to."""
+        model, method, frames, velocity = begun.model, begun.method, begun.frames, begun.velocity
+        step = begun.step
+        with stages("contacts"):
+            theta = theta_by_block(model, method, contacts, velocity, self.restitution, step)
+        with stages("base system"):
+            base = diagonal_terms(model, method, frames, begun.state, velocity, theta, step)
+            potential = Potential(
+                base=base,
+                inverse=inverse_of_blocks(base.diagonal),
+                law=method.contact_law,
+                contacts=contacts,
+                fixed=model.fixed,
+                momentum=momentum_rows(frames, velocity, theta, step),
+                graph=graph_of(contacts, model.block_count),
+                regions=regions_of(contacts, model.fixed),
+            )
+        base_force = first_friction_base(begun, potential)
+        # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
+        starts = (*starts, potential.untouched())
+        potential, point = self._minimum(potential, starts, base_force, method, counts, stages)
+        response = point.response
+        return Solved(
+            frames=frames,
+            velocity=velocity,
+            theta=theta,
+            unknowns=point.unknowns,
+            contacts=potential.contacts,
+            response=response,
+            applied=(response.normal_force, response.shear_force),
+            depth=depth_within_step(method),
+            counts=counts,
+        )
 
     def _minimum(
         self,
@@ -148,27 +208,30 @@ class Convex:
             # only the last solve has the forces by which bonds are judged
             broken = contacts.bonded & ~point.response.bonded
             if not broken.any():
-                counts["factorisations"] = factor.factorised
-                counts["pcg"] = factor.iterations
+                counts["factorisations"] += factor.factorised
+                counts["pcg"] += factor.iterations
                 contacts = multipliers.renew(law, contacts, point.response)
                 return replace(potential, contacts=contacts), point
             contacts, solves = without_bonds(contacts, broken), solves - 1
 
 
-def first_friction_base(
-    model: Model, potential: Potential, velocity: Floats, step: float
-) -> Floats:
+def first_friction_base(begun: Begun, potential: Potential) -> Floats:
     """Return the normal forces, N/m, that bound friction at first, shape (m,).
 
-    Those of the last step; a new contact holds whatever comes if it is at rest, so that blocks
-    just put upon each other are not minimised without any friction first, and has none if it slips
-    already.
+    Those of the last step.  A contact that bore nothing then holds whatever comes if it lands
+    without slipping, or was there at the start of the run, so that blocks just put upon each other
+    are not minimised without any friction first.  It has none if it slips, or stays open, or only
+    slides in beside another block's face.  Since when it has been known plays no part.
     """
-    contacts = potential.contacts
-    _, slip_rate = contact_motions(contacts, velocity)
-    slow = np.abs(slip_rate) <= AT_REST * float(np.hypot(*model.gravity)) * step
-    new = np.where(slow, potential.largest_force(), 0.0)
-    return np.where(contacts.known, contacts.normal_force, new)
+    contacts, step = potential.contacts, begun.step
+    opening_rate, slip_rate = contact_motions(contacts, begun.velocity)
+    speed = float(np.hypot(*begun.model.gravity)) * step
+    slow = np.abs(slip_rate) <= AT_REST * speed
+    landing = (opening_rate < -LANDING * speed) & (contacts.gap + step * opening_rate < 0.0)
+    holding = slow & (landing | (begun.state.time == 0.0))
+    new = np.where(holding, potential.largest_force(), 0.0)
+    bearing = contacts.normal_force > 0.0
+    return np.where(bearing, contacts.normal_force, new)
 
 
 def without_bonds(contacts: Contacts, broken: np.ndarray) -> Contacts:
@@ -178,16 +241,4 @@ def without_bonds(contacts: Contacts, broken: np.ndarray) -> Contacts:
         bonded=contacts.bonded & ~broken,
         cohesion=np.where(broken, 0.0, contacts.cohesion),
         tensile_strength=np.where(broken, 0.0, contacts.tensile_strength),
-    )
-
-
-def reach_within_step(
-    model: Model, method: Method, frames: BlockFrames, velocity: Floats, step: float
-) -> Reach:
-    """Return how far contacts are looked for: whatever may close within the step, and critdis."""
-    limit = method.max_displacement
-    return Reach(
-        front=method.critdis + 2.0 * limit,
-        depth=method.critdis + 2.0 * limit,
-        critdis=method.critdis,
     )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from enum import Enum
+
 import numpy as np
 
 from clast.contact.springs import limits_of
 from clast.equations.reuse import FactorOfStep
 from clast.errors import StepOutcome, StepRejected
-from clast.model import Floats
+from clast.model import Bools, Floats
 from clast.stepping.interior import minimise_inside
 from clast.stepping.potential import Point, Potential
 from clast.stepping.stages import Stages
@@ -16,6 +18,20 @@ WINDOW = 4
 """Iterations from which the rate of convergence is taken."""
 INTERIOR = 30
 """Iterations that are worth a change to the interior point method, which needs some 20."""
+FINISHED = 0.25
+"""Share of what is enough that regions may hold together which are not gone on with."""
+HALF = 0.5
+"""Where less than this share of the blocks is unfinished they go on by themselves."""
+SMALL = 50
+"""Blocks up to which all go on together: parting them would cost as much."""
+
+
+class Ending(Enum):
+    """How Newton's method comes to its end."""
+
+    DONE = "near enough"
+    SLOW = "far too many iterations to go"
+    FEW = "only few blocks have not come to rest"
 
 
 def minimise(
@@ -27,30 +43,96 @@ def minimise(
     counts: dict[str, int],
     stages: Stages,
 ) -> Point:
-    """Return the minimum of the potential, from the best of ``starts``, each (n, 6).
+    """Return the minimum of the potential, each region from the best of ``starts``, (n, 6) each.
 
-    Done where the potential is within tolerance^2 x yardstick of its minimum: by the
-    bound without a system, or by the Newton decrement r.dd.  A law of springs with bounds is
-    handed to the interior point method where Newton's takes long.  ``counts`` is added to.
-    Raises StepRejected after ``iterations``.
+    Done where the potential is within tolerance^2 x yardstick of its minimum: by the bound
+    without a system, or by the Newton decrement r.dd.  ``counts`` is added to.
+    Raises StepRejected where some region needs more than ``iterations``.
     """
     with stages("law"):
-        point = min((potential.at(start) for start in starts), key=potential.distance)
+        point = best_of(potential, starts)
         enough = tolerance**2 * potential.yardstick()
+        if potential.distance(point) <= enough:
+            return point
+    unknowns = descend(potential, point, factor, enough, iterations, counts, stages)
+    with stages("law"):
+        return potential.at(unknowns)
+
+
+def best_of(potential: Potential, starts: tuple[Floats, ...]) -> Point:
+    """Return the point of which each region is where it is nearest to its minimum."""
+    points = [potential.at(start) for start in starts]
+    choice = np.argmin([potential.distances(point) for point in points], axis=0)
+    if np.all(choice == choice[0]):
+        return points[choice[0]]
+    of_blocks = choice[potential.regions.of_blocks]
+    return potential.at(np.stack(starts)[of_blocks, np.arange(len(of_blocks))])
+
+
+def descend(
+    potential: Potential,
+    point: Point,
+    factor: FactorOfStep,
+    enough: float,
+    iterations: int,
+    counts: dict[str, int],
+    stages: Stages,
+) -> Floats:
+    """Return unknowns (n, 6) within ``enough``, J/m, of the minimum.
+
+    A law of springs with bounds is handed to the interior point method where Newton's takes long;
+    where most blocks are done, the others go on by themselves.  Raises StepRejected after
+    ``iterations``.
+    """
     limits = limits_of(potential.law, potential.contacts)
     patience = np.inf if limits is None else INTERIOR
-    point, done = newton(potential, point, factor, enough, iterations, patience, counts, stages)
-    if not done and limits is not None:
+    while True:
+        point, ending = newton(
+            potential, point, factor, enough, iterations, patience, counts, stages
+        )
+        if ending is Ending.DONE:
+            return point.unknowns
+        if ending is Ending.FEW:
+            return descend_in_part(potential, point, factor, enough, iterations, counts, stages)
+        if limits is None or patience == np.inf:
+            raise StepRejected(
+                StepOutcome.NOT_CONVERGED,
+                f"{iterations} Newton iterations left {potential.distance(point):.3g} "
+                f"of {enough:.3g} J/m",
+            )
         counts["interior"] = counts.get("interior", 0) + 1
         point = minimise_inside(potential, limits, point, factor, enough, counts, stages)
-        point, done = newton(potential, point, factor, enough, iterations, np.inf, counts, stages)
-    if not done:
-        raise StepRejected(
-            StepOutcome.NOT_CONVERGED,
-            f"{iterations} Newton iterations left {potential.distance(point):.3g} "
-            f"of {enough:.3g} J/m",
-        )
-    return point
+        patience = np.inf
+
+
+def descend_in_part(
+    potential: Potential,
+    point: Point,
+    factor: FactorOfStep,
+    enough: float,
+    iterations: int,
+    counts: dict[str, int],
+    stages: Stages,
+) -> Floats:
+    """Return unknowns (n, 6) within ``enough``, J/m, of the minimum: unfinished regions move."""
+    with stages("law"):
+        distances = potential.distances(point)
+        wanted = unfinished(distances, enough)
+        part = potential.part(wanted)
+        start = part.potential.at(point.unknowns[part.blocks])
+    left = enough - float(distances[~wanted].sum())
+    unknowns = point.unknowns.copy()
+    unknowns[part.blocks] = descend(part.potential, start, factor, left, iterations, counts, stages)
+    return unknowns
+
+
+def unfinished(distances: Floats, enough: float) -> Bools:
+    """Return True for the regions (r,) without which the distance would still be too large."""
+    order = np.argsort(distances, kind="stable")
+    finished = np.cumsum(distances[order]) <= FINISHED * enough
+    wanted = np.ones(len(distances), np.bool_)
+    wanted[order[finished]] = False
+    return wanted
 
 
 def newton(
@@ -62,18 +144,23 @@ def newton(
     patience: float,
     counts: dict[str, int],
     stages: Stages,
-) -> tuple[Point, bool]:
-    """Return where Newton's method with exact line search comes to, and whether that is enough.
+) -> tuple[Point, Ending]:
+    """Return where Newton's method with exact line search comes to, and how it ends.
 
-    It gives up after ``iterations``, or where at its present rate it needs more than ``patience``.
+    It gives up after ``iterations``, or where at its present rate it needs more than ``patience``,
+    and where only a part of the blocks is still of any account.
     """
     distances: list[float] = []
+    size = blocks_in(potential, np.ones(potential.regions.count, np.bool_))
     for _ in range(iterations):
-        distances.append(potential.distance(point))
+        by_region = potential.distances(point)
+        distances.append(float(by_region.sum()))
         if distances[-1] <= enough:
-            return point, True
+            return point, Ending.DONE
+        if size > SMALL and blocks_in(potential, unfinished(by_region, enough)) < HALF * size:
+            return point, Ending.FEW
         if remaining(distances, enough) > patience:
-            return point, False
+            return point, Ending.SLOW
         direction = potential.direction(point, factor, stages)
         counts["passes"] += 1
         decrement = float(np.sum(point.residual * direction))
@@ -83,8 +170,14 @@ def newton(
         with stages("law"):
             point = potential.at(point.unknowns + length * direction)
         if decrement <= enough:
-            return point, True
-    return point, potential.distance(point) <= enough
+            return point, Ending.DONE
+    near = potential.distance(point) <= enough
+    return point, Ending.DONE if near else Ending.SLOW
+
+
+def blocks_in(potential: Potential, wanted: Bools) -> int:
+    """Return how many blocks the regions ``wanted`` (r,) have; fixed ones do not count."""
+    return int(np.count_nonzero(wanted[potential.regions.of_blocks] & ~potential.fixed))
 
 
 def remaining(distances: list[float], enough: float) -> float:

@@ -32,8 +32,8 @@ from clast.interfaces import Method, StepResult
 from clast.model import Floats, Model
 from clast.state import State
 from clast.stepping.conclude import Solved, conclude
-from clast.stepping.convex import reach_within_step
 from clast.stepping.modified import PassResult, pass_result
+from clast.stepping.reach import reach_within_step
 from clast.stepping.stages import Stages
 
 CUT = 1.0 / 3.0
@@ -61,7 +61,8 @@ class OpenClose:
             frames = block_frames(model, method.displacement, state)
             base = diagonal_terms(model, method, frames, state, velocity, theta, step)
         with stages("contacts"):
-            reach = reach_within_step(model, method, frames, velocity, step)
+            farthest = np.full(model.block_count, method.max_displacement)
+            reach = reach_within_step(method, farthest)
             contacts = detect(
                 model,
                 method.corner_rule,

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.contact.arrays import ContactResponse, Contacts
+from clast.contact.arrays import ContactResponse, Contacts, of_pairs
 from clast.contact.springs import limits_of
 from clast.equations.reuse import FactorOfStep
 from clast.equations.system import (
     Graph,
     contact_motions,
+    graph_of,
     symmetric_system,
     with_contact_forces,
 )
 from clast.equations.terms import DiagonalTerms
 from clast.interfaces import ContactLaw
-from clast.kernels import assembly
-from clast.kernels.laws import slope_of_springs
-from clast.model import Bools, Floats
+from clast.kernels import assembly, regions
+from clast.model import Bools, Floats, Ints
 from clast.stepping.stages import Stages
 
 
@@ -41,6 +40,30 @@ class Point:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Regions:
+    """Blocks that contacts connect: the potential is a sum over regions."""
+
+    count: int
+    """Number of regions; the last holds the fixed blocks."""
+    of_blocks: Ints
+    """Region of each block, shape (n,)."""
+    of_contacts: Ints
+    """Region of each contact, shape (m,)."""
+
+
+def regions_of(contacts: Contacts, fixed: Bools) -> Regions:
+    """Return the regions of blocks of which some are ``fixed`` (n,)."""
+    of_blocks, count = regions.regions(contacts.pairs, fixed)
+    return Regions(
+        count=count,
+        of_blocks=of_blocks,
+        of_contacts=regions.region_of_contacts(
+            of_blocks, count, contacts.vertex_block, contacts.edge_block
+        ),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class Potential:
     """1/2 d.K d - F.d + sum of phi_n(gap + n.d) + phi_t(t.d); see stepping/convex.py."""
 
@@ -58,6 +81,8 @@ class Potential:
     """The part of F that is momentum, M v/(theta h), shape (n, 6)."""
     graph: Graph
     """Which pairs the blocks belong to and which contacts those have."""
+    regions: Regions
+    """Which blocks are connected by contacts."""
 
     def at(self, unknowns: Floats) -> Point:
         """Return the derivatives at ``unknowns`` (n, 6)."""
@@ -66,6 +91,11 @@ class Potential:
         response = self.law.respond(self.contacts, gap, slip)
         residual = self.unbalanced(unknowns, response.normal_force, response.shear_force)
         return Point(unknowns=unknowns, gap=gap, slip=slip, response=response, residual=residual)
+
+    def untouched(self) -> Floats:
+        """Return the unknowns (n, 6) of blocks without contacts, K^-1 F; 0 for fixed blocks."""
+        free = np.einsum("nij,nj->ni", self.inverse, self.base.force)
+        return np.where(self.fixed[:, None], 0.0, free)
 
     def unbalanced(self, unknowns: Floats, normal: Floats, shear: Floats) -> Floats:
         """Return F - K d + sum of N n + T t (n, 6) for forces (m,); 0 for fixed blocks."""
@@ -94,6 +124,11 @@ class Potential:
         """
         return float(assembly.form(self.inverse, point.residual))
 
+    def distances(self, point: Point) -> Floats:
+        """Return the part of the distance that each region has, J/m, shape (regions.count,)."""
+        own = regions.forms(self.inverse, point.residual)
+        return np.asarray(regions.sums(own, self.regions.of_blocks, self.regions.count))
+
     def yardstick(self) -> float:
         """Return the energy, J/m, that tolerances refer to: 1/2 f.K^-1 f of the step's forces.
 
@@ -106,6 +141,34 @@ class Potential:
             return 0.5 * float(assembly.form(self.inverse, held))
 
         return half(self.base.force - self.momentum) + MOMENTUM_SHARE * half(self.momentum)
+
+    def part(self, wanted: Bools) -> Part:
+        """Return the potential of the regions ``wanted`` (regions.count,) alone."""
+        of_blocks = wanted[self.regions.of_blocks]
+        pairs = self.contacts.pairs
+        touching: Bools = np.any(of_blocks[pairs], axis=1)
+        needed = of_blocks.copy()
+        needed[pairs[touching].ravel()] = True  # with the fixed blocks that they touch
+        blocks = np.flatnonzero(needed)
+        contacts = of_pairs(self.contacts, touching, np.cumsum(needed) - 1)
+        fixed = self.fixed[blocks]
+        return Part(
+            blocks=blocks,
+            potential=replace(
+                self,
+                base=DiagonalTerms(
+                    diagonal=self.base.diagonal[blocks],
+                    force=self.base.force[blocks],
+                    centroid=self.base.centroid[blocks],
+                ),
+                inverse=self.inverse[blocks],
+                contacts=contacts,
+                fixed=fixed,
+                momentum=self.momentum[blocks],
+                graph=graph_of(contacts, len(blocks)),
+                regions=regions_of(contacts, fixed),
+            ),
+        )
 
     def largest_force(self) -> float:
         """Return the sum of all forces on the blocks, N/m: more than any contact can bear."""
@@ -121,21 +184,56 @@ class Potential:
         with stages("solve"):
             return factor.solve(system, point.response)
 
-    def line_search(self, point: Point, direction: Floats) -> tuple[float, int]:
-        """Return the length along ``direction`` where the potential is least, and evaluations.
+    def line_search(self, point: Point, direction: Floats) -> tuple[Floats, int]:
+        """Return the lengths (n, 1) along ``direction`` of the least potential, and evaluations.
 
         The derivative along the line rises monotonically and, for a piecewise linear law, is
         piecewise linear: Newton's method on it, kept inside a bracket, ends on the exact root.
+        Each region has a length of its own where the law is one of springs with bounds.
         """
+        limits = limits_of(self.law, self.contacts)
+        if limits is None:
+            length, evaluations = self._common_length(point, direction)
+            return np.full((len(direction), 1), length), evaluations
+        d_gap, d_slip = contact_motions(self.contacts, direction)
+        contacts, before = self.contacts, point.response
+        region, count = self.regions.of_blocks, self.regions.count
+        at = self.regions.of_contacts
+        start = -regions.sums(np.einsum("ni,ni->n", point.residual, direction), region, count)
+        forces = before.normal_force * d_gap + before.shear_force * d_slip
+        lengths, evaluations = regions.lengths_along(
+            at,
+            (point.gap, d_gap, point.slip, d_slip),
+            (
+                contacts.multiplier,
+                contacts.shear_force,
+                limits.normal_stiffness,
+                limits.shear_stiffness,
+                limits.tension,
+                limits.strength,
+            ),
+            start + regions.sums(forces, at, count),
+            regions.sums(regions.forms(self.base.diagonal, direction), region, count),
+            start,
+            LINE_TOLERANCE,
+            LINE_SEARCH_LIMIT,
+        )
+        return lengths[region][:, None], evaluations
+
+    def _common_length(self, point: Point, direction: Floats) -> tuple[float, int]:
+        """Return the length for all regions together, by what any law answers, and evaluations."""
         d_gap, d_slip = contact_motions(self.contacts, direction)
         curvature = float(assembly.form(self.base.diagonal, direction))
         before = point.response
         start = -float(np.vdot(point.residual, direction))
         smooth = start + float(before.normal_force @ d_gap + before.shear_force @ d_slip)
-        contact_part = self._along(point, d_gap, d_slip)
         low, high, length = 0.0, np.inf, 1.0
         for evaluations in range(1, LINE_SEARCH_LIMIT + 1):
-            work, bend = contact_part(length)
+            answer = self.law.respond(
+                self.contacts, point.gap + length * d_gap, point.slip + length * d_slip
+            )
+            work = float(answer.normal_force @ d_gap + answer.shear_force @ d_slip)
+            bend = float(answer.normal_stiffness @ d_gap**2 + answer.shear_stiffness @ d_slip**2)
             slope = smooth + length * curvature - work
             if abs(slope) <= LINE_TOLERANCE * abs(start):
                 return length, evaluations
@@ -145,39 +243,15 @@ class Potential:
             length = trial if inside else 0.5 * (low + min(high, 2.0 * low + 1.0))
         return length, LINE_SEARCH_LIMIT
 
-    def _along(
-        self, point: Point, d_gap: Floats, d_slip: Floats
-    ) -> Callable[[float], tuple[float, float]]:
-        """Return the contacts' part of the slope along a line, and of its bend, by length."""
-        contacts, limits = self.contacts, limits_of(self.law, self.contacts)
-        if limits is None:
 
-            def by_law(length: float) -> tuple[float, float]:
-                answer = self.law.respond(
-                    contacts, point.gap + length * d_gap, point.slip + length * d_slip
-                )
-                work = answer.normal_force @ d_gap + answer.shear_force @ d_slip
-                bend = answer.normal_stiffness @ d_gap**2 + answer.shear_stiffness @ d_slip**2
-                return float(work), float(bend)
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """The potential of some regions."""
 
-            return by_law
-
-        def by_springs(length: float) -> tuple[float, float]:
-            return slope_of_springs(
-                length,
-                point.gap,
-                d_gap,
-                point.slip,
-                d_slip,
-                contacts.multiplier,
-                contacts.shear_force,
-                limits.normal_stiffness,
-                limits.shear_stiffness,
-                limits.tension,
-                limits.strength,
-            )
-
-        return by_springs
+    potential: Potential
+    """Their potential."""
+    blocks: Ints
+    """Their blocks, and fixed ones that they touch, among those of the whole."""
 
 
 MOMENTUM_SHARE = 1e-4

@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from clast.equations.system import BlockSystem
+from clast.errors import StepRejected
 from clast.interfaces import Method
 from clast.kernels import block_rows, stream
 from clast.model import Model
@@ -70,9 +71,9 @@ class _Capture:
 
 
 def system_of_step(model: Model, method: Method, state: State, step: float) -> BlockSystem | None:
-    """Return the first system of a step from ``state``, as a solver would get it.
+    """Return the first system of a step from ``state``, or None where there is nothing to solve.
 
-    The blocks are given a push, for where they rest there may be nothing to solve.
+    The blocks are given a push, for where they rest there is nothing either.
     """
     velocity = state.velocity.copy()
     velocity[~model.fixed, :2] += step * model.gravity
@@ -82,6 +83,8 @@ def system_of_step(model: Model, method: Method, state: State, step: float) -> B
         )
     except _Captured as captured:
         return captured.system
+    except StepRejected:
+        return None
     return None
 
 

@@ -1,0 +1,82 @@
+"""How far contacts are looked for: whatever may close within the step.
+
+A contact that closes within the step must be among those of the step, or the vertex ends up inside
+the block unopposed.  Every block could move by max_displacement; but a fall of loose blocks would
+then carry tens of contacts that stay open for every one that closes.  So contacts are looked for as
+far as the velocities go, with critdis to spare, and once more where a block was found to have moved
+further than that.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.contact.arrays import Contacts
+from clast.contact.detection import Reach
+from clast.contact.rows import movement
+from clast.equations.frames import BlockFrames
+from clast.equations.system import gap_at_end
+from clast.interfaces import Method
+from clast.kernels import polygon
+from clast.model import Floats, Model
+from clast.state import State
+
+SPARE = 0.4
+"""Share of critdis that a block may move further than expected; half would be the whole."""
+GROWTH = 1.5
+"""Where a block went too far it is expected to go so much further than it went."""
+
+
+def depth_within_step(method: Method) -> float:
+    """Return how deep a vertex may move into a block within a step, m."""
+    return method.critdis + 2.0 * method.max_displacement
+
+
+def reach_within_step(method: Method, travel: Floats) -> Reach:
+    """Return the reach for blocks whose vertices move by ``travel`` (n,) at most, m."""
+    return Reach(
+        front=method.critdis,
+        depth=depth_within_step(method),
+        critdis=method.critdis,
+        travel=np.minimum(travel, method.max_displacement),
+    )
+
+
+def travel_of(
+    model: Model, method: Method, frames: BlockFrames, state: State, displacement: Floats
+) -> Floats:
+    """Return the largest movement of a vertex of each block by d (n, 6), m, shape (n,)."""
+    block = model.vertex_block
+    offset = state.vertices - frames.centroid[block]
+    moved = movement(method.displacement, offset, displacement, block)
+    return np.asarray(polygon.farthest(moved, model.block_start))
+
+
+def travel_expected(
+    model: Model, method: Method, frames: BlockFrames, state: State, drift: Floats, step: float
+) -> Floats:
+    """Return how far each block goes, m, shape (n,), by its ``drift`` h v (n, 6) and by weight."""
+    fall = float(np.hypot(*model.gravity)) * step**2
+    return travel_of(model, method, frames, state, drift) + fall
+
+
+def farther(method: Method, expected: Floats, travel: Floats) -> Floats | None:
+    """Return the travel to expect instead, m, shape (n,), or None where none went too far.
+
+    A step in which a block moves by more than max_displacement is cut whatever its contacts are.
+    """
+    too_far = travel > expected + SPARE * method.critdis
+    if not too_far.any() or not np.all(travel <= method.max_displacement):
+        return None
+    return np.where(too_far, np.maximum(expected, GROWTH * travel), expected)
+
+
+def closes_unseen(seen: Contacts, contacts: Contacts, displacement: Floats) -> bool:
+    """Return True where d (n, 6) closes one of the ``contacts`` that is not among those ``seen``.
+
+    While none does, d is the solution with all of them: an open contact bears nothing.
+    """
+    closed = gap_at_end(contacts, displacement) < 0.0
+    width = int(max(seen.edge.max(initial=0), contacts.edge.max(initial=0))) + 1
+    known = seen.vertex * width + seen.edge
+    return not np.isin(contacts.vertex[closed] * width + contacts.edge[closed], known).all()

@@ -1,0 +1,99 @@
+"""Regions of blocks: found, searched along a line and finished each by itself."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from test_interior import caught
+
+from clast.kernels import regions as kernel
+from clast.stepping import newton
+from systems import by_convex, heap, march, wall
+
+
+def random_pairs(rng, count):
+    """Return random pairs (lower, higher) of blocks, sorted, each once."""
+    both = np.sort(rng.integers(0, count, (count, 2)), axis=1)
+    return np.unique(both[both[:, 0] < both[:, 1]], axis=0)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_regions_are_the_connected_components_without_fixed_blocks(seed):
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(1, 60))
+    pairs, fixed = random_pairs(rng, count), rng.random(count) < 0.2
+    region, found = kernel.regions(pairs, fixed)
+    free = ~fixed[pairs].any(axis=1)
+    links = coo_array((np.ones(free.sum()), tuple(pairs[free].T)), shape=(count, count))
+    _, wanted = connected_components(links, directed=False)
+    assert found == len(np.unique(wanted[~fixed])) + 1
+    assert np.all(region[fixed] == found - 1)
+    same = region[~fixed][:, None] == region[~fixed]
+    assert np.array_equal(same, wanted[~fixed][:, None] == wanted[~fixed])
+
+
+def potentials(monkeypatch):
+    """Return potentials of a heap, with many regions, and of a wall, with one."""
+    falling = caught(monkeypatch, heap(40, 10), 5e8, 5e-3, 0.3)[10::7]
+    return [*falling, *caught(monkeypatch, wall(4, 4), 5e10, 1e-3, 5e-3)[::3]]
+
+
+def test_each_region_is_searched_for_its_own_minimum_along_a_line(monkeypatch):
+    rng = np.random.default_rng(1)
+    most = 0
+    for one in potentials(monkeypatch):
+        zero = np.zeros((len(one.fixed), 6))
+        point = one.at(zero)
+        way = np.einsum("nij,nj->ni", one.inverse, point.residual)
+        way *= rng.uniform(0.5, 2.0, (len(way), 1))
+        lengths, _ = one.line_search(point, way)
+        most = max(most, len(np.unique(lengths)))
+        for region in np.unique(one.regions.of_blocks[~one.fixed]):
+            mine = (one.regions.of_blocks == region)[:, None]
+            assert np.ptp(lengths[mine[:, 0]]) == 0.0
+
+            def slope(length, mine=mine, point=point, way=way, one=one):
+                return -np.sum(one.at(length * way * mine).residual * way * mine)
+
+            if slope(0.0) >= -1e-12 * np.abs(point.residual).max():
+                continue
+            wanted = brentq(slope, 0.0, 100.0, xtol=1e-15, rtol=1e-14)
+            assert lengths[mine[:, 0]][0, 0] == pytest.approx(wanted, rel=1e-6)
+    assert most > 5
+
+
+def test_a_part_is_what_the_whole_is_there(monkeypatch):
+    rng = np.random.default_rng(2)
+    for one in potentials(monkeypatch):
+        unknowns = 1e-4 * rng.normal(size=(len(one.fixed), 6)) * ~one.fixed[:, None]
+        whole = one.at(unknowns)
+        wanted = rng.random(one.regions.count) < 0.5
+        wanted[-1] = False  # fixed blocks do not move
+        part = one.part(wanted)
+        inside = ~part.potential.fixed
+        assert np.array_equal(
+            np.sort(part.blocks[inside]), np.flatnonzero(wanted[one.regions.of_blocks])
+        )
+        point = part.potential.at(unknowns[part.blocks])
+        assert np.array_equal(point.residual[inside], whole.residual[part.blocks][inside])
+        distances = one.distances(whole)
+        assert part.potential.distance(point) == pytest.approx(distances[wanted].sum(), rel=1e-12)
+        assert one.distance(whole) == pytest.approx(distances.sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.1, 10.0])
+def test_going_on_with_unfinished_regions_alone_gives_the_same_steps(monkeypatch, share):
+    how = replace(by_convex(share * 5e9), max_displacement=0.05)
+
+    def run(small):
+        monkeypatch.setattr(newton, "SMALL", small)
+        return march(heap(30, 10), how, 5e-3, 0.5)
+
+    apart, together = run(0), run(10**9)
+    assert len(apart) == len(together)
+    here, there = apart[-1].state.vertices, together[-1].state.vertices
+    assert np.abs(here - apart[0].state.vertices).max() > 0.5
+    assert np.abs(here - there).max() < 1e-6
