@@ -14,19 +14,16 @@ from clast.equations.solvers import (
     PCG,
     SOFT,
     IteratedMatrix,
-    WithDiagonal,
+    WithIncomplete,
     inertia_share,
+    with_incomplete,
 )
-from clast.kernels import block_rows, conjugate
+from clast.kernels import conjugate
 
 
-def with_diagonal(one, guess, tolerance, limit):
-    """Return d, iterations and reduction by the diagonal blocks alone."""
-    inverse, _ = block_rows.inverse_blocks(one.diagonal)
-    rows = block_rows.row_pointers(len(one.diagonal), one.pairs)
-    return conjugate.solve(
-        one.diagonal, inverse, one.upper, one.pairs, *rows, one.force, guess, tolerance, limit
-    )
+def by_incomplete(one, guess, tolerance, limit):
+    """Return d, iterations and reduction by the incomplete factor alone."""
+    return with_incomplete(one, limit)(one.force, guess, tolerance)
 
 
 def heavier(one, inertia):
@@ -51,11 +48,11 @@ def response_of(stiffness):
 
 
 @pytest.mark.parametrize("name", PATTERNS)
-def test_diagonal_blocks_alone_reach_the_dense_solution(name):
+def test_the_incomplete_factor_reaches_the_dense_solution(name):
     count, pairs = PATTERNS[name]
     one = random_system(np.random.default_rng(1), count, pairs)
     wanted = np.linalg.solve(dense(one), one.force.ravel()).reshape(-1, 6)
-    found, _, left = with_diagonal(one, np.zeros_like(one.force), 1e-12, 100_000)
+    found, _, left = by_incomplete(one, np.zeros_like(one.force), 1e-12, 100_000)
     assert left <= 1e-12
     assert np.abs(found - wanted).max() <= 1e-8 * np.abs(wanted).max()
 
@@ -67,7 +64,7 @@ def test_a_guess_is_improved_by_the_share_asked_for():
     for iteration in (PCG(plain=100), PCG(plain=0)):
         found = iteration.factor(one).nearer(one.force, guess, 1e-4)
         assert np.abs(found - wanted).max() <= 1e-3 * np.abs(guess - wanted).max()
-    assert np.array_equal(with_diagonal(one, wanted, 1e300, 10)[0], wanted)
+    assert np.array_equal(by_incomplete(one, wanted, 1e300, 10)[0], wanted)
 
 
 def test_the_share_of_inertia_is_what_a_common_translation_feels():
@@ -88,7 +85,7 @@ def test_the_preconditioner_is_as_strong_as_the_system_is_stiff():
     for one, plain in ((soft, True), (stiff, False)):
         matrix = PCG().factor(one)
         assert isinstance(matrix, IteratedMatrix)
-        assert isinstance(matrix._iteration, WithDiagonal) is plain
+        assert isinstance(matrix._iteration, WithIncomplete) is plain
         wanted = Cholesky().factor(one).solve(one.force)
         found = matrix.solve(one.force)
         assert matrix.next_solver is None
@@ -97,7 +94,7 @@ def test_the_preconditioner_is_as_strong_as_the_system_is_stiff():
 
 def test_a_slow_iteration_is_left_early():
     one = elastic_grid(30, 30)
-    _, iterations, left = with_diagonal(one, np.zeros_like(one.force), 1e-8, 20)
+    _, iterations, left = by_incomplete(one, np.zeros_like(one.force), 1e-8, 20)
     assert iterations == conjugate.TRIED
     assert left > 1e-8
 

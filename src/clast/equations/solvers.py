@@ -9,10 +9,10 @@ import numpy as np
 
 from clast.equations.cholesky import Cholesky
 from clast.equations.multilevel import Levels, levels_of
-from clast.equations.system import BlockSystem, inverse_of_blocks
+from clast.equations.system import BlockSystem
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Factor, LinearSolver
-from clast.kernels import block_rows, conjugate, multilevel
+from clast.kernels import block_rows, conjugate, incomplete, multilevel
 from clast.model import Floats, Ints
 
 if TYPE_CHECKING:
@@ -127,20 +127,45 @@ class WithLevels:
 
 
 @dataclass(frozen=True, kw_only=True)
-class WithDiagonal:
-    """Conjugate gradients with the diagonal blocks alone."""
+class WithIncomplete:
+    """Conjugate gradients with an incomplete Cholesky factorisation."""
 
-    rows: tuple[Floats | Ints, ...]
-    """Diagonal blocks, their inverses, the others, pairs and rows, as the kernel takes them."""
+    system: BlockSystem
+    """The system."""
+    rows: tuple[Ints, Ints, Ints, Ints]
+    """Pairs, and where each row finds its own, as the kernel takes them."""
+    incomplete: tuple[Floats, Floats]
+    """The factorisation: inverses of the pivots, and the blocks above them."""
     iterations: int
     """Iterations at most."""
 
     def __call__(self, force: Floats, guess: Floats, tolerance: float) -> tuple[Floats, int, float]:
         """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
         found: tuple[Floats, int, float] = conjugate.solve(
-            *self.rows, force, guess, tolerance, self.iterations
+            self.system.diagonal,
+            self.system.upper,
+            self.rows,
+            self.incomplete,
+            force,
+            guess,
+            tolerance,
+            self.iterations,
         )
         return found
+
+
+def with_incomplete(system: BlockSystem, iterations: int) -> WithIncomplete:
+    """Return the iteration for a symmetric system; raises StepRejected where it is singular."""
+    right, left, listed = block_rows.row_pointers(len(system.diagonal), system.pairs)
+    inverse, upper, bad = incomplete.factor(system.diagonal, system.upper, system.pairs, right)
+    if bad >= 0:
+        raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
+    return WithIncomplete(
+        system=system,
+        rows=(system.pairs, right, left, listed),
+        incomplete=(inverse, upper),
+        iterations=iterations,
+    )
 
 
 class IteratedMatrix:
@@ -188,9 +213,9 @@ class IteratedMatrix:
 class PCG:
     """Conjugate gradients for symmetric systems, preconditioned as strongly as they need.
 
-    By the diagonal blocks where inertia holds its own against the contacts, else by a cycle over
-    levels of larger blocks.  Systems on which that stalls, and unsymmetric ones (friction solved
-    inside the step), are factorised.
+    By an incomplete factorisation where inertia holds its own against the contacts, else by a
+    cycle over levels of larger blocks.  Systems on which that stalls, and unsymmetric ones
+    (friction solved inside the step), are factorised.
     """
 
     tolerance: float = 1e-8
@@ -198,7 +223,7 @@ class PCG:
     iterations: int = 400
     """Iterations with levels at most, before a factorisation takes over."""
     plain: int = 60
-    """Iterations with the diagonal blocks at most, before levels take over; 0: none."""
+    """Iterations with the incomplete factor at most, before levels take over; 0: none."""
 
     def inexact(self, tolerance: float) -> PCG:
         """Return the same solver ending at ``tolerance``, if that is earlier."""
@@ -210,16 +235,13 @@ class PCG:
             return Scipy().factor(system)
         if self.plain > 0 and inertia_share(system) > SOFT:
             return IteratedMatrix(
-                system, self._with_diagonal(system), replace(self, plain=0), self.tolerance
+                system,
+                with_incomplete(system, self.plain),
+                replace(self, plain=0),
+                self.tolerance,
             )
         iteration = WithLevels(levels=levels_of(system), iterations=self.iterations)
         return IteratedMatrix(system, iteration, Direct(), self.tolerance)
-
-    def _with_diagonal(self, system: BlockSystem) -> WithDiagonal:
-        inverse = inverse_of_blocks(system.diagonal)
-        pointers = block_rows.row_pointers(len(system.diagonal), system.pairs)
-        rows = (system.diagonal, inverse, system.upper, system.pairs, *pointers)
-        return WithDiagonal(rows=rows, iterations=self.plain)
 
 
 def inertia_share(system: BlockSystem) -> float:
@@ -233,8 +255,8 @@ def inertia_share(system: BlockSystem) -> float:
     return (own + 2.0 * between) / own
 
 
-SOFT = 0.05
-"""Share of inertia above which the diagonal blocks suffice: ten to fifty iterations."""
+SOFT = 0.008
+"""Share of inertia above which the incomplete factor suffices: one to twenty iterations."""
 
 
 @dataclass(frozen=True)

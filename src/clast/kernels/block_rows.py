@@ -173,25 +173,33 @@ def dot(a, b):
 
 
 @kernel()
-def inverse_blocks(diagonal):
-    """Return the inverses (n, 6, 6) of symmetric blocks, and the first that is not definite or -1.
+def invert(block, inverse):
+    """Write the inverse of a symmetric block and return True, or False where it is not definite.
 
     Gauss-Jordan without pivoting; the pivots of a positive definite block are positive.
     """
-    inverse = diagonal.copy()
-    for b in range(len(inverse)):
-        one = inverse[b]
-        for k in range(6):
-            pivot = one[k, k]
-            if not pivot > 0.0:
-                return inverse, b
-            one[k, k] = 1.0
-            for c in range(6):
-                one[k, c] /= pivot
-            for a in range(6):
-                if a != k:
-                    factor = one[a, k]
-                    one[a, k] = 0.0
-                    for c in range(6):
-                        one[a, c] -= factor * one[k, c]
+    inverse[:] = block
+    for k in range(6):
+        pivot = inverse[k, k]
+        if not pivot > 0.0:
+            return False
+        inverse[k, k] = 1.0
+        for c in range(6):
+            inverse[k, c] /= pivot
+        for a in range(6):
+            if a != k:
+                factor = inverse[a, k]
+                inverse[a, k] = 0.0
+                for c in range(6):
+                    inverse[a, c] -= factor * inverse[k, c]
+    return True
+
+
+@kernel()
+def inverse_blocks(diagonal):
+    """Return the inverses (n, 6, 6) of symmetric blocks, and the first not definite or -1."""
+    inverse = np.empty_like(diagonal)
+    for b in range(len(diagonal)):
+        if not invert(diagonal[b], inverse[b]):
+            return inverse, b
     return inverse, -1

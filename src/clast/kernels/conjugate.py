@@ -1,8 +1,7 @@
-"""Conjugate gradients preconditioned by the diagonal blocks alone.
+"""Conjugate gradients preconditioned by an incomplete Cholesky factorisation.
 
-Each iteration costs a product and a few vectors, a fifth of one with levels
-(kernels/multilevel.py), and where inertia holds its own against the contacts, p h2/m of a few
-units, ten of them are enough.
+Where inertia holds its own against the contacts, p h2/m of a few units, one to ten iterations are
+enough; each costs a product and as much again for the substitutions (kernels/incomplete.py).
 """
 
 from __future__ import annotations
@@ -10,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from clast.kernels.block_rows import CHUNK, FMA, SHARED, chunks, line, multiply
+from clast.kernels.block_rows import CHUNK, FMA, SHARED, chunks, multiply
 from clast.kernels.compiled import kernel
+from clast.kernels.incomplete import substitute
 
 TRIED = 8
 """Iterations after which the rate of convergence is judged."""
@@ -20,61 +20,70 @@ HOPE = 1.5
 
 
 @kernel(fastmath=FMA)
-def _advance_rows(first, last, alpha, p, kp, inverse, x, r, z):
-    """Go alpha along p in rows ``first`` to ``last`` - 1 and return their part of r.z.
-
-    x += alpha p, r -= alpha K p, z = D^-1 r.
-    """
-    total = 0.0
+def _add_rows(first, last, factor, from_vector, to_vector):
+    """Add factor x from_vector to to_vector in rows ``first`` to ``last`` - 1."""
     for i in range(first, last):
         for a in range(6):
-            x[i, a] += alpha * p[i, a]
-            r[i, a] -= alpha * kp[i, a]
-        r0, r1, r2, r3, r4, r5 = r[i, 0], r[i, 1], r[i, 2], r[i, 3], r[i, 4], r[i, 5]
+            to_vector[i, a] += factor * from_vector[i, a]
+
+
+@kernel(fastmath=FMA)
+def _turn_rows(first, last, z, beta, p):
+    """Write z + beta p into p in rows ``first`` to ``last`` - 1."""
+    for i in range(first, last):
         for a in range(6):
-            z[i, a] = line(inverse, i, a, r0, r1, r2, r3, r4, r5)
-            total += r[i, a] * z[i, a]
-    return total
+            p[i, a] = z[i, a] + beta * p[i, a]
 
 
 @kernel(parallel=True)
-def _advance_shared(alpha, p, kp, inverse, x, r, z, parts):
-    for c in prange(len(parts)):
+def _advance_shared(alpha, p, kp, x, r):
+    for c in prange(chunks(len(p))):
         last = min((c + 1) * CHUNK, len(p))
-        parts[c] = _advance_rows(c * CHUNK, last, alpha, p, kp, inverse, x, r, z)
+        _add_rows(c * CHUNK, last, alpha, p, x)
+        _add_rows(c * CHUNK, last, -alpha, kp, r)
 
 
 @kernel()
-def advance(alpha, p, kp, inverse, x, r, z):
-    """Go alpha along p: x += alpha p, r -= alpha K p, z = D^-1 r, in place; return r.z."""
-    parts = np.empty(chunks(len(p)))
+def advance(alpha, p, kp, x, r):
+    """Go alpha along p, in place: x += alpha p, r -= alpha K p."""
     if len(p) >= SHARED:
-        _advance_shared(alpha, p, kp, inverse, x, r, z, parts)
+        _advance_shared(alpha, p, kp, x, r)
     else:
-        for c in range(len(parts)):
-            last = min((c + 1) * CHUNK, len(p))
-            parts[c] = _advance_rows(c * CHUNK, last, alpha, p, kp, inverse, x, r, z)
-    total = 0.0
-    for part in parts:
-        total += part
-    return total
+        _add_rows(0, len(p), alpha, p, x)
+        _add_rows(0, len(p), -alpha, kp, r)
+
+
+@kernel(parallel=True)
+def _turn_shared(z, beta, p):
+    for c in prange(chunks(len(p))):
+        _turn_rows(c * CHUNK, min((c + 1) * CHUNK, len(p)), z, beta, p)
 
 
 @kernel()
-def solve(diagonal, inverse, upper, pairs, right, left, listed, force, guess, tolerance, limit):
-    """Return d (n, 6) of K d = F, the iterations and the reduction of r.D^-1 r reached.
+def turn(z, beta, p):
+    """Turn the direction, in place: p = z + beta p."""
+    if len(p) >= SHARED:
+        _turn_shared(z, beta, p)
+    else:
+        _turn_rows(0, len(p), z, beta, p)
 
-    Starts from ``guess`` (n, 6) and stops where r.D^-1 r has fallen to tolerance^2 of its start,
-    after ``limit`` iterations, or as soon as far more than that seem needed; D are the diagonal
-    blocks and ``inverse`` (n, 6, 6) theirs.  Rows are those of kernels/block_rows.py.
+
+@kernel()
+def solve(diagonal, upper, rows, incomplete, force, guess, tolerance, limit):
+    """Return d (n, 6) of K d = F, the iterations and the reduction of r.M^-1 r reached.
+
+    Starts from ``guess`` (n, 6) and stops where r.M^-1 r has fallen to tolerance^2 of its start,
+    after ``limit`` iterations, or as soon as far more than that seem needed.  ``rows`` are pairs,
+    right, left and listed of kernels/block_rows.py, ``incomplete`` the factor M.
     """
+    pairs, right, left, listed = rows
+    inverse, factored = incomplete
     x = guess.copy()
-    r, z, kp = force.copy(), np.empty_like(force), np.zeros_like(force)
+    r, z, kp = force.copy(), np.empty_like(force), np.empty_like(force)
     if x.any():
         multiply(diagonal, upper, pairs, right, left, listed, x, kp)
         r -= kp
-    rz = advance(0.0, r, kp, inverse, x, r, z)
-    start = rz
+    start = rz = substitute(inverse, factored, pairs, right, left, listed, r, z)
     if start == 0.0:
         return x, 0, 0.0
     p = z.copy()
@@ -83,8 +92,9 @@ def solve(diagonal, inverse, upper, pairs, right, left, listed, force, guess, to
         curvature = multiply(diagonal, upper, pairs, right, left, listed, p, kp)
         if not curvature > 0.0:
             return x, count, np.inf
-        following = advance(rz / curvature, p, kp, inverse, x, r, z)
+        advance(rz / curvature, p, kp, x, r)
         count += 1
+        following = substitute(inverse, factored, pairs, right, left, listed, r, z)
         beta = following / rz
         rz = following
         if count == TRIED and rz > tolerance**2 * start:
@@ -92,7 +102,5 @@ def solve(diagonal, inverse, upper, pairs, right, left, listed, force, guess, to
             gained = np.log(start / rz)
             if -2.0 * np.log(tolerance) * count > HOPE * limit * gained:
                 break
-        for i in range(len(p)):
-            for a in range(6):
-                p[i, a] = z[i, a] + beta * p[i, a]
+        turn(z, beta, p)
     return x, count, np.sqrt(rz / start)

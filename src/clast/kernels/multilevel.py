@@ -19,8 +19,9 @@ from __future__ import annotations
 import numpy as np
 
 from clast.kernels.aggregates import prolong, restrict
-from clast.kernels.block_rows import FMA, dot, multiply, relax
+from clast.kernels.block_rows import dot, multiply, relax
 from clast.kernels.compiled import kernel
+from clast.kernels.conjugate import advance, turn
 from clast.kernels.dense import solve_factored
 
 LEVELS = 8
@@ -29,15 +30,6 @@ GOOD = 0.25
 """A first cycle that leaves less than this share of the residual needs no second."""
 DAMPING = 0.8
 """Share of a Jacobi step; of 0.6 to 1 the fewest iterations, and below 1 the cycle is definite."""
-
-
-@kernel(fastmath=FMA)
-def advance(alpha, p, kp, x, r):
-    """Go alpha along p: x += alpha p, r -= alpha K p, in place."""
-    for i in range(len(p)):
-        for a in range(6):
-            x[i, a] += alpha * p[i, a]
-            r[i, a] -= alpha * kp[i, a]
 
 
 @kernel()
@@ -191,7 +183,5 @@ def solve(levels, last, factor, work, force, guess, tolerance, limit):
         # z.(r - r_before), Polak and Ribiere's, for a preconditioner that is not quite linear
         beta = -alpha * dot(kp, z) / rz
         rz = following
-        for i in range(len(p)):
-            for a in range(6):
-                p[i, a] = z[i, a] + beta * p[i, a]
+        turn(z, beta, p)
     return x, count, np.sqrt(rz / start)

@@ -23,6 +23,8 @@ from clast.state import State
 
 SPARE = 0.4
 """Share of critdis that a block may move further than expected; half would be the whole."""
+PUSH = 0.5
+"""What others are expected to push a block, in units of critdis."""
 GROWTH = 1.5
 """Where a block went too far it is expected to go so much further than it went."""
 
@@ -55,9 +57,9 @@ def travel_of(
 def travel_expected(
     model: Model, method: Method, frames: BlockFrames, state: State, drift: Floats, step: float
 ) -> Floats:
-    """Return how far each block goes, m, shape (n,), by its ``drift`` h v (n, 6) and by weight."""
+    """Return how far blocks go, m, shape (n,), by ``drift`` h v (n, 6), weight and a push."""
     fall = float(np.hypot(*model.gravity)) * step**2
-    return travel_of(model, method, frames, state, drift) + fall
+    return travel_of(model, method, frames, state, drift) + fall + PUSH * method.critdis
 
 
 def farther(method: Method, expected: Floats, travel: Floats) -> Floats | None:

@@ -1,0 +1,104 @@
+"""Incomplete block Cholesky: exact without fill, positive definite always, in pieces if large."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_cholesky import PATTERNS, dense, grid, random_pairs, random_system
+from test_multilevel import elastic_grid
+
+from clast.equations.cholesky import Cholesky
+from clast.equations.solvers import with_incomplete
+from clast.errors import StepOutcome, StepRejected
+from clast.kernels import block_rows, incomplete
+
+
+def applied(one):
+    """Return the inverse of the factor as a dense matrix, and r.z of each of its columns."""
+    ready = with_incomplete(one, 1)
+    pairs, right, left, listed = ready.rows
+    size = one.force.size
+    columns, products = [], []
+    for k in range(size):
+        r = np.zeros(size)
+        r[k] = 1.0
+        z = np.empty_like(one.force)
+        product = incomplete.substitute(
+            *ready.incomplete, pairs, right, left, listed, r.reshape(-1, 6), z
+        )
+        columns.append(z.ravel())
+        products.append(product)
+    return np.array(columns).T, np.array(products)
+
+
+def without_fill():
+    """Yield systems whose factor has no fill in the order of the blocks: chain, star, trees."""
+    rng = np.random.default_rng(1)
+    chain = np.array([(i, i + 1) for i in range(19)])
+    star = np.array([(i, 19) for i in range(19)])
+    tree = np.array(sorted((i, int(rng.integers(i + 1, 20))) for i in range(19)))
+    for pairs in (chain, star, tree):
+        yield random_system(rng, 20, pairs, stiffness=1e2)
+
+
+def test_it_is_the_inverse_where_nothing_is_left_out():
+    for one in without_fill():
+        inverse, _ = applied(one)
+        assert inverse @ dense(one) == pytest.approx(np.eye(120), abs=1e-6)
+        found, iterations, _ = with_incomplete(one, 9)(one.force, np.zeros_like(one.force), 1e-6)
+        assert iterations <= 2
+        wanted = np.linalg.solve(dense(one), one.force.ravel()).reshape(-1, 6)
+        assert np.abs(found - wanted).max() <= 1e-5 * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize("name", PATTERNS)
+def test_it_is_symmetric_and_positive_definite(name):
+    count, pairs = PATTERNS[name]
+    if count > 120:
+        return
+    inverse, products = applied(
+        random_system(np.random.default_rng(2), count, pairs, stiffness=1e2)
+    )
+    assert inverse == pytest.approx(inverse.T, rel=1e-9, abs=1e-9 * np.abs(inverse).max())
+    assert np.linalg.eigvalsh(0.5 * (inverse + inverse.T)).min() > 0.0
+    assert products == pytest.approx(np.diag(inverse), rel=1e-12)
+
+
+def test_it_stays_positive_definite_where_a_pivot_is_not():
+    """Blocks strongly coupled in rings lose their pivots without the fill."""
+    rng = np.random.default_rng(3)
+    lost = 0
+    for _ in range(40):
+        count = 12
+        pairs = random_pairs(rng, count, 30)
+        one = random_system(rng, count, pairs, stiffness=1e4)
+        right, _, _ = block_rows.row_pointers(count, one.pairs)
+        inverse, _, bad = incomplete.factor(one.diagonal, one.upper, one.pairs, right)
+        assert bad == -1
+        own = np.linalg.inv(one.diagonal)
+        lost += sum(np.allclose(inverse[i], own[i], rtol=1e-6) for i in range(4, count))
+        found, _ = applied(one)
+        values = np.linalg.eigvalsh(0.5 * (found + found.T))
+        assert values.min() > -1e-12 * values.max()
+    assert lost > 0
+
+
+def test_a_block_that_is_not_positive_definite_is_named():
+    one = random_system(np.random.default_rng(4), 6, grid(2, 3))
+    diagonal = one.diagonal.copy()
+    diagonal[3] *= -1.0
+    with pytest.raises(StepRejected, match="block 4") as caught:
+        with_incomplete(replace(one, diagonal=diagonal), 10)
+    assert caught.value.outcome is StepOutcome.SINGULAR
+
+
+def test_many_rows_are_taken_in_pieces(monkeypatch):
+    """More than a piece: couplings between pieces are left out, and the answer is the same."""
+    rows = 2 * incomplete.PIECE // 60 + 10
+    one = elastic_grid(rows, 60)
+    one = replace(one, diagonal=one.diagonal + 1e6 * np.eye(6))
+    assert incomplete.pieces(len(one.diagonal)) == 3
+    found, _, left = with_incomplete(one, 400)(one.force, np.zeros_like(one.force), 1e-10)
+    assert left <= 1e-10
+    wanted = Cholesky().factor(one).solve(one.force)
+    assert np.abs(found - wanted).max() <= 1e-7 * np.abs(wanted).max()
