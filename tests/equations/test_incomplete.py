@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numba
 import numpy as np
 import pytest
 from test_cholesky import PATTERNS, dense, grid, random_pairs, random_system
@@ -98,7 +99,14 @@ def test_many_rows_are_taken_in_pieces(monkeypatch):
     one = elastic_grid(rows, 60)
     one = replace(one, diagonal=one.diagonal + 1e6 * np.eye(6))
     assert incomplete.pieces(len(one.diagonal)) == 3
-    found, _, left = with_incomplete(one, 400)(one.force, np.zeros_like(one.force), 1e-10)
-    assert left <= 1e-10
+    answers = []
+    threads = numba.get_num_threads()
+    for number in (1, numba.config.NUMBA_NUM_THREADS):
+        numba.set_num_threads(number)
+        found, _, left = with_incomplete(one, 400)(one.force, np.zeros_like(one.force), 1e-10)
+        answers.append(found)
+        assert left <= 1e-10
+    numba.set_num_threads(threads)
+    assert np.array_equal(*answers)
     wanted = Cholesky().factor(one).solve(one.force)
     assert np.abs(found - wanted).max() <= 1e-7 * np.abs(wanted).max()

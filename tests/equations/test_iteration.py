@@ -1,4 +1,4 @@
-"""Iterations of one system: by the diagonal blocks, by levels, from a guess, one after another."""
+"""Iterations of one system: by an incomplete factor, by levels, from a guess, one by one."""
 
 from dataclasses import replace
 
