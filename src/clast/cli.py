@@ -58,7 +58,12 @@ class Commands(TyperGroup):
         except OSError as error:
             _say(f"error: {error.filename or 'a file'}: {error.strerror}")
             raise typer.Exit(BAD_INPUT) from None
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, SystemError) as error:
+            # Python makes a SystemError of the key where numba is loading a kernel
+            if isinstance(error, SystemError) and not isinstance(
+                error.__cause__, KeyboardInterrupt
+            ):
+                raise
             _say("interrupted")
             raise typer.Exit(INTERRUPTED) from None
 

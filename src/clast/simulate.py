@@ -8,6 +8,7 @@ from time import perf_counter
 
 from clast.errors import RunStopped, StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
+from clast.interrupts import held_back
 from clast.model import Model
 from clast.results import Report, Run, RunRecorder
 from clast.state import Ledger, State, initial_state
@@ -118,7 +119,8 @@ def simulate(
     failure = ""
     outcome = "the run reached its end"
     try:
-        state = _march(model, method, schedule, state, recorder, watch, tally)
+        with held_back() as let_go:
+            state = _march(model, method, schedule, state, recorder, watch, tally, let_go)
     except StepRejected as rejected:
         failure = str(rejected)
         outcome = f"stopped at t = {recorder.state.time:.6g} s: {failure}"
@@ -141,12 +143,17 @@ def _march(
     recorder: RunRecorder,
     watch: Callable[[Progress], None] | None,
     tally: _Tally,
+    let_go: Callable[[], None],
 ) -> State:
-    """Step from ``state`` to the end of the schedule and return the last state."""
+    """Step from ``state`` to the end of the schedule and return the last state.
+
+    ``let_go`` is called between steps, and raises KeyboardInterrupt if the key was pressed.
+    """
     smallest = schedule.smallest_step or SMALLEST_SHARE * schedule.step
     step, frame, first = schedule.step, 1, state.ledger
     result: StepResult | None = None
     while schedule.end - state.time > 1e-9 * schedule.step:
+        let_go()
         wanted = min(step, schedule.end - state.time)
         result, taken = _accepted_step(model, method, state, wanted, smallest, tally)
         state = result.state

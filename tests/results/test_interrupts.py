@@ -1,0 +1,75 @@
+"""The interrupt key waits for the end of a step; pressed twice it does not."""
+
+import signal
+import threading
+
+import pytest
+
+from clast.interrupts import held_back
+from clast.simulate import Schedule, simulate
+from systems import box, by_convex, system
+
+
+def press():
+    signal.raise_signal(signal.SIGINT)
+
+
+def test_the_key_is_held_back_until_it_is_let_go():
+    done = []
+    with pytest.raises(KeyboardInterrupt), held_back() as let_go:
+        let_go()
+        press()
+        done.append("step")
+        let_go()
+        done.append("never")
+    assert done == ["step"]
+    with pytest.raises(KeyboardInterrupt):
+        press()
+
+
+def test_a_second_press_is_not_held_back():
+    with pytest.raises(KeyboardInterrupt), held_back():
+        press()
+        press()
+        pytest.fail("the second press was held back")
+
+
+def test_a_handler_of_somebody_else_stays():
+    seen = []
+    usual = signal.signal(signal.SIGINT, lambda *_: seen.append(1))
+    try:
+        with held_back() as let_go:
+            press()
+            let_go()
+    finally:
+        signal.signal(signal.SIGINT, usual)
+    assert seen == [1]
+
+
+def test_outside_the_main_thread_nothing_changes():
+    ended = []
+
+    def work():
+        with held_back() as let_go:
+            let_go()
+            ended.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert ended == [signal.default_int_handler]
+
+
+def test_a_run_ends_after_the_step_in_which_the_key_is_pressed():
+    model = system([box(0.0, 0.0)])
+    steps = []
+
+    def watch(progress):
+        steps.append(progress.time)
+        if len(steps) == 3:
+            press()
+
+    run = simulate(model, by_convex(5e9), Schedule(step=1e-3, end=1.0, every=1e-3), watch=watch)
+    assert run.report.outcome == "interrupted at t = 0.003 s"
+    assert run.report.steps == 3
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
