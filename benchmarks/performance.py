@@ -24,11 +24,10 @@ a wall that should stand still, *overlap* the thickness of the thickest overlap 
 at the end. What counts is wall time at a stated accuracy.
 
 Walls at rest are where implicit steps pay: fifty to a hundred times as long as those of the others,
-with less drift. Heaps of falling blocks are where they do not: after the
-impact a step of 5 ms takes 20 to 30 iterations and most go through the interior point method,
-because everywhere contacts open, close, stick and slide at once. Rows of heaps at h = 5 ms were
-made with the default max_displacement, a hundredth of a block, which keeps the steps near 1 ms
-before the impact; those at 2.5 ms have ten times as much.
+with less drift. Heaps of falling blocks are where they do not: everywhere contacts open, close,
+stick and slide at once, and a step of 2.5 ms takes 10 to 16 iterations. It pays that only groups of
+blocks are worked on that touch and have not come to rest (docs/decisions/0021). In heaps blocks may
+go a tenth of their size in a step, ten times the default max_displacement.
 
 A run *stopped after 60 s* of wall time is measured over what it had simulated by then.
 """
