@@ -79,6 +79,14 @@ def test_the_share_of_inertia_is_what_a_common_translation_feels():
         assert inertia_share(one) == pytest.approx(felt / own, rel=1e-9)
 
 
+def test_blocks_that_are_coupled_to_none_do_not_count_in_the_share():
+    """A large fixed base has a diagonal of its own size and no couplings."""
+    one = heavier(elastic_grid(6, 6), 1e6)
+    diagonal = np.concatenate([one.diagonal, [1e12 * np.eye(6)]])
+    assert inertia_share(replace(one, diagonal=diagonal)) == pytest.approx(inertia_share(one))
+    assert inertia_share(replace(one, upper=np.zeros_like(one.upper))) == 1.0
+
+
 def test_the_preconditioner_is_as_strong_as_the_system_is_stiff():
     soft, stiff = heavier(elastic_grid(10, 10), 1e7), elastic_grid(10, 10)
     assert inertia_share(stiff) < SOFT < inertia_share(soft)

@@ -248,14 +248,18 @@ def inertia_share(system: BlockSystem) -> float:
     """Return how much of the blocks' stiffness against translation is not that of contacts.
 
     A translation of all blocks together moves no contact between two of them, so that what is left
-    of e.K e, e being all translations, is inertia, over the sum of the diagonal blocks' own.
+    of e.K e, e being all translations, is inertia, over the sum of the diagonal blocks' own.  Blocks
+    that are coupled to none, as fixed ones, do not count; 1 where all are such.
     """
-    own = float(system.diagonal[:, 0, 0].sum() + system.diagonal[:, 1, 1].sum())
-    between = float(system.upper[:, 0, 0].sum() + system.upper[:, 1, 1].sum())
-    return (own + 2.0 * between) / own
+    coupled = system.upper[:, :2, :2].any(axis=(1, 2))
+    blocks = np.zeros(len(system.diagonal), np.bool_)
+    blocks[system.pairs[coupled].ravel()] = True
+    own = float(np.trace(system.diagonal[blocks, :2, :2], axis1=1, axis2=2).sum())
+    between = float(np.trace(system.upper[:, :2, :2], axis1=1, axis2=2).sum())
+    return (own + 2.0 * between) / own if own > 0.0 else 1.0
 
 
-SOFT = 0.008
+SOFT = 0.005
 """Share of inertia above which the incomplete factor suffices: one to twenty iterations."""
 
 
