@@ -248,8 +248,8 @@ def inertia_share(system: BlockSystem) -> float:
     """Return how much of the blocks' stiffness against translation is not that of contacts.
 
     A translation of all blocks together moves no contact between two of them, so that what is left
-    of e.K e, e being all translations, is inertia, over the sum of the diagonal blocks' own.  Blocks
-    that are coupled to none, as fixed ones, do not count; 1 where all are such.
+    of e.K e, e being all translations, is inertia, over the sum of the diagonal blocks' own.
+    Blocks that are coupled to none, as fixed ones, do not count; 1 where all are such.
     """
     coupled = system.upper[:, :2, :2].any(axis=(1, 2))
     blocks = np.zeros(len(system.diagonal), np.bool_)
