@@ -10,6 +10,14 @@ from clast.simulate import Schedule, simulate
 from systems import box, by_convex, system
 
 
+@pytest.fixture(autouse=True)
+def usual_handler():
+    """Give the key its usual handler: tests in the background inherit that it is ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def press():
     signal.raise_signal(signal.SIGINT)
 
