@@ -109,6 +109,22 @@ def test_an_interrupted_run_keeps_its_results(incline, monkeypatch):
     assert read_results("incline.vtkhdf").times[-1] == pytest.approx(0.003)
 
 
+@pytest.mark.parametrize(("cause", "said"), [(KeyboardInterrupt(), True), (ValueError(), False)])
+def test_the_interrupt_key_while_a_kernel_is_loaded(incline, monkeypatch, cause, said):
+    """Python makes a SystemError of it; any other SystemError stays what it is."""
+
+    @contextmanager
+    def loading(_):
+        raise SystemError("returned a result with an exception set") from cause
+        yield
+
+    monkeypatch.setattr("clast.progress.shown", loading)
+    result = clast_command("run", incline, *SHORT)
+    assert ("interrupted" in result.stderr) == said
+    assert (result.exit_code == 130) == said
+    assert isinstance(result.exception, SystemError) != said
+
+
 def test_warnings_go_to_stderr(incline):
     result = clast_command("run", incline, *SHORT, "--set", "rock.granite.density=2.7")
     assert "warning: rock 'granite': density is 2.7" in result.stderr

@@ -52,11 +52,9 @@ def test_it_is_the_inverse_where_nothing_is_left_out():
         assert np.abs(found - wanted).max() <= 1e-5 * np.abs(wanted).max()
 
 
-@pytest.mark.parametrize("name", PATTERNS)
+@pytest.mark.parametrize("name", [name for name, (count, _) in PATTERNS.items() if count <= 120])
 def test_it_is_symmetric_and_positive_definite(name):
     count, pairs = PATTERNS[name]
-    if count > 120:
-        return
     inverse, products = applied(
         random_system(np.random.default_rng(2), count, pairs, stiffness=1e2)
     )
