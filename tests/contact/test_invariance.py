@@ -118,7 +118,7 @@ def test_model_far_from_the_origin_has_the_same_contacts(outlines):
     assert np.array_equal(near.edge, far.edge)
     assert far.gap == pytest.approx(near.gap, abs=1e-9)
     assert far.normal == pytest.approx(near.normal, abs=1e-8)
-    assert far.normal_vertex == pytest.approx(near.normal_vertex, abs=1e-8)
+    assert far.rows == pytest.approx(near.rows, abs=1e-8)
     assert far.length == pytest.approx(near.length, abs=1e-8)
 
 

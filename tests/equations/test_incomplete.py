@@ -11,22 +11,19 @@ from test_multilevel import elastic_grid
 from clast.equations.cholesky import Cholesky
 from clast.equations.solvers import with_incomplete
 from clast.errors import StepOutcome, StepRejected
-from clast.kernels import block_rows, incomplete
+from clast.kernels import incomplete, parts
 
 
 def applied(one):
     """Return the inverse of the factor as a dense matrix, and r.z of each of its columns."""
     ready = with_incomplete(one, 1)
-    pairs, right, left, listed = ready.rows
     size = one.force.size
     columns, products = [], []
     for k in range(size):
         r = np.zeros(size)
         r[k] = 1.0
         z = np.empty_like(one.force)
-        product = incomplete.substitute(
-            *ready.incomplete, pairs, right, left, listed, r.reshape(-1, 6), z
-        )
+        product = incomplete.substitute(ready.incomplete, r.reshape(-1, 6), np.empty_like(z), z)
         columns.append(z.ravel())
         products.append(product)
     return np.array(columns).T, np.array(products)
@@ -71,8 +68,7 @@ def test_it_stays_positive_definite_where_a_pivot_is_not():
         count = 12
         pairs = random_pairs(rng, count, 30)
         one = random_system(rng, count, pairs, stiffness=1e4)
-        right, _, _ = block_rows.row_pointers(count, one.pairs)
-        inverse, _, bad = incomplete.factor(one.diagonal, one.upper, one.pairs, right)
+        (*_, inverse, _), bad = incomplete.factor(one.diagonal, one.upper, one.pairs, one.centroid)
         assert bad == -1
         own = np.linalg.inv(one.diagonal)
         lost += sum(np.allclose(inverse[i], own[i], rtol=1e-6) for i in range(4, count))
@@ -91,12 +87,27 @@ def test_a_block_that_is_not_positive_definite_is_named():
     assert caught.value.outcome is StepOutcome.SINGULAR
 
 
-def test_many_rows_are_taken_in_pieces(monkeypatch):
-    """More than a piece: couplings between pieces are left out, and the answer is the same."""
-    rows = 2 * incomplete.PIECE // 60 + 10
-    one = elastic_grid(rows, 60)
+def test_strips_and_their_seam_leave_nothing_out():
+    """Two chains, numbered from their free ends, meet in the seam: without fill, so exact."""
+    half = parts.LEAST
+    along = np.concatenate([np.arange(half), np.arange(2 * half - 1, half - 1, -1)])
+    at = np.argsort(along)
+    chain = np.sort(np.column_stack([at[:-1], at[1:]]), axis=1)
+    chain = chain[np.lexsort(chain.T[::-1])]
+    one = random_system(np.random.default_rng(5), 2 * half, chain, stiffness=1e2)
+    one = replace(one, centroid=np.column_stack([along, np.zeros(2 * half)]).astype(float))
+    ready = with_incomplete(one, 9)
+    assert list(ready.incomplete[1]) == [0, half, 2 * half - 1, 2 * half]
+    found, iterations, _ = ready(one.force, np.zeros_like(one.force), 1e-6)
+    assert iterations <= 2
+    wanted = Cholesky().factor(one).solve(one.force)
+    assert np.abs(found - wanted).max() <= 1e-5 * np.abs(wanted).max()
+
+
+def test_many_rows_are_taken_in_strips_whatever_the_threads():
+    one = elastic_grid(2 * parts.LEAST // 60 + 10, 60)
     one = replace(one, diagonal=one.diagonal + 1e6 * np.eye(6))
-    assert incomplete.pieces(len(one.diagonal)) == 3
+    assert len(with_incomplete(one, 1).incomplete[1]) > 3
     answers = []
     threads = numba.get_num_threads()
     for number in (1, numba.config.NUMBA_NUM_THREADS):

@@ -86,14 +86,9 @@ def dense_by_definition(case: Case) -> tuple[np.ndarray, np.ndarray]:
     for c in range(len(contacts)):
         n, t = np.zeros((2, 6 * count))
         i, j = contacts.vertex_block[c], contacts.edge_block[c]
-        n[6 * i : 6 * i + 6], n[6 * j : 6 * j + 6] = (
-            contacts.normal_vertex[c],
-            contacts.normal_edge[c],
-        )
-        t[6 * i : 6 * i + 6], t[6 * j : 6 * j + 6] = (
-            contacts.tangent_vertex[c],
-            contacts.tangent_edge[c],
-        )
+        n_i, n_j, t_i, t_j = contacts.rows[c]
+        n[6 * i : 6 * i + 6], n[6 * j : 6 * j + 6] = n_i, n_j
+        t[6 * i : 6 * i + 6], t[6 * j : 6 * j + 6] = t_i, t_j
         kn, ks = response.normal_stiffness[c], response.shear_stiffness[c]
         mu = response.coupling[c]
         # N(d) = N* - kn (gap0 + n.d - gap*),  T(d) = T* - ks (t.d - slip*) + mu (N(d) - N*)

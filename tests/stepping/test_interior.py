@@ -105,10 +105,10 @@ def test_the_minimum_is_in_accord_with_the_law(monkeypatch):
     balance = potential.base.force - np.einsum(
         "nij,nj->ni", potential.base.diagonal, found.unknowns
     )
-    for c in range(len(contacts)):
+    for c, (n_i, n_j, t_i, t_j) in enumerate(contacts.rows):
         i, j = contacts.vertex_block[c], contacts.edge_block[c]
-        balance[i] += normal[c] * contacts.normal_vertex[c] + shear[c] * contacts.tangent_vertex[c]
-        balance[j] += normal[c] * contacts.normal_edge[c] + shear[c] * contacts.tangent_edge[c]
+        balance[i] += normal[c] * n_i + shear[c] * t_i
+        balance[j] += normal[c] * n_j + shear[c] * t_j
     free = ~potential.fixed
     weight = np.abs(potential.base.force[free]).max()
     assert np.abs(balance[free]).max() < 1e-5 * weight

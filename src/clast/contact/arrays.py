@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clast.contact.rows import rows_of
 from clast.model import Bools, Floats, Ints
 
 
@@ -13,10 +14,9 @@ from clast.model import Bools, Floats, Ints
 class Contacts:
     """Vertex-edge contacts of one step, in order of block pairs; m contacts, q touching pairs.
 
-    ``gap`` and the rows belong to the start of the step: the gap at its end is
-    ``gap + normal_vertex . d_i + normal_edge . d_j`` to first order in the displacements of the
-    vertex's block i and the edge's block j; the slip of the vertex along the edge is
-    ``tangent_vertex . d_i + tangent_edge . d_j``.
+    ``gap`` and ``levers`` belong to the start of the step: the gap at its end is gap + n_i.d_i +
+    n_j.d_j to first order in the displacements of the vertex's block i and the edge's block j; the
+    slip of the vertex along the edge is t_i.d_i + t_j.d_j (see ``rows``).
     """
 
     vertex: Ints
@@ -39,14 +39,8 @@ class Contacts:
     """Foot Q of P on the edge's line, m, shape (m, 2)."""
     length: Floats
     """Length of joint that the contact stands for (cohesion, tensile strength), m, shape (m,)."""
-    normal_vertex: Floats
-    """T_i(P)^T n, shape (m, 6)."""
-    normal_edge: Floats
-    """-T_j(Q)^T n, shape (m, 6)."""
-    tangent_vertex: Floats
-    """T_i(P)^T t with t the edge's direction, shape (m, 6)."""
-    tangent_edge: Floats
-    """-T_j(Q)^T t, shape (m, 6)."""
+    levers: Floats
+    """Normal and offsets of P and Q from the centroids, or the rows below, (m, 6) or (m, 4, 6)."""
     friction: Floats
     """tan(friction angle) of the joint, shape (m,)."""
     cohesion: Floats
@@ -72,9 +66,9 @@ class Contacts:
         return len(self.vertex)
 
     @property
-    def rows(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """Rows n_i, n_j, t_i, t_j of the equations, shape (m, 6) each."""
-        return self.normal_vertex, self.normal_edge, self.tangent_vertex, self.tangent_edge
+    def rows(self) -> Floats:
+        """n_i, n_j, t_i, t_j = T_i^T n, -T_j^T n, T_i^T t, -T_j^T t, t along the edge, (m, 4, 6)."""
+        return rows_of(self.levers)
 
 
 def of_pairs(contacts: Contacts, wanted: Bools, number: Ints) -> Contacts:

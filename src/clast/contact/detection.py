@@ -13,7 +13,7 @@ import numpy as np
 
 from clast.contact.arrays import Contacts
 from clast.contact.memory import recall
-from clast.contact.rows import movement, rows_of
+from clast.contact.rows import levers_of, movement
 from clast.interfaces import CornerRule, DisplacementFunction
 from clast.kernels import broad_phase, narrow_phase, polygon
 from clast.kernels import contacts as kernel
@@ -223,7 +223,7 @@ def _contacts(
     keep: Bools,
     reach: Reach,
 ) -> Contacts:
-    """Return the candidates to be kept (m,) with memory, strength and rows."""
+    """Return the candidates to be kept (m,) with memory, strength and levers."""
     found, memory = candidates, state.memory
     vertex, edge, i, j, pair, gap, touching = kernel.chosen(
         keep, found.vertex, found.edge, found.pair, found.gap, pairs, found.vertex_block
@@ -247,7 +247,6 @@ def _contacts(
     friction, cohesion, tensile_strength = kernel.strengths(
         joint, pair, bonded, *_strengths_of(model.joint_table.joints)
     )
-    rows = rows_of(displacement, at_vertex, at_edge, normal)
     return Contacts(
         vertex=vertex,
         edge=edge,
@@ -270,10 +269,7 @@ def _contacts(
             found.length,
             reach.critdis,
         ),
-        normal_vertex=rows.normal_vertex,
-        normal_edge=rows.normal_edge,
-        tangent_vertex=rows.tangent_vertex,
-        tangent_edge=rows.tangent_edge,
+        levers=levers_of(displacement, at_vertex, at_edge, normal),
         friction=friction,
         cohesion=cohesion,
         tensile_strength=tensile_strength,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -134,8 +134,8 @@ class WithIncomplete:
     """The system."""
     rows: tuple[Ints, Ints, Ints, Ints]
     """Pairs, and where each row finds its own, as the kernel takes them."""
-    incomplete: tuple[Floats, Floats]
-    """The factorisation: inverses of the pivots, and the blocks above them."""
+    incomplete: tuple[Any, ...]
+    """The factorisation (kernels/incomplete.py)."""
     iterations: int
     """Iterations at most."""
 
@@ -157,13 +157,13 @@ class WithIncomplete:
 def with_incomplete(system: BlockSystem, iterations: int) -> WithIncomplete:
     """Return the iteration for a symmetric system; raises StepRejected where it is singular."""
     right, left, listed = block_rows.row_pointers(len(system.diagonal), system.pairs)
-    inverse, upper, bad = incomplete.factor(system.diagonal, system.upper, system.pairs, right)
+    factor, bad = incomplete.factor(system.diagonal, system.upper, system.pairs, system.centroid)
     if bad >= 0:
         raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
     return WithIncomplete(
         system=system,
         rows=(system.pairs, right, left, listed),
-        incomplete=(inverse, upper),
+        incomplete=factor,
         iterations=iterations,
     )
 

@@ -55,7 +55,7 @@ def inverse_of_blocks(diagonal: Floats) -> Floats:
 def contact_motions(contacts: Contacts, displacement: Floats) -> tuple[Floats, Floats]:
     """Return how far each contact opens and slips by d (n, 6), m, shape (m,): n.d and t.d."""
     return assembly.contact_motions(
-        contacts.vertex_block, contacts.edge_block, contacts.rows, displacement
+        contacts.vertex_block, contacts.edge_block, contacts.levers, displacement
     )
 
 
@@ -89,7 +89,15 @@ def with_contact_forces(
     """
     nothing = np.zeros_like(force)
     return assembly.unbalanced(
-        diagonal, nothing, force, fixed, graph, contacts.vertex_block, contacts.rows, normal, shear
+        diagonal,
+        nothing,
+        force,
+        fixed,
+        graph,
+        contacts.vertex_block,
+        contacts.levers,
+        normal,
+        shear,
     )
 
 
@@ -117,7 +125,7 @@ def _with_contacts(
         contacts.pair,
         contacts.vertex_block,
         contacts.edge_block,
-        *contacts.rows,
+        contacts.rows,
         response.normal_stiffness,
         response.shear_stiffness,
         response.coupling,
@@ -154,7 +162,7 @@ def symmetric_system(
         contacts.pairs,
         graph,
         contacts.vertex_block,
-        contacts.rows,
+        contacts.levers,
         response.normal_stiffness,
         response.shear_stiffness,
         diagonal,

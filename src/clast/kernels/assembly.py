@@ -5,8 +5,21 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from clast.kernels.block_rows import CHUNK, FMA, SHARED, chunks
+from clast.kernels.block_rows import CHUNK, SHARED, chunks, times
 from clast.kernels.compiled import kernel
+from clast.kernels.levers import couple, finish_own, force_on, gather_own, relative_motion
+from clast.kernels.six import (
+    line,
+    plus,
+    plus_product,
+    plus_scaled,
+    put_line,
+    put_row,
+    row,
+    total,
+    with_number,
+    zeros,
+)
 
 PIECE, MANY = 2048, 8000
 """Contacts that a thread takes at a time, and number from which threads share them."""
@@ -21,10 +34,7 @@ def add_contacts(
     pair,
     vertex_block,
     edge_block,
-    normal_vertex,
-    normal_edge,
-    tangent_vertex,
-    tangent_edge,
+    rows,
     normal_stiffness,
     shear_stiffness,
     coupling,
@@ -44,8 +54,8 @@ def add_contacts(
         i, j, q = vertex_block[c], edge_block[c], pair[c]
         first = 0 if i < j else 1
         for k in range(6):
-            n[first, k], n[1 - first, k] = normal_vertex[c, k], normal_edge[c, k]
-            t[first, k], t[1 - first, k] = tangent_vertex[c, k], tangent_edge[c, k]
+            n[first, k], n[1 - first, k] = rows[c, 0, k], rows[c, 1, k]
+            t[first, k], t[1 - first, k] = rows[c, 2, k], rows[c, 3, k]
         low, high = min(i, j), max(i, j)
         kn, ks, cross = normal_stiffness[c], shear_stiffness[c], coupling[c]
         for a in range(6):
@@ -76,120 +86,65 @@ def first_of_pairs(pair, count):
     return start
 
 
-@kernel(fastmath=FMA)
-def _add_dyads(i, first, last, vertex_block, n_own, n_other, t_own, t_other, kn, ks, block):
-    """Add k_n n n^T + k_s t t^T of contacts ``first`` to ``last`` - 1, as block i has a part in."""
-    for c in range(first, last):
-        if kn[c] == 0.0 and ks[c] == 0.0:
-            continue
-        n, t = (n_own, t_own) if vertex_block[c] == i else (n_other, t_other)
-        for a in range(6):
-            na, ta = kn[c] * n[c, a], ks[c] * t[c, a]
-            for b in range(6):
-                block[a, b] += na * n[c, b] + ta * t[c, b]
-
-
-@kernel(fastmath=FMA)
-def _couple(i, first, last, vertex_block, n_own, n_other, t_own, t_other, kn, ks, block):
-    """Write K_ij of a pair (i, j), i < j, from its contacts ``first`` to ``last`` - 1."""
-    block[:] = 0.0
-    for c in range(first, last):
-        if kn[c] == 0.0 and ks[c] == 0.0:
-            continue
-        own = vertex_block[c] == i
-        ni, nj = (n_own, n_other) if own else (n_other, n_own)
-        ti, tj = (t_own, t_other) if own else (t_other, t_own)
-        for a in range(6):
-            na, ta = kn[c] * ni[c, a], ks[c] * ti[c, a]
-            for b in range(6):
-                block[a, b] += na * nj[c, b] + ta * tj[c, b]
+@kernel()
+def _hold(i, base, own):
+    """Write the equations d = 0 of a fixed block, of its own size, into block i."""
+    scale = 0.0
+    for a in range(6):
+        scale = max(scale, base[i, a, a])
+    for a in range(6):
+        put_line(own, i, a, with_number(zeros(), a, scale))
 
 
 @kernel()
-def _assemble_rows(low, high, base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper):
+def _assemble_rows(low, high, base, fixed, pairs, graph, vertex_block, levers, kn, ks, own, upper):
     """Assemble blocks ``low`` to ``high`` - 1 and the pairs that begin with them."""
     start, right, left, listed = graph
-    n_own, n_other, t_own, t_other = rows
+    moments = np.empty((1, 3, 6))
     for i in range(low, high):
-        own[i] = base[i]
+        upper[right[i] : right[i + 1]] = 0.0
         if fixed[i]:
-            scale = 0.0
-            for a in range(6):
-                scale = max(scale, base[i, a, a])
-            own[i] = 0.0
-            for a in range(6):
-                own[i, a, a] = scale
-        for at in range(left[i] if not fixed[i] else left[i + 1], left[i + 1]):
+            _hold(i, base, own)
+            continue
+        for a in range(6):
+            put_line(own, i, a, line(base, i, a))
+        moments[:] = 0.0
+        for at in range(left[i], left[i + 1]):
             q = listed[at]
-            _add_dyads(
-                i,
-                start[q],
-                start[q + 1],
-                vertex_block,
-                n_own,
-                n_other,
-                t_own,
-                t_other,
-                kn,
-                ks,
-                own[i],
-            )
+            gather_own(levers, i, start[q], start[q + 1], vertex_block, kn, ks, moments, own)
+        # the pairs that begin with a block follow each other, and so do their contacts
+        first, last = start[right[i]], start[right[i + 1]]
+        gather_own(levers, i, first, last, vertex_block, kn, ks, moments, own)
+        finish_own(levers, moments, own, i)
         for q in range(right[i], right[i + 1]):
-            if not fixed[i]:
-                _add_dyads(
-                    i,
-                    start[q],
-                    start[q + 1],
-                    vertex_block,
-                    n_own,
-                    n_other,
-                    t_own,
-                    t_other,
-                    kn,
-                    ks,
-                    own[i],
-                )
-            if fixed[i] or fixed[pairs[q, 1]]:
-                upper[q] = 0.0
-            else:
-                _couple(
-                    i,
-                    start[q],
-                    start[q + 1],
-                    vertex_block,
-                    n_own,
-                    n_other,
-                    t_own,
-                    t_other,
-                    kn,
-                    ks,
-                    upper[q],
-                )
+            if not fixed[pairs[q, 1]]:
+                couple(levers, i, q, start[q], start[q + 1], vertex_block, kn, ks, upper)
 
 
 @kernel(parallel=True)
-def _assemble_shared(base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper):
+def _assemble_shared(base, fixed, pairs, graph, vertex_block, levers, kn, ks, own, upper):
     for c in prange(chunks(len(base))):
         last = min((c + 1) * CHUNK, len(base))
         _assemble_rows(
-            c * CHUNK, last, base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper
+            c * CHUNK, last, base, fixed, pairs, graph, vertex_block, levers, kn, ks, own, upper
         )
 
 
 @kernel()
-def assemble(base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper):
+def assemble(base, fixed, pairs, graph, vertex_block, levers, kn, ks, own, upper):
     """Write K with the contact springs in it: diagonal ``own`` (n, 6, 6), ``upper`` (q, 6, 6).
 
     ``base`` (n, 6, 6) is K without contacts; ``graph`` the first contact of each pair and
-    the pairs of each block (see block_rows.row_pointers); ``rows`` the four sets of contact rows.
+    the pairs of each block (see block_rows.row_pointers); ``levers`` what contacts are in the
+    equations (kernels/levers.py).
     Blocks held fixed keep a diagonal of their own size and no couplings.  Every block sums up its
     own contacts in their order: threads can share the work.
     """
     if len(base) >= SHARED:
-        _assemble_shared(base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper)
+        _assemble_shared(base, fixed, pairs, graph, vertex_block, levers, kn, ks, own, upper)
     else:
         _assemble_rows(
-            0, len(base), base, fixed, pairs, graph, vertex_block, rows, kn, ks, own, upper
+            0, len(base), base, fixed, pairs, graph, vertex_block, levers, kn, ks, own, upper
         )
 
 
@@ -214,99 +169,93 @@ def hold_blocks(diagonal, upper, lower, force, pairs, fixed):
                     lower[q, a, c] = 0.0
 
 
-@kernel(fastmath=FMA)
-def _motions(first, last, vertex_block, edge_block, rows, displacement, normal, tangent):
+@kernel()
+def _motions(first, last, vertex_block, edge_block, levers, displacement, normal, tangent):
     """Write n.d and t.d of contacts ``first`` to ``last`` - 1."""
-    n_own, n_other, t_own, t_other = rows
     for c in range(first, last):
-        i, j = vertex_block[c], edge_block[c]
-        along_n, along_t = 0.0, 0.0
-        for k in range(6):
-            own, other = displacement[i, k], displacement[j, k]
-            along_n += n_own[c, k] * own + n_other[c, k] * other
-            along_t += t_own[c, k] * own + t_other[c, k] * other
-        normal[c], tangent[c] = along_n, along_t
+        normal[c], tangent[c] = relative_motion(
+            levers, c, displacement, vertex_block[c], edge_block[c]
+        )
 
 
 @kernel(parallel=True)
-def _motions_shared(vertex_block, edge_block, rows, displacement, normal, tangent):
+def _motions_shared(vertex_block, edge_block, levers, displacement, normal, tangent):
     count = len(normal)
     for c in prange((count + PIECE - 1) // PIECE):
         last = min((c + 1) * PIECE, count)
-        _motions(c * PIECE, last, vertex_block, edge_block, rows, displacement, normal, tangent)
+        _motions(c * PIECE, last, vertex_block, edge_block, levers, displacement, normal, tangent)
 
 
 @kernel()
-def contact_motions(vertex_block, edge_block, rows, displacement):
+def contact_motions(vertex_block, edge_block, levers, displacement):
     """Return n.d and t.d of every contact: how far it opens and slips by d (n, 6), m, (m,) each."""
     count = len(vertex_block)
     normal, tangent = np.empty(count), np.empty(count)
     if count >= MANY:
-        _motions_shared(vertex_block, edge_block, rows, displacement, normal, tangent)
+        _motions_shared(vertex_block, edge_block, levers, displacement, normal, tangent)
     else:
-        _motions(0, count, vertex_block, edge_block, rows, displacement, normal, tangent)
+        _motions(0, count, vertex_block, edge_block, levers, displacement, normal, tangent)
     return normal, tangent
 
 
-@kernel(fastmath=FMA)
-def _balance_rows(low, high, base, d, load, fixed, graph, vertex_block, rows, normal, shear, out):
+@kernel(forceinline=True)
+def _forces_on(i, first, last, vertex_block, levers, normal, shear):
+    """Return the sum of N n + T t on block i of contacts ``first`` to ``last`` - 1."""
+    s = zeros()
+    for c in range(first, last):
+        if normal[c] != 0.0 or shear[c] != 0.0:
+            s = plus(s, force_on(levers, c, vertex_block[c] == i, normal[c], shear[c]))
+    return s
+
+
+@kernel()
+def _balance_rows(low, high, base, d, load, fixed, graph, vertex_block, levers, normal, shear, out):
     """Write load - B d + sum of N n + T t of blocks ``low`` to ``high`` - 1; 0 where fixed."""
     start, right, left, listed = graph
-    n_own, n_other, t_own, t_other = rows
     for i in range(low, high):
-        for a in range(6):
-            out[i, a] = 0.0
         if fixed[i]:
+            put_row(out, i, zeros())
             continue
-        for a in range(6):
-            total = load[i, a]
-            for b in range(6):
-                total -= base[i, a, b] * d[i, b]
-            out[i, a] = total
-        for at in range(left[i], left[i + 1] + right[i + 1] - right[i]):
-            of_left = at < left[i + 1]
-            q = listed[at] if of_left else right[i] + at - left[i + 1]
-            for c in range(start[q], start[q + 1]):
-                if normal[c] == 0.0 and shear[c] == 0.0:
-                    continue
-                n, t = (n_own, t_own) if vertex_block[c] == i else (n_other, t_other)
-                for a in range(6):
-                    out[i, a] += normal[c] * n[c, a] + shear[c] * t[c, a]
+        s = plus_scaled(row(load, i), -1.0, times(base, i, d, i))
+        for at in range(left[i], left[i + 1]):
+            q = listed[at]
+            f = _forces_on(i, start[q], start[q + 1], vertex_block, levers, normal, shear)
+            s = plus(s, f)
+        # the pairs that begin with a block follow each other, and so do their contacts
+        first, last = start[right[i]], start[right[i + 1]]
+        f = _forces_on(i, first, last, vertex_block, levers, normal, shear)
+        put_row(out, i, plus(s, f))
 
 
 @kernel(parallel=True)
-def _balance_shared(base, d, load, fixed, graph, vertex_block, rows, normal, shear, out):
+def _balance_shared(base, d, load, fixed, graph, vertex_block, levers, normal, shear, out):
     for c in prange(chunks(len(d))):
         last = min((c + 1) * CHUNK, len(d))
         _balance_rows(
-            c * CHUNK, last, base, d, load, fixed, graph, vertex_block, rows, normal, shear, out
+            c * CHUNK, last, base, d, load, fixed, graph, vertex_block, levers, normal, shear, out
         )
 
 
 @kernel()
-def unbalanced(base, d, load, fixed, graph, vertex_block, rows, normal, shear):
+def unbalanced(base, d, load, fixed, graph, vertex_block, levers, normal, shear):
     """Return load - B d + sum of N n + T t (n, 6): what is out of balance; 0 for fixed blocks."""
     out = np.empty_like(d)
     if len(d) >= SHARED:
-        _balance_shared(base, d, load, fixed, graph, vertex_block, rows, normal, shear, out)
+        _balance_shared(base, d, load, fixed, graph, vertex_block, levers, normal, shear, out)
     else:
         _balance_rows(
-            0, len(d), base, d, load, fixed, graph, vertex_block, rows, normal, shear, out
+            0, len(d), base, d, load, fixed, graph, vertex_block, levers, normal, shear, out
         )
     return out
 
 
-@kernel(fastmath=FMA)
+@kernel()
 def form(blocks, d):
-    """Return the sum of d_i.B_i d_i over blocks B (n, 6, 6)."""
-    total = 0.0
+    """Return the sum of d_i.B_i d_i over symmetric blocks B (n, 6, 6)."""
+    product = 0.0
     for c in range(chunks(len(d))):
-        part = 0.0
+        s = zeros()
         for i in range(c * CHUNK, min((c + 1) * CHUNK, len(d))):
-            for a in range(6):
-                line = 0.0
-                for b in range(6):
-                    line += blocks[i, a, b] * d[i, b]
-                part += line * d[i, a]
-        total += part
-    return total
+            s = plus_product(s, times(blocks, i, d, i), row(d, i))
+        product += total(s)
+    return product

@@ -12,6 +12,18 @@ import numpy as np
 from numba import prange
 
 from clast.kernels.compiled import kernel, start_threads
+from clast.kernels.six import (
+    line,
+    plus,
+    plus_product,
+    plus_scaled,
+    put_row,
+    row,
+    total,
+    totals,
+    with_number,
+    zeros,
+)
 
 start_threads()
 
@@ -52,57 +64,63 @@ def chunks(count):
     return (count + CHUNK - 1) // CHUNK
 
 
-@kernel(fastmath=FMA)
-def line(blocks, i, a, x0, x1, x2, x3, x4, x5):
-    """Return line a of block i times six numbers."""
-    return (
-        blocks[i, a, 0] * x0
-        + blocks[i, a, 1] * x1
-        + blocks[i, a, 2] * x2
-        + blocks[i, a, 3] * x3
-        + blocks[i, a, 4] * x4
-        + blocks[i, a, 5] * x5
-    )
+@kernel(forceinline=True)
+def times(blocks, i, r, k):
+    """Return symmetric block i of (n, 6, 6) times row k of r (., 6)."""
+    s0 = plus_scaled(zeros(), r[k, 0], line(blocks, i, 0))
+    s1 = plus_scaled(zeros(), r[k, 1], line(blocks, i, 1))
+    s0 = plus_scaled(s0, r[k, 2], line(blocks, i, 2))
+    s1 = plus_scaled(s1, r[k, 3], line(blocks, i, 3))
+    s0 = plus_scaled(s0, r[k, 4], line(blocks, i, 4))
+    s1 = plus_scaled(s1, r[k, 5], line(blocks, i, 5))
+    return plus(s0, s1)
 
 
-@kernel(fastmath=FMA)
+@kernel(forceinline=True)
+def right_of(low, high, upper, pairs, x):
+    """Return the sum of K_ij x_j over the pairs ``low`` to ``high`` - 1, those of a row i."""
+    t0, t1, t2, t3, t4, t5 = zeros(), zeros(), zeros(), zeros(), zeros(), zeros()
+    for q in range(low, high):
+        other = row(x, pairs[q, 1])
+        t0 = plus_product(t0, line(upper, q, 0), other)
+        t1 = plus_product(t1, line(upper, q, 1), other)
+        t2 = plus_product(t2, line(upper, q, 2), other)
+        t3 = plus_product(t3, line(upper, q, 3), other)
+        t4 = plus_product(t4, line(upper, q, 4), other)
+        t5 = plus_product(t5, line(upper, q, 5), other)
+    return totals(t0, t1, t2, t3, t4, t5)
+
+
+@kernel(forceinline=True)
+def left_of(low, high, listed, upper, pairs, x):
+    """Return the sum of K_ji^T x_j over the pairs listed ``low`` to ``high`` - 1 of a row i.
+
+    Three sums side by side: one addition need not wait for the one before.
+    """
+    s0, s1, s2 = zeros(), zeros(), zeros()
+    for at in range(low, high):
+        q = listed[at]
+        j = pairs[q, 0]
+        s0 = plus_scaled(s0, x[j, 0], line(upper, q, 0))
+        s1 = plus_scaled(s1, x[j, 1], line(upper, q, 1))
+        s2 = plus_scaled(s2, x[j, 2], line(upper, q, 2))
+        s0 = plus_scaled(s0, x[j, 3], line(upper, q, 3))
+        s1 = plus_scaled(s1, x[j, 4], line(upper, q, 4))
+        s2 = plus_scaled(s2, x[j, 5], line(upper, q, 5))
+    return plus(plus(s0, s1), s2)
+
+
+@kernel()
 def _multiply_rows(first, last, diagonal, upper, pairs, right, left, listed, x, y):
     """Write rows ``first`` to ``last`` - 1 of K x into y and return their part of x.K x."""
-    total = 0.0
+    product = 0.0
     for i in range(first, last):
-        y0 = y1 = y2 = y3 = y4 = y5 = 0.0
-        for a in range(6):
-            xa = x[i, a]
-            y0 += diagonal[i, a, 0] * xa
-            y1 += diagonal[i, a, 1] * xa
-            y2 += diagonal[i, a, 2] * xa
-            y3 += diagonal[i, a, 3] * xa
-            y4 += diagonal[i, a, 4] * xa
-            y5 += diagonal[i, a, 5] * xa
-        for at in range(left[i], left[i + 1]):
-            q = listed[at]
-            j = pairs[q, 0]
-            for a in range(6):
-                xa = x[j, a]
-                y0 += upper[q, a, 0] * xa
-                y1 += upper[q, a, 1] * xa
-                y2 += upper[q, a, 2] * xa
-                y3 += upper[q, a, 3] * xa
-                y4 += upper[q, a, 4] * xa
-                y5 += upper[q, a, 5] * xa
-        for q in range(right[i], right[i + 1]):
-            j = pairs[q, 1]
-            x0, x1, x2, x3, x4, x5 = x[j, 0], x[j, 1], x[j, 2], x[j, 3], x[j, 4], x[j, 5]
-            y0 += line(upper, q, 0, x0, x1, x2, x3, x4, x5)
-            y1 += line(upper, q, 1, x0, x1, x2, x3, x4, x5)
-            y2 += line(upper, q, 2, x0, x1, x2, x3, x4, x5)
-            y3 += line(upper, q, 3, x0, x1, x2, x3, x4, x5)
-            y4 += line(upper, q, 4, x0, x1, x2, x3, x4, x5)
-            y5 += line(upper, q, 5, x0, x1, x2, x3, x4, x5)
-        y[i, 0], y[i, 1], y[i, 2], y[i, 3], y[i, 4], y[i, 5] = y0, y1, y2, y3, y4, y5
-        total += x[i, 0] * y0 + x[i, 1] * y1 + x[i, 2] * y2
-        total += x[i, 3] * y3 + x[i, 4] * y4 + x[i, 5] * y5
-    return total
+        own = row(x, i)
+        y_i = plus(times(diagonal, i, x, i), left_of(left[i], left[i + 1], listed, upper, pairs, x))
+        y_i = plus(y_i, right_of(right[i], right[i + 1], upper, pairs, x))
+        put_row(y, i, y_i)
+        product += total(plus_product(zeros(), own, y_i))
+    return product
 
 
 @kernel(parallel=True)
@@ -128,20 +146,19 @@ def multiply(diagonal, upper, pairs, right, left, listed, x, y):
             parts[c] = _multiply_rows(
                 c * CHUNK, last, diagonal, upper, pairs, right, left, listed, x, y
             )
-    total = 0.0
+    product = 0.0
     for part in parts:
-        total += part
-    return total
+        product += part
+    return product
 
 
-@kernel(fastmath=FMA)
+@kernel()
 def _relax_rows(first, last, damping, inverse, b, kx, x):
     """Add damping x inverse_i (b_i - kx_i) to x_i, in place, for rows ``first`` to ``last`` - 1."""
+    r = np.empty((1, 6))
     for i in range(first, last):
-        r0, r1, r2 = b[i, 0] - kx[i, 0], b[i, 1] - kx[i, 1], b[i, 2] - kx[i, 2]
-        r3, r4, r5 = b[i, 3] - kx[i, 3], b[i, 4] - kx[i, 4], b[i, 5] - kx[i, 5]
-        for a in range(6):
-            x[i, a] += damping * line(inverse, i, a, r0, r1, r2, r3, r4, r5)
+        put_row(r, 0, plus_scaled(row(b, i), -1.0, row(kx, i)))
+        put_row(x, i, plus_scaled(row(x, i), damping, times(inverse, i, r, 0)))
 
 
 @kernel(parallel=True)
@@ -162,14 +179,13 @@ def relax(damping, inverse, b, kx, x):
 @kernel(fastmath=FMA)
 def dot(a, b):
     """Return a.b of two vectors (n, 6), chunk by chunk."""
-    total = 0.0
+    product = 0.0
     for c in range(chunks(len(a))):
-        part = 0.0
+        s = zeros()
         for i in range(c * CHUNK, min((c + 1) * CHUNK, len(a))):
-            for k in range(6):
-                part += a[i, k] * b[i, k]
-        total += part
-    return total
+            s = plus_product(s, row(a, i), row(b, i))
+        product += total(s)
+    return product
 
 
 @kernel()
@@ -178,20 +194,20 @@ def invert(block, inverse):
 
     Gauss-Jordan without pivoting; the pivots of a positive definite block are positive.
     """
-    inverse[:] = block
+    for a in range(6):
+        put_row(inverse, a, row(block, a))
     for k in range(6):
         pivot = inverse[k, k]
         if not pivot > 0.0:
             return False
-        inverse[k, k] = 1.0
-        for c in range(6):
-            inverse[k, c] /= pivot
+        of_k = plus_scaled(zeros(), 1.0 / pivot, with_number(row(inverse, k), k, 1.0))
         for a in range(6):
-            if a != k:
-                factor = inverse[a, k]
-                inverse[a, k] = 0.0
-                for c in range(6):
-                    inverse[a, c] -= factor * inverse[k, c]
+            factor = inverse[a, k]
+            if a == k:
+                put_row(inverse, a, of_k)
+            else:
+                rest = with_number(row(inverse, a), k, 0.0)
+                put_row(inverse, a, plus_scaled(rest, -factor, of_k))
     return True
 
 

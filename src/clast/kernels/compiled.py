@@ -4,9 +4,10 @@ numba keeps what it has compiled beside each file and looks at the age of that f
 that calls one of another file would go on with the old one after a change there.  So what is kept
 lies in a folder named after the text of all kernels.
 
-Threads come from OpenMP where numba has it.  They wait for each other by spinning for some
-microseconds and then sleep: where they spin for good, as they do if nothing is said, a product of
-1 ms takes 6 on a machine with something else to do.
+One thread works unless NUMBA_NUM_THREADS asks for more.  Threads come from OpenMP where numba has
+it, and wait for each other by spinning for about a millisecond: a thread that sleeps takes 0.1 ms to
+wake, as long as much of the work that is shared.  On a machine with something else to do spinning
+costs more than threads gain, which is why they must be asked for.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import numba
 
 SETTINGS: Any = numba.config
 """numba's settings of this process."""
-os.environ.setdefault("GOMP_SPINCOUNT", "1000")  # read when OpenMP is loaded, with the threads
+os.environ.setdefault("GOMP_SPINCOUNT", "30000")  # read when OpenMP is loaded, with the threads
 
 
 def folder() -> str:
@@ -64,8 +65,7 @@ def start_threads() -> None:
     """Start the threads that parallel kernels share, if they do not run yet.
 
     numba does so itself when it compiles a parallel kernel, and when it loads one, but not when it
-    loads a kernel that calls one.  One thread works unless NUMBA_NUM_THREADS asks for more: whole
-    steps have not gained by a second one yet (docs/decisions/0017).
+    loads a kernel that calls one.
     """
     if "NUMBA_NUM_THREADS" not in os.environ:
         numba.set_num_threads(1)

@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from clast.kernels.block_rows import CHUNK, FMA, SHARED, chunks, multiply
+from clast.kernels.block_rows import CHUNK, SHARED, chunks, multiply
 from clast.kernels.compiled import kernel
 from clast.kernels.incomplete import substitute
+from clast.kernels.six import plus_scaled, put_row, row
 
 TRIED = 8
 """Iterations after which the rate of convergence is judged."""
@@ -19,20 +20,18 @@ HOPE = 1.5
 """Iterations, as a share of the limit, that may seem needed then: the rate improves."""
 
 
-@kernel(fastmath=FMA)
+@kernel()
 def _add_rows(first, last, factor, from_vector, to_vector):
     """Add factor x from_vector to to_vector in rows ``first`` to ``last`` - 1."""
     for i in range(first, last):
-        for a in range(6):
-            to_vector[i, a] += factor * from_vector[i, a]
+        put_row(to_vector, i, plus_scaled(row(to_vector, i), factor, row(from_vector, i)))
 
 
-@kernel(fastmath=FMA)
+@kernel()
 def _turn_rows(first, last, z, beta, p):
     """Write z + beta p into p in rows ``first`` to ``last`` - 1."""
     for i in range(first, last):
-        for a in range(6):
-            p[i, a] = z[i, a] + beta * p[i, a]
+        put_row(p, i, plus_scaled(row(z, i), beta, row(p, i)))
 
 
 @kernel(parallel=True)
@@ -77,13 +76,13 @@ def solve(diagonal, upper, rows, incomplete, force, guess, tolerance, limit):
     right, left and listed of kernels/block_rows.py, ``incomplete`` the factor M.
     """
     pairs, right, left, listed = rows
-    inverse, factored = incomplete
     x = guess.copy()
     r, z, kp = force.copy(), np.empty_like(force), np.empty_like(force)
+    work = np.empty_like(force)
     if x.any():
         multiply(diagonal, upper, pairs, right, left, listed, x, kp)
         r -= kp
-    start = rz = substitute(inverse, factored, pairs, right, left, listed, r, z)
+    start = rz = substitute(incomplete, r, work, z)
     if start == 0.0:
         return x, 0, 0.0
     p = z.copy()
@@ -94,7 +93,7 @@ def solve(diagonal, upper, rows, incomplete, force, guess, tolerance, limit):
             return x, count, np.inf
         advance(rz / curvature, p, kp, x, r)
         count += 1
-        following = substitute(inverse, factored, pairs, right, left, listed, r, z)
+        following = substitute(incomplete, r, work, z)
         beta = following / rz
         rz = following
         if count == TRIED and rz > tolerance**2 * start:

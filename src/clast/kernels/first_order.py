@@ -30,22 +30,20 @@ def _row(x, y, ax, ay, row):
 
 
 @kernel()
-def contact_rows(at_vertex, at_edge, normal):
-    """Return T_i^T n, -T_j^T n, T_i^T t and -T_j^T t of the contacts, each (m, 6).
+def contact_rows(levers):
+    """Return T_i^T n, -T_j^T n, T_i^T t and -T_j^T t of the contacts, shape (m, 4, 6).
 
-    ``at_vertex`` (m, 2) and ``at_edge`` (m, 2) are the offsets of the vertex and of its foot from
-    the centroids of their blocks, m; t = (-ny, nx) is the direction of the edge.
+    ``levers`` (m, 6) are nx, ny and the offsets of the vertex and of its foot from the centroids of
+    their blocks, m; t = (-ny, nx) is the direction of the edge.
     """
-    count = len(normal)
-    normal_vertex, normal_edge = np.empty((count, 6)), np.empty((count, 6))
-    tangent_vertex, tangent_edge = np.empty((count, 6)), np.empty((count, 6))
-    for c in range(count):
-        nx, ny = normal[c, 0], normal[c, 1]
-        _row(at_vertex[c, 0], at_vertex[c, 1], nx, ny, normal_vertex[c])
-        _row(at_edge[c, 0], at_edge[c, 1], -nx, -ny, normal_edge[c])
-        _row(at_vertex[c, 0], at_vertex[c, 1], -ny, nx, tangent_vertex[c])
-        _row(at_edge[c, 0], at_edge[c, 1], ny, -nx, tangent_edge[c])
-    return normal_vertex, normal_edge, tangent_vertex, tangent_edge
+    rows = np.empty((len(levers), 4, 6))
+    for c in range(len(levers)):
+        nx, ny, xi, yi, xj, yj = levers[c]
+        _row(xi, yi, nx, ny, rows[c, 0])
+        _row(xj, yj, -nx, -ny, rows[c, 1])
+        _row(xi, yi, -ny, nx, rows[c, 2])
+        _row(xj, yj, ny, -nx, rows[c, 3])
+    return rows
 
 
 @kernel()

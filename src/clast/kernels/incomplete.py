@@ -1,11 +1,13 @@
 """Incomplete block Cholesky without fill, K ~ L D L^T, as a preconditioner.
 
-Rows are eliminated in their order; what would fall on a pair of blocks that share no contact is
-left out (Meijerink and van der Vorst 1977).  Where a pivot is not positive definite any more the
-diagonal block itself takes its place, so that the product is positive definite in any case.
+Blocks are eliminated in the order of kernels/parts.py: strips, which threads share, and the seam
+between them.  What would fall on a pair of blocks that share no contact is left out (Meijerink and
+van der Vorst 1977).  Where a pivot is not positive definite any more the diagonal block itself
+takes its place, so that the product is positive definite in any case.
 
-Many rows are taken in pieces of a fixed number, and couplings between pieces are left out too:
-pieces can be worked on at the same time, and answers do not depend on the number of threads.
+A factor is (order, begin, pairs, right, left, listed, inverse, scaled): the order and where strips
+begin, the coupled pairs by their places in it and the rows of these (kernels/block_rows.py), D^-1
+(n, 6, 6) and L^T above its diagonal (q, 6, 6).
 """
 
 from __future__ import annotations
@@ -13,161 +15,197 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from clast.kernels.block_rows import FMA, SHARED, invert, line
+from clast.kernels.block_rows import invert, left_of, right_of, row_pointers, times
 from clast.kernels.compiled import kernel
+from clast.kernels.parts import coupled_pairs, ordering, renumbered
+from clast.kernels.six import (
+    line,
+    plus,
+    plus_product,
+    plus_scaled,
+    put_line,
+    put_row,
+    row,
+    total,
+    zeros,
+)
 
-PIECE = 16384
-"""Rows of a piece; with 2,048 a heap of 10,000 squares needs three times the iterations."""
+
+@kernel(forceinline=True)
+def _subtract_product(left, q, right, f, target, t):
+    """Subtract left_q^T right_f from block t of ``target``, in place."""
+    for a in range(6):
+        s0 = plus_scaled(zeros(), left[q, 0, a], line(right, f, 0))
+        s1 = plus_scaled(zeros(), left[q, 1, a], line(right, f, 1))
+        s0 = plus_scaled(s0, left[q, 2, a], line(right, f, 2))
+        s1 = plus_scaled(s1, left[q, 3, a], line(right, f, 3))
+        s0 = plus_scaled(s0, left[q, 4, a], line(right, f, 4))
+        s1 = plus_scaled(s1, left[q, 5, a], line(right, f, 5))
+        put_line(target, t, a, plus_scaled(line(target, t, a), -1.0, plus(s0, s1)))
+
+
+@kernel(forceinline=True)
+def _multiply_into(inverse, i, upper, q, scaled):
+    """Write inverse_i upper_q into scaled_q."""
+    for a in range(6):
+        s0 = plus_scaled(zeros(), inverse[i, a, 0], line(upper, q, 0))
+        s1 = plus_scaled(zeros(), inverse[i, a, 1], line(upper, q, 1))
+        s0 = plus_scaled(s0, inverse[i, a, 2], line(upper, q, 2))
+        s1 = plus_scaled(s1, inverse[i, a, 3], line(upper, q, 3))
+        s0 = plus_scaled(s0, inverse[i, a, 4], line(upper, q, 4))
+        s1 = plus_scaled(s1, inverse[i, a, 5], line(upper, q, 5))
+        put_line(scaled, q, a, plus(s0, s1))
 
 
 @kernel()
-def pieces(count):
-    """Return the number of pieces of rows."""
-    return (count + PIECE - 1) // PIECE
-
-
-@kernel(fastmath=FMA)
-def _subtract_product(left, right, block):
-    """Subtract left x right from a block, in place."""
-    for a in range(6):
-        l0, l1, l2 = left[a, 0], left[a, 1], left[a, 2]
-        l3, l4, l5 = left[a, 3], left[a, 4], left[a, 5]
-        for b in range(6):
-            block[a, b] -= (
-                l0 * right[0, b]
-                + l1 * right[1, b]
-                + l2 * right[2, b]
-                + l3 * right[3, b]
-                + l4 * right[4, b]
-                + l5 * right[5, b]
-            )
-
-
-@kernel(fastmath=FMA)
-def _transposed_product(left, right, product):
-    """Write left^T x right into a block."""
-    for a in range(6):
-        for b in range(6):
-            total = 0.0
-            for c in range(6):
-                total += left[c, a] * right[c, b]
-            product[a, b] = total
+def _pass_on(i, low, high, diagonal, upper, scaled, pairs, right):
+    """Take row i's part out of the rows ``low`` to ``high`` - 1, in place."""
+    for q in range(right[i], right[i + 1]):
+        j = pairs[q, 1]
+        if j < low:
+            continue
+        if j >= high:
+            break
+        _subtract_product(scaled, q, upper, q, diagonal, j)
+        at = right[j]
+        for following in range(q + 1, right[i + 1]):
+            k = pairs[following, 1]
+            while at < right[j + 1] and pairs[at, 1] < k:
+                at += 1
+            if at < right[j + 1] and pairs[at, 1] == k:
+                _subtract_product(scaled, q, upper, following, upper, at)
 
 
 @kernel()
-def _eliminate(low, high, own, diagonal, upper, pairs, right, inverse):
-    """Eliminate rows ``low`` to ``high`` - 1; return the first whose own block is bad, or -1.
+def _eliminate(low, high, own, order, diagonal, upper, scaled, pairs, right, inverse):
+    """Eliminate rows ``low`` to ``high`` - 1; return the first block without a pivot, or -1.
 
-    ``diagonal`` and ``upper`` are worked on in place, ``own`` are the diagonal blocks as they were.
+    ``diagonal`` and ``upper`` are worked on in place, ``own`` are the diagonal blocks of K.
     """
-    share = np.empty((6, 6))
     for i in range(low, high):
-        if not invert(diagonal[i], inverse[i]) and not invert(own[i], inverse[i]):
-            return i
+        if not invert(diagonal[i], inverse[i]) and not invert(own[order[i]], inverse[i]):
+            return order[i]
         for q in range(right[i], right[i + 1]):
-            j = pairs[q, 1]
-            if j >= high:
-                break
-            _transposed_product(upper[q], inverse[i], share)
-            _subtract_product(share, upper[q], diagonal[j])
-            at = right[j]
-            for following in range(q + 1, right[i + 1]):
-                k = pairs[following, 1]
-                while at < right[j + 1] and pairs[at, 1] < k:
-                    at += 1
-                if at < right[j + 1] and pairs[at, 1] == k:
-                    _subtract_product(share, upper[following], upper[at])
+            _multiply_into(inverse, i, upper, q, scaled)
+        _pass_on(i, low, high, diagonal, upper, scaled, pairs, right)
     return -1
 
 
-@kernel(parallel=True)
-def _eliminate_shared(own, diagonal, upper, pairs, right, inverse, bad):
-    for c in prange(len(bad)):
-        high = min((c + 1) * PIECE, len(own))
-        bad[c] = _eliminate(c * PIECE, high, own, diagonal, upper, pairs, right, inverse)
+@kernel()
+def _take(low, high, own, couplings, order, source, right, diagonal, upper):
+    """Copy the blocks of rows ``low`` to ``high`` - 1 in their new order."""
+    for i in range(low, high):
+        for a in range(6):
+            put_line(diagonal, i, a, line(own, order[i], a))
+        for q in range(right[i], right[i + 1]):
+            old = source[q]
+            for a in range(6):
+                if old >= 0:
+                    put_line(upper, q, a, line(couplings, old, a))
+                else:
+                    for c in range(6):
+                        upper[q, c, a] = couplings[-1 - old, a, c]
 
 
 @kernel()
-def factor(own, couplings, pairs, right):
-    """Return D^-1 (n, 6, 6), D L^T above the diagonal (q, 6, 6), and the first bad row or -1.
+def _eliminate_strip(low, high, matrix, new, work, inverse):
+    """Copy and eliminate a strip."""
+    own, couplings = matrix
+    order, source, pairs, right = new
+    diagonal, upper, scaled = work
+    _take(low, high, own, couplings, order, source, right, diagonal, upper)
+    return _eliminate(low, high, own, order, diagonal, upper, scaled, pairs, right, inverse)
 
-    ``own`` (n, 6, 6) and ``couplings`` (q, 6, 6) are the blocks of K, ``pairs`` and ``right`` its
-    rows (kernels/block_rows.py).  A row is bad whose own block is not positive definite.
+
+@kernel(parallel=True)
+def _eliminate_strips(begin, matrix, new, work, inverse, bad):
+    for c in prange(len(bad)):
+        bad[c] = _eliminate_strip(begin[c], begin[c + 1], matrix, new, work, inverse)
+
+
+@kernel()
+def factor(own, couplings, pairs, centroid):
+    """Return the factor of K and the first block without a positive definite pivot, or -1.
+
+    ``own`` (n, 6, 6) and ``couplings`` (q, 6, 6) are the blocks of K of ``pairs`` (q, 2),
+    ``centroid`` (n, 2) where the blocks are.  What a strip leaves for the seam is taken out of it
+    when all strips are done, in their order.
     """
-    diagonal, upper, inverse = own.copy(), couplings.copy(), np.empty_like(own)
-    bad = np.full(pieces(len(own)), -1)
-    if len(own) >= SHARED:
-        _eliminate_shared(own, diagonal, upper, pairs, right, inverse, bad)
+    coupled = coupled_pairs(couplings)
+    order, begin = ordering(centroid, pairs, coupled)
+    new, source = renumbered(order, pairs, coupled)
+    count, seam = len(own), begin[-2]
+    right, left, listed = row_pointers(count, new)
+    inverse, diagonal = np.empty_like(own), np.empty_like(own)
+    upper = np.empty((len(new), 6, 6))
+    scaled = np.empty_like(upper)
+    bad = np.full(len(begin) - 2, -1)
+    matrix, numbers, work = (own, couplings), (order, source, new, right), (diagonal, upper, scaled)
+    if len(bad) > 1:
+        _eliminate_strips(begin, matrix, numbers, work, inverse, bad)
     else:
-        for c in range(len(bad)):
-            high = min((c + 1) * PIECE, len(own))
-            bad[c] = _eliminate(c * PIECE, high, own, diagonal, upper, pairs, right, inverse)
+        bad[0] = _eliminate_strip(0, seam, matrix, numbers, work, inverse)
+    found = (order, begin, new, right, left, listed, inverse, scaled)
     for first in bad:
         if first >= 0:
-            return inverse, upper, first
-    return inverse, upper, -1
-
-
-@kernel(fastmath=FMA)
-def _substitute(low, high, inverse, upper, pairs, right, left, listed, r, z):
-    """Write (L D L^T)^-1 r into rows ``low`` to ``high`` - 1 of z; return their part of r.z."""
-    for i in range(low, high):
-        y0, y1, y2, y3, y4, y5 = r[i, 0], r[i, 1], r[i, 2], r[i, 3], r[i, 4], r[i, 5]
-        for at in range(left[i], left[i + 1]):
-            q = listed[at]
-            k = pairs[q, 0]
-            if k < low:
-                continue
-            for a in range(6):
-                x = z[k, a]
-                y0 -= upper[q, a, 0] * x
-                y1 -= upper[q, a, 1] * x
-                y2 -= upper[q, a, 2] * x
-                y3 -= upper[q, a, 3] * x
-                y4 -= upper[q, a, 4] * x
-                y5 -= upper[q, a, 5] * x
-        for a in range(6):
-            z[i, a] = line(inverse, i, a, y0, y1, y2, y3, y4, y5)
-    total = 0.0
-    for i in range(high - 1, low - 1, -1):
-        y0 = y1 = y2 = y3 = y4 = y5 = 0.0
-        for q in range(right[i], right[i + 1]):
-            j = pairs[q, 1]
-            if j >= high:
-                break
-            x0, x1, x2, x3, x4, x5 = z[j, 0], z[j, 1], z[j, 2], z[j, 3], z[j, 4], z[j, 5]
-            y0 += line(upper, q, 0, x0, x1, x2, x3, x4, x5)
-            y1 += line(upper, q, 1, x0, x1, x2, x3, x4, x5)
-            y2 += line(upper, q, 2, x0, x1, x2, x3, x4, x5)
-            y3 += line(upper, q, 3, x0, x1, x2, x3, x4, x5)
-            y4 += line(upper, q, 4, x0, x1, x2, x3, x4, x5)
-            y5 += line(upper, q, 5, x0, x1, x2, x3, x4, x5)
-        for a in range(6):
-            z[i, a] -= line(inverse, i, a, y0, y1, y2, y3, y4, y5)
-            total += r[i, a] * z[i, a]
-    return total
-
-
-@kernel(parallel=True)
-def _substitute_shared(inverse, upper, pairs, right, left, listed, r, z, parts):
-    for c in prange(len(parts)):
-        high = min((c + 1) * PIECE, len(r))
-        parts[c] = _substitute(c * PIECE, high, inverse, upper, pairs, right, left, listed, r, z)
+            return found, first
+    _take(seam, count, own, couplings, order, source, right, diagonal, upper)
+    for i in range(seam):
+        if right[i + 1] > right[i] and new[right[i + 1] - 1, 1] >= seam:
+            _pass_on(i, seam, count, diagonal, upper, scaled, new, right)
+    return found, _eliminate(seam, count, own, order, diagonal, upper, scaled, new, right, inverse)
 
 
 @kernel()
-def substitute(inverse, upper, pairs, right, left, listed, r, z):
-    """Write (L D L^T)^-1 r (n, 6) into z and return r.z."""
-    parts = np.empty(pieces(len(r)))
-    if len(r) >= SHARED:
-        _substitute_shared(inverse, upper, pairs, right, left, listed, r, z, parts)
-    else:
-        for c in range(len(parts)):
-            high = min((c + 1) * PIECE, len(r))
-            parts[c] = _substitute(
-                c * PIECE, high, inverse, upper, pairs, right, left, listed, r, z
-            )
-    total = 0.0
-    for part in parts:
-        total += part
-    return total
+def _go_up(low, high, incomplete, r, z):
+    """Write L^-1 r into rows ``low`` to ``high`` - 1 of z."""
+    order, _, pairs, _, left, listed, _, scaled = incomplete
+    for i in range(low, high):
+        known = left_of(left[i], left[i + 1], listed, scaled, pairs, z)
+        put_row(z, i, plus_scaled(row(r, order[i]), -1.0, known))
+
+
+@kernel()
+def _come_down(low, high, incomplete, r, z, result):
+    """Write L^-T D^-1 z into rows ``low`` to ``high`` - 1; return their part of r.result."""
+    order, _, pairs, right, _, _, inverse, scaled = incomplete
+    s = zeros()
+    for i in range(high - 1, low - 1, -1):
+        known = right_of(right[i], right[i + 1], scaled, pairs, z)
+        z_i = plus_scaled(times(inverse, i, z, i), -1.0, known)
+        put_row(z, i, z_i)
+        put_row(result, order[i], z_i)
+        s = plus_product(s, row(r, order[i]), z_i)
+    return total(s)
+
+
+@kernel(parallel=True)
+def _go_up_shared(incomplete, r, z):
+    begin = incomplete[1]
+    for c in prange(len(begin) - 2):
+        _go_up(begin[c], begin[c + 1], incomplete, r, z)
+
+
+@kernel(parallel=True)
+def _come_down_shared(incomplete, r, z, result, products):
+    begin = incomplete[1]
+    for c in prange(len(begin) - 2):
+        products[c] = _come_down(begin[c], begin[c + 1], incomplete, r, z, result)
+
+
+@kernel()
+def substitute(incomplete, r, z, result):
+    """Write (L D L^T)^-1 r (n, 6) into ``result`` and return r.result; z (n, 6) is overwritten."""
+    begin = incomplete[1]
+    strips, seam = len(begin) - 2, begin[-2]
+    if strips == 1:
+        _go_up(0, seam, incomplete, r, z)
+        return _come_down(0, seam, incomplete, r, z, result)
+    _go_up_shared(incomplete, r, z)
+    _go_up(seam, begin[-1], incomplete, r, z)
+    product = _come_down(seam, begin[-1], incomplete, r, z, result)
+    products = np.empty(strips)
+    _come_down_shared(incomplete, r, z, result, products)
+    for part in products:
+        product += part
+    return product

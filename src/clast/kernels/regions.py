@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from clast.kernels.block_rows import times
 from clast.kernels.compiled import kernel
+from clast.kernels.six import plus_product, row, total, zeros
 
 NOTHING = 1e-14
 """Slope that does not count, as a share of the sum of all slopes."""
@@ -78,16 +80,10 @@ def sums(values, region, count):
 
 @kernel()
 def forms(blocks, d):
-    """Return d_i.B_i d_i of each block, shape (n,), for B (n, 6, 6) and d (n, 6)."""
+    """Return d_i.B_i d_i of each block, shape (n,), for symmetric B (n, 6, 6) and d (n, 6)."""
     result = np.empty(len(d))
     for i in range(len(d)):
-        total = 0.0
-        for a in range(6):
-            line = 0.0
-            for b in range(6):
-                line += blocks[i, a, b] * d[i, b]
-            total += line * d[i, a]
-        result[i] = total
+        result[i] = total(plus_product(zeros(), times(blocks, i, d, i), row(d, i)))
     return result
 
 

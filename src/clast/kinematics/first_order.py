@@ -61,19 +61,6 @@ class FirstOrder:
         moved: Floats = kernel.displacements(offset, unknowns, block)
         return moved
 
-    def contact_rows(
-        self, at_vertex: Floats, at_edge: Floats, normal: Floats
-    ) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return T_i^T n, -T_j^T n, T_i^T t, -T_j^T t, each (m, 6), without forming T.
-
-        ``at_vertex`` (m, 2) and ``at_edge`` (m, 2) are offsets from the centroids, m; ``normal``
-        (m, 2) is the edges' and t = (-ny, nx) their direction.
-        """
-        rows: tuple[Floats, Floats, Floats, Floats] = kernel.contact_rows(
-            at_vertex, at_edge, normal
-        )
-        return rows
-
     def place(self, offset: Floats, displacement: Floats) -> Floats:
         """Return new offsets (m, 2) from the *old* centroid after displacements d (m, 6)."""
         x, y = offset[:, 0], offset[:, 1]

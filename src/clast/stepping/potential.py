@@ -106,7 +106,7 @@ class Potential:
             self.fixed,
             self.graph,
             self.contacts.vertex_block,
-            self.contacts.rows,
+            self.contacts.levers,
             normal,
             shear,
         )
