@@ -67,7 +67,7 @@ class Contacts:
 
     @property
     def rows(self) -> Floats:
-        """n_i, n_j, t_i, t_j = T_i^T n, -T_j^T n, T_i^T t, -T_j^T t, t along the edge, (m, 4, 6)."""
+        """n_i, n_j, t_i, t_j: T_i^T n, -T_j^T n, T_i^T t, -T_j^T t, t along the edge, (m, 4, 6)."""
         return rows_of(self.levers)
 
 

@@ -5,7 +5,7 @@ that calls one of another file would go on with the old one after a change there
 lies in a folder named after the text of all kernels.
 
 One thread works unless NUMBA_NUM_THREADS asks for more.  Threads come from OpenMP where numba has
-it, and wait for each other by spinning for about a millisecond: a thread that sleeps takes 0.1 ms to
+it, and wait for each other by spinning for about a millisecond: one that sleeps takes 0.1 ms to
 wake, as long as much of the work that is shared.  On a machine with something else to do spinning
 costs more than threads gain, which is why they must be asked for.
 """

@@ -7,7 +7,9 @@ takes its place, so that the product is positive definite in any case.
 
 A factor is (order, begin, pairs, right, left, listed, inverse, scaled): the order and where strips
 begin, the coupled pairs by their places in it and the rows of these (kernels/block_rows.py), D^-1
-(n, 6, 6) and L^T above its diagonal (q, 6, 6).
+(n, 6, 6) and L^T above its diagonal (q, 6, 6).  L is kept in single precision: enough for what is
+an approximation anyway, and half as much to read in every iteration.  D^-1 is not, and so the
+product stays positive definite.
 """
 
 from __future__ import annotations
@@ -45,8 +47,8 @@ def _subtract_product(left, q, right, f, target, t):
 
 
 @kernel(forceinline=True)
-def _multiply_into(inverse, i, upper, q, scaled):
-    """Write inverse_i upper_q into scaled_q."""
+def _multiply_into(inverse, i, upper, q, product, p):
+    """Write inverse_i upper_q into block p of ``product``."""
     for a in range(6):
         s0 = plus_scaled(zeros(), inverse[i, a, 0], line(upper, q, 0))
         s1 = plus_scaled(zeros(), inverse[i, a, 1], line(upper, q, 1))
@@ -54,40 +56,56 @@ def _multiply_into(inverse, i, upper, q, scaled):
         s1 = plus_scaled(s1, inverse[i, a, 3], line(upper, q, 3))
         s0 = plus_scaled(s0, inverse[i, a, 4], line(upper, q, 4))
         s1 = plus_scaled(s1, inverse[i, a, 5], line(upper, q, 5))
-        put_line(scaled, q, a, plus(s0, s1))
+        put_line(product, p, a, plus(s0, s1))
 
 
 @kernel()
-def _pass_on(i, low, high, diagonal, upper, scaled, pairs, right):
-    """Take row i's part out of the rows ``low`` to ``high`` - 1, in place."""
+def _pass_on(i, low, high, diagonal, upper, scaled, first, pairs, right):
+    """Take row i's part out of the rows ``low`` to ``high`` - 1, in place.
+
+    ``scaled`` holds its blocks of L^T, the first of them that of pair ``first``.
+    """
     for q in range(right[i], right[i + 1]):
         j = pairs[q, 1]
         if j < low:
             continue
         if j >= high:
             break
-        _subtract_product(scaled, q, upper, q, diagonal, j)
+        _subtract_product(scaled, q - first, upper, q, diagonal, j)
         at = right[j]
         for following in range(q + 1, right[i + 1]):
             k = pairs[following, 1]
             while at < right[j + 1] and pairs[at, 1] < k:
                 at += 1
             if at < right[j + 1] and pairs[at, 1] == k:
-                _subtract_product(scaled, q, upper, following, upper, at)
+                _subtract_product(scaled, q - first, upper, following, upper, at)
 
 
 @kernel()
-def _eliminate(low, high, own, order, diagonal, upper, scaled, pairs, right, inverse):
+def _widest(low, high, right):
+    """Return the most pairs that a row of ``low`` to ``high`` - 1 begins."""
+    most = 0
+    for i in range(low, high):
+        most = max(most, right[i + 1] - right[i])
+    return most
+
+
+@kernel()
+def _eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, scaled):
     """Eliminate rows ``low`` to ``high`` - 1; return the first block without a pivot, or -1.
 
     ``diagonal`` and ``upper`` are worked on in place, ``own`` are the diagonal blocks of K.
     """
+    of_row = np.empty((_widest(low, high, right), 6, 6))
     for i in range(low, high):
         if not invert(diagonal[i], inverse[i]) and not invert(own[order[i]], inverse[i]):
             return order[i]
-        for q in range(right[i], right[i + 1]):
-            _multiply_into(inverse, i, upper, q, scaled)
-        _pass_on(i, low, high, diagonal, upper, scaled, pairs, right)
+        first = right[i]
+        for q in range(first, right[i + 1]):
+            _multiply_into(inverse, i, upper, q, of_row, q - first)
+            for a in range(6):
+                put_line(scaled, q, a, line(of_row, q - first, a))
+        _pass_on(i, low, high, diagonal, upper, of_row, first, pairs, right)
     return -1
 
 
@@ -108,19 +126,20 @@ def _take(low, high, own, couplings, order, source, right, diagonal, upper):
 
 
 @kernel()
-def _eliminate_strip(low, high, matrix, new, work, inverse):
+def _eliminate_strip(low, high, matrix, new, work, found):
     """Copy and eliminate a strip."""
     own, couplings = matrix
     order, source, pairs, right = new
-    diagonal, upper, scaled = work
+    diagonal, upper = work
+    inverse, scaled = found
     _take(low, high, own, couplings, order, source, right, diagonal, upper)
-    return _eliminate(low, high, own, order, diagonal, upper, scaled, pairs, right, inverse)
+    return _eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, scaled)
 
 
 @kernel(parallel=True)
-def _eliminate_strips(begin, matrix, new, work, inverse, bad):
+def _eliminate_strips(begin, matrix, new, work, found, bad):
     for c in prange(len(bad)):
-        bad[c] = _eliminate_strip(begin[c], begin[c + 1], matrix, new, work, inverse)
+        bad[c] = _eliminate_strip(begin[c], begin[c + 1], matrix, new, work, found)
 
 
 @kernel()
@@ -136,24 +155,25 @@ def factor(own, couplings, pairs, centroid):
     new, source = renumbered(order, pairs, coupled)
     count, seam = len(own), begin[-2]
     right, left, listed = row_pointers(count, new)
-    inverse, diagonal = np.empty_like(own), np.empty_like(own)
-    upper = np.empty((len(new), 6, 6))
-    scaled = np.empty_like(upper)
+    inverse = np.empty_like(own)
+    scaled = np.empty((len(new), 6, 6), np.float32)
+    diagonal, upper = np.empty_like(own), np.empty((len(new), 6, 6))
     bad = np.full(len(begin) - 2, -1)
-    matrix, numbers, work = (own, couplings), (order, source, new, right), (diagonal, upper, scaled)
-    if len(bad) > 1:
-        _eliminate_strips(begin, matrix, numbers, work, inverse, bad)
-    else:
-        bad[0] = _eliminate_strip(0, seam, matrix, numbers, work, inverse)
+    matrix, numbers, work = (own, couplings), (order, source, new, right), (diagonal, upper)
     found = (order, begin, new, right, left, listed, inverse, scaled)
+    if len(bad) > 1:
+        _eliminate_strips(begin, matrix, numbers, work, (inverse, scaled), bad)
+    else:
+        bad[0] = _eliminate_strip(0, seam, matrix, numbers, work, (inverse, scaled))
     for first in bad:
         if first >= 0:
             return found, first
     _take(seam, count, own, couplings, order, source, right, diagonal, upper)
     for i in range(seam):
         if right[i + 1] > right[i] and new[right[i + 1] - 1, 1] >= seam:
-            _pass_on(i, seam, count, diagonal, upper, scaled, new, right)
-    return found, _eliminate(seam, count, own, order, diagonal, upper, scaled, new, right, inverse)
+            _pass_on(i, seam, count, diagonal, upper, scaled, 0, new, right)
+    bad[0] = _eliminate(seam, count, own, order, diagonal, upper, new, right, inverse, scaled)
+    return found, bad[0]
 
 
 @kernel()

@@ -5,22 +5,29 @@ six numbers in a row.  numba makes six instructions of a loop over them.  A valu
 four numbers in one register and two in another, which every processor that numba knows has or
 imitates; a line of a block times a number is then two instructions.
 
+Arrays may hold numbers of single precision: they become double ones as they are read.
+
 Products are added without rounding in between where the processor can do so; sums keep the order
 in which they are written.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 from llvmlite import ir
+from numba import extending
 from numba.core import cgutils, types
-from numba.extending import intrinsic, models, register_model
 
 NUMBER = ir.DoubleType()
 FOUR, TWO = ir.VectorType(NUMBER, 4), ir.VectorType(NUMBER, 2)
 BOTH = ir.LiteralStructType([FOUR, TWO])
+SINGLE_FOUR, SINGLE_TWO = (ir.VectorType(ir.FloatType(), k) for k in (4, 2))
 INDEX = ir.IntType(32)
-UNALIGNED = 8
-"""Bytes to which six numbers are aligned in memory: no more than one is."""
+UNALIGNED = 4
+"""Bytes to which six numbers are aligned in memory at least."""
+operation: Any = extending.intrinsic
+"""Makes of a function's own account of its type and its instructions one that kernels can call."""
 
 
 class Six(types.Type):
@@ -33,8 +40,8 @@ class Six(types.Type):
 SIX = Six()
 
 
-@register_model(Six)
-class _SixModel(models.PrimitiveModel):
+@extending.register_model(Six)
+class _SixModel(extending.models.PrimitiveModel):
     def __init__(self, manager, kind):
         super().__init__(manager, kind, BOTH)
 
@@ -50,6 +57,8 @@ def _part(builder, value):
 
 def _places(context, builder, signature, arguments, indices):
     """Return pointers to the first four and the last two of the numbers at ``indices``."""
+    single = signature.args[0].dtype == types.float32
+    four_of, two_of = (SINGLE_FOUR, SINGLE_TWO) if single else (FOUR, TWO)
     array_type = signature.args[0]
     array = context.make_array(array_type)(context, builder, arguments[0])
     at = [
@@ -59,19 +68,25 @@ def _places(context, builder, signature, arguments, indices):
     at.append(context.get_constant(types.intp, 0))
     first = cgutils.get_item_pointer(context, builder, array_type, array, at, wraparound=False)
     return (
-        builder.bitcast(first, FOUR.as_pointer()),
-        builder.bitcast(builder.gep(first, [INDEX(4)]), TWO.as_pointer()),
+        builder.bitcast(first, four_of.as_pointer()),
+        builder.bitcast(builder.gep(first, [INDEX(4)]), two_of.as_pointer()),
     )
 
 
 def _load(context, builder, signature, arguments):
     four, two = _places(context, builder, signature, arguments, len(signature.args) - 1)
-    return _join(builder, builder.load(four, align=UNALIGNED), builder.load(two, align=UNALIGNED))
+    of_four, of_two = (builder.load(place, align=UNALIGNED) for place in (four, two))
+    if signature.args[0].dtype == types.float32:
+        of_four, of_two = builder.fpext(of_four, FOUR), builder.fpext(of_two, TWO)
+    return _join(builder, of_four, of_two)
 
 
 def _store(context, builder, signature, arguments):
     four, two = _places(context, builder, signature, arguments, len(signature.args) - 2)
     of_four, of_two = _part(builder, arguments[-1])
+    if signature.args[0].dtype == types.float32:
+        of_four = builder.fptrunc(of_four, SINGLE_FOUR)
+        of_two = builder.fptrunc(of_two, SINGLE_TWO)
     builder.store(of_four, four, align=UNALIGNED)
     builder.store(of_two, two, align=UNALIGNED)
     return context.get_dummy_value()
@@ -107,31 +122,31 @@ def _halved(builder, value):
     return builder.fadd(builder.fadd(low, high), two)
 
 
-@intrinsic
+@operation
 def row(context, x, i):
     """Return row i of x (n, 6)."""
     return SIX(x, i), _load
 
 
-@intrinsic
+@operation
 def line(context, blocks, i, a):
     """Return line a of block i of (n, 6, 6)."""
     return SIX(blocks, i, a), _load
 
 
-@intrinsic
+@operation
 def put_row(context, x, i, value):
     """Write six numbers into row i of x (n, 6)."""
     return types.void(x, i, value), _store
 
 
-@intrinsic
+@operation
 def put_line(context, blocks, i, a, value):
     """Write six numbers into line a of block i of (n, 6, 6)."""
     return types.void(blocks, i, a, value), _store
 
 
-@intrinsic
+@operation
 def zeros(context):
     """Return six zeros."""
 
@@ -141,7 +156,7 @@ def zeros(context):
     return SIX(), made
 
 
-@intrinsic
+@operation
 def plus(context, u, v):
     """Return u + v."""
 
@@ -152,7 +167,7 @@ def plus(context, u, v):
     return SIX(u, v), made
 
 
-@intrinsic
+@operation
 def plus_scaled(context, y, factor, v):
     """Return y + factor v for a number ``factor``."""
 
@@ -164,7 +179,7 @@ def plus_scaled(context, y, factor, v):
     return SIX(y, types.float64, v), made
 
 
-@intrinsic
+@operation
 def plus_product(context, y, u, v):
     """Return y + u v, number by number."""
 
@@ -174,7 +189,7 @@ def plus_product(context, y, u, v):
     return SIX(y, u, v), made
 
 
-@intrinsic
+@operation
 def total(context, u):
     """Return the sum of six numbers."""
 
@@ -186,7 +201,7 @@ def total(context, u):
     return types.float64(u), made
 
 
-@intrinsic
+@operation
 def totals(context, u0, u1, u2, u3, u4, u5):
     """Return the sums of six times six numbers."""
 
@@ -201,7 +216,7 @@ def totals(context, u0, u1, u2, u3, u4, u5):
     return SIX(u0, u1, u2, u3, u4, u5), made
 
 
-@intrinsic
+@operation
 def with_number(context, u, k, number):
     """Return the six numbers with ``number`` in place k."""
 
@@ -221,7 +236,7 @@ def with_number(context, u, k, number):
     return SIX(u, k, types.float64), made
 
 
-@intrinsic
+@operation
 def six(context, a, b, c, d, e, f):
     """Return six numbers."""
 
