@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from clast.kernels.compiled import kernel
+from clast.kernels.six import line, plus, plus_scaled, put_line, put_row, row, six, zeros
 
 WEAK = 1e-3
 """Blocks coupled by less than this share of their own stiffness do not attract each other."""
@@ -157,26 +158,29 @@ def coarse_pairs(pairs, right, left, listed, parent, start, members):
     return result[:found].copy()
 
 
-@kernel()
-def _add_projected(block, transposed, xi, yi, xj, yj, work, target):
-    """Add P_i^T B P_j to ``target`` (6, 6), B being ``block`` or its transpose."""
+@kernel(forceinline=True)
+def _add_projected(blocks, q, transposed, xi, yi, xj, yj, work, target, t):
+    """Add P_i^T B P_j to block t of ``target``, B being block q of ``blocks`` or its transpose.
+
+    P is one but for two lines, (0, 0, -y, x, 0, y/2) and (0, 0, x, 0, y, x/2), which say how much
+    of the aggregate's rotation and strains is translation of the block.
+    """
+    u, v = six(0.0, 0.0, -yj, xj, 0.0, 0.5 * yj), six(0.0, 0.0, xj, 0.0, yj, 0.5 * xj)
     for a in range(6):
-        for c in range(6):
-            work[a, c] = block[c, a] if transposed else block[a, c]
+        if transposed:
+            for c in range(6):
+                work[0, a, c] = blocks[q, c, a]
+        else:
+            put_line(work, 0, a, line(blocks, q, a))
     for a in range(6):
-        b0, b1 = work[a, 0], work[a, 1]
-        work[a, 2] += xj * b1 - yj * b0
-        work[a, 3] += xj * b0
-        work[a, 4] += yj * b1
-        work[a, 5] += 0.5 * (yj * b0 + xj * b1)
-    for c in range(6):
-        b0, b1 = work[0, c], work[1, c]
-        target[0, c] += b0
-        target[1, c] += b1
-        target[2, c] += work[2, c] + xi * b1 - yi * b0
-        target[3, c] += work[3, c] + xi * b0
-        target[4, c] += work[4, c] + yi * b1
-        target[5, c] += work[5, c] + 0.5 * (yi * b0 + xi * b1)
+        b = plus_scaled(plus_scaled(line(work, 0, a), work[0, a, 0], u), work[0, a, 1], v)
+        put_line(work, 0, a, b)
+        put_line(target, t, a, plus(line(target, t, a), b))
+    b, c = line(work, 0, 0), line(work, 0, 1)
+    put_line(target, t, 2, plus_scaled(plus_scaled(line(target, t, 2), -yi, b), xi, c))
+    put_line(target, t, 3, plus_scaled(line(target, t, 3), xi, b))
+    put_line(target, t, 4, plus_scaled(line(target, t, 4), yi, c))
+    put_line(target, t, 5, plus_scaled(plus_scaled(line(target, t, 5), 0.5 * yi, b), 0.5 * xi, c))
 
 
 @kernel()
@@ -191,7 +195,7 @@ def coarse_matrix(
     own = np.zeros((count, 6, 6))
     coupling = np.zeros((len(coarse), 6, 6))
     place = np.empty(count, np.int64)
-    work = np.empty((6, 6))
+    work = np.empty((1, 6, 6))
     at_pair = 0
     for k in range(count):
         while at_pair < len(coarse) and coarse[at_pair, 0] == k:
@@ -200,21 +204,20 @@ def coarse_matrix(
         for at in range(start[k], start[k + 1]):
             i = members[at]
             xi, yi = offset[i, 0], offset[i, 1]
-            _add_projected(diagonal[i], False, xi, yi, xi, yi, work, own[k])
+            _add_projected(diagonal, i, False, xi, yi, xi, yi, work, own, k)
             for side in range(2):
                 low, high = (left[i], left[i + 1]) if side == 0 else (right[i], right[i + 1])
                 for e in range(low, high):
                     q = listed[e] if side == 0 else e
                     j = pairs[q, side]
                     other = parent[j]
-                    if other == k:
-                        target = own[k]
-                    elif other > k:
-                        target = coupling[place[other]]
-                    else:
-                        continue
                     xj, yj = offset[j, 0], offset[j, 1]
-                    _add_projected(upper[q], side == 0, xi, yi, xj, yj, work, target)
+                    if other == k:
+                        _add_projected(upper, q, side == 0, xi, yi, xj, yj, work, own, k)
+                    elif other > k:
+                        _add_projected(
+                            upper, q, side == 0, xi, yi, xj, yj, work, coupling, place[other]
+                        )
     return own, coupling
 
 
@@ -222,19 +225,14 @@ def coarse_matrix(
 def restrict(start, members, offset, r, coarse):
     """Write P^T r into ``coarse`` (N, 6); each aggregate sums up its own blocks."""
     for k in range(len(coarse)):
-        s0 = s1 = s2 = s3 = s4 = s5 = 0.0
+        s = zeros()
         for at in range(start[k], start[k + 1]):
             i = members[at]
             x, y = offset[i, 0], offset[i, 1]
             u, v = r[i, 0], r[i, 1]
-            s0 += u
-            s1 += v
-            s2 += r[i, 2] + x * v - y * u
-            s3 += r[i, 3] + x * u
-            s4 += r[i, 4] + y * v
-            s5 += r[i, 5] + 0.5 * (y * u + x * v)
-        coarse[k, 0], coarse[k, 1], coarse[k, 2] = s0, s1, s2
-        coarse[k, 3], coarse[k, 4], coarse[k, 5] = s3, s4, s5
+            moved = six(0.0, 0.0, x * v - y * u, x * u, y * v, 0.5 * (y * u + x * v))
+            s = plus(s, plus(row(r, i), moved))
+        put_row(coarse, k, s)
 
 
 @kernel()
@@ -246,7 +244,7 @@ def prolong(parent, offset, coarse, x):
             continue
         dx, dy = offset[i, 0], offset[i, 1]
         turn, shear = coarse[k, 2], 0.5 * coarse[k, 5]
-        x[i, 0] += coarse[k, 0] - dy * turn + dx * coarse[k, 3] + dy * shear
-        x[i, 1] += coarse[k, 1] + dx * turn + dy * coarse[k, 4] + dx * shear
-        for a in range(2, 6):
-            x[i, a] += coarse[k, a]
+        u = -dy * turn + dx * coarse[k, 3] + dy * shear
+        v = dx * turn + dy * coarse[k, 4] + dx * shear
+        moved = plus(row(coarse, k), six(u, v, 0.0, 0.0, 0.0, 0.0))
+        put_row(x, i, plus(row(x, i), moved))

@@ -53,9 +53,7 @@ def _smooth_before(k, levels, b, x, rest):
     x[:] = 0.0
     relax(DAMPING, levels[1][k], b, x, x)
     _multiply(k, levels, x, rest)
-    for i in range(len(b)):
-        for a in range(6):
-            rest[i, a] = b[i, a] - rest[i, a]
+    turn(b, -1.0, rest)
 
 
 @kernel()
