@@ -29,16 +29,9 @@ def springs(
     normal, shear, kn, ks, coupling, mode, bonded, energy, loss = kernel.penalty(
         gap,
         slip,
-        normal_stiffness,
-        normal_stiffness if shear_stiffness is None else shear_stiffness,
-        contacts.friction,
-        contacts.cohesion,
-        contacts.tensile_strength,
-        contacts.length,
-        contacts.bonded,
-        contacts.shear_force,
-        contacts.multiplier,
-        contacts.friction_base,
+        (normal_stiffness, normal_stiffness if shear_stiffness is None else shear_stiffness),
+        (contacts.friction, contacts.cohesion, contacts.tensile_strength, contacts.length),
+        (contacts.bonded, contacts.shear_force, contacts.multiplier, contacts.friction_base),
     )
     return ContactResponse(
         normal_force=normal,

@@ -251,12 +251,7 @@ def inertia_share(system: BlockSystem) -> float:
     of e.K e, e being all translations, is inertia, over the sum of the diagonal blocks' own.
     Blocks that are coupled to none, as fixed ones, do not count; 1 where all are such.
     """
-    coupled = system.upper[:, :2, :2].any(axis=(1, 2))
-    blocks = np.zeros(len(system.diagonal), np.bool_)
-    blocks[system.pairs[coupled].ravel()] = True
-    own = float(np.trace(system.diagonal[blocks, :2, :2], axis1=1, axis2=2).sum())
-    between = float(np.trace(system.upper[:, :2, :2], axis1=1, axis2=2).sum())
-    return (own + 2.0 * between) / own if own > 0.0 else 1.0
+    return float(block_rows.inertia_share(system.diagonal, system.upper, system.pairs))
 
 
 SOFT = 0.005

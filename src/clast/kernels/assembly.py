@@ -8,6 +8,7 @@ from numba import prange
 from clast.kernels.block_rows import CHUNK, SHARED, chunks, times
 from clast.kernels.compiled import kernel
 from clast.kernels.levers import couple, finish_own, force_on, gather_own, relative_motion
+from clast.kernels.shares import MANY, PART, parts
 from clast.kernels.six import (
     line,
     plus,
@@ -20,9 +21,6 @@ from clast.kernels.six import (
     with_number,
     zeros,
 )
-
-PIECE, MANY = 2048, 8000
-"""Contacts that a thread takes at a time, and number from which threads share them."""
 
 
 @kernel()
@@ -181,9 +179,9 @@ def _motions(first, last, vertex_block, edge_block, levers, displacement, normal
 @kernel(parallel=True)
 def _motions_shared(vertex_block, edge_block, levers, displacement, normal, tangent):
     count = len(normal)
-    for c in prange((count + PIECE - 1) // PIECE):
-        last = min((c + 1) * PIECE, count)
-        _motions(c * PIECE, last, vertex_block, edge_block, levers, displacement, normal, tangent)
+    for part in prange(parts(count)):
+        last = min((part + 1) * PART, count)
+        _motions(part * PART, last, vertex_block, edge_block, levers, displacement, normal, tangent)
 
 
 @kernel()

@@ -219,3 +219,19 @@ def inverse_blocks(diagonal):
         if not invert(diagonal[b], inverse[b]):
             return inverse, b
     return inverse, -1
+
+
+@kernel()
+def inertia_share(diagonal, upper, pairs):
+    """Return the share of the coupled blocks' translational stiffness that couplings leave over."""
+    coupled = np.zeros(len(diagonal), np.bool_)
+    own, between = 0.0, 0.0
+    for q in range(len(pairs)):
+        xx, xy, yx, yy = upper[q, 0, 0], upper[q, 0, 1], upper[q, 1, 0], upper[q, 1, 1]
+        if xx != 0.0 or xy != 0.0 or yx != 0.0 or yy != 0.0:
+            coupled[pairs[q, 0]] = coupled[pairs[q, 1]] = True
+            between += xx + yy
+    for i in range(len(diagonal)):
+        if coupled[i]:
+            own += diagonal[i, 0, 0] + diagonal[i, 1, 1]
+    return (own + 2.0 * between) / own if own > 0.0 else 1.0

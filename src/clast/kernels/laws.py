@@ -3,33 +3,23 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
 from clast.kernels.compiled import kernel
+from clast.kernels.shares import MANY, PART, parts
 
 
 @kernel()
-def penalty(
-    gap,
-    slip,
-    normal_stiffness,
-    shear_stiffness,
-    friction,
-    cohesion,
-    tensile_strength,
-    length,
-    bonded,
-    shear_force,
-    multiplier,
-    friction_base,
-):
-    """Return N, T, -dN/dgap, -dT/dslip, dT/dN, mode, bond, energy, loss (see contact.laws)."""
-    count = len(gap)
-    n_force, t_force = np.zeros(count), np.zeros(count)
-    kn, ks, coupling = np.zeros(count), np.zeros(count), np.zeros(count)
-    mode = np.zeros(count, np.int64)
-    intact = bonded.copy()
-    energy, loss = np.zeros(count), np.zeros(count)
-    for c in range(count):
+def _penalty(first, last, gap, slip, springs, joints, memory, forces, stiffnesses, ends, works):
+    """Let contacts ``first`` to ``last`` - 1 answer."""
+    normal_stiffness, shear_stiffness = springs
+    friction, cohesion, tensile_strength, length = joints
+    bonded, shear_force, multiplier, friction_base = memory
+    n_force, t_force = forces
+    kn, ks, coupling = stiffnesses
+    mode, intact = ends
+    energy, loss = works
+    for c in range(first, last):
         trial_normal = multiplier[c] - normal_stiffness * gap[c]
         tension = tensile_strength[c] * length[c]
         # in a minimisation (bound given) a contact that just touches counts with its stiffness:
@@ -39,7 +29,7 @@ def penalty(
             n_force[c], kn[c] = trial_normal, normal_stiffness
         else:
             n_force[c] = -tension  # the cut-off; the bond is lost when the step is over
-            intact[c] = intact[c] and tension == 0.0
+            intact[c] = bonded[c] and tension == 0.0
             if tension == 0.0 and not given:
                 continue
         energy[c] = 0.5 * (n_force[c] - multiplier[c]) ** 2 / normal_stiffness
@@ -62,4 +52,29 @@ def penalty(
         energy[c] += 0.5 * t_force[c] ** 2 / shear_stiffness
         if n_force[c] == 0.0 and tension == 0.0:
             mode[c] = 0
-    return n_force, t_force, kn, ks, coupling, mode, intact, energy, loss
+
+
+@kernel(parallel=True)
+def _penalty_shared(gap, slip, springs, joints, memory, forces, stiffnesses, ends, works):
+    for part in prange(parts(len(gap))):
+        first, last = part * PART, min((part + 1) * PART, len(gap))
+        _penalty(first, last, gap, slip, springs, joints, memory, forces, stiffnesses, ends, works)
+
+
+@kernel()
+def penalty(gap, slip, springs, joints, memory):
+    """Return N, T, -dN/dgap, -dT/dslip, dT/dN, mode, bond, energy, loss (see contact.laws).
+
+    ``springs`` are p and k, ``joints`` friction, cohesion, tensile strength and length (m,),
+    ``memory`` bonds, old shear force, multiplier and the normal force that bounds friction (m,).
+    """
+    count = len(gap)
+    forces = np.zeros(count), np.zeros(count)
+    stiffnesses = np.zeros(count), np.zeros(count), np.zeros(count)
+    ends = np.zeros(count, np.int64), memory[0].copy()
+    works = np.zeros(count), np.zeros(count)
+    if count >= MANY:
+        _penalty_shared(gap, slip, springs, joints, memory, forces, stiffnesses, ends, works)
+    else:
+        _penalty(0, count, gap, slip, springs, joints, memory, forces, stiffnesses, ends, works)
+    return *forces, *stiffnesses, *ends, *works

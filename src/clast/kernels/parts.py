@@ -46,11 +46,11 @@ def strips(centroid):
 
 
 @kernel()
-def _is_coupled(block):
-    """Return whether any number of a block is not zero."""
+def _is_coupled(blocks, q):
+    """Return whether any number of block q is not zero."""
     for a in range(6):
         for c in range(6):
-            if block[a, c] != 0.0:
+            if blocks[q, a, c] != 0.0:
                 return True
     return False
 
@@ -60,7 +60,7 @@ def coupled_pairs(upper):
     """Return whether the blocks of each pair are coupled at all, shape (q,)."""
     coupled = np.empty(len(upper), np.bool_)
     for q in range(len(upper)):
-        coupled[q] = _is_coupled(upper[q])
+        coupled[q] = _is_coupled(upper, q)
     return coupled
 
 

@@ -7,13 +7,17 @@ the potential is a sum over regions, and along a direction each has a minimum of
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
 from clast.kernels.block_rows import times
 from clast.kernels.compiled import kernel
+from clast.kernels.shares import MANY, PART, parts
 from clast.kernels.six import plus_product, row, total, zeros
 
 NOTHING = 1e-14
 """Slope that does not count, as a share of the sum of all slopes."""
+FEW = 64
+"""Regions up to which threads share the contacts, each part of them with sums of its own."""
 
 
 @kernel()
@@ -88,11 +92,11 @@ def forms(blocks, d):
 
 
 @kernel()
-def _add_slopes(length, done, region, line, springs, work, bend):
-    """Add the contacts' part of slope and bend of the regions that are not ``done``."""
+def _add_slopes(first, last, length, done, region, line, springs, work, bend):
+    """Add the part of contacts ``first`` to ``last`` - 1 in the regions that are not ``done``."""
     gap, d_gap, slip, d_slip = line
     multiplier, shear_force, p, k, tension, strength = springs
-    for c in range(len(gap)):
+    for c in range(first, last):
         r = region[c]
         if done[r]:
             continue
@@ -115,6 +119,30 @@ def _add_slopes(length, done, region, line, springs, work, bend):
                 bend[r] += k * d_slip[c] * d_slip[c]
 
 
+@kernel(parallel=True)
+def _add_slopes_shared(length, done, region, line, springs, works, bends):
+    count = len(region)
+    for part in prange(len(works)):
+        low, high = part * PART, min((part + 1) * PART, count)
+        _add_slopes(low, high, length, done, region, line, springs, works[part], bends[part])
+
+
+@kernel()
+def _slopes(length, done, region, line, springs):
+    """Return the contacts' part of slope and bend of the regions (r,) that are not ``done``."""
+    count, number = len(length), len(region)
+    work, bend = np.zeros(count), np.zeros(count)
+    if number < MANY or count > FEW:
+        _add_slopes(0, number, length, done, region, line, springs, work, bend)
+        return work, bend
+    works, bends = np.zeros((parts(number), count)), np.zeros((parts(number), count))
+    _add_slopes_shared(length, done, region, line, springs, works, bends)
+    for part in range(len(works)):
+        work += works[part]
+        bend += bends[part]
+    return work, bend
+
+
 @kernel()
 def lengths_along(region, line, springs, smooth, curvature, start, tolerance, limit):
     """Return where the potential of each region (r,) is least along a line, and evaluations.
@@ -134,8 +162,7 @@ def lengths_along(region, line, springs, smooth, curvature, start, tolerance, li
     evaluations = 0
     while left > 0 and evaluations < limit:
         evaluations += 1
-        work, bend = np.zeros(count), np.zeros(count)
-        _add_slopes(length, done, region, line, springs, work, bend)
+        work, bend = _slopes(length, done, region, line, springs)
         for r in range(count):
             if done[r]:
                 continue

@@ -1,0 +1,16 @@
+"""How threads share the contacts."""
+
+from __future__ import annotations
+
+from clast.kernels.compiled import kernel
+
+PART = 2048
+"""Contacts that a thread takes at a time, and that are summed up by themselves."""
+MANY = 8000
+"""Contacts from which threads share them; below, starting them costs more than they give."""
+
+
+@kernel()
+def parts(count):
+    """Return the number of parts of contacts."""
+    return (count + PART - 1) // PART
