@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -92,6 +93,26 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for a program t
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
 
 
+def _share(threads: int | None) -> None:
+    """Have kernels share their work among ``threads``; they are not loaded yet."""
+    if threads is not None:
+        os.environ["NUMBA_NUM_THREADS"] = str(threads)
+
+
+Threads = Annotated[
+    int | None,
+    typer.Option(
+        "--threads",
+        metavar="N",
+        min=1,
+        max=os.cpu_count(),
+        callback=_share,
+        help="Threads that share the work, 1 if absent; the results are the same. More than one pay "
+        "from some thousand blocks on, where the machine has nothing else to do.",
+    ),
+]
+
+
 def _print_version(wanted: bool) -> None:
     if wanted:
         import clast
@@ -120,6 +141,7 @@ def run(
         typer.Option("-o", "--output", help="Result file; the case's name with .vtkhdf if absent."),
     ] = None,
     settings: Settings = None,
+    threads: Threads = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -357,6 +379,7 @@ def bench(
         Path | None,
         typer.Option(metavar="FOLDER", help="Keep first and last state of every run there."),
     ] = None,
+    threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
     """Measure what scenes of any size cost: time by stage, iterations, accuracy, memory."""
