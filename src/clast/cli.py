@@ -107,8 +107,8 @@ Threads = Annotated[
         min=1,
         max=os.cpu_count(),
         callback=_share,
-        help="Threads that share the work, 1 if absent; the results are the same. More than one pay "
-        "from some thousand blocks on, where the machine has nothing else to do.",
+        help="Threads that share the work, 1 if absent; the results are the same. More than one "
+        "pay from some thousand blocks on, where the machine has nothing else to do.",
     ),
 ]
 

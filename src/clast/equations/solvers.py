@@ -222,7 +222,7 @@ class PCG:
     """Reduction of the residual, in the norm of the preconditioner, that ends the iteration."""
     iterations: int = 400
     """Iterations with levels at most, before a factorisation takes over."""
-    plain: int = 60
+    plain: int = 100
     """Iterations with the incomplete factor at most, before levels take over; 0: none."""
 
     def inexact(self, tolerance: float) -> PCG:
