@@ -7,6 +7,8 @@ import pytest
 
 from clast.contact.corners import Bisector
 from clast.contact.detection import detect
+from clast.equations.system import contact_motions, graph_of, with_contact_forces
+from clast.kernels import assembly
 from clast.kinematics.first_order import FirstOrder
 from systems import (
     REACH,
@@ -74,6 +76,43 @@ def test_both_paths_find_the_same_contacts(name):
         here, there = getattr(one, column.name), getattr(other, column.name)
         assert here.dtype == there.dtype
         np.testing.assert_allclose(here, there, rtol=1e-13, atol=1e-15, err_msg=column.name)
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_both_paths_make_the_same_equations(name):
+    """Matrix, motions and forces of contacts with arbitrary stiffnesses, some of them 0."""
+    model = SYSTEMS[name]
+    state = at_start(model)
+    rng = np.random.default_rng(2)
+    drift = rng.normal(0.0, 2e-3, (model.block_count, 6))
+    found = []
+    for function in (FirstOrder(), ByBasis()):
+        rng = np.random.default_rng(3)
+        contacts = detect(model, Bisector(), function, state, centroids(model, state), REACH, drift)
+        graph = graph_of(contacts, model.block_count)
+        base = np.zeros((model.block_count, 6, 6))
+        kn, ks, normal, shear = rng.normal(size=(4, len(contacts))) * (
+            rng.random(len(contacts)) < 0.8
+        )
+        own, upper = np.empty_like(base), np.empty((len(contacts.pairs), 6, 6))
+        assembly.assemble(
+            base,
+            model.fixed,
+            contacts.pairs,
+            graph,
+            contacts.vertex_block,
+            contacts.levers,
+            kn,
+            ks,
+            own,
+            upper,
+        )
+        motions = contact_motions(contacts, drift)
+        forces = with_contact_forces(drift, base, contacts, graph, model.fixed, normal, shear)
+        found.append((own, upper, *motions, forces))
+    for here, there in zip(*found, strict=True):
+        scale = np.abs(here).max(initial=1.0)
+        np.testing.assert_allclose(here, there, rtol=0.0, atol=1e-14 * scale)
 
 
 @pytest.mark.parametrize("name", SYSTEMS)

@@ -34,19 +34,25 @@ def factor_blocks(diagonal, pairs, upper):
     return matrix, True
 
 
-@kernel()
+@kernel(fastmath={"contract", "reassoc"})
 def solve_factored(factor, b, x):
-    """Write the solution of U^T U x = b into x, both (n, 6)."""
+    """Write the solution of U^T U x = b into x, both (n, 6).
+
+    Along the lines of U both ways: sums of products run side by side.
+    """
     size = len(factor)
+    value = np.empty(size)
     for a in range(size):
-        x[a // 6, a % 6] = b[a // 6, a % 6]
+        value[a] = b[a // 6, a % 6]
     for k in range(size):
-        value = x[k // 6, k % 6] / factor[k, k]
-        x[k // 6, k % 6] = value
+        known = value[k] / factor[k, k]
+        value[k] = known
         for a in range(k + 1, size):
-            x[a // 6, a % 6] -= factor[k, a] * value
+            value[a] -= factor[k, a] * known
     for k in range(size - 1, -1, -1):
-        total = x[k // 6, k % 6]
+        total = 0.0
         for a in range(k + 1, size):
-            total -= factor[k, a] * x[a // 6, a % 6]
-        x[k // 6, k % 6] = total / factor[k, k]
+            total += factor[k, a] * value[a]
+        value[k] = (value[k] - total) / factor[k, k]
+    for a in range(size):
+        x[a // 6, a % 6] = value[a]

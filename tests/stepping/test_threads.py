@@ -1,0 +1,42 @@
+"""Threads share the work of large systems and change nothing, to the last bit."""
+
+import numba
+import numpy as np
+import pytest
+
+from clast.kernels import block_rows, parts, shares
+from systems import at_start, by_convex, open_ledger, wall
+
+
+def steps(model, method, h, count):
+    """Return the states after ``count`` steps, and their contacts."""
+    state = open_ledger(model, method, at_start(model))
+    for _ in range(count):
+        result = method.process.step(model, method, state, h)
+        state = result.state
+    return state, result
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="one processor")
+@pytest.mark.parametrize(("h", "stiffness"), [(1e-3, 1e11), (2e-2, 5e9)])
+def test_same_bits_by_any_number_of_threads(h, stiffness):
+    """5,051 bricks, with the interior point method (1 ms) and with levels (20 ms)."""
+    model = wall(50, 100)
+    method = by_convex(stiffness)
+    assert model.block_count >= max(block_rows.SHARED, 2 * parts.LEAST)
+    found = []
+    threads = numba.get_num_threads()
+    for number in (1, 2):
+        numba.set_num_threads(number)
+        try:
+            found.append(steps(model, method, h, 2))
+        finally:
+            numba.set_num_threads(threads)
+    (one, of_one), (other, of_other) = found
+    assert len(of_one.contacts) >= shares.MANY
+    assert of_one.counts == of_other.counts
+    assert stiffness == 5e9 or of_one.counts["interior"] > 0
+    for name, value in vars(one).items():
+        if isinstance(value, np.ndarray):
+            assert np.array_equal(value, getattr(other, name)), name
