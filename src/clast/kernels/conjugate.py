@@ -16,6 +16,9 @@ from clast.kernels.six import plus_scaled, put_row, row
 
 TRIED = 8
 """Iterations after which the rate of convergence is judged."""
+LEAP, EXACT = 1e-2, 1e-8
+"""An iteration that leaves less than LEAP is followed by another, until EXACT is left: where the
+factor is nearly exact, as for a column of blocks, that is cheaper than another matrix."""
 HOPE = 1.5
 """Iterations, as a share of the limit, that may seem needed then: the rate improves."""
 
@@ -71,9 +74,10 @@ def turn(z, beta, p):
 def solve(diagonal, upper, rows, incomplete, force, guess, tolerance, limit):
     """Return d (n, 6) of K d = F, the iterations and the reduction of r.M^-1 r reached.
 
-    Starts from ``guess`` (n, 6) and stops where r.M^-1 r has fallen to tolerance^2 of its start,
-    after ``limit`` iterations, or as soon as far more than that seem needed.  ``rows`` are pairs,
-    right, left and listed of kernels/block_rows.py, ``incomplete`` the factor M.
+    Starts from ``guess`` (n, 6) and stops where r.M^-1 r has fallen to tolerance^2 of its start and
+    no longer falls by leaps, after ``limit`` iterations, or as soon as far more than that seem
+    needed.  ``rows`` are pairs, right, left and listed of kernels/block_rows.py, ``incomplete`` the
+    factor M.
     """
     pairs, right, left, listed = rows
     x = guess.copy()
@@ -86,8 +90,8 @@ def solve(diagonal, upper, rows, incomplete, force, guess, tolerance, limit):
     if start == 0.0:
         return x, 0, 0.0
     p = z.copy()
-    count = 0
-    while count < limit and rz > tolerance**2 * start:
+    count, wanted = 0, tolerance**2 * start
+    while count < limit and rz > wanted:
         curvature = multiply(diagonal, upper, pairs, right, left, listed, p, kp)
         if not curvature > 0.0:
             return x, count, np.inf
@@ -95,8 +99,10 @@ def solve(diagonal, upper, rows, incomplete, force, guess, tolerance, limit):
         count += 1
         following = substitute(incomplete, r, work, z)
         beta = following / rz
+        leaps = following < LEAP**2 * rz
+        wanted = min(tolerance, EXACT if leaps else tolerance) ** 2 * start
         rz = following
-        if count == TRIED and rz > tolerance**2 * start:
+        if count == TRIED and rz > wanted:
             # needed / count = log(tolerance^2) / log(rz / start), for what is gained so far
             gained = np.log(start / rz)
             if -2.0 * np.log(tolerance) * count > HOPE * limit * gained:
