@@ -9,6 +9,7 @@ from clast.equations.cholesky import Cholesky, analyse
 from clast.equations.solvers import PCG, Automatic
 from clast.equations.system import BlockSystem
 from clast.errors import StepOutcome, StepRejected
+from clast.kernels.block_rows import row_pointers
 from clast.kernels.dissection import nested_dissection
 
 
@@ -43,6 +44,7 @@ def random_system(rng, count, pairs, stiffness=1e6):
     return BlockSystem(
         diagonal=diagonal,
         pairs=pairs,
+        rows=row_pointers(count, pairs),
         upper=upper,
         lower=upper.transpose(0, 2, 1),
         symmetric=True,

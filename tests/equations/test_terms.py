@@ -10,6 +10,7 @@ from clast.equations.frames import block_frames
 from clast.equations.integration import end_velocity, inertia_factor, velocity_factor
 from clast.equations.solvers import Scipy, solve
 from clast.equations.system import BlockSystem
+from clast.kernels.block_rows import row_pointers
 from clast.kinematics.first_order import FirstOrder
 from clast.model import PlaneStrain, PlaneStress
 from clast.model_builder import ModelBuilder
@@ -60,6 +61,7 @@ def test_free_block_solves_newtons_law():
     one = BlockSystem(
         diagonal=base.diagonal,
         pairs=np.zeros((0, 2), np.int64),
+        rows=row_pointers(1, np.zeros((0, 2), np.int64)),
         upper=none,
         lower=none,
         symmetric=True,

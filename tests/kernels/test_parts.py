@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from clast.kernels import parts
+from clast.kernels.block_rows import row_pointers
 
 
 def lattice(columns, rows):
@@ -31,7 +32,7 @@ def test_strips_are_not_coupled(size, shuffled):
         pairs = pairs[np.lexsort(pairs.T[::-1])]
     order, begin = parts.ordering(centroid, pairs, np.ones(len(pairs), np.bool_))
     strips = len(begin) - 2
-    assert strips == min(max(count // parts.LEAST, 1), parts.MOST)
+    assert strips == parts.number_of_strips(count)
     assert np.array_equal(np.sort(order), np.arange(count))
     part = np.empty(count, int)
     part[order] = np.searchsorted(begin, np.arange(count), side="right") - 1
@@ -47,7 +48,7 @@ def test_pairs_are_renumbered():
     pairs = np.array(sorted({tuple(sorted(rng.choice(20, 2, replace=False))) for _ in range(60)}))
     coupled = rng.random(len(pairs)) < 0.7
     order = rng.permutation(20)
-    new, source = parts.renumbered(order, pairs, coupled)
+    new, source = parts.renumbered(order, pairs, row_pointers(20, pairs), coupled)
     assert len(new) == coupled.sum()
     assert np.array_equal(new, new[np.lexsort(new.T[::-1])])
     for (i, j), q in zip(new, source, strict=True):
@@ -60,3 +61,10 @@ def test_pairs_are_renumbered():
 def test_blocks_in_one_place_are_one_strip():
     _, count = parts.strips(np.zeros((3 * parts.LEAST, 2)))
     assert count == 1
+
+
+def test_four_times_as_many_blocks_have_twice_as_many_strips():
+    """Whatever the threads: the sums depend on it."""
+    found = {count: parts.number_of_strips(count) for count in (100, 799, 800, 3199, 3200, 12800)}
+    assert found == {100: 1, 799: 1, 800: 2, 3199: 2, 3200: 4, 12800: 8}
+    assert parts.number_of_strips(10_000_000) == parts.MOST

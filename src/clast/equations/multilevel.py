@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.equations.system import BlockSystem, inverse_of_blocks
+from clast.equations.system import BlockSystem, Rows, inverse_of_blocks
 from clast.errors import StepOutcome, StepRejected
 from clast.kernels import aggregates, block_rows, dense
 from clast.kernels.multilevel import LEVELS
@@ -69,9 +69,9 @@ def levels_of(system: BlockSystem) -> Levels:
     """Return the levels of a symmetric system; raises StepRejected where it is singular."""
     found: list[Level] = []
     diagonal, upper, pairs = system.diagonal, system.upper, system.pairs
-    centroid = system.centroid
+    rows, centroid = system.rows, system.centroid
     while True:
-        level, centre = _level(diagonal, upper, pairs, centroid)
+        level, centre = _level(diagonal, upper, pairs, rows, centroid)
         found.append(level)
         count, aggregated = len(diagonal), len(level.start) - 1
         if len(found) == LEVELS or aggregated == 0:
@@ -95,6 +95,7 @@ def levels_of(system: BlockSystem) -> Levels:
             coarse,
         )
         pairs, centroid = coarse, centre
+        rows = block_rows.row_pointers(len(diagonal), pairs)
     factor = np.zeros((0, 0))
     if len(diagonal) <= COARSEST:
         factor, definite = dense.factor_blocks(diagonal, pairs, upper)
@@ -115,13 +116,14 @@ def _fields(level: Level) -> tuple[Any, ...]:
     return tuple(vars(level).values())
 
 
-def _level(diagonal: Floats, upper: Floats, pairs: Ints, centroid: Floats) -> tuple[Level, Floats]:
+def _level(
+    diagonal: Floats, upper: Floats, pairs: Ints, rows: Rows, centroid: Floats
+) -> tuple[Level, Floats]:
     """Return a level and the centres (N, 2) of its aggregates, m."""
-    count = len(diagonal)
     inverse = inverse_of_blocks(diagonal)
-    right, left, listed = block_rows.row_pointers(count, pairs)
+    right, left, listed = rows
     strong = aggregates.strong_pairs(diagonal, pairs, upper)
-    parent, number = aggregates.aggregate(count, pairs, right, left, listed, strong)
+    parent, number = aggregates.aggregate(len(diagonal), pairs, right, left, listed, strong)
     start, members = aggregates.members_of(parent, number)
     centre, offset = aggregates.centres(start, members, centroid)
     level = Level(

@@ -156,13 +156,14 @@ class WithIncomplete:
 
 def with_incomplete(system: BlockSystem, iterations: int) -> WithIncomplete:
     """Return the iteration for a symmetric system; raises StepRejected where it is singular."""
-    right, left, listed = block_rows.row_pointers(len(system.diagonal), system.pairs)
-    factor, bad = incomplete.factor(system.diagonal, system.upper, system.pairs, system.centroid)
+    factor, bad = incomplete.factor(
+        system.diagonal, system.upper, system.pairs, system.rows, system.centroid
+    )
     if bad >= 0:
         raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
     return WithIncomplete(
         system=system,
-        rows=(system.pairs, right, left, listed),
+        rows=(system.pairs, *system.rows),
         incomplete=factor,
         iterations=iterations,
     )
@@ -251,7 +252,8 @@ def inertia_share(system: BlockSystem) -> float:
     of e.K e, e being all translations, is inertia, over the sum of the diagonal blocks' own.
     Blocks that are coupled to none, as fixed ones, do not count; 1 where all are such.
     """
-    return float(block_rows.inertia_share(system.diagonal, system.upper, system.pairs))
+    right = system.rows[0]
+    return float(block_rows.inertia_share(system.diagonal, system.upper, system.pairs, right))
 
 
 SOFT = 0.005

@@ -13,6 +13,10 @@ from clast.kernels import assembly, block_rows
 from clast.model import Bools, Floats, Ints
 
 
+Rows = tuple[Ints, Ints, Ints]
+"""Right (n + 1,), left (n + 1,) and listed (q,) of pairs (kernels/block_rows.py)."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class BlockSystem:
     """6 x 6 blocks of K and the right-hand side; pairs (i, j) with i < j, sorted."""
@@ -21,6 +25,8 @@ class BlockSystem:
     """K_ii, shape (n, 6, 6)."""
     pairs: Ints
     """Coupled blocks (i, j), i < j, shape (q, 2)."""
+    rows: Rows
+    """Which pairs each block belongs to."""
     upper: Floats
     """K_ij, shape (q, 6, 6)."""
     lower: Floats
@@ -34,7 +40,7 @@ class BlockSystem:
 
 
 Graph = tuple[Ints, Ints, Ints, Ints]
-"""First contact of each pair (q + 1,), and the pairs of each block (kernels/block_rows.py)."""
+"""First contact of each pair (q + 1,), then the Rows of the pairs."""
 
 
 def graph_of(contacts: Contacts, count: int) -> Graph:
@@ -135,6 +141,7 @@ def _with_contacts(
     return BlockSystem(
         diagonal=diagonal,
         pairs=contacts.pairs,
+        rows=block_rows.row_pointers(len(diagonal), contacts.pairs),
         upper=upper,
         lower=lower,
         symmetric=False,
@@ -171,6 +178,7 @@ def symmetric_system(
     return BlockSystem(
         diagonal=diagonal,
         pairs=contacts.pairs,
+        rows=graph[1:],
         upper=upper,
         lower=upper.transpose(0, 2, 1),
         symmetric=True,

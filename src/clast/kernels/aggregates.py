@@ -12,7 +12,9 @@ form as K, so that levels follow each other until few blocks are left.
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
+from clast.kernels.block_rows import CHUNK, SHARED, chunks
 from clast.kernels.compiled import kernel
 from clast.kernels.six import line, plus, plus_scaled, put_line, put_row, row, six, zeros
 
@@ -184,23 +186,32 @@ def _add_projected(blocks, q, transposed, xi, yi, xj, yj, work, target, t):
 
 
 @kernel()
-def coarse_matrix(
-    diagonal, upper, pairs, right, left, listed, parent, start, members, offset, coarse
-):
-    """Return diagonal blocks (N, 6, 6) and upper blocks (Q, 6, 6) of P^T K P.
+def _first_of(k, coarse):
+    """Return the first of the sorted pairs ``coarse`` (Q, 2) that begins with k or more."""
+    low, high = 0, len(coarse)
+    while low < high:
+        middle = (low + high) // 2
+        if coarse[middle, 0] < k:
+            low = middle + 1
+        else:
+            high = middle
+    return low
 
-    ``coarse`` (Q, 2) are the coupled pairs of aggregates; each aggregate sums up its own rows.
-    """
-    count = len(start) - 1
-    own = np.zeros((count, 6, 6))
-    coupling = np.zeros((len(coarse), 6, 6))
-    place = np.empty(count, np.int64)
+
+@kernel()
+def _coarse_rows(first, last, matrix, rows, aggregates, coarse, own, coupling):
+    """Write the rows of aggregates ``first`` to ``last`` - 1 of P^T K P."""
+    diagonal, upper = matrix
+    pairs, right, left, listed = rows
+    parent, start, members, offset = aggregates
     work = np.empty((1, 6, 6))
-    at_pair = 0
-    for k in range(count):
-        while at_pair < len(coarse) and coarse[at_pair, 0] == k:
-            place[coarse[at_pair, 1]] = at_pair
-            at_pair += 1
+    behind = _first_of(first, coarse)
+    for k in range(first, last):
+        own[k] = 0.0
+        at_pair = behind
+        while behind < len(coarse) and coarse[behind, 0] == k:
+            coupling[behind] = 0.0
+            behind += 1
         for at in range(start[k], start[k + 1]):
             i = members[at]
             xi, yi = offset[i, 0], offset[i, 1]
@@ -215,16 +226,41 @@ def coarse_matrix(
                     if other == k:
                         _add_projected(upper, q, side == 0, xi, yi, xj, yj, work, own, k)
                     elif other > k:
-                        _add_projected(
-                            upper, q, side == 0, xi, yi, xj, yj, work, coupling, place[other]
-                        )
+                        t = at_pair
+                        while coarse[t, 1] != other:
+                            t += 1
+                        _add_projected(upper, q, side == 0, xi, yi, xj, yj, work, coupling, t)
+
+
+@kernel(parallel=True)
+def _coarse_shared(matrix, rows, aggregates, coarse, own, coupling):
+    for c in prange(chunks(len(own))):
+        last = min((c + 1) * CHUNK, len(own))
+        _coarse_rows(c * CHUNK, last, matrix, rows, aggregates, coarse, own, coupling)
+
+
+@kernel()
+def coarse_matrix(
+    diagonal, upper, pairs, right, left, listed, parent, start, members, offset, coarse
+):
+    """Return diagonal blocks (N, 6, 6) and upper blocks (Q, 6, 6) of P^T K P.
+
+    ``coarse`` (Q, 2) are the coupled pairs of aggregates; each aggregate sums up its own rows.
+    """
+    own, coupling = np.empty((len(start) - 1, 6, 6)), np.empty((len(coarse), 6, 6))
+    matrix, rows = (diagonal, upper), (pairs, right, left, listed)
+    aggregates = parent, start, members, offset
+    if len(diagonal) >= SHARED:
+        _coarse_shared(matrix, rows, aggregates, coarse, own, coupling)
+    else:
+        _coarse_rows(0, len(own), matrix, rows, aggregates, coarse, own, coupling)
     return own, coupling
 
 
 @kernel()
-def restrict(start, members, offset, r, coarse):
-    """Write P^T r into ``coarse`` (N, 6); each aggregate sums up its own blocks."""
-    for k in range(len(coarse)):
+def _restrict_rows(first, last, start, members, offset, r, coarse):
+    """Write rows ``first`` to ``last`` - 1 of P^T r."""
+    for k in range(first, last):
         s = zeros()
         for at in range(start[k], start[k + 1]):
             i = members[at]
@@ -235,10 +271,26 @@ def restrict(start, members, offset, r, coarse):
         put_row(coarse, k, s)
 
 
+@kernel(parallel=True)
+def _restrict_shared(start, members, offset, r, coarse):
+    for c in prange(chunks(len(coarse))):
+        last = min((c + 1) * CHUNK, len(coarse))
+        _restrict_rows(c * CHUNK, last, start, members, offset, r, coarse)
+
+
 @kernel()
-def prolong(parent, offset, coarse, x):
-    """Add P ``coarse`` to x (n, 6), in place."""
-    for i in range(len(x)):
+def restrict(start, members, offset, r, coarse):
+    """Write P^T r into ``coarse`` (N, 6); each aggregate sums up its own blocks."""
+    if len(r) >= SHARED:
+        _restrict_shared(start, members, offset, r, coarse)
+    else:
+        _restrict_rows(0, len(coarse), start, members, offset, r, coarse)
+
+
+@kernel()
+def _prolong_rows(first, last, parent, offset, coarse, x):
+    """Add rows ``first`` to ``last`` - 1 of P ``coarse`` to x."""
+    for i in range(first, last):
         k = parent[i]
         if k < 0:
             continue
@@ -248,3 +300,19 @@ def prolong(parent, offset, coarse, x):
         v = dx * turn + dy * coarse[k, 4] + dx * shear
         moved = plus(row(coarse, k), six(u, v, 0.0, 0.0, 0.0, 0.0))
         put_row(x, i, plus(row(x, i), moved))
+
+
+@kernel(parallel=True)
+def _prolong_shared(parent, offset, coarse, x):
+    for c in prange(chunks(len(x))):
+        last = min((c + 1) * CHUNK, len(x))
+        _prolong_rows(c * CHUNK, last, parent, offset, coarse, x)
+
+
+@kernel()
+def prolong(parent, offset, coarse, x):
+    """Add P ``coarse`` to x (n, 6), in place."""
+    if len(x) >= SHARED:
+        _prolong_shared(parent, offset, coarse, x)
+    else:
+        _prolong_rows(0, len(x), parent, offset, coarse, x)

@@ -27,11 +27,9 @@ from clast.kernels.six import (
 
 start_threads()
 
-FMA = {"contract"}
-"""a b + c may be one operation; the order of sums stays."""
-CHUNK = 256
+CHUNK = 128
 """Rows that a thread takes at a time, and that are summed up by themselves."""
-SHARED = 1500
+SHARED = 800
 """Rows from which threads share the work; below, starting them costs more than they give."""
 
 
@@ -176,15 +174,55 @@ def relax(damping, inverse, b, kx, x):
         _relax_rows(0, len(x), damping, inverse, b, kx, x)
 
 
-@kernel(fastmath=FMA)
+@kernel()
+def _jacobi_rows(first, last, damping, inverse, b, x):
+    """Write damping x inverse_i b_i into x_i for rows ``first`` to ``last`` - 1."""
+    for i in range(first, last):
+        put_row(x, i, plus_scaled(zeros(), damping, times(inverse, i, b, i)))
+
+
+@kernel(parallel=True)
+def _jacobi_shared(damping, inverse, b, x):
+    for c in prange(chunks(len(x))):
+        _jacobi_rows(c * CHUNK, min((c + 1) * CHUNK, len(x)), damping, inverse, b, x)
+
+
+@kernel()
+def jacobi(damping, inverse, b, x):
+    """Write damping D^-1 b into x (n, 6): what ``relax`` makes of 0."""
+    if len(x) >= SHARED:
+        _jacobi_shared(damping, inverse, b, x)
+    else:
+        _jacobi_rows(0, len(x), damping, inverse, b, x)
+
+
+@kernel()
+def _dot_rows(first, last, a, b):
+    """Return the part of a.b of rows ``first`` to ``last`` - 1."""
+    s = zeros()
+    for i in range(first, last):
+        s = plus_product(s, row(a, i), row(b, i))
+    return total(s)
+
+
+@kernel(parallel=True)
+def _dot_shared(a, b):
+    parts = np.empty(chunks(len(a)))
+    for c in prange(len(parts)):
+        parts[c] = _dot_rows(c * CHUNK, min((c + 1) * CHUNK, len(a)), a, b)
+    return parts
+
+
+@kernel()
 def dot(a, b):
     """Return a.b of two vectors (n, 6), chunk by chunk."""
     product = 0.0
+    if len(a) >= SHARED:
+        for part in _dot_shared(a, b):
+            product += part
+        return product
     for c in range(chunks(len(a))):
-        s = zeros()
-        for i in range(c * CHUNK, min((c + 1) * CHUNK, len(a))):
-            s = plus_product(s, row(a, i), row(b, i))
-        product += total(s)
+        product += _dot_rows(c * CHUNK, min((c + 1) * CHUNK, len(a)), a, b)
     return product
 
 
@@ -212,25 +250,73 @@ def invert(block, inverse):
 
 
 @kernel()
+def _invert_rows(first, last, diagonal, inverse):
+    """Invert blocks ``first`` to ``last`` - 1; return the first that is not definite, or -1."""
+    for b in range(first, last):
+        if not invert(diagonal[b], inverse[b]):
+            return b
+    return -1
+
+
+@kernel(parallel=True)
+def _invert_shared(diagonal, inverse, bad):
+    for c in prange(len(bad)):
+        last = min((c + 1) * CHUNK, len(diagonal))
+        bad[c] = _invert_rows(c * CHUNK, last, diagonal, inverse)
+
+
+@kernel()
 def inverse_blocks(diagonal):
     """Return the inverses (n, 6, 6) of symmetric blocks, and the first not definite or -1."""
     inverse = np.empty_like(diagonal)
-    for b in range(len(diagonal)):
-        if not invert(diagonal[b], inverse[b]):
+    if len(diagonal) < SHARED:
+        return inverse, _invert_rows(0, len(diagonal), diagonal, inverse)
+    bad = np.empty(chunks(len(diagonal)), np.int64)
+    _invert_shared(diagonal, inverse, bad)
+    for b in bad:
+        if b >= 0:
             return inverse, b
     return inverse, -1
 
 
 @kernel()
-def inertia_share(diagonal, upper, pairs):
-    """Return the share of the coupled blocks' translational stiffness that couplings leave over."""
-    coupled = np.zeros(len(diagonal), np.bool_)
-    own, between = 0.0, 0.0
-    for q in range(len(pairs)):
+def _couplings(first, last, upper, pairs, right, coupled):
+    """Return the translational stiffness between blocks of the pairs of some rows.
+
+    ``coupled`` (n,) is set for those that share any: it does not matter by which thread.
+    """
+    between = 0.0
+    for q in range(right[first], right[last]):
         xx, xy, yx, yy = upper[q, 0, 0], upper[q, 0, 1], upper[q, 1, 0], upper[q, 1, 1]
         if xx != 0.0 or xy != 0.0 or yx != 0.0 or yy != 0.0:
-            coupled[pairs[q, 0]] = coupled[pairs[q, 1]] = True
+            coupled[pairs[q, 0]] = True
+            coupled[pairs[q, 1]] = True
             between += xx + yy
+    return between
+
+
+@kernel(parallel=True)
+def _couplings_shared(upper, pairs, right, coupled):
+    parts = np.empty(chunks(len(coupled)))
+    for c in prange(len(parts)):
+        last = min((c + 1) * CHUNK, len(coupled))
+        parts[c] = _couplings(c * CHUNK, last, upper, pairs, right, coupled)
+    return parts
+
+
+@kernel()
+def inertia_share(diagonal, upper, pairs, right):
+    """Return the share of the coupled blocks' translational stiffness that couplings leave over.
+
+    ``right`` (n + 1,) is where the pairs of each row begin (:func:`row_pointers`).
+    """
+    coupled = np.zeros(len(diagonal), np.bool_)
+    own, between = 0.0, 0.0
+    if len(diagonal) >= SHARED:
+        for part in _couplings_shared(upper, pairs, right, coupled):
+            between += part
+    else:
+        between = _couplings(0, len(diagonal), upper, pairs, right, coupled)
     for i in range(len(diagonal)):
         if coupled[i]:
             own += diagonal[i, 0, 0] + diagonal[i, 1, 1]

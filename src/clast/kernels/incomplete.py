@@ -143,16 +143,16 @@ def _eliminate_strips(begin, matrix, new, work, found, bad):
 
 
 @kernel()
-def factor(own, couplings, pairs, centroid):
+def factor(own, couplings, pairs, rows, centroid):
     """Return the factor of K and the first block without a positive definite pivot, or -1.
 
-    ``own`` (n, 6, 6) and ``couplings`` (q, 6, 6) are the blocks of K of ``pairs`` (q, 2),
-    ``centroid`` (n, 2) where the blocks are.  What a strip leaves for the seam is taken out of it
+    ``own`` (n, 6, 6) and ``couplings`` (q, 6, 6) are the blocks of K of ``pairs`` (q, 2), whose
+    right, left and listed are ``rows``; ``centroid`` (n, 2) is where the blocks are.  What a strip leaves for the seam is taken out of it
     when all strips are done, in their order.
     """
     coupled = coupled_pairs(couplings)
     order, begin = ordering(centroid, pairs, coupled)
-    new, source = renumbered(order, pairs, coupled)
+    new, source = renumbered(order, pairs, rows, coupled)
     count, seam = len(own), begin[-2]
     right, left, listed = row_pointers(count, new)
     inverse = np.empty_like(own)

@@ -20,6 +20,8 @@ def _penalty(first, last, gap, slip, springs, joints, memory, forces, stiffnesse
     mode, intact = ends
     energy, loss = works
     for c in range(first, last):
+        n_force[c] = t_force[c] = kn[c] = ks[c] = coupling[c] = energy[c] = loss[c] = 0.0
+        mode[c], intact[c] = 0, bonded[c]
         trial_normal = multiplier[c] - normal_stiffness * gap[c]
         tension = tensile_strength[c] * length[c]
         # in a minimisation (bound given) a contact that just touches counts with its stiffness:
@@ -69,10 +71,10 @@ def penalty(gap, slip, springs, joints, memory):
     ``memory`` bonds, old shear force, multiplier and the normal force that bounds friction (m,).
     """
     count = len(gap)
-    forces = np.zeros(count), np.zeros(count)
-    stiffnesses = np.zeros(count), np.zeros(count), np.zeros(count)
-    ends = np.zeros(count, np.int64), memory[0].copy()
-    works = np.zeros(count), np.zeros(count)
+    forces = np.empty(count), np.empty(count)
+    stiffnesses = np.empty(count), np.empty(count), np.empty(count)
+    ends = np.empty(count, np.int64), np.empty(count, np.bool_)
+    works = np.empty(count), np.empty(count)
     if count >= MANY:
         _penalty_shared(gap, slip, springs, joints, memory, forces, stiffnesses, ends, works)
     else:

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from clast.kernels.aggregates import prolong, restrict
-from clast.kernels.block_rows import dot, multiply, relax
+from clast.kernels.block_rows import dot, jacobi, multiply, relax
 from clast.kernels.compiled import kernel
 from clast.kernels.conjugate import advance, turn
 from clast.kernels.dense import solve_factored
@@ -50,8 +50,7 @@ def _multiply(k, levels, x, y):
 @kernel()
 def _smooth_before(k, levels, b, x, rest):
     """Take a Jacobi step from zero into x; write what is left of b into ``rest``."""
-    x[:] = 0.0
-    relax(DAMPING, levels[1][k], b, x, x)
+    jacobi(DAMPING, levels[1][k], b, x)
     _multiply(k, levels, x, rest)
     turn(b, -1.0, rest)
 

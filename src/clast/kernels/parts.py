@@ -2,27 +2,41 @@
 
 The blocks are parted into strips, as many in each, across the longer side of what they fill.  Those
 that are coupled to a block of an earlier strip form the seam and come last: of what is left no
-strip is coupled to another one (one level of nested dissection, George 1973).  The number of strips
-depends on that of the blocks alone, and with it every sum: answers do not depend on the threads.
+strip is coupled to another one (one level of nested dissection, George 1973).  Four times as many
+blocks have twice as many strips: the seam's share is the same.  The number of strips depends on
+that of the blocks alone, and with it every sum: answers do not depend on the threads.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
+from clast.kernels.block_rows import CHUNK, SHARED, chunks
 from clast.kernels.compiled import kernel
+from clast.kernels.shares import PART, parts
 
-LEAST, MOST = 2500, 8
-"""Blocks that a strip has at least, and number of strips at most."""
+LEAST, MOST = 800, 16
+"""Blocks from which there are two strips, four times as many having twice as many strips, and
+number of strips at most."""
 SLOTS = 8192
 """Widths into which the longer side is divided to find strips of as many blocks each."""
+
+
+@kernel()
+def number_of_strips(count):
+    """Return the number of strips of ``count`` blocks."""
+    number, enough = 1, LEAST
+    while count >= enough and number < MOST:
+        number, enough = 2 * number, 4 * enough
+    return number
 
 
 @kernel()
 def strips(centroid):
     """Return the strip of each block (n,), of centroids (n, 2), and the number of strips."""
     count = len(centroid)
-    number = min(max(count // LEAST, 1), MOST)
+    number = number_of_strips(count)
     strip = np.zeros(count, np.int64)
     if number == 1:
         return strip, 1
@@ -55,12 +69,22 @@ def _is_coupled(blocks, q):
     return False
 
 
+@kernel(parallel=True)
+def _coupled_shared(upper, coupled):
+    for part in prange(parts(len(upper))):
+        for q in range(part * PART, min((part + 1) * PART, len(upper))):
+            coupled[q] = _is_coupled(upper, q)
+
+
 @kernel()
 def coupled_pairs(upper):
     """Return whether the blocks of each pair are coupled at all, shape (q,)."""
     coupled = np.empty(len(upper), np.bool_)
-    for q in range(len(upper)):
-        coupled[q] = _is_coupled(upper, q)
+    if len(upper) >= SHARED:
+        _coupled_shared(upper, coupled)
+    else:
+        for q in range(len(upper)):
+            coupled[q] = _is_coupled(upper, q)
     return coupled
 
 
@@ -89,34 +113,83 @@ def ordering(centroid, pairs, coupled):
 
 
 @kernel()
-def renumbered(order, pairs, coupled):
+def _rows_of(low, high, order, place, pairs, rows, coupled, start):
+    """Write how many coupled pairs begin with each of the places ``low`` to ``high`` - 1."""
+    right, left, listed = rows
+    for k in range(low, high):
+        i, found = order[k], 0
+        for q in range(right[i], right[i + 1]):
+            if coupled[q] and place[pairs[q, 1]] > k:
+                found += 1
+        for at in range(left[i], left[i + 1]):
+            if coupled[listed[at]] and place[pairs[listed[at], 0]] > k:
+                found += 1
+        start[k + 1] = found
+
+
+@kernel(parallel=True)
+def _rows_of_shared(order, place, pairs, rows, coupled, start):
+    for c in prange(chunks(len(order))):
+        last = min((c + 1) * CHUNK, len(order))
+        _rows_of(c * CHUNK, last, order, place, pairs, rows, coupled, start)
+
+
+@kernel()
+def _insert(first, at, low, high, number, new, source):
+    """Insert the pair (low, high) into those from ``first`` to ``at`` - 1, in ascending order."""
+    while at > first and new[at - 1, 1] > high:
+        new[at, 0], new[at, 1], source[at] = low, new[at - 1, 1], source[at - 1]
+        at -= 1
+    new[at, 0], new[at, 1], source[at] = low, high, number
+
+
+@kernel()
+def _fill_rows(low, high, order, place, pairs, rows, coupled, start, new, source):
+    """Write the coupled pairs that begin with the places ``low`` to ``high`` - 1."""
+    right, left, listed = rows
+    for k in range(low, high):
+        i, at = order[k], start[k]
+        for q in range(right[i], right[i + 1]):
+            other = place[pairs[q, 1]]
+            if coupled[q] and other > k:
+                _insert(start[k], at, k, other, q, new, source)
+                at += 1
+        for e in range(left[i], left[i + 1]):
+            q = listed[e]
+            other = place[pairs[q, 0]]
+            if coupled[q] and other > k:
+                _insert(start[k], at, k, other, -1 - q, new, source)
+                at += 1
+
+
+@kernel(parallel=True)
+def _fill_rows_shared(order, place, pairs, rows, coupled, start, new, source):
+    for c in prange(chunks(len(order))):
+        last = min((c + 1) * CHUNK, len(order))
+        _fill_rows(c * CHUNK, last, order, place, pairs, rows, coupled, start, new, source)
+
+
+@kernel()
+def renumbered(order, pairs, rows, coupled):
     """Return the coupled pairs by their places in ``order`` (n,), sorted, and whence each comes.
 
-    ``source`` (q,) is the pair's old number, or minus that minus one where its blocks have changed
-    sides.
+    ``rows`` are right, left and listed of the pairs (kernels/block_rows.py).  ``source`` (q,) is
+    the pair's old number, or minus that minus one where its blocks have changed sides.
     """
     count = len(order)
     place = np.empty(count, np.int64)
     for k in range(count):
         place[order[k]] = k
     start = np.zeros(count + 1, np.int64)
-    for q in range(len(pairs)):
-        if coupled[q]:
-            start[min(place[pairs[q, 0]], place[pairs[q, 1]]) + 1] += 1
+    if count >= SHARED:
+        _rows_of_shared(order, place, pairs, rows, coupled, start)
+    else:
+        _rows_of(0, count, order, place, pairs, rows, coupled, start)
     for k in range(count):
         start[k + 1] += start[k]
     new, source = np.empty((start[-1], 2), np.int64), np.empty(start[-1], np.int64)
-    filled = start[:-1].copy()
-    for q in range(len(pairs)):
-        if not coupled[q]:
-            continue
-        i, j = place[pairs[q, 0]], place[pairs[q, 1]]
-        low, high = min(i, j), max(i, j)
-        at = filled[low]
-        while at > start[low] and new[at - 1, 1] > high:
-            new[at], source[at] = new[at - 1], source[at - 1]
-            at -= 1
-        new[at, 0], new[at, 1] = low, high
-        source[at] = q if i < j else -1 - q
-        filled[low] += 1
+    if count >= SHARED:
+        _fill_rows_shared(order, place, pairs, rows, coupled, start, new, source)
+    else:
+        _fill_rows(0, count, order, place, pairs, rows, coupled, start, new, source)
     return new, source

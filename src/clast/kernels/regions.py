@@ -9,15 +9,12 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from clast.kernels.block_rows import times
 from clast.kernels.compiled import kernel
+from clast.kernels.region_sums import FEW, added
 from clast.kernels.shares import MANY, PART, parts
-from clast.kernels.six import plus_product, row, total, zeros
 
 NOTHING = 1e-14
 """Slope that does not count, as a share of the sum of all slopes."""
-FEW = 64
-"""Regions up to which threads share the contacts, each part of them with sums of its own."""
 
 
 @kernel()
@@ -74,24 +71,6 @@ def region_of_contacts(region, count, vertex_block, edge_block):
 
 
 @kernel()
-def sums(values, region, count):
-    """Return the sum of values (n,) over each of ``count`` regions."""
-    total = np.zeros(count)
-    for i in range(len(values)):
-        total[region[i]] += values[i]
-    return total
-
-
-@kernel()
-def forms(blocks, d):
-    """Return d_i.B_i d_i of each block, shape (n,), for symmetric B (n, 6, 6) and d (n, 6)."""
-    result = np.empty(len(d))
-    for i in range(len(d)):
-        result[i] = total(plus_product(zeros(), times(blocks, i, d, i), row(d, i)))
-    return result
-
-
-@kernel()
 def _add_slopes(first, last, length, done, region, line, springs, work, bend):
     """Add the part of contacts ``first`` to ``last`` - 1 in the regions that are not ``done``."""
     gap, d_gap, slip, d_slip = line
@@ -120,27 +99,24 @@ def _add_slopes(first, last, length, done, region, line, springs, work, bend):
 
 
 @kernel(parallel=True)
-def _add_slopes_shared(length, done, region, line, springs, works, bends):
+def _add_slopes_shared(length, done, region, line, springs, work, bends):
     count = len(region)
-    for part in prange(len(works)):
+    for part in prange(len(work)):
         low, high = part * PART, min((part + 1) * PART, count)
-        _add_slopes(low, high, length, done, region, line, springs, works[part], bends[part])
+        _add_slopes(low, high, length, done, region, line, springs, work[part], bends[part])
 
 
 @kernel()
 def _slopes(length, done, region, line, springs):
     """Return the contacts' part of slope and bend of the regions (r,) that are not ``done``."""
     count, number = len(length), len(region)
-    work, bend = np.zeros(count), np.zeros(count)
     if number < MANY or count > FEW:
+        work, bend = np.zeros(count), np.zeros(count)
         _add_slopes(0, number, length, done, region, line, springs, work, bend)
         return work, bend
-    works, bends = np.zeros((parts(number), count)), np.zeros((parts(number), count))
-    _add_slopes_shared(length, done, region, line, springs, works, bends)
-    for part in range(len(works)):
-        work += works[part]
-        bend += bends[part]
-    return work, bend
+    of_parts, bends = np.zeros((parts(number), count)), np.zeros((parts(number), count))
+    _add_slopes_shared(length, done, region, line, springs, of_parts, bends)
+    return added(of_parts), added(bends)
 
 
 @kernel()

@@ -1,12 +1,12 @@
-"""How threads share the contacts."""
+"""How threads share contacts and pairs."""
 
 from __future__ import annotations
 
 from clast.kernels.compiled import kernel
 
-PART = 2048
+PART = 1024
 """Contacts that a thread takes at a time, and that are summed up by themselves."""
-MANY = 8000
+MANY = 3000
 """Contacts from which threads share them; below, starting them costs more than they give."""
 
 

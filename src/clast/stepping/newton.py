@@ -6,9 +6,9 @@ from enum import Enum
 
 import numpy as np
 
-from clast.contact.springs import limits_of
 from clast.equations.reuse import FactorOfStep
 from clast.errors import StepOutcome, StepRejected
+from clast.kernels.block_rows import dot
 from clast.model import Bools, Floats
 from clast.stepping.interior import minimise_inside
 from clast.stepping.potential import Point, Potential
@@ -84,7 +84,7 @@ def descend(
     where most blocks are done, the others go on by themselves.  Raises StepRejected after
     ``iterations``.
     """
-    limits = limits_of(potential.law, potential.contacts)
+    limits = potential.limits
     patience = np.inf if limits is None else INTERIOR
     while True:
         point, ending = newton(
@@ -163,12 +163,12 @@ def newton(
             return point, Ending.SLOW
         direction = potential.direction(point, factor, stages)
         counts["passes"] += 1
-        decrement = float(np.sum(point.residual * direction))
+        decrement = float(dot(point.residual, direction))
         with stages("line search"):
-            length, evaluations = potential.line_search(point, direction)
+            lengths, evaluations = potential.line_search(point, direction)
             counts["line_search"] += evaluations
         with stages("law"):
-            point = potential.at(point.unknowns + length * direction)
+            point = potential.at(potential.advanced(point.unknowns, direction, lengths))
         if decrement <= enough:
             return point, Ending.DONE
     near = potential.distance(point) <= enough

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from clast.contact.arrays import ContactResponse, Contacts, of_pairs
+from clast.contact.arrays import ContactResponse, Contacts, SpringLimits, of_pairs
 from clast.contact.springs import limits_of
 from clast.equations.reuse import FactorOfStep
 from clast.equations.system import (
@@ -18,7 +19,7 @@ from clast.equations.system import (
 )
 from clast.equations.terms import DiagonalTerms
 from clast.interfaces import ContactLaw
-from clast.kernels import assembly, regions
+from clast.kernels import assembly, region_sums, regions
 from clast.model import Bools, Floats, Ints
 from clast.stepping.stages import Stages
 
@@ -84,6 +85,11 @@ class Potential:
     regions: Regions
     """Which blocks are connected by contacts."""
 
+    @cached_property
+    def limits(self) -> SpringLimits | None:
+        """The law as springs with bounds, or None for any other law or without contacts."""
+        return limits_of(self.law, self.contacts)
+
     def at(self, unknowns: Floats) -> Point:
         """Return the derivatives at ``unknowns`` (n, 6)."""
         opening, slip = contact_motions(self.contacts, unknowns)
@@ -126,8 +132,9 @@ class Potential:
 
     def distances(self, point: Point) -> Floats:
         """Return the part of the distance that each region has, J/m, shape (regions.count,)."""
-        own = regions.forms(self.inverse, point.residual)
-        return np.asarray(regions.sums(own, self.regions.of_blocks, self.regions.count))
+        at = self.regions
+        found = region_sums.forms(self.inverse, point.residual, at.of_blocks, at.count)
+        return np.asarray(found)
 
     def yardstick(self) -> float:
         """Return the energy, J/m, that tolerances refer to: 1/2 f.K^-1 f of the step's forces.
@@ -185,22 +192,25 @@ class Potential:
             return factor.solve(system, point.response)
 
     def line_search(self, point: Point, direction: Floats) -> tuple[Floats, int]:
-        """Return the lengths (n, 1) along ``direction`` of the least potential, and evaluations.
+        """Return the lengths along ``direction`` of the least potential, and evaluations.
 
         The derivative along the line rises monotonically and, for a piecewise linear law, is
         piecewise linear: Newton's method on it, kept inside a bracket, ends on the exact root.
-        Each region has a length of its own where the law is one of springs with bounds.
+        Each region has a length, shape (regions.count,): its own where the law is one of springs
+        with bounds.
         """
-        limits = limits_of(self.law, self.contacts)
+        limits = self.limits
         if limits is None:
             length, evaluations = self._common_length(point, direction)
-            return np.full((len(direction), 1), length), evaluations
+            return np.full(self.regions.count, length), evaluations
         d_gap, d_slip = contact_motions(self.contacts, direction)
         contacts, before = self.contacts, point.response
         region, count = self.regions.of_blocks, self.regions.count
         at = self.regions.of_contacts
-        start = -regions.sums(np.einsum("ni,ni->n", point.residual, direction), region, count)
-        forces = before.normal_force * d_gap + before.shear_force * d_slip
+        start = -region_sums.products(point.residual, direction, region, count)
+        works = region_sums.works(
+            before.normal_force, d_gap, before.shear_force, d_slip, at, count
+        )
         lengths, evaluations = regions.lengths_along(
             at,
             (point.gap, d_gap, point.slip, d_slip),
@@ -212,13 +222,18 @@ class Potential:
                 limits.tension,
                 limits.strength,
             ),
-            start + regions.sums(forces, at, count),
-            regions.sums(regions.forms(self.base.diagonal, direction), region, count),
+            start + works,
+            region_sums.forms(self.base.diagonal, direction, region, count),
             start,
             LINE_TOLERANCE,
             LINE_SEARCH_LIMIT,
         )
-        return lengths[region][:, None], evaluations
+        return lengths, evaluations
+
+    def advanced(self, unknowns: Floats, direction: Floats, lengths: Floats) -> Floats:
+        """Return d (n, 6) moved along ``direction`` by the length of each region."""
+        moved = region_sums.advanced(unknowns, direction, lengths, self.regions.of_blocks)
+        return np.asarray(moved)
 
     def _common_length(self, point: Point, direction: Floats) -> tuple[float, int]:
         """Return the length for all regions together, by what any law answers, and evaluations."""
