@@ -76,8 +76,9 @@ def of_pairs(contacts: Contacts, wanted: Bools, number: Ints) -> Contacts:
 
     ``number`` must keep the order of the blocks.
     """
-    kept = wanted[contacts.pair]
-    values = {name: value[kept] for name, value in vars(contacts).items() if name != "pairs"}
+    kept = np.flatnonzero(wanted[contacts.pair])
+    columns = ((name, value) for name, value in vars(contacts).items() if name != "pairs")
+    values = {name: value.take(kept, axis=0) for name, value in columns}
     values["pair"] = (np.cumsum(wanted) - 1)[values["pair"]]
     for end in ("vertex_block", "edge_block"):
         values[end] = number[values[end]]

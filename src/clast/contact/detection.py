@@ -83,9 +83,9 @@ def near_pairs(
 
     Nearer than ``distance``, m, plus the ``travel`` (n,) of each of the two, m.
     """
-    half = np.broadcast_to(0.5 * distance + np.asarray(travel), len(block_start) - 1)
-    box = polygon.boxes(vertices, block_start) + half[:, None] * np.array([-1.0, -1.0, 1.0, 1.0])
-    return broad_phase.overlapping_pairs(box, fixed)
+    half = np.empty(len(block_start) - 1)
+    half[:] = 0.5 * distance + np.asarray(travel)
+    return np.asarray(broad_phase.near_pairs(vertices, block_start, half, fixed))
 
 
 def pair_penetration(block_start: Ints, pairs: Ints, memory: ContactMemory) -> Floats:
@@ -122,28 +122,14 @@ def find_candidates(
     box = polygon.boxes(vertices, block_start)
     vertex_block = polygon.owners(block_start)
     depth = pair_penetration(block_start, pairs, memory)
-    capacity = 64 + max(4 * len(pairs), 2 * len(memory))
-    while True:
-        count, start, vertex, edge, pair, gap, along = narrow_phase.candidates(
-            vertices,
-            np.zeros_like(vertices) if shift is None else shift,
-            block_start,
-            direction,
-            length,
-            box,
-            pairs,
-            depth,
-            reach.front,
-            reach.travel_of(len(box)),
-            reach.depth,
-            reach.critdis,
-            reach.tip,
-            capacity,
-        )
-        if count <= capacity:
-            break
-        capacity = count
-    vertex, edge = vertex[:count], edge[:count]
+    start, vertex, edge, pair, gap, along = narrow_phase.candidates(
+        (vertices, np.zeros_like(vertices) if shift is None else shift, direction, length),
+        (block_start, box),
+        pairs,
+        depth,
+        reach.travel_of(len(box)),
+        (reach.front, reach.depth, reach.critdis, reach.tip),
+    )
     remembered = memory_kernel.remembered_edges(
         start, vertex, edge, vertex_block, memory.vertex, memory.block, memory.edge
     )
@@ -151,9 +137,9 @@ def find_candidates(
         group_start=start,
         vertex=vertex,
         edge=edge,
-        pair=pair[:count],
-        gap=gap[:count],
-        along=along[:count],
+        pair=pair,
+        gap=gap,
+        along=along,
         remembered=remembered,
         direction=direction,
         length=length,
@@ -195,7 +181,8 @@ def detect(
     shift = None
     if drift is not None:
         block = model.vertex_block
-        shift = movement(displacement, state.vertices - centroid[block], drift, block)
+        offset = polygon.offsets(state.vertices, block, centroid)
+        shift = movement(displacement, offset, drift, block)
     candidates = find_candidates(
         state.vertices, model.block_start, pairs, state.memory, reach, shift
     )

@@ -72,10 +72,8 @@ ANALYSES = Analyses()
 
 def analyse(count: int, pairs: Ints, coupled: Bools) -> Analysis:
     """Return the analysis of a pattern."""
-    order, first, front_start, front_rows, above, relative, where, pair_start, listed = (
-        kernel.analyse(count, pairs, coupled)
-    )
-    value_start, highest, largest = kernel.sizes(first, front_start, above)
+    pattern, (value_start, highest, largest) = kernel.analyse(count, pairs, coupled)
+    order, first, front_start, front_rows, above, relative, where, pair_start, listed = pattern
     return Analysis(
         order=order,
         first=first,

@@ -151,6 +151,30 @@ def multiply(diagonal, upper, pairs, right, left, listed, x, y):
 
 
 @kernel()
+def _products(first, last, blocks, x, y):
+    """Write B_i x_i into y_i for rows ``first`` to ``last`` - 1."""
+    for i in range(first, last):
+        put_row(y, i, times(blocks, i, x, i))
+
+
+@kernel(parallel=True)
+def _products_shared(blocks, x, y):
+    for c in prange(chunks(len(x))):
+        _products(c * CHUNK, min((c + 1) * CHUNK, len(x)), blocks, x, y)
+
+
+@kernel()
+def products(blocks, x):
+    """Return B_i x_i (n, 6) of symmetric blocks B (n, 6, 6)."""
+    y = np.empty_like(x)
+    if len(x) >= SHARED:
+        _products_shared(blocks, x, y)
+    else:
+        _products(0, len(x), blocks, x, y)
+    return y
+
+
+@kernel()
 def _relax_rows(first, last, damping, inverse, b, kx, x):
     """Add damping x inverse_i (b_i - kx_i) to x_i, in place, for rows ``first`` to ``last`` - 1."""
     r = np.empty((1, 6))

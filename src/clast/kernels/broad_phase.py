@@ -9,9 +9,11 @@ so that empty ones cost nothing.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numba import prange
 
 from clast.kernels.compiled import kernel
+from clast.kernels.polygon import boxes
+from clast.kernels.shares import MANY, PART, parts
 
 LEVELS = 48
 """Cell sizes differ by 2 from level to level; 48 levels span a ratio of 1e14."""
@@ -93,18 +95,17 @@ def _overlap(box, a, b):
 
 
 @kernel()
-def _collect(box, fixed, level, cell, start, order, smallest, xmin, ymin, pairs):
-    """Fill ``pairs`` with overlapping boxes and return how many there are (it may be too small).
+def _collect(first, last, filed, slots, origin, occupied, pairs):
+    """Fill ``pairs`` with what overlaps boxes ``first`` to ``last`` - 1; return how many there are.
 
-    Boxes, levels and cells stand in the order in which they are filed; ``order`` (n,) gives their
-    blocks.
+    There may be more than fit.  ``filed`` are boxes, which are fixed, levels, cells and blocks in
+    the order in which they are filed, ``slots`` (s + 1,) the first of each slot of the hash table,
+    ``origin`` the size of the smallest cells and where they begin, m.
     """
-    count, mask = len(box), len(start) - 2
-    occupied = np.zeros(LEVELS, np.bool_)
-    for b in range(count):
-        occupied[level[b]] = True
-    found = 0
-    for b in range(count):
+    box, fixed, level, cell, order = filed
+    smallest, xmin, ymin = origin
+    mask, found = len(slots) - 2, 0
+    for b in range(first, last):
         for k in range(level[b], LEVELS):
             if not occupied[k]:
                 continue
@@ -117,7 +118,7 @@ def _collect(box, fixed, level, cell, start, order, smallest, xmin, ymin, pairs)
             for row in range(bottom, top + 1):
                 for column in range(left, right + 1):
                     slot = _slot(k, row, column, mask)
-                    for other in range(start[slot], start[slot + 1]):
+                    for other in range(slots[slot], slots[slot + 1]):
                         if (k == level[b] and other <= b) or level[other] != k:
                             continue
                         if cell[other, 0] != column or cell[other, 1] != row:
@@ -129,6 +130,45 @@ def _collect(box, fixed, level, cell, start, order, smallest, xmin, ymin, pairs)
                             pairs[found, 1] = max(order[b], order[other])
                         found += 1
     return found
+
+
+@kernel(parallel=True)
+def _collect_shared(filed, slots, origin, occupied, room, found):
+    for part in prange(len(found)):
+        last = min((part + 1) * PART, len(filed[0]))
+        found[part] = _collect(part * PART, last, filed, slots, origin, occupied, room[part])
+
+
+@kernel()
+def _joined(room, found):
+    """Return the pairs of all parts, one after the other, of (parts, room, 2)."""
+    pairs = np.empty((found.sum(), 2), np.int64)
+    at = 0
+    for part in range(len(found)):
+        pairs[at : at + found[part]] = room[part, : found[part]]
+        at += found[part]
+    return pairs
+
+
+@kernel()
+def _collected(filed, slots, origin):
+    """Return the pairs of overlapping boxes in the order in which they are filed, shape (m, 2)."""
+    box, _, level, _, _ = filed
+    occupied = np.zeros(LEVELS, np.bool_)
+    for b in range(len(box)):
+        occupied[level[b]] = True
+    share = len(box) >= MANY
+    found = np.zeros(parts(len(box)) if share else 1, np.int64)
+    most = 8 * (PART if share else len(box)) + 64
+    while True:
+        room = np.empty((len(found), most, 2), np.int64)
+        if share:
+            _collect_shared(filed, slots, origin, occupied, room, found)
+        else:
+            found[0] = _collect(0, len(box), filed, slots, origin, occupied, room[0])
+        if found.max() <= most:
+            return _joined(room, found)
+        most = found.max()
 
 
 @kernel()
@@ -162,24 +202,32 @@ def _in_order(order, box, fixed, level, cell):
     return boxes, held, levels, cells
 
 
-def overlapping_pairs(box: NDArray[np.float64], fixed: NDArray[np.bool_]) -> NDArray[np.int64]:
+@kernel()
+def overlapping_pairs(box, fixed):
     """Return pairs (lower, higher) of overlapping boxes, sorted, shape (m, 2).
 
     ``box`` (n, 4) holds (xmin, ymin, xmax, ymax) in m, already widened by the reach; pairs of two
     blocks that are ``fixed`` (n,) are left out.  O(n).
     """
-    if len(box) < 2:
-        return np.zeros((0, 2), np.int64)
     count = len(box)
+    if count < 2:
+        return np.zeros((0, 2), np.int64)
     level, smallest = _levels(box)
     xmin, ymin = box[:, 0].min(), box[:, 1].min()
     cell = _cells(box, level, smallest, xmin, ymin)
-    start, order = _file(level, cell)
-    boxes, held, levels, cells = _in_order(order, box, fixed, level, cell)
-    pairs = np.empty((8 * count + 64, 2), np.int64)
-    found = _collect(boxes, held, levels, cells, start, order, smallest, xmin, ymin, pairs)
-    if found > len(pairs):
-        pairs = np.empty((found, 2), np.int64)
-        _collect(boxes, held, levels, cells, start, order, smallest, xmin, ymin, pairs)
-    by_pair: NDArray[np.int64] = _sort_by(_sort_by(pairs[:found], 1, count), 0, count)
-    return by_pair
+    slots, order = _file(level, cell)
+    filed = (*_in_order(order, box, fixed, level, cell), order)
+    pairs = _collected(filed, slots, (smallest, xmin, ymin))
+    return _sort_by(_sort_by(pairs, 1, count), 0, count)
+
+
+@kernel()
+def near_pairs(vertices, block_start, half, fixed):
+    """Return the same for blocks by their boxes, widened by ``half`` (n,), m, on all sides."""
+    box = boxes(vertices, block_start)
+    for b in range(len(box)):
+        box[b, 0] -= half[b]
+        box[b, 1] -= half[b]
+        box[b, 2] += half[b]
+        box[b, 3] += half[b]
+    return overlapping_pairs(box, fixed)

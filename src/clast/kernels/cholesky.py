@@ -8,7 +8,6 @@ inner loop runs along memory.  The order of all sums is fixed: the answer repeat
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from clast.kernels.compiled import kernel
 from clast.kernels.dissection import nested_dissection
@@ -254,28 +253,6 @@ def _pairs_of_fronts(fronts, pairs, coupled, place, front_of):
     return pair_start, listed
 
 
-def analyse(
-    count: int, pairs: NDArray[np.int64], coupled: NDArray[np.bool_]
-) -> tuple[NDArray[np.int64], ...]:
-    """Return all that the factorisation of a pattern needs; ``coupled`` (q,) pairs count.
-
-    Order (n,) of the blocks, first column of each front, front row starts, front rows, parents,
-    relative rows, entries of the pairs (q, 3), pairs by front (starts, list).
-    """
-    start, neighbour, order = nested_dissection(count, pairs, coupled)
-    parent = _tree(start, neighbour, _inverse(order), order)
-    order = order[_postorder(parent)]
-    place = _inverse(order)
-    parent = _tree(start, neighbour, place, order)
-    row_start, rows = _structures(start, neighbour, place, order, parent)
-    first = _fronts(parent, row_start)
-    front_start, front_rows = _front_rows(first, row_start, rows)
-    above, relative, front_of = _relations(first, front_start, front_rows, count)
-    where = _entries(pairs, coupled, place, front_of, first, front_start, front_rows)
-    pair_start, listed = _pairs_of_fronts(len(first) - 1, pairs, coupled, place, front_of)
-    return order, first, front_start, front_rows, above, relative, where, pair_start, listed
-
-
 @kernel()
 def sizes(first, front_start, above):
     """Return where each front's rows start in the factor (s + 1,), stack size, largest front."""
@@ -295,6 +272,29 @@ def sizes(first, front_start, above):
         highest = max(highest, stack)
         largest = max(largest, size)
     return value_start, highest, largest
+
+
+@kernel()
+def analyse(count, pairs, coupled):
+    """Return all that the factorisation of a pattern needs; ``coupled`` (q,) pairs count.
+
+    Order (n,) of the blocks, first column of each front, front row starts, front rows, parents,
+    relative rows, entries of the pairs (q, 3), pairs by front (starts, list), and what
+    :func:`sizes` returns.
+    """
+    start, neighbour, order = nested_dissection(count, pairs, coupled)
+    parent = _tree(start, neighbour, _inverse(order), order)
+    order = order[_postorder(parent)]
+    place = _inverse(order)
+    parent = _tree(start, neighbour, place, order)
+    row_start, rows = _structures(start, neighbour, place, order, parent)
+    first = _fronts(parent, row_start)
+    front_start, front_rows = _front_rows(first, row_start, rows)
+    above, relative, front_of = _relations(first, front_start, front_rows, count)
+    where = _entries(pairs, coupled, place, front_of, first, front_start, front_rows)
+    pair_start, listed = _pairs_of_fronts(len(first) - 1, pairs, coupled, place, front_of)
+    pattern = order, first, front_start, front_rows, above, relative, where, pair_start, listed
+    return pattern, sizes(first, front_start, above)
 
 
 @kernel()

@@ -7,9 +7,11 @@ counter-clockwise polygons and edge direction t = (tx, ty), n = (ty, -tx).
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
 from clast.kernels.compiled import kernel
 from clast.kernels.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
+from clast.kernels.shares import MANY, PART, parts
 
 
 @kernel()
@@ -211,53 +213,34 @@ def _vertex_candidates(
 
 
 @kernel()
-def candidates(
-    vertices,
-    shift,
-    block_start,
-    direction,
-    length,
-    box,
-    pairs,
-    pair_depth,
-    front,
-    travel,
-    depth_reach,
-    critdis,
-    tip_reach,
-    capacity,
-):
-    """Return candidate (vertex, edge) couples of all pairs, grouped by (vertex, block of edge).
+def _is_around(p, vertices, box, j, distance):
+    """Return True if vertex p is within ``distance``, m, of the box of block j."""
+    return (
+        box[j, 0] - distance <= vertices[p, 0] <= box[j, 2] + distance
+        and box[j, 1] - distance <= vertices[p, 1] <= box[j, 3] + distance
+    )
 
-    ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m.  ``box``
-    (n, 4) are the blocks' boxes, not widened.  A vertex is looked for up to ``front`` plus the
-    ``travel`` (n,) of the two blocks in front of an edge and, behind it, as deep as ``depth_reach``
-    plus the penetration (q,) that the pair of blocks had at the end of the last step.  Result:
-    count, group starts, and per candidate vertex, edge, pair, gap, distance along the edge; valid
-    where count <= capacity.
+
+@kernel()
+def _of_pairs(low, high, outlines, blocks, pairs, pair_depth, travel, reach, room):
+    """Write the candidates of pairs ``low`` to ``high`` - 1 into ``room``; return their number.
+
+    And the number of their groups; valid where as many fit.
     """
-    vertex = np.empty(capacity, np.int64)
-    edge = np.empty(capacity, np.int64)
-    pair = np.empty(capacity, np.int64)
-    gap = np.empty(capacity)
-    along = np.empty(capacity)
-    group_start = np.empty(capacity + 1, np.int64)
+    vertices, shift, direction, length = outlines
+    block_start, box = blocks
+    front, depth_reach, critdis, tip_reach = reach
+    group_start, vertex, edge, pair, gap, along = room
     group_start[0] = 0
     groups, found = 0, 0
-    for q in range(len(pairs)):
+    for q in range(low, high):
         depth = depth_reach + pair_depth[q]
-        reach = front + travel[pairs[q, 0]] + travel[pairs[q, 1]]
-        around = reach + max(critdis, tip_reach)  # in front of an edge and beyond its end
+        before = front + travel[pairs[q, 0]] + travel[pairs[q, 1]]
+        around = before + max(critdis, tip_reach)  # in front of an edge and beyond its end
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
             for p in range(block_start[i], block_start[i + 1]):
-                px, py = vertices[p, 0], vertices[p, 1]
-                if (
-                    px < box[j, 0] - around
-                    or px > box[j, 2] + around
-                    or py < box[j, 1] - around
-                    or py > box[j, 3] + around
-                ):
+                if not _is_around(p, vertices, box, j, around):
                     continue
                 start = found
                 found = _vertex_candidates(
@@ -269,7 +252,7 @@ def candidates(
                     block_start,
                     direction,
                     length,
-                    reach,
+                    before,
                     depth,
                     critdis,
                     tip_reach,
@@ -278,12 +261,103 @@ def candidates(
                     along,
                     found,
                 )
-                if found > start and found <= capacity:
+                if found > start and found <= len(edge):
                     vertex[start:found] = p
                     pair[start:found] = q
                     groups += 1
                     group_start[groups] = found
-    return found, group_start[: groups + 1], vertex, edge, pair, gap, along
+    return found, groups
+
+
+@kernel()
+def _room_for(number):
+    """Return arrays for so many candidates."""
+    return (
+        np.empty(number + 1, np.int64),
+        np.empty(number, np.int64),
+        np.empty(number, np.int64),
+        np.empty(number, np.int64),
+        np.empty(number),
+        np.empty(number),
+    )
+
+
+@kernel()
+def _part_of(room, first, last):
+    """Return the arrays from ``first`` to ``last`` - 1."""
+    group_start, vertex, edge, pair, gap, along = room
+    return (
+        group_start[first : last + 1],
+        vertex[first:last],
+        edge[first:last],
+        pair[first:last],
+        gap[first:last],
+        along[first:last],
+    )
+
+
+@kernel(parallel=True)
+def _of_pairs_shared(outlines, blocks, pairs, pair_depth, travel, reach, room, most, found):
+    for part in prange(len(found)):
+        low, high = part * PART, min((part + 1) * PART, len(pairs))
+        begin = part * (most + 1)
+        own = _part_of(room, begin, begin + most)
+        found[part, 0], found[part, 1] = _of_pairs(
+            low, high, outlines, blocks, pairs, pair_depth, travel, reach, own
+        )
+
+
+@kernel(parallel=True)
+def _join(room, most, found, joined):
+    """Copy what the parts have found, one behind the other."""
+    for part in prange(len(found)):
+        at, group = found[:part, 0].sum(), found[:part, 1].sum()
+        begin = part * (most + 1)
+        count, groups = found[part]
+        for k in range(groups):
+            joined[0][group + k + 1] = at + room[0][begin + k + 1]
+        for k in range(count):
+            joined[1][at + k] = room[1][begin + k]
+            joined[2][at + k] = room[2][begin + k]
+            joined[3][at + k] = room[3][begin + k]
+            joined[4][at + k] = room[4][begin + k]
+            joined[5][at + k] = room[5][begin + k]
+
+
+@kernel()
+def candidates(outlines, blocks, pairs, pair_depth, travel, reach):
+    """Return candidate (vertex, edge) couples of all pairs, grouped by (vertex, block of edge).
+
+    ``outlines`` are the vertices (nv, 2), how far the velocities would carry each in the step
+    (nv, 2), m, and directions and lengths of the edges that start there; ``blocks`` the first
+    vertex of each block and the boxes (n, 4), not widened.  ``reach`` is how far to look, m, in
+    front of an edge (beside the ``travel`` (n,) of the two blocks), behind it (beyond the
+    penetration ``pair_depth`` (q,) that the pair had at the end of the last step), beyond an end
+    where corners coincide, and for a tip.  Result: group starts, and per candidate vertex, edge,
+    pair, gap, distance along the edge.
+    """
+    share = len(pairs) >= MANY
+    found = np.zeros((parts(len(pairs)) if share else 1, 2), np.int64)
+    most = 64 + 6 * (PART if share else len(pairs))
+    while True:
+        room = _room_for(len(found) * (most + 1))
+        if share:
+            _of_pairs_shared(outlines, blocks, pairs, pair_depth, travel, reach, room, most, found)
+        else:
+            found[0, 0], found[0, 1] = _of_pairs(
+                0, len(pairs), outlines, blocks, pairs, pair_depth, travel, reach, room
+            )
+        if found[:, 0].max() <= most:
+            break
+        most = found[:, 0].max()
+    number, groups = found[:, 0].sum(), found[:, 1].sum()
+    joined = _room_for(number)
+    if share:
+        joined[0][0] = 0
+        _join(room, most, found, joined)
+    else:
+        joined = _part_of(room, 0, number)
+    return joined[0][: groups + 1], joined[1], joined[2], joined[3], joined[4], joined[5]
 
 
 @kernel(inline="always")
@@ -323,22 +397,19 @@ def _edge_along(p, w, e, first, last, vertices, direction, length, critdis):
 
 
 @kernel()
-def contact_lengths(
-    vertex, edge, vertex_block, edge_block, pair, vertices, block_start, direction, length, critdis
-):
-    """Return the length of joint that each contact stands for, m, shape (m,).
-
-    Where a vertex's own edge lies along the entrance edge (within 3 degrees) the two share a
-    piece of joint, and each of its ends takes half; the sum over the contacts of two faces is
-    their common length.  A vertex that touches with its tip alone stands for none.
-    """
-    result = np.zeros(len(vertex))
-    start, stop = 0, 0
-    for c in range(len(vertex)):
-        if c == stop:  # the contacts of the next pair of blocks
+def _lengths(low, high, contacts, vertices, block_start, direction, length, critdis, result):
+    """Write the lengths of joint of contacts ``low`` to ``high`` - 1."""
+    vertex, edge, vertex_block, edge_block, pair = contacts
+    start = low
+    while start > 0 and start < len(pair) and pair[start - 1] == pair[start]:
+        start -= 1
+    stop = start
+    for c in range(low, high):
+        while stop <= c:  # the contacts of the next pair of blocks
             start = stop
             while stop < len(vertex) and pair[stop] == pair[start]:
                 stop += 1
+        result[c] = 0.0
         p, e, i, j = vertex[c], edge[c], vertex_block[c], edge_block[c]
         before = vertex_before(p, block_start[i], block_start[i + 1])
         after = vertex_after(p, block_start[i], block_start[i + 1])
@@ -352,6 +423,33 @@ def contact_lengths(
             result[c] += _overlap(
                 p, w, along, first, last, vertex, start, stop, vertices, direction, length, critdis
             )
+
+
+@kernel(parallel=True)
+def _lengths_shared(contacts, vertices, block_start, direction, length, critdis, result):
+    for part in prange(parts(len(result))):
+        low, high = part * PART, min((part + 1) * PART, len(result))
+        _lengths(low, high, contacts, vertices, block_start, direction, length, critdis, result)
+
+
+@kernel()
+def contact_lengths(
+    vertex, edge, vertex_block, edge_block, pair, vertices, block_start, direction, length, critdis
+):
+    """Return the length of joint that each contact stands for, m, shape (m,).
+
+    Where a vertex's own edge lies along the entrance edge (within 3 degrees) the two share a
+    piece of joint, and each of its ends takes half; the sum over the contacts of two faces is
+    their common length.  A vertex that touches with its tip alone stands for none.
+    """
+    contacts = vertex, edge, vertex_block, edge_block, pair
+    result = np.empty(len(vertex))
+    if len(vertex) >= MANY:
+        _lengths_shared(contacts, vertices, block_start, direction, length, critdis, result)
+    else:
+        _lengths(
+            0, len(vertex), contacts, vertices, block_start, direction, length, critdis, result
+        )
     return result
 
 
@@ -374,14 +472,10 @@ def depth_inside(px, py, vertices, first, last):
 
 
 @kernel()
-def deepest_jump(vertices, block_start, box, pairs, pair_depth):
-    """Return how much deeper than its pair's penetration a vertex lies in a block, and which.
-
-    ``pair_depth`` (q,) is the penetration of each pair that the contacts know of, m.  A vertex
-    that is much deeper has jumped there within the step.  (0, -1, -1) where none is deeper.
-    """
+def _deepest(low, high, vertices, block_start, box, pairs, pair_depth):
+    """Return the deepest jump among pairs ``low`` to ``high`` - 1."""
     worst, worst_vertex, worst_block = 0.0, -1, -1
-    for q in range(len(pairs)):
+    for q in range(low, high):
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
             for p in range(block_start[i], block_start[i + 1]):
@@ -395,3 +489,27 @@ def deepest_jump(vertices, block_start, box, pairs, pair_depth):
                 if depth > worst:
                     worst, worst_vertex, worst_block = depth, p, j
     return worst, worst_vertex, worst_block
+
+
+@kernel(parallel=True)
+def _deepest_shared(vertices, block_start, box, pairs, pair_depth, depth, which):
+    for part in prange(len(depth)):
+        low, high = part * PART, min((part + 1) * PART, len(pairs))
+        depth[part], which[part, 0], which[part, 1] = _deepest(
+            low, high, vertices, block_start, box, pairs, pair_depth
+        )
+
+
+@kernel()
+def deepest_jump(vertices, block_start, box, pairs, pair_depth):
+    """Return how much deeper than its pair's penetration a vertex lies in a block, and which.
+
+    ``pair_depth`` (q,) is the penetration of each pair that the contacts know of, m.  A vertex
+    that is much deeper has jumped there within the step.  (0, -1, -1) where none is deeper.
+    """
+    if len(pairs) < MANY:
+        return _deepest(0, len(pairs), vertices, block_start, box, pairs, pair_depth)
+    depth, which = np.empty(parts(len(pairs))), np.empty((parts(len(pairs)), 2), np.int64)
+    _deepest_shared(vertices, block_start, box, pairs, pair_depth, depth, which)
+    at = np.argmax(depth)
+    return depth[at], which[at, 0], which[at, 1]

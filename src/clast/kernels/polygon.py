@@ -47,6 +47,16 @@ def moments(vertices, block_start):
 
 
 @kernel()
+def offsets(positions, block, centroid):
+    """Return where points (k, 2) of blocks (k,) are beside the centroids (n, 2), m, (k, 2)."""
+    result = np.empty_like(positions)
+    for k in range(len(positions)):
+        result[k, 0] = positions[k, 0] - centroid[block[k], 0]
+        result[k, 1] = positions[k, 1] - centroid[block[k], 1]
+    return result
+
+
+@kernel()
 def owners(block_start):
     """Return the block of each vertex, shape (nv,)."""
     result = np.empty(block_start[-1], np.int64)

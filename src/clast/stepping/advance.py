@@ -61,8 +61,8 @@ def move(
 
     Written as position + movement, so that a block that does not move keeps every bit.
     """
-    offset = positions - centroid[block]
-    return positions + (displacement.place(offset, unknowns[block]) - offset)
+    offset: Floats = polygon.offsets(positions, block, centroid)
+    return positions + (displacement.place(offset, unknowns.take(block, axis=0)) - offset)
 
 
 def rotate_tensor(tensor: Floats, angle: Floats, shear_factor: float) -> Floats:

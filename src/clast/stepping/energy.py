@@ -14,13 +14,14 @@ from clast.contact.arrays import ContactResponse, Contacts
 from clast.equations.frames import BlockFrames, block_frames
 from clast.equations.terms import fixed_point_rows, inertial_force, load_rows
 from clast.interfaces import Method
+from clast.kernels import assembly, block_rows
 from clast.model import Floats, Model
 from clast.state import Ledger, State
 
 
 def kinetic_energy(frames: BlockFrames, velocity: Floats) -> float:
     """Return 1/2 v.M v, J/m."""
-    return 0.5 * float(np.einsum("ni,nij,nj->", velocity, frames.mass_matrix, velocity))
+    return 0.5 * float(assembly.form(frames.mass_matrix, velocity))
 
 
 def elastic_energy(model: Model, stress: Floats) -> float:
@@ -83,7 +84,8 @@ def balance(
     before = state.ledger
     kinetic = kinetic_energy(frames, end_velocity)
     inertia = (unknowns / step - velocity) / (theta[:, None] * step)
-    inertia_work = float(np.einsum("ni,nij,nj->", unknowns, frames.mass_matrix, inertia))
+    forces = block_rows.products(frames.mass_matrix, inertia)
+    inertia_work = float(block_rows.dot(unknowns, forces))
     entering = kinetic_energy(frames, velocity)
     removed = inertia_work - (kinetic - entering)
 

@@ -19,7 +19,7 @@ from clast.equations.system import (
 )
 from clast.equations.terms import DiagonalTerms
 from clast.interfaces import ContactLaw
-from clast.kernels import assembly, region_sums, regions
+from clast.kernels import assembly, block_rows, region_sums, regions
 from clast.model import Bools, Floats, Ints
 from clast.stepping.stages import Stages
 
@@ -100,7 +100,7 @@ class Potential:
 
     def untouched(self) -> Floats:
         """Return the unknowns (n, 6) of blocks without contacts, K^-1 F; 0 for fixed blocks."""
-        free = np.einsum("nij,nj->ni", self.inverse, self.base.force)
+        free = block_rows.products(self.inverse, self.base.force)
         return np.where(self.fixed[:, None], 0.0, free)
 
     def unbalanced(self, unknowns: Floats, normal: Floats, shear: Floats) -> Floats:
@@ -153,7 +153,7 @@ class Potential:
         """Return the potential of the regions ``wanted`` (regions.count,) alone."""
         of_blocks = wanted[self.regions.of_blocks]
         pairs = self.contacts.pairs
-        touching: Bools = np.any(of_blocks[pairs], axis=1)
+        touching: Bools = of_blocks[pairs[:, 0]] | of_blocks[pairs[:, 1]]
         needed = of_blocks.copy()
         needed[pairs[touching].ravel()] = True  # with the fixed blocks that they touch
         blocks = np.flatnonzero(needed)

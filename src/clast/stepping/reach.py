@@ -49,7 +49,7 @@ def travel_of(
 ) -> Floats:
     """Return the largest movement of a vertex of each block by d (n, 6), m, shape (n,)."""
     block = model.vertex_block
-    offset = state.vertices - frames.centroid[block]
+    offset = polygon.offsets(state.vertices, block, frames.centroid)
     moved = movement(method.displacement, offset, displacement, block)
     return np.asarray(polygon.farthest(moved, model.block_start))
 
