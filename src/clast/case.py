@@ -10,6 +10,7 @@ This is the only place where methods are chosen by name; the dictionaries of nam
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -30,6 +31,7 @@ from clast import spelling
 from clast.casefile import text as case_text
 from clast.casefile.choices import Alternatives, Choice, Chosen, Number
 from clast.casefile.faults import Fault, case_error, faults_of, refusal
+from clast.casefile.meanings import explain
 from clast.casefile.record import read_record
 from clast.errors import ModelError
 from clast.ground_motion import Accelerogram, GroundMotion, InertialForce, MovingBase, Still
@@ -136,9 +138,7 @@ Loop = list[Two]
 class Table(BaseModel):
     """A table of the case file: unknown keys and numbers that are none are refused."""
 
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class TimeTable(Table):
@@ -528,7 +528,8 @@ class Case(Table):
         try:
             case = cls.model_validate(content)
         except ValidationError as error:
-            raise case_error(faults_of(error, cls), file=file, content=content) from None
+            faults = faults_of(error, explained_case())
+            raise case_error(faults, file=file, content=content) from None
         case._file = file
         return case
 
@@ -662,7 +663,15 @@ def load(path: str | Path) -> Case:
     return Case.from_toml(Path(path))
 
 
+@cache
+def explained_case() -> type[Case]:
+    """Return Case when all keys of all tables have been given their meanings."""
+    for table in Table.__subclasses__():  # in the order of this file: inner tables first
+        explain(table)
+    return Case
+
+
 def json_schema() -> dict[str, Any]:
     """Return the JSON Schema of the case file."""
-    schema = Case.model_json_schema(by_alias=True)
+    schema = explained_case().model_json_schema(by_alias=True)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -6,7 +6,9 @@ partial results are kept), 130 interrupted.
 
 from __future__ import annotations
 
+import atexit
 import dataclasses
+import gc
 import json
 import math
 import os
@@ -711,4 +713,20 @@ def _say(message: str) -> None:
 
 def main() -> None:
     """Run the command line."""
+    _spare_the_collector()
     app(prog_name="clast")
+
+
+def _spare_the_collector() -> None:
+    """Let the garbage collector look seldom, and not at all at the end.
+
+    It would go through all that has been loaded, which is no garbage, again and again: a tenth of
+    the time until the first step, and as long as a fifth of it when all is done.  Steps leave no
+    garbage.
+    """
+    gc.set_threshold(*COLLECT_AFTER)
+    atexit.register(gc.freeze)
+
+
+COLLECT_AFTER = 20_000, 50, 100
+"""Objects more than before after which the collector looks, and how often it looks further."""

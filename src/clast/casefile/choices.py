@@ -7,14 +7,10 @@ the dataclass and one line in the dictionary of names (clast.case).
 
 from __future__ import annotations
 
-import ast
-import inspect
-import textwrap
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
 from importlib import import_module
-from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -36,6 +32,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from clast import spelling
 from clast.casefile.faults import Fault, faults_of, refusal
+from clast.casefile.meanings import field_docstrings
 
 Number = Annotated[float, Strict()]
 
@@ -139,11 +136,10 @@ class Choice:
         if name not in self.names:
             remedy = spelling.advice(name, self.names, kind=self.key)
             raise refusal(Fault(what=f"there is no {self.key} '{name}'", remedy=remedy))
-        options = options_table(self, name)
         try:
-            parsed = options.model_validate(table)
+            parsed = options_table(self, name).model_validate(table)
         except ValidationError as error:
-            raise refusal(*faults_of(error, options)) from None
+            raise refusal(*faults_of(error, explained_table(self, name))) from None
         given = {key: getattr(parsed, key) for key in table if key != "name"}
         return Chosen(name, self.names[name], given)
 
@@ -160,7 +156,7 @@ class Choice:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        tables = [options_table(self, name) for name in self.names]
+        tables = [explained_table(self, name) for name in self.names]
         alone = [
             name
             for name, table in zip(self.names, tables, strict=True)
@@ -174,8 +170,18 @@ class Choice:
 @cache
 def options_table(choice: Choice, name: str) -> type[BaseModel]:
     """Return the table of one alternative: its name and the fields of its dataclass."""
+    return _table_of(choice, name, {})
+
+
+@cache
+def explained_table(choice: Choice, name: str) -> type[BaseModel]:
+    """Return the same with the meanings of its keys, which take longer to find than the rest."""
+    return _table_of(choice, name, field_docstrings(class_at(choice.names[name])))
+
+
+def _table_of(choice: Choice, name: str, meanings: Mapping[str, str]) -> type[BaseModel]:
+    """Return the table of one alternative whose keys have ``meanings``."""
     chosen = class_at(choice.names[name])
-    meanings = field_docstrings(chosen)
     options: dict[str, Any] = {"name": (Literal[name], ...)}
     for option in fields(chosen):
         if option.init and option.name != "name":
@@ -186,24 +192,6 @@ def options_table(choice: Choice, name: str) -> type[BaseModel]:
         __doc__=(chosen.__doc__ or "").split("\n")[0],
         **options,
     )
-
-
-def field_docstrings(table: type) -> dict[str, str]:
-    """Return the docstring line below each field of a dataclass, from its source."""
-    try:
-        tree = ast.parse(textwrap.dedent(inspect.getsource(table))).body[0]
-    except (OSError, TypeError):
-        return {}
-    found = {}
-    body = tree.body if isinstance(tree, ast.ClassDef) else []
-    for pair in pairwise(body):
-        match pair:
-            case (
-                ast.AnnAssign(target=ast.Name(id=name)),
-                ast.Expr(value=ast.Constant(value=str(written))),
-            ):
-                found[name] = inspect.cleandoc(written)
-    return found
 
 
 def _option(choice: Choice, option: Any, meaning: str | None) -> tuple[Any, Any]:

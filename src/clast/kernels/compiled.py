@@ -9,6 +9,9 @@ it, and wait for each other by spinning for about a millisecond: one that sleeps
 wake, as long as much of the work that is shared.  On a machine with something else to do spinning
 costs more than threads gain, which is why they must be asked for.
 
+numba asks scipy for its BLAS as soon as anything is loaded, and scipy.linalg takes a quarter of a
+second to import.  No kernel of ours needs it; one that does (np.dot) asks again when it is compiled.
+
 Every iteration needs arrays as large as those that the one before has just given back.  Linux' C
 library would hand them to the system and ask for them again, which costs as much as a third of what
 is done with them, and by one thread: it is told to keep them.
@@ -18,6 +21,7 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
+import importlib
 import os
 import sys
 from collections.abc import Callable
@@ -45,6 +49,19 @@ def keep_memory() -> None:
             adjust(option, size)
 
 
+def load_arrays() -> None:
+    """Load numba's array functions without asking scipy, which clast requires, for a BLAS."""
+    asked = importlib.import_module("numba.np.linalg")
+    usual = getattr(asked, "ensure_blas", None)
+    if usual is None:
+        return
+    try:
+        vars(asked)["ensure_blas"] = lambda: None
+        importlib.import_module("numba.np.arraymath")
+    finally:
+        vars(asked)["ensure_blas"] = usual
+
+
 KEPT_MEMORY = {-1: 2**30, -3: 2**28}
 """glibc's M_TRIM_THRESHOLD and M_MMAP_THRESHOLD, bytes: free memory kept, and size of what is not
 kept at all."""
@@ -70,6 +87,7 @@ def folder() -> str:
 
 
 keep_memory()
+load_arrays()
 FOLDER = folder()
 
 

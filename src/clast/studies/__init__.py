@@ -2,21 +2,41 @@
 
 comparison = clast.studies.compare(clast.load("case.toml"), ["modified", "convex"])
 clast.studies.write_comparison(comparison, Path("build/compare"))
+
+A name is loaded when it is first used: a run needs the references alone.
 """
 
 from __future__ import annotations
 
-from clast.studies.comparing import Combination, Comparison, Row, combinations, compare
-from clast.studies.comparison_pages import write_comparison
-from clast.studies.references import Deviation, deviations
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-__all__ = [
-    "Combination",
-    "Comparison",
-    "Deviation",
-    "Row",
-    "combinations",
-    "compare",
-    "deviations",
-    "write_comparison",
-]
+if TYPE_CHECKING:
+    from clast.studies.comparing import Combination as Combination
+    from clast.studies.comparing import Comparison as Comparison
+    from clast.studies.comparing import Row as Row
+    from clast.studies.comparing import combinations as combinations
+    from clast.studies.comparing import compare as compare
+    from clast.studies.comparison_pages import write_comparison as write_comparison
+    from clast.studies.references import Deviation as Deviation
+    from clast.studies.references import deviations as deviations
+
+HOME = {
+    "Combination": "clast.studies.comparing",
+    "Comparison": "clast.studies.comparing",
+    "Row": "clast.studies.comparing",
+    "combinations": "clast.studies.comparing",
+    "compare": "clast.studies.comparing",
+    "write_comparison": "clast.studies.comparison_pages",
+    "Deviation": "clast.studies.references",
+    "deviations": "clast.studies.references",
+}
+"""Public name -> module that defines it."""
+
+__all__ = list(HOME)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in HOME:
+        raise AttributeError(f"module 'clast.studies' has no attribute '{name}'")
+    return getattr(import_module(HOME[name]), name)

@@ -1,0 +1,38 @@
+"""What keys mean: the docstrings below them, read from the source where they are asked for.
+
+A run does not ask: they are for messages and for the JSON Schema.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import textwrap
+from itertools import pairwise
+
+from pydantic import BaseModel
+
+
+def field_docstrings(table: type) -> dict[str, str]:
+    """Return the docstring line below each field of a dataclass, from its source."""
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(table))).body[0]
+    except (OSError, TypeError):
+        return {}
+    found = {}
+    body = tree.body if isinstance(tree, ast.ClassDef) else []
+    for pair in pairwise(body):
+        match pair:
+            case (
+                ast.AnnAssign(target=ast.Name(id=name)),
+                ast.Expr(value=ast.Constant(value=str(written))),
+            ):
+                found[name] = inspect.cleandoc(written)
+    return found
+
+
+def explain(table: type[BaseModel]) -> None:
+    """Give the keys of a table their docstrings as descriptions."""
+    for key, meaning in field_docstrings(table).items():
+        table.model_fields[key].description = meaning
+    table.model_rebuild(force=True)
