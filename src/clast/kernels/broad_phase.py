@@ -13,7 +13,7 @@ from numba import prange
 
 from clast.kernels.compiled import kernel
 from clast.kernels.polygon import boxes
-from clast.kernels.shares import MANY, PART, parts
+from clast.kernels.shares import PART, parts
 
 LEVELS = 48
 """Cell sizes differ by 2 from level to level; 48 levels span a ratio of 1e14."""
@@ -39,6 +39,15 @@ def _levels(box):
             step += 1
         level[b] = step
     return level, smallest
+
+
+@kernel()
+def _lowest(box):
+    """Return the least x and y of all boxes, m."""
+    xmin, ymin = np.inf, np.inf
+    for b in range(len(box)):
+        xmin, ymin = min(xmin, box[b, 0]), min(ymin, box[b, 1])
+    return xmin, ymin
 
 
 @kernel()
@@ -75,7 +84,9 @@ def _file(level, cell):
         start[slot[b] + 1] += 1
     for s in range(slots):
         start[s + 1] += start[s]
-    filled = start[:slots].copy()
+    filled = np.empty(slots, np.int64)
+    for s in range(slots):
+        filled[s] = start[s]
     order = np.empty(count, np.int64)
     for b in range(count):
         order[filled[slot[b]]] = b
@@ -133,7 +144,7 @@ def _collect(first, last, filed, slots, origin, occupied, pairs):
 
 
 @kernel(parallel=True)
-def _collect_shared(filed, slots, origin, occupied, room, found):
+def _collect_parts(filed, slots, origin, occupied, room, found):
     for part in prange(len(found)):
         last = min((part + 1) * PART, len(filed[0]))
         found[part] = _collect(part * PART, last, filed, slots, origin, occupied, room[part])
@@ -145,8 +156,9 @@ def _joined(room, found):
     pairs = np.empty((found.sum(), 2), np.int64)
     at = 0
     for part in range(len(found)):
-        pairs[at : at + found[part]] = room[part, : found[part]]
-        at += found[part]
+        for q in range(found[part]):
+            pairs[at, 0], pairs[at, 1] = room[part, q, 0], room[part, q, 1]
+            at += 1
     return pairs
 
 
@@ -157,15 +169,11 @@ def _collected(filed, slots, origin):
     occupied = np.zeros(LEVELS, np.bool_)
     for b in range(len(box)):
         occupied[level[b]] = True
-    share = len(box) >= MANY
-    found = np.zeros(parts(len(box)) if share else 1, np.int64)
-    most = 8 * (PART if share else len(box)) + 64
+    found = np.zeros(parts(len(box)), np.int64)
+    most = 8 * min(PART, len(box)) + 64
     while True:
         room = np.empty((len(found), most, 2), np.int64)
-        if share:
-            _collect_shared(filed, slots, origin, occupied, room, found)
-        else:
-            found[0] = _collect(0, len(box), filed, slots, origin, occupied, room[0])
+        _collect_parts(filed, slots, origin, occupied, room, found)
         if found.max() <= most:
             return _joined(room, found)
         most = found.max()
@@ -213,7 +221,7 @@ def overlapping_pairs(box, fixed):
     if count < 2:
         return np.zeros((0, 2), np.int64)
     level, smallest = _levels(box)
-    xmin, ymin = box[:, 0].min(), box[:, 1].min()
+    xmin, ymin = _lowest(box)
     cell = _cells(box, level, smallest, xmin, ymin)
     slots, order = _file(level, cell)
     filed = (*_in_order(order, box, fixed, level, cell), order)

@@ -11,7 +11,7 @@ from numba import prange
 
 from clast.kernels.compiled import kernel
 from clast.kernels.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
-from clast.kernels.shares import MANY, PART, parts
+from clast.kernels.shares import PART, parts
 
 
 @kernel()
@@ -297,7 +297,7 @@ def _part_of(room, first, last):
 
 
 @kernel(parallel=True)
-def _of_pairs_shared(outlines, blocks, pairs, pair_depth, travel, reach, room, most, found):
+def _of_parts(outlines, blocks, pairs, pair_depth, travel, reach, room, most, found):
     for part in prange(len(found)):
         low, high = part * PART, min((part + 1) * PART, len(pairs))
         begin = part * (most + 1)
@@ -336,27 +336,18 @@ def candidates(outlines, blocks, pairs, pair_depth, travel, reach):
     where corners coincide, and for a tip.  Result: group starts, and per candidate vertex, edge,
     pair, gap, distance along the edge.
     """
-    share = len(pairs) >= MANY
-    found = np.zeros((parts(len(pairs)) if share else 1, 2), np.int64)
-    most = 64 + 6 * (PART if share else len(pairs))
+    found = np.zeros((max(parts(len(pairs)), 1), 2), np.int64)
+    most = 64 + 6 * min(PART, len(pairs))
     while True:
         room = _room_for(len(found) * (most + 1))
-        if share:
-            _of_pairs_shared(outlines, blocks, pairs, pair_depth, travel, reach, room, most, found)
-        else:
-            found[0, 0], found[0, 1] = _of_pairs(
-                0, len(pairs), outlines, blocks, pairs, pair_depth, travel, reach, room
-            )
+        _of_parts(outlines, blocks, pairs, pair_depth, travel, reach, room, most, found)
         if found[:, 0].max() <= most:
             break
         most = found[:, 0].max()
     number, groups = found[:, 0].sum(), found[:, 1].sum()
     joined = _room_for(number)
-    if share:
-        joined[0][0] = 0
-        _join(room, most, found, joined)
-    else:
-        joined = _part_of(room, 0, number)
+    joined[0][0] = 0
+    _join(room, most, found, joined)
     return joined[0][: groups + 1], joined[1], joined[2], joined[3], joined[4], joined[5]
 
 
@@ -426,7 +417,7 @@ def _lengths(low, high, contacts, vertices, block_start, direction, length, crit
 
 
 @kernel(parallel=True)
-def _lengths_shared(contacts, vertices, block_start, direction, length, critdis, result):
+def _lengths_of_parts(contacts, vertices, block_start, direction, length, critdis, result):
     for part in prange(parts(len(result))):
         low, high = part * PART, min((part + 1) * PART, len(result))
         _lengths(low, high, contacts, vertices, block_start, direction, length, critdis, result)
@@ -444,12 +435,7 @@ def contact_lengths(
     """
     contacts = vertex, edge, vertex_block, edge_block, pair
     result = np.empty(len(vertex))
-    if len(vertex) >= MANY:
-        _lengths_shared(contacts, vertices, block_start, direction, length, critdis, result)
-    else:
-        _lengths(
-            0, len(vertex), contacts, vertices, block_start, direction, length, critdis, result
-        )
+    _lengths_of_parts(contacts, vertices, block_start, direction, length, critdis, result)
     return result
 
 
@@ -492,7 +478,7 @@ def _deepest(low, high, vertices, block_start, box, pairs, pair_depth):
 
 
 @kernel(parallel=True)
-def _deepest_shared(vertices, block_start, box, pairs, pair_depth, depth, which):
+def _deepest_of_parts(vertices, block_start, box, pairs, pair_depth, depth, which):
     for part in prange(len(depth)):
         low, high = part * PART, min((part + 1) * PART, len(pairs))
         depth[part], which[part, 0], which[part, 1] = _deepest(
@@ -507,9 +493,9 @@ def deepest_jump(vertices, block_start, box, pairs, pair_depth):
     ``pair_depth`` (q,) is the penetration of each pair that the contacts know of, m.  A vertex
     that is much deeper has jumped there within the step.  (0, -1, -1) where none is deeper.
     """
-    if len(pairs) < MANY:
-        return _deepest(0, len(pairs), vertices, block_start, box, pairs, pair_depth)
+    if len(pairs) == 0:
+        return 0.0, -1, -1
     depth, which = np.empty(parts(len(pairs))), np.empty((parts(len(pairs)), 2), np.int64)
-    _deepest_shared(vertices, block_start, box, pairs, pair_depth, depth, which)
+    _deepest_of_parts(vertices, block_start, box, pairs, pair_depth, depth, which)
     at = np.argmax(depth)
     return depth[at], which[at, 0], which[at, 1]
