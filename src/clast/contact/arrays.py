@@ -85,6 +85,25 @@ def of_pairs(contacts: Contacts, wanted: Bools, number: Ints) -> Contacts:
     return Contacts(pairs=number[contacts.pairs[wanted]], **values)
 
 
+def reordered(contacts: Contacts, number: Ints) -> Contacts:
+    """Return the contacts of blocks that have other numbers now, ``number`` (n,), by their pairs.
+
+    The contacts of a pair keep their order; vertices and edges keep their numbers.
+    """
+    ends = np.sort(number[contacts.pairs], axis=1)
+    by_ends = np.lexsort((ends[:, 1], ends[:, 0]))
+    place = np.empty(len(by_ends), np.int64)
+    place[by_ends] = np.arange(len(by_ends))
+    pair = place[contacts.pair]
+    order = np.argsort(pair, kind="stable")
+    columns = ((name, value) for name, value in vars(contacts).items() if name != "pairs")
+    values = {name: value.take(order, axis=0) for name, value in columns}
+    values["pair"] = pair[order]
+    for end in ("vertex_block", "edge_block"):
+        values[end] = number[values[end]]
+    return Contacts(pairs=ends[by_ends], **values)
+
+
 @dataclass(frozen=True, kw_only=True)
 class ContactResponse:
     """Forces of the contacts at the end of a step and how they change with gap and slip.

@@ -8,7 +8,7 @@ from clast.contact.arrays import ContactResponse
 from clast.equations.solvers import IteratedMatrix
 from clast.equations.system import BlockSystem
 from clast.interfaces import Factor, LinearSolver
-from clast.model import Floats
+from clast.model import Floats, Ints
 
 
 class FactorOfStep:
@@ -22,6 +22,7 @@ class FactorOfStep:
         self._solver = solver
         self._factor: Factor | None = None
         self._stiffness: tuple[Floats, ...] = ()
+        self._pairs: Ints = np.zeros((0, 2), np.int64)
         self._other: LinearSolver | None = None
         self._pause = 0
         self._left = 0
@@ -52,11 +53,12 @@ class FactorOfStep:
             np.array_equal(one, other)
             for one, other in zip(stiffness, self._stiffness, strict=True)
         )
+        same = same and np.array_equal(system.pairs, self._pairs)
         if self._factor is None or not same:
             solver = self._next_solver()
             self._iterated = self.iterations
             self._factor = solver.factor(system)
-            self._stiffness = stiffness
+            self._stiffness, self._pairs = stiffness, system.pairs
             self.factorised += 1
         self.solved += 1
         return self._factor

@@ -12,7 +12,6 @@ from clast.errors import StepOutcome, StepRejected
 from clast.kernels import assembly, block_rows
 from clast.model import Bools, Floats, Ints
 
-
 Rows = tuple[Ints, Ints, Ints]
 """Right (n + 1,), left (n + 1,) and listed (q,) of pairs (kernels/block_rows.py)."""
 

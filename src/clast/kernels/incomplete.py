@@ -147,8 +147,8 @@ def factor(own, couplings, pairs, rows, centroid):
     """Return the factor of K and the first block without a positive definite pivot, or -1.
 
     ``own`` (n, 6, 6) and ``couplings`` (q, 6, 6) are the blocks of K of ``pairs`` (q, 2), whose
-    right, left and listed are ``rows``; ``centroid`` (n, 2) is where the blocks are.  What a strip leaves for the seam is taken out of it
-    when all strips are done, in their order.
+    right, left and listed are ``rows``; ``centroid`` (n, 2) is where the blocks are.  What a strip
+    leaves for the seam is taken out of it when all strips are done, in their order.
     """
     coupled = coupled_pairs(couplings)
     order, begin = ordering(centroid, pairs, coupled)

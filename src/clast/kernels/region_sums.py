@@ -80,7 +80,7 @@ def products(a, b, region, count):
 
 @kernel()
 def _add_works(first, last, normal, opening, shear, slip, region, sums):
-    """Add N x opening + T x slip of contacts ``first`` to ``last`` - 1 to those of their regions."""
+    """Add N x opening + T x slip of contacts ``first`` to ``last`` - 1 to their regions' sums."""
     for c in range(first, last):
         sums[region[c]] += normal[c] * opening[c] + shear[c] * slip[c]
 

@@ -58,6 +58,20 @@ def regions(pairs, fixed):
 
 
 @kernel()
+def spread(pairs, fixed):
+    """Return the mean difference of the numbers of the blocks of ``pairs`` (q, 2).
+
+    Pairs with a block that is ``fixed`` (n,) do not count; 0 where there are no others.
+    """
+    total, counted = 0, 0
+    for q in range(len(pairs)):
+        if not (fixed[pairs[q, 0]] or fixed[pairs[q, 1]]):
+            total += pairs[q, 1] - pairs[q, 0]
+            counted += 1
+    return total / counted if counted > 0 else 0.0
+
+
+@kernel()
 def region_of_contacts(region, count, vertex_block, edge_block):
     """Return the region of each contact, shape (m,): of the one of its blocks that is not fixed.
 

@@ -11,7 +11,8 @@ from clast.errors import StepOutcome, StepRejected
 from clast.kernels.block_rows import dot
 from clast.model import Bools, Floats
 from clast.stepping.interior import minimise_inside
-from clast.stepping.potential import Point, Potential
+from clast.stepping.numbering import order_of
+from clast.stepping.potential import Part, Point, Potential
 from clast.stepping.stages import Stages
 
 WINDOW = 4
@@ -54,7 +55,14 @@ def minimise(
         enough = tolerance**2 * potential.yardstick()
         if potential.distance(point) <= enough:
             return point
-    unknowns = descend(potential, point, factor, enough, iterations, counts, stages)
+        contacts = potential.contacts
+        order = order_of(potential.base.centroid, contacts.pairs, potential.fixed)
+    if order is None:
+        unknowns = descend(potential, point, factor, enough, iterations, counts, stages)
+    else:
+        with stages("law"):
+            part = potential.renumbered(order)
+        unknowns = descend_within(part, point, factor, enough, iterations, counts, stages)
     with stages("law"):
         return potential.at(unknowns)
 
@@ -119,10 +127,26 @@ def descend_in_part(
         distances = potential.distances(point)
         wanted = unfinished(distances, enough)
         part = potential.part(wanted)
-        start = part.potential.at(point.unknowns[part.blocks])
     left = enough - float(distances[~wanted].sum())
+    return descend_within(part, point, factor, left, iterations, counts, stages)
+
+
+def descend_within(
+    part: Part,
+    point: Point,
+    factor: FactorOfStep,
+    enough: float,
+    iterations: int,
+    counts: dict[str, int],
+    stages: Stages,
+) -> Floats:
+    """Return unknowns (n, 6) of the whole of which a part is within ``enough`` of its minimum."""
+    with stages("law"):
+        start = part.potential.at(point.unknowns[part.blocks])
     unknowns = point.unknowns.copy()
-    unknowns[part.blocks] = descend(part.potential, start, factor, left, iterations, counts, stages)
+    unknowns[part.blocks] = descend(
+        part.potential, start, factor, enough, iterations, counts, stages
+    )
     return unknowns
 
 

@@ -7,7 +7,13 @@ from functools import cached_property
 
 import numpy as np
 
-from clast.contact.arrays import ContactResponse, Contacts, SpringLimits, of_pairs
+from clast.contact.arrays import (
+    ContactResponse,
+    Contacts,
+    SpringLimits,
+    of_pairs,
+    reordered,
+)
 from clast.contact.springs import limits_of
 from clast.equations.reuse import FactorOfStep
 from clast.equations.system import (
@@ -157,7 +163,16 @@ class Potential:
         needed = of_blocks.copy()
         needed[pairs[touching].ravel()] = True  # with the fixed blocks that they touch
         blocks = np.flatnonzero(needed)
-        contacts = of_pairs(self.contacts, touching, np.cumsum(needed) - 1)
+        return self._with(blocks, of_pairs(self.contacts, touching, np.cumsum(needed) - 1))
+
+    def renumbered(self, order: Ints) -> Part:
+        """Return the same potential with the blocks in another ``order`` (n,)."""
+        number = np.empty(len(order), np.int64)
+        number[order] = np.arange(len(order))
+        return self._with(order, reordered(self.contacts, number))
+
+    def _with(self, blocks: Ints, contacts: Contacts) -> Part:
+        """Return the potential of some ``blocks`` (k,) and their ``contacts``."""
         fixed = self.fixed[blocks]
         return Part(
             blocks=blocks,
@@ -208,9 +223,7 @@ class Potential:
         region, count = self.regions.of_blocks, self.regions.count
         at = self.regions.of_contacts
         start = -region_sums.products(point.residual, direction, region, count)
-        works = region_sums.works(
-            before.normal_force, d_gap, before.shear_force, d_slip, at, count
-        )
+        works = region_sums.works(before.normal_force, d_gap, before.shear_force, d_slip, at, count)
         lengths, evaluations = regions.lengths_along(
             at,
             (point.gap, d_gap, point.slip, d_slip),
@@ -261,7 +274,7 @@ class Potential:
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
-    """The potential of some regions."""
+    """The potential of some regions, or of all blocks in another order."""
 
     potential: Potential
     """Their potential."""

@@ -87,16 +87,20 @@ def wall_of(size: int) -> Model:
     return wall(courses, max(1, round((size - courses // 2) / courses)))
 
 
-def stack_of(size: int) -> Model:
-    """Return towers of 1 m squares, half a metre apart, at most 50 storeys high, on the ground."""
-    storeys = min(HIGHEST, max(2, round(math.sqrt(size))))
-    towers = max(1, round(size / storeys))
+def stack(storeys: int, towers: int) -> Model:
+    """Return towers of 1 m squares, half a metre apart, on a fixed ground, the first block."""
     left = np.repeat(1.5 * np.arange(towers), storeys)
     low = np.tile(np.arange(float(storeys)), towers)
     builder = _begun(f"{towers} towers of {storeys} storeys")
     builder.blocks(vertices=box(-1.0, -1.0, 1.5 * towers + 0.5, 0.0), fixed=True)
     builder.blocks(vertices=rectangles(left, low, 1.0, 1.0))
     return builder.build()
+
+
+def stack_of(size: int) -> Model:
+    """Return towers of about ``size`` squares: as high as wide, then 50 storeys high."""
+    storeys = min(HIGHEST, max(2, round(math.sqrt(size))))
+    return stack(storeys, max(1, round(size / storeys)))
 
 
 SPACING = 1.15
