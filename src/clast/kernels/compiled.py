@@ -10,7 +10,8 @@ wake, as long as much of the work that is shared.  On a machine with something e
 costs more than threads gain, which is why they must be asked for.
 
 numba asks scipy for its BLAS as soon as anything is loaded, and scipy.linalg takes a quarter of a
-second to import.  No kernel of ours needs it; one that does (np.dot) asks again when it is compiled.
+second to import.  None of our kernels needs it; one that does (np.dot) asks again when it is
+compiled.
 
 Every iteration needs arrays as large as those that the one before has just given back.  Linux' C
 library would hand them to the system and ask for them again, which costs as much as a third of what
