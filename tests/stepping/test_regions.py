@@ -49,7 +49,8 @@ def test_each_region_is_searched_for_its_own_minimum_along_a_line(monkeypatch):
         point = one.at(zero)
         way = np.einsum("nij,nj->ni", one.inverse, point.residual)
         way *= rng.uniform(0.5, 2.0, (len(way), 1))
-        lengths, _ = one.line_search(point, way)
+        line, _ = one.line_search(point, way)
+        lengths = line.lengths
         most = max(most, len(np.unique(lengths)))
         for region in np.unique(one.regions.of_blocks[~one.fixed]):
             mine = (one.regions.of_blocks == region)[:, None]

@@ -189,10 +189,10 @@ def newton(
         counts["passes"] += 1
         decrement = float(dot(point.residual, direction))
         with stages("line search"):
-            lengths, evaluations = potential.line_search(point, direction)
+            line, evaluations = potential.line_search(point, direction)
             counts["line_search"] += evaluations
         with stages("law"):
-            point = potential.at(potential.advanced(point.unknowns, direction, lengths))
+            point = potential.moved(point, line)
         if decrement <= enough:
             return point, Ending.DONE
     near = potential.distance(point) <= enough

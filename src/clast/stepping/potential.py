@@ -25,7 +25,7 @@ from clast.equations.system import (
 )
 from clast.equations.terms import DiagonalTerms
 from clast.interfaces import ContactLaw
-from clast.kernels import assembly, block_rows, region_sums, regions
+from clast.kernels import assembly, block_rows, line_search, region_sums, regions
 from clast.model import Bools, Floats, Ints
 from clast.stepping.stages import Stages
 
@@ -44,6 +44,18 @@ class Point:
     """Answer of the law."""
     residual: Floats
     """F - K d + contact forces, minus the gradient of the potential, shape (n, 6)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """A direction, what it does to the contacts, and how far to go along it."""
+
+    direction: Floats
+    """Change of d, shape (n, 6)."""
+    motions: tuple[Floats, Floats, Floats, Floats]
+    """Gap, its change, slip and its change of each contact, m, shape (m,) each."""
+    lengths: Floats
+    """Share of the direction that each region goes, shape (regions.count,)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -206,51 +218,96 @@ class Potential:
         with stages("solve"):
             return factor.solve(system, point.response)
 
-    def line_search(self, point: Point, direction: Floats) -> tuple[Floats, int]:
-        """Return the lengths along ``direction`` of the least potential, and evaluations.
+    def line_search(self, point: Point, direction: Floats) -> tuple[Line, int]:
+        """Return how far to go along ``direction`` to the least potential, and evaluations.
 
         The derivative along the line rises monotonically and, for a piecewise linear law, is
         piecewise linear: Newton's method on it, kept inside a bracket, ends on the exact root.
-        Each region has a length, shape (regions.count,): its own where the law is one of springs
-        with bounds.
+        Each region has a length of its own where the law is one of springs with bounds.
         """
-        limits = self.limits
-        if limits is None:
-            length, evaluations = self._common_length(point, direction)
-            return np.full(self.regions.count, length), evaluations
-        d_gap, d_slip = contact_motions(self.contacts, direction)
-        contacts, before = self.contacts, point.response
+        opening, slip = contact_motions(self.contacts, direction)
+        motions = (point.gap, opening, point.slip, slip)
+        if self.limits is None:
+            length, evaluations = self._common_length(point, direction, opening, slip)
+            lengths = np.full(self.regions.count, length)
+            return Line(direction=direction, motions=motions, lengths=lengths), evaluations
+        before = point.response
         region, count = self.regions.of_blocks, self.regions.count
         at = self.regions.of_contacts
         start = -region_sums.products(point.residual, direction, region, count)
-        works = region_sums.works(before.normal_force, d_gap, before.shear_force, d_slip, at, count)
-        lengths, evaluations = regions.lengths_along(
+        works = region_sums.works(before.normal_force, opening, before.shear_force, slip, at, count)
+        lengths, evaluations = line_search.lengths_along(
             at,
-            (point.gap, d_gap, point.slip, d_slip),
-            (
-                contacts.multiplier,
-                contacts.shear_force,
-                limits.normal_stiffness,
-                limits.shear_stiffness,
-                limits.tension,
-                limits.strength,
-            ),
+            motions,
+            self.springs(self.limits),
             start + works,
             region_sums.forms(self.base.diagonal, direction, region, count),
             start,
             LINE_TOLERANCE,
             LINE_SEARCH_LIMIT,
         )
-        return lengths, evaluations
+        return Line(direction=direction, motions=motions, lengths=lengths), evaluations
 
-    def advanced(self, unknowns: Floats, direction: Floats, lengths: Floats) -> Floats:
-        """Return d (n, 6) moved along ``direction`` by the length of each region."""
-        moved = region_sums.advanced(unknowns, direction, lengths, self.regions.of_blocks)
-        return np.asarray(moved)
+    def springs(self, limits: SpringLimits) -> tuple[Floats, Floats, float, float, Floats, Floats]:
+        """Return multipliers, shear forces, p, k, tension and strength, as kernels take them."""
+        return (
+            self.contacts.multiplier,
+            self.contacts.shear_force,
+            limits.normal_stiffness,
+            limits.shear_stiffness,
+            limits.tension,
+            limits.strength,
+        )
 
-    def _common_length(self, point: Point, direction: Floats) -> tuple[float, int]:
+    def moved(self, point: Point, line: Line) -> Point:
+        """Return the point at the end of a line from ``point``.
+
+        Of a law of springs with bounds the answer is what Newton's method needs: forces and
+        stiffnesses, but neither energies nor modes (:meth:`at` has all).
+        """
+        of_blocks, of_contacts = self.regions.of_blocks, self.regions.of_contacts
+        unknowns: Floats = region_sums.advanced(
+            point.unknowns, line.direction, line.lengths, of_blocks
+        )
+        if self.limits is None:
+            return self.at(unknowns)
+        gap, slip, normal, shear, kn, ks = line_search.answers(
+            of_contacts, line.lengths, line.motions, self.springs(self.limits)
+        )
+        return Point(
+            unknowns=unknowns,
+            gap=gap,
+            slip=slip,
+            response=replace(
+                self.at_rest,
+                normal_force=normal,
+                shear_force=shear,
+                normal_stiffness=kn,
+                shear_stiffness=ks,
+            ),
+            residual=self.unbalanced(unknowns, normal, shear),
+        )
+
+    @cached_property
+    def at_rest(self) -> ContactResponse:
+        """No forces, no energies, and the modes and bonds of the last step."""
+        none = np.zeros(len(self.contacts))
+        return ContactResponse(
+            normal_force=none,
+            shear_force=none,
+            normal_stiffness=none,
+            shear_stiffness=none,
+            coupling=none,
+            mode=self.contacts.mode,
+            bonded=self.contacts.bonded,
+            energy=none,
+            dissipation=none,
+        )
+
+    def _common_length(
+        self, point: Point, direction: Floats, d_gap: Floats, d_slip: Floats
+    ) -> tuple[float, int]:
         """Return the length for all regions together, by what any law answers, and evaluations."""
-        d_gap, d_slip = contact_motions(self.contacts, direction)
         curvature = float(assembly.form(self.base.diagonal, direction))
         before = point.response
         start = -float(np.vdot(point.residual, direction))
