@@ -65,6 +65,29 @@ def test_each_region_is_searched_for_its_own_minimum_along_a_line(monkeypatch):
     assert most > 5
 
 
+def test_what_a_line_leads_to_is_what_the_law_answers_there(monkeypatch):
+    rng = np.random.default_rng(3)
+    for one in potentials(monkeypatch):
+        free = ~one.fixed[:, None]
+        point = one.at(1e-4 * rng.normal(size=(len(one.fixed), 6)) * free)
+        way = np.einsum("nij,nj->ni", one.inverse, point.residual)
+        line, _ = one.line_search(point, way)
+        found = one.moved(point, line)
+        wanted = one.at(point.unknowns + line.lengths[one.regions.of_blocks][:, None] * way)
+        assert found.unknowns == pytest.approx(wanted.unknowns, rel=1e-12, abs=1e-18)
+        scale = np.abs(wanted.gap).max()
+        assert found.gap == pytest.approx(wanted.gap, abs=1e-12 * scale)
+        assert found.slip == pytest.approx(wanted.slip, abs=1e-12 * scale)
+        here, there = found.response, wanted.response
+        force = np.abs(there.normal_force).max()
+        assert here.normal_force == pytest.approx(there.normal_force, abs=1e-9 * force)
+        assert here.shear_force == pytest.approx(there.shear_force, abs=1e-9 * force)
+        # at a kink the two may fall on either side of it
+        assert np.mean(here.normal_stiffness != there.normal_stiffness) < 0.02
+        assert np.mean(here.shear_stiffness != there.shear_stiffness) < 0.02
+        assert found.residual == pytest.approx(wanted.residual, abs=1e-9 * force)
+
+
 def test_a_part_is_what_the_whole_is_there(monkeypatch):
     rng = np.random.default_rng(2)
     for one in potentials(monkeypatch):
