@@ -10,7 +10,7 @@ from systems import at_start, contacts_of, courses_of_bricks, system
 
 COPIES = 60
 APART = 64.0
-"""Distance of the copies, m: a power of 2, so that differences of coordinates stay what they are."""
+"""Distance of the copies, m: a power of 2, so that differences of coordinates are exact."""
 
 
 OUTLINES = courses_of_bricks(6, 5)
