@@ -9,6 +9,7 @@ from time import perf_counter
 from clast.errors import RunStopped, StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
 from clast.interrupts import held_back
+from clast.kernels.threads import threads_worth
 from clast.model import Model
 from clast.results import Report, Run, RunRecorder
 from clast.state import Ledger, State, initial_state
@@ -119,7 +120,7 @@ def simulate(
     failure = ""
     outcome = "the run reached its end"
     try:
-        with held_back() as let_go:
+        with held_back() as let_go, threads_worth(model.block_count):
             state = _march(model, method, schedule, state, recorder, watch, tally, let_go)
     except StepRejected as rejected:
         failure = str(rejected)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from clast.kernels import block_rows, parts, shares
+from clast.simulate import Schedule, simulate
 from systems import at_start, by_convex, open_ledger, wall
 
 
@@ -40,3 +41,23 @@ def test_same_bits_by_any_number_of_threads(h, stiffness):
     for name, value in vars(one).items():
         if isinstance(value, np.ndarray):
             assert np.array_equal(value, getattr(other, name)), name
+
+
+@pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="one processor")
+def test_few_blocks_are_left_to_one_thread():
+    """Calling others for what takes microseconds would make a small run slower."""
+    threads = numba.get_num_threads()
+    seen = []
+
+    def watch(_):
+        seen.append(numba.get_num_threads())
+
+    try:
+        numba.set_num_threads(2)
+        for model in (wall(3, 3), wall(25, 40)):
+            schedule = Schedule(step=1e-3, end=1e-3, every=1e-3)
+            simulate(model, by_convex(5e9), schedule, watch=watch)
+            assert numba.get_num_threads() == 2
+    finally:
+        numba.set_num_threads(threads)
+    assert seen == [1, 2]
