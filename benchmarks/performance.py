@@ -42,22 +42,28 @@ memory, which reaches {triad:.3g} GB/s.
 
 The first steps of a wall or a slope are the dearest: weight goes on at once, and waves run
 through blocks without any damping. Most of the growth from 1,000 to 10,000 blocks is in the
-number of iterations.
+number of iterations, and that is in the height of the scenes (see below).
 """
 LARGE = """\
-## A million blocks, and threads
+## A million blocks, height, order, and threads
 
 Apart from the runs above, on the machine named:
 
 - `clast bench heap --size 1000000 --step 2.5e-3 --steps 100 --results build`: a million falling
   squares are built in 11 s and take 4.1 µs per block and step, 7.4 minutes with first and last
-  state saved (0.7 GB), and 2.9 GB of memory at most.
-- `clast bench wall --size 1000,100000 --step 1e-3 --steps 3`: 124 and 109 µs per block and
-  step, with 21 and 22 iterations a step.
-- `--threads 2`, medians of three runs of one and two threads in turns: 1.47 times as fast on a
-  wall of 10,026 blocks at 1 ms, 1.24 at 5 ms, 1.38 on 30,000 at 5 ms, 1.25 on a slope of 10,000
-  at 1 ms, 1.06 on a heap of 10,000, 0.93 and 0.98 on walls of 100 and 1,000; the same results
-  to the last bit (docs/decisions/0023).
+  state saved (0.7 GB), and 2.9 GB of memory at most (before contact detection was shared).
+- Of one height cost per block hardly depends on the number of blocks: walls of 50 courses with
+  1,026, 10,026 and 100,026 bricks take 90, 95 and 106 µs per block and step at 1 ms, with 20 to
+  24 iterations a step; towers of 50 storeys with 1,001, 10,001 and 100,001 squares 22, 12 and
+  14 µs at 5 ms, with 3.5 to 4.3. In the table above what grows is the height: scenes of 1,000
+  blocks are 32 storeys or 45 courses high.
+- Numbered at random instead of course by course, walls of 1,011, 10,026 and 100,026 bricks take
+  1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew
+  (docs/decisions/0024).
+- `--threads 2`, medians of five runs of one and two threads in turns: 1.59 times as fast on a
+  wall of 10,026 blocks at 1 ms, 1.60 at 5 ms, 1.44 on 30,000 at 5 ms, 1.43 on a slope of 10,000
+  at 1 ms, 1.34 on a wall of 1,000 at 1 ms, 1.10 on a heap of 10,000, no difference below 800;
+  the same results to the last bit (docs/decisions/0024).
 """
 PEER_HEADINGS = ("program", "wall time per simulated second", "drift", "overlap", "remark")
 BENCH_HEADINGS = (
