@@ -33,6 +33,7 @@ def field_docstrings(table: type) -> dict[str, str]:
 
 def explain(table: type[BaseModel]) -> None:
     """Give the keys of a table their docstrings as descriptions."""
-    for key, meaning in field_docstrings(table).items():
-        table.model_fields[key].description = meaning
+    meanings = field_docstrings(table)
+    for key, known in table.model_fields.items():
+        known.description = meanings.get(key, known.description)
     table.model_rebuild(force=True)
