@@ -262,10 +262,10 @@ SOFT = 0.005
 
 @dataclass(frozen=True)
 class Automatic:
-    """A factorisation for few blocks; for many PCG, as long as it is quicker than one."""
+    """A factorisation for few blocks; for more PCG, as long as it is quicker than one."""
 
-    few: int = 300
-    """Up to this number of blocks a factorisation is quicker than starting an iteration."""
+    few: int = 80
+    """Up to this number of blocks all is done before an iteration would be worth while."""
     patience: float = 1.0
     """An iteration is given up after this share of the time that a factorisation takes."""
     tolerance: float = 1e-8
@@ -277,21 +277,36 @@ class Automatic:
 
     def factor(self, system: BlockSystem) -> Factor:
         """Return the matrix made ready; raises StepRejected where it is singular."""
-        count = len(system.diagonal)
-        if count <= self.few or not system.symmetric:
+        if len(system.diagonal) <= self.few or not system.symmetric:
             return Direct().factor(system)
-        one = ITERATION_COST * (count + len(system.pairs))
-        limit = self.patience * FACTOR_COST * count**FACTOR_POWER / one
-        most = int(np.clip(limit, LEAST_ITERATIONS, MOST_ITERATIONS))
-        return PCG(tolerance=self.tolerance, iterations=most).factor(system)
+        with_factor = self._limit(system, FACTOR_ITERATION)
+        if inertia_share(system) > SOFT and with_factor >= LEAST_ITERATIONS:
+            iteration = with_incomplete(system, with_factor)
+            return IteratedMatrix(system, iteration, self._stiff(system), self.tolerance)
+        return self._stiff(system).factor(system)
+
+    def _stiff(self, system: BlockSystem) -> LinearSolver:
+        """Return the solver for a system with little inertia: levels, if they can be quicker."""
+        limit = self._limit(system, LEVELS_ITERATION)
+        if limit < LEVELS_PER_DIGIT * -np.log10(self.tolerance):
+            return Direct()
+        return PCG(tolerance=self.tolerance, iterations=limit, plain=0)
+
+    def _limit(self, system: BlockSystem, cost: float) -> int:
+        """Return how many iterations of ``cost`` take as long as a factorisation."""
+        count = len(system.diagonal)
+        factorisation = self.patience * FACTOR_COST * count**FACTOR_POWER
+        return int(min(factorisation / (cost * (count + len(system.pairs))), MOST_ITERATIONS))
 
 
 FACTOR_COST, FACTOR_POWER = 3.1e-7, 1.6
-"""Seconds that a factorisation of n blocks takes: cost n^power (walls of 100 to 10,000 bricks)."""
-ITERATION_COST = 2e-7
-"""Seconds that an iteration takes per block and per pair of blocks."""
-LEAST_ITERATIONS, MOST_ITERATIONS = 30, 1000
-"""Limits of the iterations tried before a factorisation."""
+"""Seconds that a factorisation of n blocks takes: cost n^power (walls and slopes, 60 to 3,000)."""
+FACTOR_ITERATION, LEVELS_ITERATION = 2.8e-8, 9e-8
+"""Seconds that an iteration takes per block and per pair, with the incomplete factor or levels."""
+LEVELS_PER_DIGIT = 3.0
+"""Iterations with levels that a decimal of the solution takes at least."""
+LEAST_ITERATIONS, MOST_ITERATIONS = 20, 1000
+"""Iterations with the incomplete factor that are worth a try, and limit of any iterations."""
 
 
 def inexact(solver: LinearSolver, tolerance: float) -> LinearSolver:
