@@ -5,9 +5,9 @@ import pytest
 from quadrature import integral
 
 from clast.kernels import polygon
+from clast.kernels.tensors import turned as turned_tensor
 from clast.kinematics.first_order import FirstOrder
 from clast.kinematics.rotation import Exact, Linear, Sine
-from clast.stepping.advance import rotate_tensor
 from systems import box, convex, flat, star, turned
 
 RULES = {"exact": Exact(), "sine": Sine(), "linear": Linear()}
@@ -144,7 +144,7 @@ def test_sine_beyond_one_is_no_rotation():
 @pytest.mark.parametrize("angle", [0.1, -0.7, 2.0])
 def test_stress_turns_as_a_matrix(angle):
     stress = np.random.default_rng(0).normal(size=(10, 3))
-    found = rotate_tensor(stress, np.full(10, angle), 1.0)
+    found = turned_tensor(stress, 0, np.full(10, angle), 1.0)
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     for one, other in zip(stress, found, strict=True):
         matrix = np.array([[one[0], one[2]], [one[2], one[1]]])
@@ -156,7 +156,10 @@ def test_invariants_of_stress_and_work_of_strain_survive_rotation():
     rng = np.random.default_rng(5)
     stress, strain = rng.normal(size=(2, 50, 3))
     angle = rng.uniform(-3.0, 3.0, 50)
-    new_stress, new_strain = rotate_tensor(stress, angle, 1.0), rotate_tensor(strain, angle, 2.0)
+    new_stress, new_strain = (
+        turned_tensor(stress, 0, angle, 1.0),
+        turned_tensor(strain, 0, angle, 2.0),
+    )
 
     def trace_and_determinant(tensor):
         xx, yy, xy = tensor.T
@@ -165,4 +168,4 @@ def test_invariants_of_stress_and_work_of_strain_survive_rotation():
     assert trace_and_determinant(new_stress) == pytest.approx(trace_and_determinant(stress))
     # with engineering shear sigma . eps is a scalar product
     assert np.sum(new_stress * new_strain, axis=1) == pytest.approx(np.sum(stress * strain, axis=1))
-    assert rotate_tensor(new_stress, -angle, 1.0) == pytest.approx(stress)
+    assert turned_tensor(new_stress, 0, -angle, 1.0) == pytest.approx(stress)

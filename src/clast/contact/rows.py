@@ -21,6 +21,13 @@ class ByOffsets(DisplacementFunction, Protocol):
         """Return T d (k, 2) at offsets (k, 2) in blocks (k,) with d (n, 6), to first order, m."""
         ...
 
+    def movements(self, offset: Floats, unknowns: Floats, block: Ints) -> Floats:
+        """Return how far points at offsets (k, 2) in blocks (k,) are moved by d (n, 6), m, (k, 2).
+
+        With the rotation as it is, other than ``displacements``.
+        """
+        ...
+
 
 def by_offsets(displacement: DisplacementFunction) -> TypeIs[ByOffsets]:
     """Return True where kernels need no basis but the offsets."""

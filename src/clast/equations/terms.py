@@ -1,8 +1,9 @@
-"""Contributions to the equations K d = F of a step, one function each.
+"""Contributions to the equations K d = F of a step but those of the contacts.
 
-Each adds to the block diagonal of the system; contacts, which couple blocks, are added in
-:mod:`clast.equations.system`.  Blocks keep their start area in the elastic terms, as they keep
-their mass: the strain energy 1/2 A sigma.C.sigma is then the same before and after a rotation.
+Inertia, elasticity, stress and weight are added block by block (kernels/block_terms.py), loads and
+fixed points here; contacts, which couple blocks, in :mod:`clast.equations.system`.  Blocks keep
+their start area in the elastic terms, as they keep their mass: the strain energy
+1/2 A sigma.C.sigma is then the same before and after a rotation.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 from clast.equations.frames import BlockFrames
 from clast.equations.integration import inertia_factor, velocity_factor
 from clast.interfaces import DisplacementFunction, Method
-from clast.kernels import block_rows
+from clast.kernels import block_terms
 from clast.model import Floats, Ints, Model
 from clast.state import State
 
@@ -29,51 +30,10 @@ class DiagonalTerms:
     """Diagonal 6 x 6 blocks of K, shape (n, 6, 6)."""
     force: Floats
     """Right-hand side, shape (n, 6)."""
+    momentum: Floats
+    """The part of it that is momentum, M v/(theta h), shape (n, 6)."""
     centroid: Floats
     """Centroids of the blocks, m, shape (n, 2)."""
-
-
-def momentum_rows(frames: BlockFrames, velocity: Floats, theta: Floats, step: float) -> Floats:
-    """Return M v/(theta h) (n, 6), N/m; constant acceleration: (2/h) M v."""
-    momentum: Floats = block_rows.products(frames.mass_matrix, velocity)
-    return velocity_factor(theta, step)[:, None] * momentum
-
-
-def inertia(frames: BlockFrames, theta: Floats, step: float) -> Floats:
-    """Return M/(theta h2) (n, 6, 6); constant acceleration: (2/h2) M."""
-    return inertia_factor(theta, step)[:, None, None] * frames.mass_matrix
-
-
-def elasticity(model: Model) -> Floats:
-    """Return A E' on the strain block, Pa m2, shape (n, 6, 6)."""
-    matrix = np.zeros((model.block_count, 6, 6))
-    matrix[:, 3:, 3:] = model.area[:, None, None] * model.elasticity
-    return matrix
-
-
-def stress(model: Model, state: State) -> Floats:
-    """Return -A sigma on the strain rows (initial stress and what has built up), shape (n, 6)."""
-    force = np.zeros((model.block_count, 6))
-    force[:, 3:] = -model.area[:, None] * state.stress
-    return force
-
-
-def weight(model: Model) -> Floats:
-    """Return the weight rho A g at the centroid, N/m, shape (n, 6)."""
-    return _mass_force(model, model.gravity)
-
-
-def inertial_force(model: Model, state: State, step: float) -> Floats:
-    """Return the force -rho A a of a ground with the mean acceleration a in the step, (n, 6)."""
-    end = state.time + step
-    return _mass_force(model, model.ground_motion.body_acceleration(state.time, end))
-
-
-def _mass_force(model: Model, acceleration: Floats) -> Floats:
-    """Return mass x acceleration (2,) at the centroid, N/m, shape (n, 6)."""
-    force = np.zeros((model.block_count, 6))
-    force[:, :2] = model.mass[:, None] * acceleration
-    return force
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,14 +114,22 @@ def diagonal_terms(
     step: float,
 ) -> DiagonalTerms:
     """Return everything of a step but its contacts; ``theta`` (n,) is the scheme's, by block."""
-    matrix = inertia(frames, theta, step) + elasticity(model)
-    force = momentum_rows(frames, velocity, theta, step)
-    force = force + stress(model, state) + weight(model) + inertial_force(model, state, step)
-    block, load = load_rows(model, frames, method.displacement, state)
-    np.add.at(force, block, load)
     end = state.time + step
-    basis, drift = fixed_point_rows(model, frames, method.displacement, state, end)
+    acceleration = model.gravity + model.ground_motion.body_acceleration(state.time, end)
+    matrix, force, momentum = block_terms.terms(
+        (frames.mass_matrix, inertia_factor(theta, step), velocity_factor(theta, step)),
+        velocity,
+        (model.area, model.elasticity),
+        state.stress,
+        model.mass,
+        acceleration,
+    )
+    block, load = load_rows(model, frames, method.displacement, state)
+    if len(block):
+        np.add.at(force, block, load)
     held, stiffness = model.fixed_points.block, method.fixed_point_stiffness
-    np.add.at(matrix, held, stiffness * np.einsum("kxi,kxj->kij", basis, basis))
-    np.add.at(force, held, -stiffness * np.einsum("kxi,kx->ki", basis, drift))
-    return DiagonalTerms(diagonal=matrix, force=force, centroid=frames.centroid)
+    if len(held):
+        basis, drift = fixed_point_rows(model, frames, method.displacement, state, end)
+        np.add.at(matrix, held, stiffness * np.einsum("kxi,kxj->kij", basis, basis))
+        np.add.at(force, held, -stiffness * np.einsum("kxi,kx->ki", basis, drift))
+    return DiagonalTerms(diagonal=matrix, force=force, momentum=momentum, centroid=frames.centroid)

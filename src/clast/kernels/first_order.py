@@ -19,6 +19,17 @@ def displacements(offset, unknowns, block):
 
 
 @kernel()
+def movements(offset, unknowns, gradient, block):
+    """Return (u0, v0) + G x, m, (k, 2), at offsets x (k, 2), m, in blocks (k,); G (n, 2, 2)."""
+    result = np.empty_like(offset)
+    for k in range(len(offset)):
+        x, y, b = offset[k, 0], offset[k, 1], block[k]
+        result[k, 0] = unknowns[b, 0] + (gradient[b, 0, 0] * x + gradient[b, 0, 1] * y)
+        result[k, 1] = unknowns[b, 1] + (gradient[b, 1, 0] * x + gradient[b, 1, 1] * y)
+    return result
+
+
+@kernel()
 def _row(x, y, ax, ay, row):
     """Write T(x, y)^T a into a row (6,)."""
     row[0] = ax

@@ -23,8 +23,8 @@ class RotationRule(Protocol):
         """Return the rotation, rad."""
         ...
 
-    def displacement(self, offset: Floats, strained: Floats, unknown: Floats) -> Floats:
-        """Return the displacement (m, 2) without translation."""
+    def gradient(self, unknowns: Floats) -> Floats:
+        """Return the displacement gradient G (n, 2, 2) of d (n, 6): u(x) = (u0, v0) + G x."""
         ...
 
 
@@ -61,13 +61,18 @@ class FirstOrder:
         moved: Floats = kernel.displacements(offset, unknowns, block)
         return moved
 
+    def movements(self, offset: Floats, unknowns: Floats, block: Ints) -> Floats:
+        """Return how far points at offsets (k, 2) in blocks (k,) are moved by d (n, 6), m, (k, 2).
+
+        Not to first order: the blocks turn as the rotation rule says.
+        """
+        gradient = self.rotation.gradient(unknowns)
+        moved: Floats = kernel.movements(offset, unknowns, gradient, block)
+        return moved
+
     def place(self, offset: Floats, displacement: Floats) -> Floats:
         """Return new offsets (m, 2) from the *old* centroid after displacements d (m, 6)."""
-        x, y = offset[:, 0], offset[:, 1]
-        ex, ey, gxy = displacement[:, 3], displacement[:, 4], displacement[:, 5]
-        strained = np.stack([ex * x + 0.5 * gxy * y, 0.5 * gxy * x + ey * y], axis=1)
-        moved = self.rotation.displacement(offset, strained, displacement[:, 2])
-        return offset + moved + displacement[:, :2]
+        return offset + self.movements(offset, displacement, np.arange(len(offset)))
 
     def turn(self, displacement: Floats) -> Floats:
         """Return the rotation, rad, of displacements d (n, 6); nan where it is impossible."""

@@ -1,6 +1,8 @@
 """Rotation rules: what the third unknown means and how a block is placed with it.
 
-To first order all three are the same; they differ in how the block is placed after the solve.
+To first order all three are the same; they differ in how the block is placed after the solve:
+a point at x from the centroid moves by u(x) = (u0, v0) + G x, E being the strain and J a quarter
+turn.
 """
 
 from __future__ import annotations
@@ -9,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clast.kernels import rotation as kernel
 from clast.model import Floats
 
 
@@ -22,22 +25,9 @@ class Exact:
         """Return the rotation, rad, of the third unknown, same shape."""
         return unknown
 
-    def displacement(self, offset: Floats, strained: Floats, unknown: Floats) -> Floats:
-        """Return the displacement (m, 2), m, without translation, of offsets and their strain.
-
-        ``offset`` (m, 2) from the centroid, ``strained`` (m, 2) their displacement by strain
-        alone, ``unknown`` (m,) the third unknown.  u = R(r) (x + u_strain) - x.
-        """
-        position = offset + strained
-        cosine, sine = np.cos(unknown), np.sin(unknown)
-        turned = np.stack(
-            [
-                cosine * position[:, 0] - sine * position[:, 1],
-                sine * position[:, 0] + cosine * position[:, 1],
-            ],
-            axis=1,
-        )
-        return turned - offset
+    def gradient(self, unknowns: Floats) -> Floats:
+        """Return G = R (I + E) - I of d (n, 6), shape (n, 2, 2)."""
+        return np.asarray(kernel.exact(unknowns))
 
 
 @dataclass(frozen=True)
@@ -51,15 +41,13 @@ class Sine:
         with np.errstate(invalid="ignore"):
             return np.arcsin(unknown)
 
-    def displacement(self, offset: Floats, strained: Floats, unknown: Floats) -> Floats:
-        """Return the displacement (m, 2), m, without translation (see :class:`Exact`).
+    def gradient(self, unknowns: Floats) -> Floats:
+        """Return G = R - I + E of d (n, 6), shape (n, 2, 2): strain and rotation add up.
 
-        T's third column is (-(y + x tan(r/2)), x - y tan(r/2)).
+        T's third column is (-(y + x tan(r/2)), x - y tan(r/2)), and sin r tan(r/2) = 1 - cos r.
+        nan where the third unknown exceeds 1.
         """
-        half = np.tan(0.5 * self.angle(unknown))
-        x, y = offset[:, 0], offset[:, 1]
-        column = np.stack([-(y + x * half), x - y * half], axis=1)
-        return strained + unknown[:, None] * column
+        return np.asarray(kernel.sine(unknowns))
 
 
 @dataclass(frozen=True)
@@ -72,7 +60,6 @@ class Linear:
         """Return the rotation, rad, of the third unknown, same shape."""
         return unknown
 
-    def displacement(self, offset: Floats, strained: Floats, unknown: Floats) -> Floats:
-        """Return the displacement (m, 2), m, without translation (see :class:`Exact`)."""
-        column = np.stack([-offset[:, 1], offset[:, 0]], axis=1)
-        return strained + unknown[:, None] * column
+    def gradient(self, unknowns: Floats) -> Floats:
+        """Return G = E + r0 J of d (n, 6), shape (n, 2, 2)."""
+        return np.asarray(kernel.linear(unknowns))

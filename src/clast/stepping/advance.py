@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clast.contact.rows import by_offsets
 from clast.equations.frames import BlockFrames
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import DisplacementFunction, Method
-from clast.kernels import polygon
+from clast.kernels import polygon, tensors
 from clast.model import Floats, Model
 from clast.state import State
 
@@ -50,6 +51,10 @@ LARGEST_TURN = 0.1
 """Largest rotation in one step, rad, that the linearised equations are trusted with."""
 
 
+STRESS, STRAIN_RATES = 0, 3
+"""First column of xx, yy and xy among the stresses (n, 3), and among the velocities (n, 6)."""
+
+
 def move(
     displacement: DisplacementFunction,
     positions: Floats,
@@ -62,25 +67,15 @@ def move(
     Written as position + movement, so that a block that does not move keeps every bit.
     """
     offset: Floats = polygon.offsets(positions, block, centroid)
+    if by_offsets(displacement):
+        return positions + displacement.movements(offset, unknowns, block)
     return positions + (displacement.place(offset, unknowns.take(block, axis=0)) - offset)
 
 
-def rotate_tensor(tensor: Floats, angle: Floats, shear_factor: float) -> Floats:
-    """Return symmetric tensors (n, 3) turned by angles (n,), rad.
-
-    ``shear_factor`` is 1 for stress (xx, yy, xy) and 2 for strain with engineering shear.
-    """
-    cosine, sine = np.cos(angle), np.sin(angle)
-    xx, yy, xy = tensor[:, 0], tensor[:, 1], tensor[:, 2] / shear_factor
-    both = 2.0 * cosine * sine * xy
-    return np.stack(
-        [
-            cosine**2 * xx + sine**2 * yy - both,
-            sine**2 * xx + cosine**2 * yy + both,
-            shear_factor * (cosine * sine * (xx - yy) + (cosine**2 - sine**2) * xy),
-        ],
-        axis=1,
-    )
+def end_stress(model: Model, state: State, unknowns: Floats) -> Floats:
+    """Return the stress, Pa, (n, 3), after the strains of d (n, 6), in directions of the start."""
+    strained: Floats = tensors.strained(state.stress, model.elasticity, unknowns)
+    return strained
 
 
 def advance(
@@ -90,10 +85,12 @@ def advance(
     frames: BlockFrames,
     unknowns: Floats,
     end_velocity: Floats,
+    stress: Floats,
 ) -> Motion:
     """Return where the unknowns d (n, 6) of a step take the system.
 
-    ``end_velocity`` (n, 6) is the velocity that the scheme gives in the frame of the start.
+    ``end_velocity`` (n, 6) is the velocity that the scheme gives in the frame of the start,
+    ``stress`` (n, 3) the stress at the end in that frame, Pa.
 
     Raises StepRejected where a vertex moves further than max_displacement or a block turns
     further than the equations bear.
@@ -118,14 +115,12 @@ def advance(
         frames.centroid,
         unknowns,
     )
-    stress = state.stress + np.einsum("nij,nj->ni", model.elasticity, unknowns[:, 3:])
-    # the strain rate turns with the block, so that its kinetic energy stays what it was
-    rates = rotate_tensor(end_velocity[:, 3:], turn, 2.0)
     return Motion(
         vertices=vertices,
         points=points,
-        stress=rotate_tensor(stress, turn, 1.0),
-        velocity=np.concatenate([end_velocity[:, :3], rates], axis=1),
+        stress=tensors.turned(stress, STRESS, turn, 1.0),
+        # the strain rate turns with the block, so that its kinetic energy stays what it was
+        velocity=tensors.turned(end_velocity, STRAIN_RATES, turn, 2.0),
         turn=turn,
         travel=travel,
     )

@@ -9,12 +9,12 @@ from clast.contact.detection import find_tunnelled
 from clast.contact.memory import renew
 from clast.equations.frames import BlockFrames
 from clast.equations.integration import end_velocity
-from clast.equations.system import gap_at_end, slip_in_step
+from clast.equations.system import contact_motions
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
 from clast.model import Floats, Model
 from clast.state import ContactMemory, State
-from clast.stepping.advance import advance
+from clast.stepping.advance import advance, end_stress
 from clast.stepping.energy import balance
 from clast.stepping.stages import Stages
 
@@ -51,8 +51,10 @@ def conclude(
     with stages("advance"):
         velocity = end_velocity(solved.theta, unknowns, solved.velocity, step)
         velocity[model.fixed] = 0.0
-        motion = advance(model, method, state, solved.frames, unknowns, velocity)
-        gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
+        stress = end_stress(model, state, unknowns)
+        motion = advance(model, method, state, solved.frames, unknowns, velocity, stress)
+        opening, slip = contact_motions(contacts, unknowns)
+        gap = contacts.gap + opening
         memory = renew(contacts, response, gap, method.critdis)
     with stages("tunnelling"):
         reject_tunnelled(model, motion.vertices, memory, solved.depth)
@@ -66,6 +68,7 @@ def conclude(
             solved.theta,
             unknowns,
             velocity,
+            stress,
             step,
             contacts,
             solved.applied,

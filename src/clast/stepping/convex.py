@@ -27,7 +27,7 @@ from clast.equations.frames import BlockFrames, block_frames
 from clast.equations.reuse import FactorOfStep
 from clast.equations.solvers import inexact
 from clast.equations.system import contact_motions, graph_of, inverse_of_blocks
-from clast.equations.terms import diagonal_terms, momentum_rows
+from clast.equations.terms import diagonal_terms
 from clast.interfaces import Method, StepResult
 from clast.model import Floats, Model
 from clast.state import State
@@ -152,7 +152,6 @@ class Convex:
                 law=method.contact_law,
                 contacts=contacts,
                 fixed=model.fixed,
-                momentum=momentum_rows(frames, velocity, theta, step),
                 graph=graph_of(contacts, model.block_count),
                 regions=regions_of(contacts, model.fixed),
             )

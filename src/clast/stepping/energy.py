@@ -12,9 +12,9 @@ import numpy as np
 
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.equations.frames import BlockFrames, block_frames
-from clast.equations.terms import fixed_point_rows, inertial_force, load_rows
+from clast.equations.terms import fixed_point_rows, load_rows
 from clast.interfaces import Method
-from clast.kernels import assembly, block_rows
+from clast.kernels import assembly, works
 from clast.model import Floats, Model
 from clast.state import Ledger, State
 
@@ -59,6 +59,28 @@ def tolerated(model: Model, ledger: Ledger, first: Ledger) -> float:
     return 0.05 * float(np.sum(weight * size)) + first.stored + abs(ledger.loads)
 
 
+def fixed_point_works(
+    model: Model, method: Method, frames: BlockFrames, state: State, unknowns: Floats, end: float
+) -> tuple[float, float, float, float]:
+    """Return the work on blocks, the ground's work, and the energy held before and after, J/m.
+
+    The anchors move until ``end``, s, under the force that stretches their springs then.
+    """
+    held_by = model.fixed_points.block
+    if not len(held_by):
+        return 0.0, 0.0, 0.0, 0.0
+    basis, drift = fixed_point_rows(model, frames, method.displacement, state, end)
+    held = drift + np.einsum("kxi,ki->kx", basis, unknowns[held_by])
+    stiffness, ground = method.fixed_point_stiffness, model.ground_motion
+    moved = ground.anchor_displacement(end) - ground.anchor_displacement(state.time)
+    return (
+        -stiffness * float(np.sum(held * (held - drift))),
+        -stiffness * float(np.sum(held * moved)),
+        fixed_point_energy(model, stiffness, drift + moved),
+        fixed_point_energy(model, stiffness, held),
+    )
+
+
 def balance(
     model: Model,
     method: Method,
@@ -68,6 +90,7 @@ def balance(
     theta: Floats,
     unknowns: Floats,
     end_velocity: Floats,
+    end_stress: Floats,
     step: float,
     contacts: Contacts,
     applied: tuple[Floats, Floats],
@@ -78,46 +101,36 @@ def balance(
     """Return the ledger at the end of a step.
 
     ``velocity`` (n, 6) is the velocity that entered the equations, ``theta`` (n,) the scheme's
-    weight by block, ``end_velocity`` the velocity that came out, ``applied`` the normal and shear
-    forces (m,) that the equations held at the end of the step, ``response`` the forces of the law.
+    weight by block, ``end_velocity`` the velocity and ``end_stress`` (n, 3) the stress, Pa, that
+    came out, in directions of the start, ``applied`` the normal and shear forces (m,) that the
+    equations held at the end of the step, ``response`` the forces of the law.
     """
-    before = state.ledger
-    kinetic = kinetic_energy(frames, end_velocity)
-    inertia = (unknowns / step - velocity) / (theta[:, None] * step)
-    forces = block_rows.products(frames.mass_matrix, inertia)
-    inertia_work = float(block_rows.dot(unknowns, forces))
-    entering = kinetic_energy(frames, velocity)
-    removed = inertia_work - (kinetic - entering)
-
-    end_stress = state.stress + np.einsum("nij,nj->ni", model.elasticity, unknowns[:, 3:])
-    elastic_work = -float(np.sum(model.area[:, None] * end_stress * unknowns[:, 3:]))
-    elastic_before = elastic_energy(model, state.stress)
-    elastic = elastic_energy(model, end_stress)
-    removed += -elastic_work - (elastic - elastic_before)
-
-    gravity_work = float(np.sum(model.mass[:, None] * model.gravity * unknowns[:, :2]))
+    before, end = state.ledger, state.time + step
+    inertial = model.ground_motion.body_acceleration(state.time, end)
+    of_blocks = works.of_blocks(
+        (unknowns, velocity, end_velocity),
+        (frames.mass_matrix, theta, step),
+        (state.stress, end_stress),
+        (model.area, model.compliance),
+        (model.mass, model.gravity, inertial),
+    )
+    entering, kinetic, inertia_work = map(float, of_blocks[:3])
+    elastic_before, elastic, elastic_work = map(float, of_blocks[3:6])
+    gravity_work, load_work = map(float, of_blocks[6:])
+    removed = inertia_work - (kinetic - entering) - elastic_work - (elastic - elastic_before)
     block, load = load_rows(model, frames, method.displacement, state)
-    load_work = float(np.sum(load * unknowns[block]))
-    load_work += float(np.sum(inertial_force(model, state, step) * unknowns))
+    load_work += float(np.sum(load * unknowns[block]))
 
-    # the anchors move by ``moved`` under the force that stretches their springs at the end
-    end = state.time + step
-    basis, drift = fixed_point_rows(model, frames, method.displacement, state, end)
-    held = np.einsum("kxi,ki->kx", basis, unknowns[model.fixed_points.block])
-    stiffness = method.fixed_point_stiffness
-    ground = model.ground_motion
-    moved = ground.anchor_displacement(end) - ground.anchor_displacement(state.time)
-    fixed_work = -stiffness * float(np.sum((drift + held) * held))
-    base_work = -stiffness * float(np.sum((drift + held) * moved))
-    fixed = fixed_point_energy(model, stiffness, drift + held)
-    fixed_before = fixed_point_energy(model, stiffness, drift + moved)
+    fixed_work, base_work, fixed_before, fixed = fixed_point_works(
+        model, method, frames, state, unknowns, end
+    )
     removed += base_work - fixed_work - (fixed - fixed_before)
-
-    contact_work = float(np.sum(applied[0] * (gap - contacts.gap) + applied[1] * slip))
-    contact, friction = float(np.sum(response.energy)), float(np.sum(response.dissipation))
+    stored = response.energy, response.dissipation
+    of_contacts = works.of_contacts(applied, (contacts.gap, gap), slip, stored)
+    contact_work, contact, friction = map(float, of_contacts)
     removed += -contact_work - (contact - before.contact) - friction
 
-    works = elastic_work + gravity_work + load_work + fixed_work + contact_work
+    done = elastic_work + gravity_work + load_work + fixed_work + contact_work
     return Ledger(
         kinetic=kinetic,
         elastic=elastic,
@@ -127,5 +140,5 @@ def balance(
         loads=before.loads + load_work + base_work,
         friction=before.friction + friction,
         numerical=before.numerical + removed + (before.kinetic - entering),
-        unaccounted=before.unaccounted + inertia_work - works,
+        unaccounted=before.unaccounted + inertia_work - done,
     )

@@ -82,7 +82,7 @@ class Conditions:
 
     def centred(self, point: Point) -> Iterate:
         """Return the iterate at ``point`` whose normal products are all the same."""
-        forces = self.potential.base.force - self.potential.momentum
+        forces = self.potential.base.force - self.potential.base.momentum
         p, k, normal_at_zero, shear_at_zero, b = self.springs
         rounding = START * float(np.abs(forces[:, :2]).max())
         mu = rounding**2 / (4.0 * p)

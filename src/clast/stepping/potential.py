@@ -96,8 +96,6 @@ class Potential:
     """Contacts of the step."""
     fixed: Bools
     """Blocks that cannot move, shape (n,)."""
-    momentum: Floats
-    """The part of F that is momentum, M v/(theta h), shape (n, 6)."""
     graph: Graph
     """Which pairs the blocks belong to and which contacts those have."""
     regions: Regions
@@ -165,7 +163,8 @@ class Potential:
             held = np.where(self.fixed[:, None], 0.0, force)
             return 0.5 * float(assembly.form(self.inverse, held))
 
-        return half(self.base.force - self.momentum) + MOMENTUM_SHARE * half(self.momentum)
+        momentum = self.base.momentum
+        return half(self.base.force - momentum) + MOMENTUM_SHARE * half(momentum)
 
     def part(self, wanted: Bools) -> Part:
         """Return the potential of the regions ``wanted`` (regions.count,) alone."""
@@ -193,12 +192,12 @@ class Potential:
                 base=DiagonalTerms(
                     diagonal=self.base.diagonal[blocks],
                     force=self.base.force[blocks],
+                    momentum=self.base.momentum[blocks],
                     centroid=self.base.centroid[blocks],
                 ),
                 inverse=self.inverse[blocks],
                 contacts=contacts,
                 fixed=fixed,
-                momentum=self.momentum[blocks],
                 graph=graph_of(contacts, len(blocks)),
                 regions=regions_of(contacts, fixed),
             ),

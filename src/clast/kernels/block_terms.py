@@ -1,0 +1,60 @@
+"""What each block contributes to K d = F by itself (equations/terms.py)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.kernels.block_rows import times
+from clast.kernels.compiled import kernel
+from clast.kernels.six import line, plus_scaled, put_line, put_row, row, zeros
+
+
+@kernel()
+def _inertia(b, mass_matrix, factor, matrix):
+    """Write M/(theta h2) into block b of the matrix."""
+    for a in range(6):
+        put_line(matrix, b, a, plus_scaled(zeros(), factor[b], line(mass_matrix, b, a)))
+
+
+@kernel()
+def _elasticity(b, area, elasticity, matrix):
+    """Add A E' on the strains to block b of the matrix."""
+    for i in range(3):
+        for j in range(3):
+            matrix[b, 3 + i, 3 + j] += area[b] * elasticity[b, i, j]
+
+
+@kernel()
+def _stress(b, area, stress, force):
+    """Add -A sigma to the strain rows of block b: initial stress and what has built up."""
+    for i in range(3):
+        force[b, 3 + i] -= area[b] * stress[b, i]
+
+
+@kernel()
+def _weight(b, mass, acceleration, force):
+    """Add rho A g, at the centroid, to block b."""
+    force[b, 0] += mass[b] * acceleration[0]
+    force[b, 1] += mass[b] * acceleration[1]
+
+
+@kernel()
+def terms(inertia, velocity, elastic, stress, mass, acceleration):
+    """Return K (n, 6, 6), F and its part that is momentum, M v/(theta h), (n, 6) each.
+
+    ``inertia``: mass matrix (n, 6, 6), 1/(theta h2) and 1/(theta h), (n,) each.  ``elastic``: area
+    (n,) and E' (n, 3, 3).  ``stress`` (n, 3) in Pa, ``acceleration`` (2,) of every mass, m/s2.
+    """
+    mass_matrix, mass_factor, momentum_factor = inertia
+    area, elasticity = elastic
+    matrix, force = np.empty_like(mass_matrix), np.empty_like(velocity)
+    momentum = np.empty_like(velocity)
+    for b in range(len(mass)):
+        _inertia(b, mass_matrix, mass_factor, matrix)
+        _elasticity(b, area, elasticity, matrix)
+        mv = times(mass_matrix, b, velocity, b)
+        put_row(momentum, b, plus_scaled(zeros(), momentum_factor[b], mv))
+        put_row(force, b, row(momentum, b))
+        _stress(b, area, stress, force)
+        _weight(b, mass, acceleration, force)
+    return matrix, force, momentum

@@ -1,0 +1,88 @@
+"""Works and energies of a step, summed up chunk by chunk (stepping/energy.py).
+
+Sums of many numbers keep their digits where parts of them are summed up first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.kernels.block_rows import CHUNK, chunks, times
+from clast.kernels.compiled import kernel
+from clast.kernels.shares import PART, parts
+from clast.kernels.six import plus_product, row, total, zeros
+
+
+@kernel()
+def _kinetic(b, mass_matrix, v):
+    """Return 1/2 v.M v of block b, J/m."""
+    return 0.5 * total(plus_product(zeros(), times(mass_matrix, b, v, b), row(v, b)))
+
+
+@kernel()
+def _strain_energy(b, area, compliance, stress):
+    """Return 1/2 A sigma.E'^-1 sigma of block b, J/m."""
+    energy = 0.0
+    for i in range(3):
+        for j in range(3):
+            energy += stress[b, i] * compliance[b, i, j] * stress[b, j]
+    return 0.5 * area[b] * energy
+
+
+@kernel()
+def of_blocks(motion, inertia, stresses, elastic, weights):
+    """Return energies and works of the blocks in a step, J/m, shape (8,).
+
+    Kinetic energy that entered and that left, work on inertia; elastic energy before and after,
+    work on the elastic terms; work of gravity, work of the inertial force.
+
+    ``motion``: d and the velocities that entered and left, (n, 6) each.  ``inertia``: mass matrix
+    (n, 6, 6), theta (n,) and h.  ``stresses``: before and after the step, unturned, Pa, (n, 3)
+    each.  ``elastic``: area (n,) and compliance (n, 3, 3).  ``weights``: mass (n,), gravity and the
+    acceleration of the inertial force, m/s2, (2,) each.
+    """
+    d, entering, leaving = motion
+    mass_matrix, theta, step = inertia
+    before, after = stresses
+    area, compliance = elastic
+    mass, gravity, inertial = weights
+    sums, force = np.zeros((chunks(len(d)), 8)), np.empty((1, 6))
+    for b in range(len(d)):
+        s = sums[b // CHUNK]
+        s[0] += _kinetic(b, mass_matrix, entering)
+        s[1] += _kinetic(b, mass_matrix, leaving)
+        for k in range(6):
+            force[0, k] = (d[b, k] / step - entering[b, k]) / (theta[b] * step)
+        s[2] += total(plus_product(zeros(), times(mass_matrix, b, force, 0), row(d, b)))
+        s[3] += _strain_energy(b, area, compliance, before)
+        s[4] += _strain_energy(b, area, compliance, after)
+        for k in range(3):
+            s[5] -= area[b] * after[b, k] * d[b, 3 + k]
+        s[6] += mass[b] * (gravity[0] * d[b, 0] + gravity[1] * d[b, 1])
+        s[7] += mass[b] * (inertial[0] * d[b, 0] + inertial[1] * d[b, 1])
+    result = np.zeros(8)
+    for part in sums:
+        result += part
+    return result
+
+
+@kernel()
+def of_contacts(forces, gaps, slip, stored):
+    """Return the work of contact forces, J/m, and the sums of what is ``stored``, shape (3,).
+
+    ``forces``: normal and shear, N/m; ``gaps``: at the start and the end, m; ``slip``, m;
+    ``stored``: energy and dissipation, J/m; (m,) each.
+    """
+    normal, shear = forces
+    start, end = gaps
+    energy, dissipation = stored
+    sums = np.zeros((parts(len(slip)), 3))
+    for c in range(len(slip)):
+        s = sums[c // PART]
+        s[0] += normal[c] * (end[c] - start[c]) + shear[c] * slip[c]
+        s[1] += energy[c]
+        s[2] += dissipation[c]
+    result = np.zeros(3)
+    for part in sums:
+        result += part
+    return result
