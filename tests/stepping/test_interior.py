@@ -13,6 +13,7 @@ from clast.stepping import newton
 from clast.stepping.interior import ITERATIONS, minimise_inside
 from clast.stepping.potential import Potential
 from clast.stepping.stages import Stages
+from clast.studies.bench.scenes import SCENES
 from systems import by_convex, heap, march, wall
 
 TOLERANCE = 1e-7
@@ -121,3 +122,20 @@ def test_many_stiff_contacts_call_for_it(monkeypatch):
     monkeypatch.setattr(newton, "INTERIOR", np.inf)
     alone = [result.counts for result in march(wall(20, 10), by_convex(2.5e11), 1e-3, 4e-3)]
     assert sum(count["passes"] for count in counts) < sum(count["passes"] for count in alone)
+
+
+@pytest.mark.parametrize(("share", "step"), [(1.0, 1e-2), (50.0, 1e-2), (1000.0, 1e-3)])
+def test_what_is_far_out_of_balance_does_not_creep(monkeypatch, share, step):
+    """A jointed slope set free: where mu is too small at first, hardly any way is free.
+
+    Without more rounding there the method needed 17 to 60 iterations, and was not done at 60.
+    """
+    potentials = caught(monkeypatch, SCENES["slope"].build(300), share * 5e9, step, 2.0 * step)
+    needed = []
+    for one in potentials:
+        enough = TOLERANCE**2 * one.yardstick()
+        found, iterations = inside(one, enough)
+        assert one.distance(found) <= enough
+        needed.append(iterations)
+    print(f"p = {share:g} E, h = {step:g} s: {needed} iterations")
+    assert max(needed) <= 32
