@@ -35,8 +35,8 @@ from clast.stepping.stages import Stages
 
 START = 0.1
 """Force at which the kinks are rounded to begin with, in units of the largest force on a block."""
-FREE = 0.5
-"""Share of the first way that should be free; if less is, the kinks are rounded that much more."""
+TIGHT, FREE = 0.15, 0.5
+"""Share of the first way below which hardly any of it is free, and share that then should be."""
 WIDEST = 1e3
 """Times that they are rounded more at once."""
 WIDENED = 2
@@ -222,7 +222,7 @@ def begun(
         system = linearised(conditions, conditions.centred(point, rounding), stages)
         counts["passes"] += 1
         predictor, limit = system.towards(0.0, conditions.no_way, factor, stages)
-        if limit >= FREE or widened == WIDENED:
+        if limit >= TIGHT or widened == WIDENED:
             return system, predictor, limit
         rounding, widened = rounding * FREE / max(limit, FREE / WIDEST), widened + 1
 
