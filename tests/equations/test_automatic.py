@@ -1,0 +1,77 @@
+"""What solver = "auto" does with a system: factorise it, or iterate as long as that is quicker."""
+
+import numpy as np
+import pytest
+
+from clast.equations.cholesky import CholeskyFactor
+from clast.equations.solvers import (
+    PCG,
+    SOFT,
+    Automatic,
+    Direct,
+    IteratedMatrix,
+    WithIncomplete,
+    WithLevels,
+    inertia_share,
+    inexact,
+)
+from clast.studies.bench.bandwidth import system_of_step
+from clast.studies.bench.scenes import SCENES
+from clast.studies.bench.scenes import wall as wall_of
+from systems import at_start, by_convex, open_ledger
+
+
+def wall(bricks):
+    return SCENES["wall"].build(bricks)
+
+
+def system_of(model, share, step):
+    """Return a system of blocks that have borne their weight for two steps."""
+    how = by_convex(share * 5e9, max_displacement=1.0)
+    state = open_ledger(model, how, at_start(model))
+    for _ in range(2):
+        state = how.process.step(model, how, state, step).state
+    return system_of_step(model, how, state, step)
+
+
+def way_of(factor):
+    """Return in one word how a system is solved."""
+    if isinstance(factor, CholeskyFactor):
+        return "factorised"
+    assert isinstance(factor, IteratedMatrix)
+    ways = {WithIncomplete: "incomplete", WithLevels: "levels"}
+    return ways[type(factor._iteration)]
+
+
+@pytest.mark.parametrize(
+    ("model", "step", "exact", "rough"),
+    [
+        (wall(60), 1e-3, "factorised", "factorised"),  # few
+        (wall(150), 1e-3, "incomplete", "incomplete"),  # inertia suffices
+        (wall_of(60, 2), 0.1, "factorised", "levels"),  # not: levels if only rough
+        (wall(2000), 0.1, "levels", "levels"),
+    ],
+)
+def test_the_way_suits_size_and_stiffness(model, step, exact, rough):
+    system = system_of(model, 1.0, step)
+    solver = Automatic()
+    print(f"{model.title}: share of inertia {inertia_share(system):.4f}")
+    assert (inertia_share(system) > SOFT) == ("levels" not in (exact, rough))
+    assert way_of(solver.factor(system)) == exact
+    assert way_of(inexact(solver, 1e-3).factor(system)) == rough
+
+
+@pytest.mark.parametrize(("share", "step"), [(1.0, 1e-3), (50.0, 1e-3), (50.0, 0.05)])
+def test_answers_are_those_of_a_factorisation(share, step):
+    """Whatever way is taken, and whether or not it is left for another."""
+    system = system_of(wall(150), share, step)
+    wanted = Direct().factor(system).solve(system.force)
+    found = Automatic().factor(system).solve(system.force)
+    assert np.abs(found - wanted).max() < 1e-6 * np.abs(wanted).max()
+
+
+def test_patience_bounds_the_iterations():
+    """An iteration that may take next to no time is not begun."""
+    system = system_of(wall(150), 1.0, 1e-3)
+    assert way_of(Automatic(patience=1e-3).factor(system)) == "factorised"
+    assert way_of(PCG().factor(system)) == "incomplete"
