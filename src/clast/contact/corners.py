@@ -69,41 +69,21 @@ class EntranceLines:
 
 def _shortest_exit(candidates: Candidates, vertices: Floats) -> Bools:
     """Return True for the edges of the shortest exit from the corners that are entered, (m,)."""
-    keep: Bools = kernel.bisector(
+    found = (
         candidates.group_start,
+        candidates.vertex,
         candidates.edge,
+        candidates.pair,
         candidates.gap,
         candidates.along,
         candidates.remembered,
-        candidates.critdis,
-        candidates.direction,
-        candidates.length,
-        candidates.vertex_block,
-        candidates.block_start,
     )
-    kernel.drop_not_entered(
-        keep,
-        candidates.vertex,
-        candidates.edge,
-        candidates.gap,
-        candidates.along,
+    outlines = (
         vertices,
         candidates.direction,
         candidates.length,
         candidates.vertex_block,
         candidates.block_start,
     )
-    kernel.drop_deeper_corners(
-        keep,
-        candidates.group_start,
-        candidates.pair,
-        candidates.vertex,
-        candidates.edge,
-        candidates.gap,
-        candidates.remembered,
-        candidates.direction,
-        candidates.length,
-        candidates.vertex_block,
-        candidates.block_start,
-    )
+    keep: Bools = kernel.shortest_exit(found, outlines, candidates.critdis)
     return keep

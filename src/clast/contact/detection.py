@@ -212,28 +212,31 @@ def _contacts(
 ) -> Contacts:
     """Return the candidates to be kept (m,) with memory, strength and levers."""
     found, memory = candidates, state.memory
-    vertex, edge, i, j, pair, gap, touching = kernel.chosen(
-        keep, found.vertex, found.edge, found.pair, found.gap, pairs, found.vertex_block
-    )
-    normal, foot, at_vertex, at_edge = kernel.places(
-        vertex, edge, i, j, gap, state.vertices, found.direction, centroid
-    )
-    # bonds exist only along joints that are closed at the start of the run
-    bond_reach = reach.critdis if state.time == 0.0 else -1.0
-    known, bonded, shear_force, normal_force, multiplier, mode = kernel.remembered(
-        recall(memory, vertex, j, edge),
-        gap,
-        bond_reach,
-        memory.bonded,
-        memory.shear_force,
-        memory.normal_force,
-        memory.multiplier,
-        memory.mode,
+    vertex, edge, i, j, pair, gap, foot, levers, touching = kernel.chosen(
+        keep,
+        (found.vertex, found.edge, found.pair, found.gap),
+        pairs,
+        (state.vertices, found.direction, found.vertex_block),
+        centroid,
     )
     joint = joints_of_pairs(model.joint_table, model.block_rock, touching)
-    friction, cohesion, tensile_strength = kernel.strengths(
-        joint, pair, bonded, *_strengths_of(model.joint_table.joints)
+    known, bonded, shear_force, normal_force, multiplier, mode, *strengths = kernel.carried(
+        recall(memory, vertex, j, edge),
+        gap,
+        # bonds exist only along joints that are closed at the start of the run
+        reach.critdis if state.time == 0.0 else -1.0,
+        (
+            memory.bonded,
+            memory.shear_force,
+            memory.normal_force,
+            memory.multiplier,
+            memory.mode,
+        ),
+        pair,
+        joint,
+        _strengths_of(model.joint_table.joints),
     )
+    friction, cohesion, tensile_strength = strengths
     return Contacts(
         vertex=vertex,
         edge=edge,
@@ -242,7 +245,7 @@ def _contacts(
         pair=pair,
         pairs=touching,
         gap=gap,
-        normal=normal,
+        normal=levers[:, :2],
         foot=foot,
         length=narrow_phase.contact_lengths(
             vertex,
@@ -256,7 +259,7 @@ def _contacts(
             found.length,
             reach.critdis,
         ),
-        levers=levers_of(displacement, at_vertex, at_edge, normal),
+        levers=levers_of(displacement, levers),
         friction=friction,
         cohesion=cohesion,
         tensile_strength=tensile_strength,

@@ -34,17 +34,16 @@ def by_offsets(displacement: DisplacementFunction) -> TypeIs[ByOffsets]:
     return hasattr(displacement, "displacements")
 
 
-def levers_of(
-    displacement: DisplacementFunction, at_vertex: Floats, at_edge: Floats, normal: Floats
-) -> Floats:
-    """Return what contacts with normals (m, 2) are in the equations (kernels/levers.py).
+def levers_of(displacement: DisplacementFunction, levers: Floats) -> Floats:
+    """Return what contacts are in the equations (kernels/levers.py).
 
-    ``at_vertex`` (m, 2) and ``at_edge`` (m, 2) are the offsets of the vertex and of its foot from
-    the centroids of their blocks, m.  Shape (m, 6), or for a displacement function that is known by
-    its basis alone (m, 4, 6).
+    ``levers`` (m, 6) are their normals and the offsets of vertex and foot from the centroids of
+    their blocks, m.  Shape (m, 6), or for a displacement function that is known by its basis alone
+    (m, 4, 6).
     """
     if by_offsets(displacement):
-        return np.concatenate([normal, at_vertex, at_edge], axis=1)
+        return levers
+    normal, at_vertex, at_edge = (levers[:, k : k + 2] for k in (0, 2, 4))
     tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
     i, j = displacement.basis(at_vertex), displacement.basis(at_edge)
     return np.stack(

@@ -44,9 +44,8 @@ Graph = tuple[Ints, Ints, Ints, Ints]
 
 def graph_of(contacts: Contacts, count: int) -> Graph:
     """Return which pairs ``count`` blocks belong to and which contacts those have."""
-    start = assembly.first_of_pairs(contacts.pair, len(contacts.pairs))
-    right, left, listed = block_rows.row_pointers(count, contacts.pairs)
-    return start, right, left, listed
+    graph: Graph = assembly.graph(count, contacts.pairs, contacts.pair)
+    return graph
 
 
 def inverse_of_blocks(diagonal: Floats) -> Floats:

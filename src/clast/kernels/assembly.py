@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from clast.kernels.block_rows import CHUNK, SHARED, chunks, times
+from clast.kernels.block_rows import CHUNK, SHARED, chunks, row_pointers, times
 from clast.kernels.compiled import kernel
 from clast.kernels.levers import couple, finish_own, force_on, gather_own, relative_motion
 from clast.kernels.shares import MANY, PART, parts
@@ -74,14 +74,19 @@ def add_contacts(
 
 
 @kernel()
-def first_of_pairs(pair, count):
-    """Return the first contact of each of ``count`` pairs, shape (count + 1,); contacts by pair."""
-    start = np.zeros(count + 1, np.int64)
+def graph(count, pairs, pair):
+    """Return the first contact of each pair, shape (q + 1,), and the rows of the ``pairs`` (q, 2).
+
+    ``pair`` (m,) is the pair of each contact, in ascending order.  The rows are right, left and
+    listed of ``count`` blocks (kernels/block_rows.py).
+    """
+    start = np.zeros(len(pairs) + 1, np.int64)
     for q in pair:
         start[q + 1] += 1
-    for q in range(count):
+    for q in range(len(pairs)):
         start[q + 1] += start[q]
-    return start
+    right, left, listed = row_pointers(count, pairs)
+    return start, right, left, listed
 
 
 @kernel()

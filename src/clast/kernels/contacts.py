@@ -8,18 +8,25 @@ from clast.kernels.compiled import kernel
 
 
 @kernel()
-def chosen(keep, vertex, edge, pair, gap, pairs, vertex_block):
-    """Return the candidates that are kept: vertex, edge, their blocks, pair, gap, each (m,).
+def chosen(keep, found, pairs, outlines, centroid):
+    """Return the candidates that are kept, and the pairs of blocks that share contacts, (q, 2).
 
-    The pairs of blocks are numbered anew, without those that share no contact; they come last,
-    shape (q, 2).  Candidates are in order of their pairs.
+    Vertex, edge, their blocks, pair, gap, (m,) each; foot of the vertex (m, 2); normal and offsets,
+    m, of vertex and foot from the centroids of their blocks, (m, 6).  The pairs of blocks are
+    numbered anew, without those that share no contact.
+
+    ``found`` are vertex, edge, pair and gap of the candidates, in order of their pairs;
+    ``outlines`` the vertices, directions of the edges and block of each vertex.
     """
+    vertex, edge, pair, gap = found
+    vertices, direction, vertex_block = outlines
     count = 0
     for c in range(len(keep)):
         count += keep[c]
-    vertices, edges = np.empty(count, np.int64), np.empty(count, np.int64)
+    points, edges = np.empty(count, np.int64), np.empty(count, np.int64)
     i, j = np.empty(count, np.int64), np.empty(count, np.int64)
     number, gaps = np.empty(count, np.int64), np.empty(count)
+    foot, levers = np.empty((count, 2)), np.empty((count, 6))
     touching = np.empty((min(count, len(pairs)), 2), np.int64)
     at, q, last = 0, -1, -1
     for c in range(len(keep)):
@@ -29,59 +36,37 @@ def chosen(keep, vertex, edge, pair, gap, pairs, vertex_block):
             last = pair[c]
             q += 1
             touching[q, 0], touching[q, 1] = pairs[last, 0], pairs[last, 1]
-        vertices[at], edges[at], gaps[at], number[at] = vertex[c], edge[c], gap[c], q
-        i[at], j[at] = vertex_block[vertex[c]], vertex_block[edge[c]]
-        at += 1
-    return vertices, edges, i, j, number, gaps, touching[: q + 1]
-
-
-@kernel()
-def places(vertex, edge, i, j, gap, vertices, direction, centroid):
-    """Return normal and foot of the contacts, and the offsets of vertex and foot, each (m, 2).
-
-    Offsets, m, are from the centroids of the blocks of vertex and edge.
-    """
-    count = len(vertex)
-    normal, foot = np.empty((count, 2)), np.empty((count, 2))
-    at_vertex, at_edge = np.empty((count, 2)), np.empty((count, 2))
-    for c in range(count):
         p, e = vertex[c], edge[c]
-        normal[c, 0], normal[c, 1] = direction[e, 1], -direction[e, 0]
+        points[at], edges[at], gaps[at], number[at] = p, e, gap[c], q
+        i[at], j[at] = vertex_block[p], vertex_block[e]
+        levers[at, 0], levers[at, 1] = direction[e, 1], -direction[e, 0]
         for x in range(2):
-            foot[c, x] = vertices[p, x] - gap[c] * normal[c, x]
-            at_vertex[c, x] = vertices[p, x] - centroid[i[c], x]
-            at_edge[c, x] = foot[c, x] - centroid[j[c], x]
-    return normal, foot, at_vertex, at_edge
+            foot[at, x] = vertices[p, x] - gap[c] * levers[at, x]
+            levers[at, 2 + x] = vertices[p, x] - centroid[i[at], x]
+            levers[at, 4 + x] = foot[at, x] - centroid[j[at], x]
+        at += 1
+    return points, edges, i, j, number, gaps, foot, levers, touching[: q + 1]
 
 
 @kernel()
-def strengths(joint, pair, bonded, tangent, cohesion, tensile_strength):
-    """Return tan(phi), cohesion and tensile strength of the contacts, each (m,), 0 once broken.
+def carried(row, gap, bond_reach, memory, pair, joint, strengths):
+    """Return what contacts remember, and the strength that they have left, each (m,).
 
-    ``joint`` (q,) is the joint of each pair of blocks; the strengths are those of the joints.
+    Whether they are known and bonded, shear force, normal force, multiplier, mode; tan(phi),
+    cohesion and tensile strength, the last two 0 once broken.
+
+    ``row`` (m,) is the row of a contact in ``memory`` (bonded, shear force, normal force,
+    multiplier, mode) or -1: then it carries nothing, and it is bonded where the gap is within
+    ``bond_reach``, m.  ``joint`` (q,) is the joint of each pair of blocks, ``strengths`` tan(phi),
+    cohesion and tensile strength of the joints.
     """
-    count = len(pair)
-    friction = np.empty(count)
-    c_left, t_left = np.zeros(count), np.zeros(count)
-    for c in range(count):
-        one = joint[pair[c]]
-        friction[c] = tangent[one]
-        if bonded[c]:
-            c_left[c], t_left[c] = cohesion[one], tensile_strength[one]
-    return friction, c_left, t_left
-
-
-@kernel()
-def remembered(row, gap, bond_reach, bonded, shear_force, normal_force, multiplier, mode):
-    """Return known, bonded, shear force, normal force, multiplier and mode of contacts, each (m,).
-
-    ``row`` (m,) is the memory row of a contact or -1: then it carries nothing, and it is bonded
-    where the gap is within ``bond_reach``, m.
-    """
+    bonded, shear_force, normal_force, multiplier, mode = memory
+    tangent, cohesion, tensile_strength = strengths
     count = len(row)
     known, intact = np.empty(count, np.bool_), np.empty(count, np.bool_)
     shear, normal, lagrange = np.zeros(count), np.zeros(count), np.zeros(count)
-    modes = np.zeros(count, np.int64)
+    modes, friction = np.zeros(count, np.int64), np.empty(count)
+    c_left, t_left = np.zeros(count), np.zeros(count)
     for c in range(count):
         r = row[c]
         known[c] = r >= 0
@@ -90,4 +75,8 @@ def remembered(row, gap, bond_reach, bonded, shear_force, normal_force, multipli
             shear[c], normal[c], lagrange[c] = shear_force[r], normal_force[r], multiplier[r]
         else:
             intact[c] = abs(gap[c]) <= bond_reach
-    return known, intact, shear, normal, lagrange, modes
+        one = joint[pair[c]]
+        friction[c] = tangent[one]
+        if intact[c]:
+            c_left[c], t_left[c] = cohesion[one], tensile_strength[one]
+    return known, intact, shear, normal, lagrange, modes, friction, c_left, t_left

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
 from clast.kernels.compiled import kernel
 from clast.kernels.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
+from clast.kernels.shares import PART, parts
 
 
 @kernel()
@@ -41,23 +43,22 @@ def _loses_flat_corner(e, f, along_e, along_f, length, first, last):
 
 
 @kernel()
-def bisector(
-    group_start, edge, gap, along, remembered, critdis, direction, length, edge_block, block_start
-):
-    """Return True for the candidates that the angle bisector keeps, shape (m,).
+def _bisect(low, high, found, outlines, critdis, keep):
+    """Keep the candidates of groups ``low`` to ``high`` - 1 that the angle bisector keeps.
 
     At a convex corner of edges E1, E2 the vertex lies on E1's side of the bisector exactly where
     its signed gap to E1 exceeds the gap to E2 (Yu & Yin 2015), inside and outside the block
     alike.  On the bisector the remembered edge stays, else the lower index is taken.  ``critdis``
     is the length by which edges are extended.
     """
-    keep = np.zeros(len(edge), np.bool_)
-    for g in range(len(group_start) - 1):
+    group_start, _, edge, _, gap, along, remembered = found
+    _, direction, length, vertex_block, block_start = outlines
+    for g in range(low, high):
         start, stop = group_start[g], group_start[g + 1]
         if stop - start == 1:
             keep[start] = True
             continue
-        j = edge_block[edge[start]]
+        j = vertex_block[edge[start]]
         first, last = block_start[j], block_start[j + 1]
         alive = np.ones(stop - start, np.bool_)
         for a in range(start, stop):
@@ -112,7 +113,6 @@ def bisector(
                 a, start, stop, edge, along, keep, critdis, direction, length, first, last
             ):
                 keep[a] = False
-    return keep
 
 
 @kernel()
@@ -194,15 +194,15 @@ def _is_entrance_passed(p, e, along, vertices, direction, length, block_start, i
 
 
 @kernel()
-def drop_not_entered(
-    keep, vertex, edge, gap, along, vertices, direction, length, vertex_block, block_start
-):
+def _drop_not_entered(low, high, found, outlines, keep):
     """Drop vertices that have passed one line of a corner but are not inside it, in place.
 
     Beside a sharp corner a vertex can lie behind an edge, its foot on it, and yet outside the
-    block, on the other side of the wedge.
+    block, on the other side of the wedge.  Of candidates ``low`` to ``high`` - 1.
     """
-    for c in range(len(edge)):
+    _, vertex, edge, _, gap, along, _ = found
+    vertices, direction, length, vertex_block, block_start = outlines
+    for c in range(low, high):
         if keep[c] and gap[c] < 0.0:
             i, j = vertex_block[vertex[c]], vertex_block[edge[c]]
             keep[c] = _is_entrance_passed(
@@ -234,40 +234,30 @@ def _meets(p, e, q, a, direction, vertex_block, block_start):
 
 
 @kernel()
-def _are_known(group_start, remembered, count):
-    """Return True for the candidates of a (vertex, block) that was in contact before, (count,)."""
-    known = np.zeros(count, np.bool_)
-    for g in range(len(group_start) - 1):
+def _are_known(low, high, group_start, remembered, known):
+    """Say of the candidates of groups ``low`` to ``high`` - 1 whether they were in contact before.
+
+    That is whether their vertex was with any edge of the same block.
+    """
+    for g in range(low, high):
         known[group_start[g] : group_start[g + 1]] = remembered[g] >= 0
-    return known
 
 
 @kernel()
-def drop_deeper_corners(
-    keep,
-    group_start,
-    pair,
-    vertex,
-    edge,
-    gap,
-    remembered,
-    direction,
-    length,
-    vertex_block,
-    block_start,
-):
+def _drop_deeper_corners(low, high, found, outlines, known, keep):
     """Keep one contact where two corners are inside each other (vertex to vertex), in place.
 
     Vertex P of block i is behind edge e of block j that ends at Q, and Q behind an edge a of i
     that ends at P.  Moving out along either normal parts the corners, so that the shortest exit
     counts, as at one corner: the larger gap; on a tie the contact that is remembered, else the
-    lower vertex.
+    lower vertex.  Of candidates ``low`` to ``high`` - 1, all of some pairs of blocks.
     """
-    known = _are_known(group_start, remembered, len(edge))
-    start = 0
-    while start < len(edge):
+    _, vertex, edge, pair, gap, _, _ = found
+    _, direction, length, vertex_block, block_start = outlines
+    start = low
+    while start < high:
         stop = start + 1
-        while stop < len(edge) and pair[stop] == pair[start]:
+        while stop < high and pair[stop] == pair[start]:
             stop += 1
         for c in range(start, stop):
             for d in range(c + 1, stop):
@@ -284,6 +274,43 @@ def drop_deeper_corners(
                     first_stays = p < q
                 keep[d if first_stays else c] = False
         start = stop
+
+
+@kernel()
+def _next_pair(g, group_start, pair):
+    """Return the first group from ``g`` on with which a pair of blocks begins."""
+    groups = len(group_start) - 1
+    while 0 < g < groups and pair[group_start[g]] == pair[group_start[g] - 1]:
+        g += 1
+    return min(g, groups)
+
+
+@kernel(parallel=True)
+def _exits_of_parts(found, outlines, critdis, known, keep):
+    group_start, _, _, pair, _, _, remembered = found
+    for part in prange(parts(len(remembered))):
+        first = _next_pair(part * PART, group_start, pair)
+        last = _next_pair((part + 1) * PART, group_start, pair)
+        low, high = group_start[first], group_start[last]
+        _bisect(first, last, found, outlines, critdis, keep)
+        _drop_not_entered(low, high, found, outlines, keep)
+        _are_known(first, last, group_start, remembered, known)
+        _drop_deeper_corners(low, high, found, outlines, known, keep)
+
+
+@kernel()
+def shortest_exit(found, outlines, critdis):
+    """Return True for the candidates of the shortest exits from corners that are entered, (m,).
+
+    ``found``: group starts, vertex, edge, pair, gap, distance along the edge, and the remembered
+    edge of each group or -1.  ``outlines``: vertices, direction and length of the edges that start
+    there, block of each vertex, first vertex of each block.  ``critdis`` is the length, m, by which
+    edges are extended.
+    """
+    keep = np.zeros(len(found[1]), np.bool_)
+    known = np.zeros(len(keep), np.bool_)
+    _exits_of_parts(found, outlines, critdis, known, keep)
+    return keep
 
 
 @kernel()
@@ -307,7 +334,8 @@ def one_vertex_per_joint_end(
     Corners P and Q coincide where they are within critdis.  The vertex that was in contact
     before stays; else the one whose foot lies on the other block's edge, else the lower one.
     """
-    known = _are_known(group_start, remembered, len(edge))
+    known = np.zeros(len(edge), np.bool_)
+    _are_known(0, len(remembered), group_start, remembered, known)
     start = 0
     while start < len(edge):
         stop = start + 1
