@@ -45,6 +45,8 @@ def held(*things: object) -> int:
     for thing in things:
         for value in vars(thing).values():
             if isinstance(value, np.ndarray):
-                owner = value if value.base is None else value.base
-                sizes[id(owner)] = int(getattr(owner, "nbytes", value.nbytes))
+                owner = value
+                while isinstance(owner.base, np.ndarray):
+                    owner = owner.base
+                sizes[id(owner)] = owner.nbytes
     return sum(sizes.values())
