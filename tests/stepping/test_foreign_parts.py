@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from clast.contact.arrays import ContactResponse
+from clast.contact.rows import levers_of, movement
+from clast.kinematics.first_order import FirstOrder
+from clast.stepping.advance import move
 from clast.stepping.convex import Convex
 from clast.stepping.modified import ImplicitFriction, Modified
 from systems import at_start, box, centroids, incline, march, method, slide, system
@@ -122,3 +125,36 @@ def test_rigid_displacement_function_drives_the_incline(process):
     assert np.array_equal(last.state.stress, np.zeros((2, 3)))
     sides = np.hypot(*np.diff(last.state.vertices[3:], axis=0).T)
     assert sides == pytest.approx(np.hypot(*np.diff(model.vertices[3:], axis=0).T), rel=1e-12)
+
+
+@dataclass(frozen=True)
+class OwnPlace(FirstOrder):
+    """The built-in one but for where it places points: a metre further to the right."""
+
+    def place(self, offset, displacement):
+        """Return the new offsets (m, 2)."""
+        return super().place(offset, displacement) + np.array([1.0, 0.0])
+
+
+@dataclass(frozen=True)
+class OwnBasis(FirstOrder):
+    """The built-in one but for its basis, that of blocks that do not strain."""
+
+    def basis(self, offset):
+        """Return T (m, 2, 6)."""
+        return Rigid().basis(offset)
+
+
+def test_what_a_displacement_function_replaces_is_asked_for():
+    """Kernels that know the built-in one by heart do not go past a method of its own."""
+    offset, d = np.array([[0.5, -0.25]]), np.array([[0.1, 0.2, 0.05, 0.3, -0.2, 0.1]])
+    at, block = np.array([[2.5, 1.75]]), np.zeros(1, np.int64)
+    usual = move(FirstOrder(), at, block, at - offset, d)
+    placed = move(OwnPlace(), at, block, at - offset, d)
+    assert placed - usual == pytest.approx(np.array([[1.0, 0.0]]))
+    levers = np.array([[0.6, 0.8, 0.5, 0.5, -0.5, 0.25]])
+    assert levers_of(FirstOrder(), levers) is levers
+    rows, rigid = levers_of(OwnBasis(), levers), levers_of(Rigid(), levers)
+    assert np.array_equal(rows, rigid)
+    wanted = np.einsum("kxi,ki->kx", Rigid().basis(offset), d)
+    assert movement(OwnBasis(), offset, d, block) == pytest.approx(wanted)

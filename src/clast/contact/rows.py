@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -29,9 +30,24 @@ class ByOffsets(DisplacementFunction, Protocol):
         ...
 
 
+@lru_cache(maxsize=64)
+def _by_one_class(kind: type, *names: str) -> bool:
+    """Return True where all these methods of a class are defined by the same class.
+
+    One that takes over all of another but a method of its own would else not be asked for that.
+    """
+    defining = [next((one for one in kind.__mro__ if name in vars(one)), None) for name in names]
+    return None not in defining and len(set(defining)) == 1
+
+
 def by_offsets(displacement: DisplacementFunction) -> TypeIs[ByOffsets]:
     """Return True where kernels need no basis but the offsets."""
-    return hasattr(displacement, "displacements")
+    return _by_one_class(type(displacement), "basis", "displacements")
+
+
+def places_at_once(displacement: DisplacementFunction) -> TypeIs[ByOffsets]:
+    """Return True where ``movements`` gives what ``place`` gives, for all points together."""
+    return _by_one_class(type(displacement), "place", "movements")
 
 
 def levers_of(displacement: DisplacementFunction, levers: Floats) -> Floats:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.contact.rows import by_offsets
+from clast.contact.rows import places_at_once
 from clast.equations.frames import BlockFrames
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import DisplacementFunction, Method
@@ -67,7 +67,7 @@ def move(
     Written as position + movement, so that a block that does not move keeps every bit.
     """
     offset: Floats = polygon.offsets(positions, block, centroid)
-    if by_offsets(displacement):
+    if places_at_once(displacement):
         return positions + displacement.movements(offset, unknowns, block)
     return positions + (displacement.place(offset, unknowns.take(block, axis=0)) - offset)
 
