@@ -67,8 +67,8 @@ Apart from the runs above, on the machine named:
 - `--threads 2`, medians of five runs of one and two threads in turns: 1.60 times as fast on a
   wall of 10,026 blocks at 1 ms, 1.49 at 5 ms, 1.56 on a slope of 10,000 at 1 ms, 1.20 on a heap of
   10,000, 1.2 to 1.3 on a wall of 1,000 at 1 ms, no difference below 800; the same results to the
-  last bit (docs/decisions/0024). Two threads together get no more than 1.3 to 1.5 times the
-  memory's rate that one gets.
+  last bit (docs/decisions/0024). In most runs two threads together get 1.3 times the rate of
+  memory that one gets, so that more cannot be had once data leave the cache.
 """
 PEER_HEADINGS = ("program", "wall time per simulated second", "drift", "overlap", "remark")
 BENCH_HEADINGS = (
