@@ -139,3 +139,16 @@ def test_what_is_far_out_of_balance_does_not_creep(monkeypatch, share, step):
         needed.append(iterations)
     print(f"p = {share:g} E, h = {step:g} s: {needed} iterations")
     assert max(needed) <= 32
+
+
+def test_blocks_without_weight_collide():
+    """Momentum is the only force then: the kinks are rounded by its measure."""
+    model = SCENES["slope"].build(300)
+    speed = np.random.default_rng(0).normal(size=(model.block_count, 2))
+    velocity = np.where(model.fixed[:, None], 0.0, np.pad(speed, ((0, 0), (0, 4))))
+    model = replace(model, gravity=np.zeros(2), velocity=velocity)
+    results = march(model, by_convex(2.5e11, max_displacement=1.0), 5e-3, 0.01)
+    assert sum(result.counts.get("interior", 0) for result in results) > 0
+    kinetic = [result.state.ledger.kinetic for result in results]
+    assert 0.0 < kinetic[-1] < kinetic[0]
+    assert max(result.penetration for result in results) < 1e-3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -288,7 +289,7 @@ class Automatic:
     def _stiff(self, system: BlockSystem) -> LinearSolver:
         """Return the solver for a system with little inertia: levels, if they can be quicker."""
         limit = self._limit(system, LEVELS_ITERATION)
-        if limit < LEVELS_PER_DIGIT * -np.log10(self.tolerance):
+        if limit < LEVELS_PER_DIGIT * -math.log10(self.tolerance):
             return Direct()
         return PCG(tolerance=self.tolerance, iterations=limit, plain=0)
 

@@ -14,20 +14,9 @@ from clast.contact.arrays import ContactResponse, Contacts
 from clast.equations.frames import BlockFrames, block_frames
 from clast.equations.terms import fixed_point_rows, load_rows
 from clast.interfaces import Method
-from clast.kernels import assembly, works
+from clast.kernels import works
 from clast.model import Floats, Model
 from clast.state import Ledger, State
-
-
-def kinetic_energy(frames: BlockFrames, velocity: Floats) -> float:
-    """Return 1/2 v.M v, J/m."""
-    return 0.5 * float(assembly.form(frames.mass_matrix, velocity))
-
-
-def elastic_energy(model: Model, stress: Floats) -> float:
-    """Return the strain energy 1/2 A sigma.E'^-1 sigma of the blocks, J/m."""
-    strain = np.einsum("nij,nj->ni", model.compliance, stress)
-    return 0.5 * float(np.sum(model.area[:, None] * stress * strain))
 
 
 def fixed_point_energy(model: Model, stiffness: float, drift: Floats) -> float:
@@ -38,9 +27,15 @@ def fixed_point_energy(model: Model, stiffness: float, drift: Floats) -> float:
 def opening(model: Model, method: Method, state: State) -> Ledger:
     """Return the ledger of a state at the start of a run: what it holds already."""
     frames = block_frames(model, method.displacement, state)
-    return Ledger(
-        kinetic=kinetic_energy(frames, state.velocity), elastic=elastic_energy(model, state.stress)
+    velocity, stress = state.velocity, state.stress
+    energies = works.of_blocks(  # those of a step in which nothing moves
+        (np.zeros_like(velocity), velocity, velocity),
+        (frames.mass_matrix, np.ones(model.block_count), 1.0),
+        (stress, stress),
+        (model.area, model.compliance),
+        (model.mass, model.gravity, model.gravity),
     )
+    return Ledger(kinetic=float(energies[0]), elastic=float(energies[3]))
 
 
 def created(ledger: Ledger, first: Ledger) -> float:

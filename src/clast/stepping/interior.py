@@ -30,7 +30,7 @@ from clast.equations.system import BlockSystem, contact_motions, symmetric_syste
 from clast.kernels import interior as kernel
 from clast.kernels.interior import NORMAL, SHEAR
 from clast.model import Floats
-from clast.stepping.potential import Point, Potential
+from clast.stepping.potential import MOMENTUM_SHARE, Point, Potential
 from clast.stepping.stages import Stages
 
 START = 0.1
@@ -88,9 +88,13 @@ class Conditions:
         )
 
     def largest_force(self) -> float:
-        """Return the largest force on a block but for momentum, N/m."""
-        forces = self.potential.base.force - self.potential.base.momentum
-        return float(np.abs(forces[:, :2]).max())
+        """Return the largest force on a block, N/m; momentum counts with MOMENTUM_SHARE of it.
+
+        It is all there is where blocks collide without any weight.
+        """
+        momentum = self.potential.base.momentum[:, :2]
+        others = self.potential.base.force[:, :2] - momentum
+        return float(max(np.abs(others).max(), MOMENTUM_SHARE * np.abs(momentum).max()))
 
     def centred(self, point: Point, rounding: float) -> Iterate:
         """Return the iterate at ``point`` whose normal products are all the same.
@@ -204,27 +208,51 @@ def linearised(conditions: Conditions, at: Iterate, stages: Stages) -> Linearise
     )
 
 
+@dataclass(frozen=True, kw_only=True)
+class Predicted:
+    """The conditions about an iterate, and what goes to zero products from there."""
+
+    system: Linearised
+    predictor: Iterate
+    limit: float
+    """How far the predictor may be gone before something that is positive becomes zero."""
+
+
+def predicted(
+    conditions: Conditions,
+    at: Iterate,
+    factor: FactorOfStep,
+    counts: dict[str, int],
+    stages: Stages,
+) -> Predicted:
+    """Return the system about ``at`` with its predictor; ``counts`` is added to."""
+    system = linearised(conditions, at, stages)
+    counts["passes"] += 1
+    predictor, limit = system.towards(0.0, conditions.no_way, factor, stages)
+    return Predicted(system=system, predictor=predictor, limit=limit)
+
+
 def begun(
     conditions: Conditions,
     point: Point,
     factor: FactorOfStep,
     counts: dict[str, int],
     stages: Stages,
-) -> tuple[Linearised, Iterate, float]:
-    """Return the first system about ``point``, the predictor there, and how far that can be gone.
+) -> Predicted:
+    """Return the first system about ``point`` with its predictor.
 
     Where mu is small beside what is out of balance hardly anything of the way is free: contacts
     that should open have next to no clearance, and the iterations creep along the bounds.  The
     kinks are then rounded so much more that about FREE of the way should be.
     """
-    rounding, widened = START * conditions.largest_force(), 0
-    while True:
-        system = linearised(conditions, conditions.centred(point, rounding), stages)
-        counts["passes"] += 1
-        predictor, limit = system.towards(0.0, conditions.no_way, factor, stages)
-        if limit >= TIGHT or widened == WIDENED:
-            return system, predictor, limit
-        rounding, widened = rounding * FREE / max(limit, FREE / WIDEST), widened + 1
+    rounding = START * conditions.largest_force()
+    first = predicted(conditions, conditions.centred(point, rounding), factor, counts, stages)
+    for _ in range(WIDENED):
+        if first.limit >= TIGHT:
+            break
+        rounding *= FREE / max(first.limit, FREE / WIDEST)
+        first = predicted(conditions, conditions.centred(point, rounding), factor, counts, stages)
+    return first
 
 
 def minimise_inside(
@@ -243,12 +271,12 @@ def minimise_inside(
     """
     conditions = Conditions(potential=potential, limits=limits)
     best, distance = point, potential.distance(point)
-    system, predictor, limit = begun(conditions, point, factor, counts, stages)
+    now = begun(conditions, point, factor, counts, stages)
     for _ in range(ITERATIONS):
+        system, predictor = now.system, now.predictor
         mu = conditions.mean_product(system.at, predictor, 0.0)
-        predicted = conditions.mean_product(system.at, predictor, min(1.0, limit))
-        target = mu * (predicted / mu) ** REDUCTION
-        way, limit = system.towards(target, predictor, factor, stages)
+        left = conditions.mean_product(system.at, predictor, min(1.0, now.limit))
+        way, limit = system.towards(mu * (left / mu) ** REDUCTION, predictor, factor, stages)
         at = system.at.moved(way, min(1.0, STEP_SHARE * limit))
         with stages("law"):
             point = potential.at(at.unknowns)
@@ -257,9 +285,7 @@ def minimise_inside(
             best, distance = point, found
         if distance <= enough or mu < SMALLEST * enough:
             break
-        system = linearised(conditions, at, stages)
-        counts["passes"] += 1
-        predictor, limit = system.towards(0.0, conditions.no_way, factor, stages)
+        now = predicted(conditions, at, factor, counts, stages)
     return best
 
 

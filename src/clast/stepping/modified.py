@@ -16,7 +16,7 @@ from clast.contact.arrays import ContactResponse, Contacts
 from clast.contact.detection import Reach, detect
 from clast.equations.frames import block_frames
 from clast.equations.reuse import FactorOfStep
-from clast.equations.system import assemble, gap_at_end, slip_in_step
+from clast.equations.system import assemble, contact_motions, slip_in_step
 from clast.equations.terms import DiagonalTerms, diagonal_terms
 from clast.interfaces import ContactLaw, Method, StepResult
 from clast.model import Floats, Model
@@ -187,7 +187,8 @@ def pass_result(
     factor: FactorOfStep,
 ) -> PassResult:
     """Return what a solve leaves; ``seen`` are gap and slip (m,) where the law was linearised."""
-    gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
+    opening, slip = contact_motions(contacts, unknowns)
+    gap = contacts.gap + opening
     response = law.respond(contacts, gap, slip)
     return PassResult(
         unknowns=unknowns,
