@@ -109,8 +109,10 @@ def test_levels(benchmark, wall):
 
 def test_iteration(benchmark, wall):
     found, force = levels_of(wall.system), wall.system.force
-    levels = (found.levels, found.last, found.factor, found.work, force, np.zeros_like(force))
-    d, iterations, reduction = benchmark(multilevel.solve, *levels, 1e-6, 400)
+    matrix, levels = found.matrix, (found.levels, found.last, found.factor, found.work)
+    d, iterations, reduction = benchmark(
+        multilevel.solve, matrix, *levels, force, np.zeros_like(force), 1e-6, 400
+    )
     assert reduction <= 1e-6
     assert iterations < 100
     assert np.isfinite(d).all()

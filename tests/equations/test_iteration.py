@@ -9,13 +9,20 @@ from test_multilevel import elastic_grid
 
 from clast.contact.arrays import ContactResponse
 from clast.equations.cholesky import Cholesky, CholeskyFactor
+from clast.equations.multilevel import levels_of
 from clast.equations.reuse import FactorOfStep
 from clast.equations.solvers import (
+    HEAVY,
+    LIGHT,
     PCG,
+    ROUGH,
     SOFT,
     IteratedMatrix,
     WithIncomplete,
-    inertia_share,
+    WithLevels,
+    inertia_shares,
+    precision_for,
+    precision_of_cycle,
     with_incomplete,
 )
 from clast.kernels import conjugate
@@ -77,7 +84,7 @@ def test_the_share_of_inertia_is_what_a_common_translation_feels():
         everywhere = np.tile(two, (len(one.diagonal), 1))
         felt = np.trace(everywhere.T @ dense(one) @ everywhere)
         own = sum(np.trace(block[:2, :2]) for block in one.diagonal)
-        assert inertia_share(one) == pytest.approx(felt / own, rel=1e-9)
+        assert inertia_shares(one)[0] == pytest.approx(felt / own, rel=1e-9)
 
 
 def test_blocks_that_are_coupled_to_none_do_not_count_in_the_share():
@@ -86,13 +93,70 @@ def test_blocks_that_are_coupled_to_none_do_not_count_in_the_share():
     diagonal = np.concatenate([one.diagonal, [1e12 * np.eye(6)]])
     rows = row_pointers(len(diagonal), one.pairs)
     wider = replace(one, diagonal=diagonal, rows=rows)
-    assert inertia_share(wider) == pytest.approx(inertia_share(one))
-    assert inertia_share(replace(one, upper=np.zeros_like(one.upper))) == 1.0
+    assert inertia_shares(wider)[0] == pytest.approx(inertia_shares(one)[0])
+    assert inertia_shares(replace(one, upper=np.zeros_like(one.upper))) == (1.0, 1.0)
+
+
+def test_the_least_share_of_inertia_is_that_of_the_weakest_block_in_its_weakest_direction():
+    sheet = heavier(elastic_grid(5, 5), 1e5)
+    light = sheet.diagonal.copy()
+    light[12, :2, :2] += 0.99e5 * np.array([[-0.5, 0.5], [0.5, -0.5]])
+    one = replace(sheet, diagonal=light)
+    rest = dense(one).reshape(25, 6, 25, 6).sum(axis=2)[:, :2, :2]
+    own = np.trace(light[:, :2, :2], axis1=1, axis2=2)
+    shares = 2.0 * np.linalg.eigvalsh(rest)[:, 0] / own
+    assert shares.argmin() == 12
+    assert inertia_shares(one)[1] == pytest.approx(shares[12], rel=1e-9)
+    assert shares[12] < 0.1 * np.delete(shares, 12).min()
+
+
+def test_couplings_are_read_in_single_precision_where_that_is_enough():
+    heavy = heavier(elastic_grid(10, 10, stiffness=1e6 / 3.0), 1e7)
+    kinds = {}
+    for tolerance in (1e-3, 1e-8):
+        matrix = PCG(tolerance=tolerance).factor(heavy)
+        kinds[tolerance] = matrix._iteration.matrix[1].dtype
+        wanted = Cholesky().factor(heavy).solve(heavy.force)
+        assert np.abs(matrix.solve(heavy.force) - wanted).max() <= 2.0 * tolerance
+        assert matrix.next_solver is None
+    assert kinds == {1e-3: np.float32, 1e-8: np.float64}
+    cycled = PCG(plain=0).factor(heavy)._iteration.levels
+    assert {upper.dtype for upper in cycled.levels[2]} == {np.dtype(np.float32)}
+    assert cycled.matrix[1].dtype == np.float64
+    assert precision_for(ROUGH, HEAVY) is precision_of_cycle(LIGHT) is np.float32
+    assert precision_for(0.9 * ROUGH, HEAVY) is precision_for(ROUGH, 0.9 * HEAVY) is np.float64
+    assert precision_of_cycle(0.9 * LIGHT) is np.float64
+
+
+def test_rounding_that_would_outweigh_the_inertia_of_the_blocks_is_not_done():
+    """Rounded up, couplings take away more than there is, for want of any inertia to speak of."""
+    one = heavier(elastic_grid(8, 8, stiffness=1e6 / 3.0), 1e-4 - 1.0)
+    rounded = replace(one, upper=one.upper.astype(np.float32).astype(np.float64))
+    assert np.linalg.eigvalsh(dense(rounded)).min() < 0.0 < np.linalg.eigvalsh(dense(one)).min()
+    matrix = PCG(tolerance=1e-3).factor(one)
+    assert {upper.dtype for upper in matrix._iteration.levels.levels[2]} == {np.dtype(np.float64)}
+    wanted = Cholesky().factor(one).solve(one.force)
+    assert np.abs(matrix.solve(one.force) - wanted).max() <= 1e-2 * np.abs(wanted).max()
+
+
+def test_a_cycle_in_single_precision_takes_as_many_iterations():
+    one = heavier(elastic_grid(30, 30, stiffness=1e6 / 3.0), 1e1)
+    needed = []
+    for precision in (np.float32, np.float64):
+        levels = levels_of(one, precision)
+        found, iterations, left = WithLevels(levels=levels, iterations=400)(
+            one.force, np.zeros_like(one.force), 1e-10
+        )
+        residual = dense(one) @ found.ravel() - one.force.ravel()
+        assert np.abs(residual).max() <= 1e-7 * np.abs(one.force).max()
+        assert left <= 1e-10
+        needed.append(iterations)
+    assert abs(needed[0] - needed[1]) <= 2
 
 
 def test_the_preconditioner_is_as_strong_as_the_system_is_stiff():
     soft, stiff = heavier(elastic_grid(10, 10), 1e7), elastic_grid(10, 10)
-    assert inertia_share(stiff) < SOFT < inertia_share(soft)
+    assert inertia_shares(stiff)[0] < SOFT < inertia_shares(soft)[0]
     for one, plain in ((soft, True), (stiff, False)):
         matrix = PCG().factor(one)
         assert isinstance(matrix, IteratedMatrix)

@@ -44,6 +44,7 @@ def solved(one, tolerance=1e-10, limit=500):
     """Return d, iterations and reduction."""
     found = levels_of(one)
     return multilevel.solve(
+        found.matrix,
         found.levels,
         found.last,
         found.factor,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from clast.equations.system import BlockSystem, Rows, inverse_of_blocks
+from clast.equations.system import BlockSystem, Precision, Rows, inverse_of_blocks
 from clast.errors import StepOutcome, StepRejected
 from clast.kernels import aggregates, block_rows, dense
 from clast.kernels.multilevel import LEVELS
@@ -27,8 +27,8 @@ class Level:
     """K_ii, shape (n, 6, 6)."""
     inverse: Floats
     """Inverses of the diagonal blocks, shape (n, 6, 6)."""
-    upper: Floats
-    """K_ij, shape (q, 6, 6)."""
+    upper: Any
+    """K_ij, shape (q, 6, 6), in the precision of the cycle."""
     pairs: Ints
     """Coupled blocks (i, j), i < j, sorted, shape (q, 2)."""
     right: Ints
@@ -51,6 +51,8 @@ class Level:
 class Levels:
     """All levels, the finest first, as the kernels take them."""
 
+    matrix: tuple[Any, ...]
+    """K itself: diagonal, upper, pairs, right, left, listed."""
     levels: tuple[tuple[Any, ...], ...]
     """For each field of Level the arrays of all levels, filled up to LEVELS."""
     last: int
@@ -65,8 +67,11 @@ WORK = 8
 """Arrays that a cycle needs on each level."""
 
 
-def levels_of(system: BlockSystem) -> Levels:
-    """Return the levels of a symmetric system; raises StepRejected where it is singular."""
+def levels_of(system: BlockSystem, precision: Precision = np.float64) -> Levels:
+    """Return the levels of a symmetric system; raises StepRejected where it is singular.
+
+    The cycle reads couplings with ``precision``.
+    """
     found: list[Level] = []
     diagonal, upper, pairs = system.diagonal, system.upper, system.pairs
     rows, centroid = system.rows, system.centroid
@@ -101,8 +106,12 @@ def levels_of(system: BlockSystem) -> Levels:
         factor, definite = dense.factor_blocks(diagonal, pairs, upper)
         if not definite:
             raise StepRejected(StepOutcome.SINGULAR, "the matrix is not positive definite")
-    filled = [*found, *[_EMPTY] * (LEVELS - len(found))]
+    filled = [
+        replace(level, upper=level.upper.astype(precision, copy=False))
+        for level in [*found, *[_EMPTY] * (LEVELS - len(found))]
+    ]
     return Levels(
+        matrix=(system.diagonal, system.upper, system.pairs, *system.rows),
         levels=tuple(tuple(column) for column in zip(*map(_fields, filled), strict=True)),
         last=len(found) - 1,
         factor=factor,

@@ -10,7 +10,7 @@ import numpy as np
 
 from clast.equations.cholesky import Cholesky
 from clast.equations.multilevel import Levels, levels_of
-from clast.equations.system import BlockSystem
+from clast.equations.system import BlockSystem, Precision
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Factor, LinearSolver
 from clast.kernels import block_rows, conjugate, incomplete, multilevel
@@ -122,31 +122,11 @@ class WithLevels:
         """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
         at = self.levels
         found: tuple[Floats, int, float] = multilevel.solve(
-            at.levels, at.last, at.factor, at.work, force, guess, tolerance, self.iterations
-        )
-        return found
-
-
-@dataclass(frozen=True, kw_only=True)
-class WithIncomplete:
-    """Conjugate gradients with an incomplete Cholesky factorisation."""
-
-    system: BlockSystem
-    """The system."""
-    rows: tuple[Ints, Ints, Ints, Ints]
-    """Pairs, and where each row finds its own, as the kernel takes them."""
-    incomplete: tuple[Any, ...]
-    """The factorisation (kernels/incomplete.py)."""
-    iterations: int
-    """Iterations at most."""
-
-    def __call__(self, force: Floats, guess: Floats, tolerance: float) -> tuple[Floats, int, float]:
-        """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
-        found: tuple[Floats, int, float] = conjugate.solve(
-            self.system.diagonal,
-            self.system.upper,
-            self.rows,
-            self.incomplete,
+            at.matrix,
+            at.levels,
+            at.last,
+            at.factor,
+            at.work,
             force,
             guess,
             tolerance,
@@ -155,19 +135,39 @@ class WithIncomplete:
         return found
 
 
-def with_incomplete(system: BlockSystem, iterations: int) -> WithIncomplete:
-    """Return the iteration for a symmetric system; raises StepRejected where it is singular."""
-    factor, bad = incomplete.factor(
-        system.diagonal, system.upper, system.pairs, system.rows, system.centroid
+@dataclass(frozen=True, kw_only=True)
+class WithIncomplete:
+    """Conjugate gradients with an incomplete Cholesky factorisation."""
+
+    incomplete: tuple[Any, ...]
+    """The factorisation (kernels/incomplete.py)."""
+    matrix: tuple[Floats, Any]
+    """K in its order: the diagonal blocks, and those of coupled pairs."""
+    iterations: int
+    """Iterations at most."""
+
+    def __call__(self, force: Floats, guess: Floats, tolerance: float) -> tuple[Floats, int, float]:
+        """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
+        found: tuple[Floats, int, float] = conjugate.solve(
+            self.incomplete, self.matrix, force, guess, tolerance, self.iterations
+        )
+        return found
+
+
+def with_incomplete(
+    system: BlockSystem, iterations: int, precision: Precision = np.float64
+) -> WithIncomplete:
+    """Return the iteration for a symmetric system; raises StepRejected where it is singular.
+
+    Couplings are read with ``precision`` in every iteration.
+    """
+    room = np.empty(system.upper.shape, precision)
+    factor, matrix, bad = incomplete.factor(
+        system.diagonal, system.upper, system.pairs, system.rows, system.centroid, room
     )
     if bad >= 0:
         raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
-    return WithIncomplete(
-        system=system,
-        rows=(system.pairs, *system.rows),
-        incomplete=factor,
-        iterations=iterations,
-    )
+    return WithIncomplete(incomplete=factor, matrix=matrix, iterations=iterations)
 
 
 class IteratedMatrix:
@@ -235,30 +235,44 @@ class PCG:
         """Return the matrix made ready; raises StepRejected where it is singular."""
         if not system.symmetric:
             return Scipy().factor(system)
-        if self.plain > 0 and inertia_share(system) > SOFT:
-            return IteratedMatrix(
-                system,
-                with_incomplete(system, self.plain),
-                replace(self, plain=0),
-                self.tolerance,
-            )
-        iteration = WithLevels(levels=levels_of(system), iterations=self.iterations)
-        return IteratedMatrix(system, iteration, Direct(), self.tolerance)
+        share, least = inertia_shares(system)
+        if self.plain > 0 and share > SOFT:
+            iteration = with_incomplete(system, self.plain, precision_for(self.tolerance, least))
+            return IteratedMatrix(system, iteration, replace(self, plain=0), self.tolerance)
+        levels = levels_of(system, precision_of_cycle(least))
+        cycled = WithLevels(levels=levels, iterations=self.iterations)
+        return IteratedMatrix(system, cycled, Direct(), self.tolerance)
 
 
-def inertia_share(system: BlockSystem) -> float:
+def inertia_shares(system: BlockSystem) -> tuple[float, float]:
     """Return how much of the blocks' stiffness against translation is not that of contacts.
 
     A translation of all blocks together moves no contact between two of them, so that what is left
     of e.K e, e being all translations, is inertia, over the sum of the diagonal blocks' own.
-    Blocks that are coupled to none, as fixed ones, do not count; 1 where all are such.
+    Blocks that are coupled to none, as fixed ones, do not count; 1 where all are such.  Second, the
+    least such share of one block with its row of K, in the direction in which it is least.
     """
-    right = system.rows[0]
-    return float(block_rows.inertia_share(system.diagonal, system.upper, system.pairs, right))
+    share, least = block_rows.inertia_shares(system.diagonal, system.upper, system.rows)
+    return float(share), float(least)
 
 
 SOFT = 0.005
 """Share of inertia above which the incomplete factor suffices: one to twenty iterations."""
+ROUGH, HEAVY, LIGHT = 1e-5, 1e-4, 1e-6
+"""Where couplings may be read in single precision, that is rounded by 6e-8 of themselves.  By the
+conjugate gradients themselves, where the residual need not fall below ROUGH and no block has less
+than HEAVY as its share of inertia, of which the rounding then is a thousandth; by a cycle, which
+only has to come near, where none has less than LIGHT."""
+
+
+def precision_for(tolerance: float, least: float) -> Precision:
+    """Return the precision of couplings for a solution to ``tolerance``, ``least`` any's share."""
+    return np.float32 if tolerance >= ROUGH and least >= HEAVY else np.float64
+
+
+def precision_of_cycle(least: float) -> Precision:
+    """Return the precision of couplings for a cycle, ``least`` being the least share of any."""
+    return np.float32 if least >= LIGHT else np.float64
 
 
 @dataclass(frozen=True)
@@ -281,8 +295,10 @@ class Automatic:
         if len(system.diagonal) <= self.few or not system.symmetric:
             return Direct().factor(system)
         with_factor = self._limit(system, FACTOR_ITERATION)
-        if inertia_share(system) > SOFT and with_factor >= LEAST_ITERATIONS:
-            iteration = with_incomplete(system, with_factor)
+        share, least = inertia_shares(system)
+        if share > SOFT and with_factor >= LEAST_ITERATIONS:
+            precision = precision_for(self.tolerance, least)
+            iteration = with_incomplete(system, with_factor, precision)
             return IteratedMatrix(system, iteration, self._stiff(system), self.tolerance)
         return self._stiff(system).factor(system)
 

@@ -304,44 +304,57 @@ def inverse_blocks(diagonal):
 
 
 @kernel()
-def _couplings(first, last, upper, pairs, right, coupled):
-    """Return the translational stiffness between blocks of the pairs of some rows.
+def _left_over(first, last, diagonal, upper, right, left, listed):
+    """Return the translational stiffness of coupled rows, what is left of it, and the least share.
 
-    ``coupled`` (n,) is set for those that share any: it does not matter by which thread.
+    Of rows ``first`` to ``last`` - 1.  What is left is K_ii + sum of K_ij, its translations alone.
     """
-    between = 0.0
-    for q in range(right[first], right[last]):
-        xx, xy, yx, yy = upper[q, 0, 0], upper[q, 0, 1], upper[q, 1, 0], upper[q, 1, 1]
-        if xx != 0.0 or xy != 0.0 or yx != 0.0 or yy != 0.0:
-            coupled[pairs[q, 0]] = True
-            coupled[pairs[q, 1]] = True
-            between += xx + yy
-    return between
+    own, rest, least = 0.0, 0.0, 1.0
+    for i in range(first, last):
+        xx, xy, yy = 0.0, 0.0, 0.0
+        coupled = False
+        for q in range(right[i], right[i + 1]):
+            xx, xy, yy = xx + upper[q, 0, 0], xy + upper[q, 0, 1], yy + upper[q, 1, 1]
+            coupled |= upper[q, 0, 0] != 0.0 or upper[q, 0, 1] != 0.0 or upper[q, 1, 1] != 0.0
+        for at in range(left[i], left[i + 1]):
+            q = listed[at]
+            xx, xy, yy = xx + upper[q, 0, 0], xy + upper[q, 1, 0], yy + upper[q, 1, 1]
+            coupled |= upper[q, 0, 0] != 0.0 or upper[q, 1, 0] != 0.0 or upper[q, 1, 1] != 0.0
+        if not coupled:
+            continue
+        stiffness = diagonal[i, 0, 0] + diagonal[i, 1, 1]
+        xx, xy, yy = xx + diagonal[i, 0, 0], xy + diagonal[i, 0, 1], yy + diagonal[i, 1, 1]
+        own += stiffness
+        rest += xx + yy
+        # the smaller eigenvalue of (xx, xy; xy, yy), twice
+        smaller = xx + yy - np.sqrt((xx - yy) ** 2 + 4.0 * xy**2)
+        least = min(least, smaller / stiffness if stiffness > 0.0 else 0.0)
+    return own, rest, least
 
 
 @kernel(parallel=True)
-def _couplings_shared(upper, pairs, right, coupled):
-    parts = np.empty(chunks(len(coupled)))
-    for c in prange(len(parts)):
-        last = min((c + 1) * CHUNK, len(coupled))
-        parts[c] = _couplings(c * CHUNK, last, upper, pairs, right, coupled)
-    return parts
+def _left_over_shared(diagonal, upper, right, left, listed):
+    found = np.empty((chunks(len(diagonal)), 3))
+    for c in prange(len(found)):
+        last = min((c + 1) * CHUNK, len(diagonal))
+        found[c, 0], found[c, 1], found[c, 2] = _left_over(
+            c * CHUNK, last, diagonal, upper, right, left, listed
+        )
+    return found
 
 
 @kernel()
-def inertia_share(diagonal, upper, pairs, right):
-    """Return the share of the coupled blocks' translational stiffness that couplings leave over.
+def inertia_shares(diagonal, upper, rows):
+    """Return which share of their stiffness against translation couplings leave to the blocks.
 
-    ``right`` (n + 1,) is where the pairs of each row begin (:func:`row_pointers`).
+    Of all coupled blocks together and the least of any, in its weakest direction; 1 where none is
+    coupled.  ``rows`` are right, left and listed of the pairs (:func:`row_pointers`).
     """
-    coupled = np.zeros(len(diagonal), np.bool_)
-    own, between = 0.0, 0.0
-    if len(diagonal) >= SHARED:
-        for part in _couplings_shared(upper, pairs, right, coupled):
-            between += part
+    right, left, listed = rows
+    if len(diagonal) < SHARED:
+        own, rest, least = _left_over(0, len(diagonal), diagonal, upper, right, left, listed)
     else:
-        between = _couplings(0, len(diagonal), upper, pairs, right, coupled)
-    for i in range(len(diagonal)):
-        if coupled[i]:
-            own += diagonal[i, 0, 0] + diagonal[i, 1, 1]
-    return (own + 2.0 * between) / own if own > 0.0 else 1.0
+        own, rest, least = 0.0, 0.0, 1.0
+        for part in _left_over_shared(diagonal, upper, right, left, listed):
+            own, rest, least = own + part[0], rest + part[1], min(least, part[2])
+    return (rest / own if own > 0.0 else 1.0), least

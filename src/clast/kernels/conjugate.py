@@ -71,33 +71,51 @@ def turn(z, beta, p):
 
 
 @kernel()
-def solve(diagonal, upper, rows, incomplete, force, guess, tolerance, limit):
+def _in_order(order, vector):
+    """Return the rows of a vector (n, 6) in the order of the factor."""
+    ordered = np.empty_like(vector)
+    for i in range(len(order)):
+        put_row(ordered, i, row(vector, order[i]))
+    return ordered
+
+
+@kernel()
+def _in_turn(order, vector):
+    """Return the rows of a vector (n, 6) in the order of the blocks."""
+    turned = np.empty_like(vector)
+    for i in range(len(order)):
+        put_row(turned, order[i], row(vector, i))
+    return turned
+
+
+@kernel()
+def solve(incomplete, matrix, force, guess, tolerance, limit):
     """Return d (n, 6) of K d = F, the iterations and the reduction of r.M^-1 r reached.
 
     Starts from ``guess`` (n, 6) and stops where r.M^-1 r has fallen to tolerance^2 of its start and
     no longer falls by leaps, after ``limit`` iterations, or as soon as far more than that seem
-    needed.  ``rows`` are pairs, right, left and listed of kernels/block_rows.py, ``incomplete`` the
-    factor M.
+    needed.  ``incomplete`` is the factor M and ``matrix`` is K in its order, as
+    kernels/incomplete.py returns them.
     """
-    pairs, right, left, listed = rows
-    x = guess.copy()
-    r, z, kp = force.copy(), np.empty_like(force), np.empty_like(force)
-    work = np.empty_like(force)
+    order, _, pairs, right, left, listed, _, _ = incomplete
+    own, couplings = matrix
+    x, r = _in_order(order, guess), _in_order(order, force)
+    z, kp = np.empty_like(force), np.empty_like(force)
     if x.any():
-        multiply(diagonal, upper, pairs, right, left, listed, x, kp)
+        multiply(own, couplings, pairs, right, left, listed, x, kp)
         r -= kp
-    start = rz = substitute(incomplete, r, work, z)
+    start = rz = substitute(incomplete, r, z)
     if start == 0.0:
-        return x, 0, 0.0
+        return guess.copy(), 0, 0.0
     p = z.copy()
     count, wanted = 0, tolerance**2 * start
     while count < limit and rz > wanted:
-        curvature = multiply(diagonal, upper, pairs, right, left, listed, p, kp)
+        curvature = multiply(own, couplings, pairs, right, left, listed, p, kp)
         if not curvature > 0.0:
-            return x, count, np.inf
+            return _in_turn(order, x), count, np.inf
         advance(rz / curvature, p, kp, x, r)
         count += 1
-        following = substitute(incomplete, r, work, z)
+        following = substitute(incomplete, r, z)
         beta = following / rz
         leaps = following < LEAP**2 * rz
         wanted = min(tolerance, EXACT if leaps else tolerance) ** 2 * start
@@ -108,4 +126,4 @@ def solve(diagonal, upper, rows, incomplete, force, guess, tolerance, limit):
             if -2.0 * np.log(tolerance) * count > HOPE * limit * gained:
                 break
         turn(z, beta, p)
-    return x, count, np.sqrt(rz / start)
+    return _in_turn(order, x), count, np.sqrt(rz / start)

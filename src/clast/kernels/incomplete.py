@@ -10,6 +10,9 @@ begin, the coupled pairs by their places in it and the rows of these (kernels/bl
 (n, 6, 6) and L^T above its diagonal (q, 6, 6).  L is kept in single precision: enough for what is
 an approximation anyway, and half as much to read in every iteration.  D^-1 is not, and so the
 product stays positive definite.
+
+With it comes K itself, its blocks in the same order and without those that are zero, which is what
+an iteration multiplies with: it is read from one end to the other as the factor is.
 """
 
 from __future__ import annotations
@@ -110,11 +113,16 @@ def _eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, sc
 
 
 @kernel()
-def _take(low, high, own, couplings, order, source, right, diagonal, upper):
-    """Copy the blocks of rows ``low`` to ``high`` - 1 in their new order."""
+def _take(low, high, given, new, work, matrix):
+    """Copy the blocks of rows ``low`` to ``high`` - 1 in their new order, twice."""
+    own, couplings = given
+    order, source, _, right = new
+    diagonal, upper = work
+    kept_own, kept = matrix
     for i in range(low, high):
         for a in range(6):
             put_line(diagonal, i, a, line(own, order[i], a))
+            put_line(kept_own, i, a, line(own, order[i], a))
         for q in range(right[i], right[i + 1]):
             old = source[q]
             for a in range(6):
@@ -123,79 +131,82 @@ def _take(low, high, own, couplings, order, source, right, diagonal, upper):
                 else:
                     for c in range(6):
                         upper[q, c, a] = couplings[-1 - old, a, c]
+            for a in range(6):
+                put_line(kept, q, a, line(upper, q, a))
 
 
 @kernel()
-def _eliminate_strip(low, high, matrix, new, work, found):
+def _eliminate_strip(low, high, given, new, work, found, matrix):
     """Copy and eliminate a strip."""
-    own, couplings = matrix
-    order, source, pairs, right = new
+    order, _, pairs, right = new
     diagonal, upper = work
     inverse, scaled = found
-    _take(low, high, own, couplings, order, source, right, diagonal, upper)
-    return _eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, scaled)
+    _take(low, high, given, new, work, matrix)
+    return _eliminate(low, high, given[0], order, diagonal, upper, pairs, right, inverse, scaled)
 
 
 @kernel(parallel=True)
-def _eliminate_strips(begin, matrix, new, work, found, bad):
+def _eliminate_strips(begin, given, new, work, found, matrix, bad):
     for c in prange(len(bad)):
-        bad[c] = _eliminate_strip(begin[c], begin[c + 1], matrix, new, work, found)
+        bad[c] = _eliminate_strip(begin[c], begin[c + 1], given, new, work, found, matrix)
 
 
 @kernel()
-def factor(own, couplings, pairs, rows, centroid):
-    """Return the factor of K and the first block without a positive definite pivot, or -1.
+def factor(own, couplings, pairs, rows, centroid, room):
+    """Return the factor of K, K in its order, and the first block without a pivot, or -1.
 
     ``own`` (n, 6, 6) and ``couplings`` (q, 6, 6) are the blocks of K of ``pairs`` (q, 2), whose
-    right, left and listed are ``rows``; ``centroid`` (n, 2) is where the blocks are.  What a strip
-    leaves for the seam is taken out of it when all strips are done, in their order.
+    right, left and listed are ``rows``; ``centroid`` (n, 2) is where the blocks are.  K in the
+    order of the factor is its diagonal blocks (n, 6, 6) and, in ``room`` (q, 6, 6), in whose
+    precision they are kept, those of the coupled pairs.  What a strip leaves for the seam is taken
+    out of it when all strips are done, in their order.
     """
     coupled = coupled_pairs(couplings)
     order, begin = ordering(centroid, pairs, coupled)
-    new, source = renumbered(order, pairs, rows, coupled)
+    pairs, source = renumbered(order, pairs, rows, coupled)
     count, seam = len(own), begin[-2]
-    right, left, listed = row_pointers(count, new)
-    inverse = np.empty_like(own)
-    scaled = np.empty((len(new), 6, 6), np.float32)
-    diagonal, upper = np.empty_like(own), np.empty((len(new), 6, 6))
+    right, left, listed = row_pointers(count, pairs)
+    inverse, diagonal = np.empty_like(own), np.empty_like(own)
+    scaled = np.empty((len(pairs), 6, 6), np.float32)
+    upper = np.empty((len(pairs), 6, 6))
     bad = np.full(len(begin) - 2, -1)
-    matrix, numbers, work = (own, couplings), (order, source, new, right), (diagonal, upper)
-    found = (order, begin, new, right, left, listed, inverse, scaled)
+    given, new, work = (own, couplings), (order, source, pairs, right), (diagonal, upper)
+    matrix = (np.empty_like(own), room[: len(pairs)])
+    found = (order, begin, pairs, right, left, listed, inverse, scaled)
     if len(bad) > 1:
-        _eliminate_strips(begin, matrix, numbers, work, (inverse, scaled), bad)
+        _eliminate_strips(begin, given, new, work, (inverse, scaled), matrix, bad)
     else:
-        bad[0] = _eliminate_strip(0, seam, matrix, numbers, work, (inverse, scaled))
+        bad[0] = _eliminate_strip(0, seam, given, new, work, (inverse, scaled), matrix)
     for first in bad:
         if first >= 0:
-            return found, first
-    _take(seam, count, own, couplings, order, source, right, diagonal, upper)
+            return found, matrix, first
+    _take(seam, count, given, new, work, matrix)
     for i in range(seam):
-        if right[i + 1] > right[i] and new[right[i + 1] - 1, 1] >= seam:
-            _pass_on(i, seam, count, diagonal, upper, scaled, 0, new, right)
-    bad[0] = _eliminate(seam, count, own, order, diagonal, upper, new, right, inverse, scaled)
-    return found, bad[0]
+        if right[i + 1] > right[i] and pairs[right[i + 1] - 1, 1] >= seam:
+            _pass_on(i, seam, count, diagonal, upper, scaled, 0, pairs, right)
+    bad[0] = _eliminate(seam, count, own, order, diagonal, upper, pairs, right, inverse, scaled)
+    return found, matrix, bad[0]
 
 
 @kernel()
 def _go_up(low, high, incomplete, r, z):
     """Write L^-1 r into rows ``low`` to ``high`` - 1 of z."""
-    order, _, pairs, _, left, listed, _, scaled = incomplete
+    _, _, pairs, _, left, listed, _, scaled = incomplete
     for i in range(low, high):
         known = left_of(left[i], left[i + 1], listed, scaled, pairs, z)
-        put_row(z, i, plus_scaled(row(r, order[i]), -1.0, known))
+        put_row(z, i, plus_scaled(row(r, i), -1.0, known))
 
 
 @kernel()
-def _come_down(low, high, incomplete, r, z, result):
-    """Write L^-T D^-1 z into rows ``low`` to ``high`` - 1; return their part of r.result."""
-    order, _, pairs, right, _, _, inverse, scaled = incomplete
+def _come_down(low, high, incomplete, r, z):
+    """Turn L^-1 r into L^-T D^-1 L^-1 r, ``low`` to ``high`` - 1, in place; return r.z there."""
+    _, _, pairs, right, _, _, inverse, scaled = incomplete
     s = zeros()
     for i in range(high - 1, low - 1, -1):
         known = right_of(right[i], right[i + 1], scaled, pairs, z)
         z_i = plus_scaled(times(inverse, i, z, i), -1.0, known)
         put_row(z, i, z_i)
-        put_row(result, order[i], z_i)
-        s = plus_product(s, row(r, order[i]), z_i)
+        s = plus_product(s, row(r, i), z_i)
     return total(s)
 
 
@@ -207,25 +218,25 @@ def _go_up_shared(incomplete, r, z):
 
 
 @kernel(parallel=True)
-def _come_down_shared(incomplete, r, z, result, products):
+def _come_down_shared(incomplete, r, z, products):
     begin = incomplete[1]
     for c in prange(len(begin) - 2):
-        products[c] = _come_down(begin[c], begin[c + 1], incomplete, r, z, result)
+        products[c] = _come_down(begin[c], begin[c + 1], incomplete, r, z)
 
 
 @kernel()
-def substitute(incomplete, r, z, result):
-    """Write (L D L^T)^-1 r (n, 6) into ``result`` and return r.result; z (n, 6) is overwritten."""
+def substitute(incomplete, r, z):
+    """Write (L D L^T)^-1 r (n, 6) into z and return r.z, both in the order of the factor."""
     begin = incomplete[1]
     strips, seam = len(begin) - 2, begin[-2]
     if strips == 1:
         _go_up(0, seam, incomplete, r, z)
-        return _come_down(0, seam, incomplete, r, z, result)
+        return _come_down(0, seam, incomplete, r, z)
     _go_up_shared(incomplete, r, z)
     _go_up(seam, begin[-1], incomplete, r, z)
-    product = _come_down(seam, begin[-1], incomplete, r, z, result)
+    product = _come_down(seam, begin[-1], incomplete, r, z)
     products = np.empty(strips)
-    _come_down_shared(incomplete, r, z, result, products)
+    _come_down_shared(incomplete, r, z, products)
     for part in products:
         product += part
     return product

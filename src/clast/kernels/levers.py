@@ -17,6 +17,7 @@ from numba.extending import overload
 
 from clast.kernels.six import (
     line,
+    numbers,
     plus,
     plus_product,
     plus_scaled,
@@ -58,13 +59,13 @@ def _is_array(levers):
 @overload(relative_motion)
 def _relative_motion(levers, c, d, i, j):
     def by_offsets(levers, c, d, i, j):
-        nx, ny = levers[c, 0], levers[c, 1]
-        x, y = levers[c, 2], levers[c, 3]
-        u = d[i, 0] - y * d[i, 2] + x * d[i, 3] + 0.5 * y * d[i, 5]
-        v = d[i, 1] + x * d[i, 2] + y * d[i, 4] + 0.5 * x * d[i, 5]
-        x, y = levers[c, 4], levers[c, 5]
-        u -= d[j, 0] - y * d[j, 2] + x * d[j, 3] + 0.5 * y * d[j, 5]
-        v -= d[j, 1] + x * d[j, 2] + y * d[j, 4] + 0.5 * x * d[j, 5]
+        nx, ny, x_i, y_i, x_j, y_j = numbers(row(levers, c))
+        u0, v0, r0, ex, ey, gxy = numbers(row(d, i))
+        u = u0 - y_i * r0 + x_i * ex + 0.5 * y_i * gxy
+        v = v0 + x_i * r0 + y_i * ey + 0.5 * x_i * gxy
+        u0, v0, r0, ex, ey, gxy = numbers(row(d, j))
+        u -= u0 - y_j * r0 + x_j * ex + 0.5 * y_j * gxy
+        v -= v0 + x_j * r0 + y_j * ey + 0.5 * x_j * gxy
         return nx * u + ny * v, nx * v - ny * u
 
     def by_rows(levers, c, d, i, j):

@@ -11,7 +11,8 @@ one block's half of m changed it still adds something positive, so that K <= 2 D
 A level is (diagonal, inverse, upper, pairs, right, left, listed, parent, start, members, offset):
 its blocks, the inverses of the diagonal ones, its rows (kernels/block_rows.py) and its aggregates.
 ``levels`` holds one tuple of arrays, over the levels, for each of these, and ``work`` one for each
-of eight vectors.
+of eight vectors.  Couplings may be in single precision there: a cycle is an approximation anyway,
+and reads those of its first level twice for each time that they are multiplied with exactly.
 """
 
 from __future__ import annotations
@@ -147,17 +148,19 @@ def _cycle(last, levels, factor, work):
 
 
 @kernel()
-def solve(levels, last, factor, work, force, guess, tolerance, limit):
+def solve(matrix, levels, last, factor, work, force, guess, tolerance, limit):
     """Return d (n, 6) of K d = F, the iterations and the final reduction of r.B r.
 
+    ``matrix`` is K: diagonal, upper, pairs, right, left and listed of kernels/block_rows.py.
     Starts from ``guess`` (n, 6).  B is the cycle.  Flexible conjugate gradients (the K-cycle is not
     quite linear) that stop where r.B r has fallen to tolerance^2 of its start, or after ``limit``
     iterations; inf where K or B is not positive definite.
     """
+    diagonal, upper, pairs, right, left, listed = matrix
     x = guess.copy()
     r, z = work[0][0], work[1][0]
     kp = np.empty_like(force)
-    _multiply(0, levels, x, kp)
+    multiply(diagonal, upper, pairs, right, left, listed, x, kp)
     r[:] = force - kp
     _cycle(last, levels, factor, work)
     rz = dot(r, z)
@@ -167,7 +170,7 @@ def solve(levels, last, factor, work, force, guess, tolerance, limit):
     p = z.copy()
     count = 0
     while count < limit and rz > tolerance**2 * start:
-        curvature = _multiply(0, levels, p, kp)
+        curvature = multiply(diagonal, upper, pairs, right, left, listed, p, kp)
         if not curvature > 0.0:
             return x, count, np.inf
         alpha = rz / curvature
