@@ -67,10 +67,13 @@ WORK = 8
 """Arrays that a cycle needs on each level."""
 
 
-def levels_of(system: BlockSystem, precision: Precision = np.float64) -> Levels:
+def levels_of(
+    system: BlockSystem, cycle: Precision = np.float64, product: Precision = np.float64
+) -> Levels:
     """Return the levels of a symmetric system; raises StepRejected where it is singular.
 
-    The cycle reads couplings with ``precision``.
+    Couplings are read with these precisions by the cycle and by the product with K itself, which
+    has that of the cycle or a better one.
     """
     found: list[Level] = []
     diagonal, upper, pairs = system.diagonal, system.upper, system.pairs
@@ -107,11 +110,12 @@ def levels_of(system: BlockSystem, precision: Precision = np.float64) -> Levels:
         if not definite:
             raise StepRejected(StepOutcome.SINGULAR, "the matrix is not positive definite")
     filled = [
-        replace(level, upper=level.upper.astype(precision, copy=False))
+        replace(level, upper=level.upper.astype(cycle, copy=False))
         for level in [*found, *[_EMPTY] * (LEVELS - len(found))]
     ]
+    couplings = filled[0].upper if product is cycle else system.upper
     return Levels(
-        matrix=(system.diagonal, system.upper, system.pairs, *system.rows),
+        matrix=(system.diagonal, couplings, system.pairs, *system.rows),
         levels=tuple(tuple(column) for column in zip(*map(_fields, filled), strict=True)),
         last=len(found) - 1,
         factor=factor,

@@ -236,10 +236,11 @@ class PCG:
         if not system.symmetric:
             return Scipy().factor(system)
         share, least = inertia_shares(system)
+        precision = precision_for(self.tolerance, least)
         if self.plain > 0 and share > SOFT:
-            iteration = with_incomplete(system, self.plain, precision_for(self.tolerance, least))
+            iteration = with_incomplete(system, self.plain, precision)
             return IteratedMatrix(system, iteration, replace(self, plain=0), self.tolerance)
-        levels = levels_of(system, precision_of_cycle(least))
+        levels = levels_of(system, precision_of_cycle(least), precision)
         cycled = WithLevels(levels=levels, iterations=self.iterations)
         return IteratedMatrix(system, cycled, Direct(), self.tolerance)
 
