@@ -17,6 +17,7 @@ from clast.kernels.six import (
     plus,
     plus_product,
     plus_scaled,
+    put_line,
     put_row,
     row,
     total,
@@ -60,6 +61,30 @@ def row_pointers(count, pairs):
 def chunks(count):
     """Return the number of chunks of rows."""
     return (count + CHUNK - 1) // CHUNK
+
+
+@kernel(forceinline=True)
+def lines(blocks, q):
+    """Return the six lines of block q, for a loop that would else read them again and again."""
+    return (
+        line(blocks, q, 0),
+        line(blocks, q, 1),
+        line(blocks, q, 2),
+        line(blocks, q, 3),
+        line(blocks, q, 4),
+        line(blocks, q, 5),
+    )
+
+
+@kernel(forceinline=True)
+def put_lines(blocks, q, k0, k1, k2, k3, k4, k5):
+    """Write six lines into block q."""
+    put_line(blocks, q, 0, k0)
+    put_line(blocks, q, 1, k1)
+    put_line(blocks, q, 2, k2)
+    put_line(blocks, q, 3, k3)
+    put_line(blocks, q, 4, k4)
+    put_line(blocks, q, 5, k5)
 
 
 @kernel(forceinline=True)

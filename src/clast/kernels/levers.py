@@ -15,6 +15,7 @@ from __future__ import annotations
 from numba.core import types
 from numba.extending import overload
 
+from clast.kernels.block_rows import lines, put_lines
 from clast.kernels.six import (
     line,
     numbers,
@@ -164,6 +165,7 @@ def _finish_own(levers, moments, own, i):
 def _couple(levers, i, q, first, last, vertex_block, kn, ks, upper):
     def by_offsets(levers, i, q, first, last, vertex_block, kn, ks, upper):
         """-T_i^T C T_j, line by line, from the two lines of C T_j."""
+        k0, k1, k2, k3, k4, k5 = lines(upper, q)
         for c in range(first, last):
             nx, ny = levers[c, 0], levers[c, 1]
             cxx, cyy = kn[c] * nx * nx + ks[c] * ny * ny, kn[c] * ny * ny + ks[c] * nx * nx
@@ -173,13 +175,11 @@ def _couple(levers, i, q, first, last, vertex_block, kn, ks, upper):
             u = six(cxx, cxy, x * cxy - y * cxx, x * cxx, y * cxy, 0.5 * (y * cxx + x * cxy))
             v = six(cxy, cyy, x * cyy - y * cxy, x * cxy, y * cyy, 0.5 * (y * cxy + x * cyy))
             x, y = levers[c, own], levers[c, own + 1]
-            put_line(upper, q, 0, plus_scaled(line(upper, q, 0), -1.0, u))
-            put_line(upper, q, 1, plus_scaled(line(upper, q, 1), -1.0, v))
-            put_line(upper, q, 2, plus_scaled(plus_scaled(line(upper, q, 2), y, u), -x, v))
-            put_line(upper, q, 3, plus_scaled(line(upper, q, 3), -x, u))
-            put_line(upper, q, 4, plus_scaled(line(upper, q, 4), -y, v))
-            s = plus_scaled(line(upper, q, 5), -0.5 * y, u)
-            put_line(upper, q, 5, plus_scaled(s, -0.5 * x, v))
+            k0, k1 = plus_scaled(k0, -1.0, u), plus_scaled(k1, -1.0, v)
+            k2 = plus_scaled(plus_scaled(k2, y, u), -x, v)
+            k3, k4 = plus_scaled(k3, -x, u), plus_scaled(k4, -y, v)
+            k5 = plus_scaled(plus_scaled(k5, -0.5 * y, u), -0.5 * x, v)
+        put_lines(upper, q, k0, k1, k2, k3, k4, k5)
 
     def by_rows(levers, i, q, first, last, vertex_block, kn, ks, upper):
         for c in range(first, last):
