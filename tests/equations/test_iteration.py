@@ -26,7 +26,7 @@ from clast.equations.solvers import (
     with_incomplete,
 )
 from clast.kernels import conjugate
-from clast.kernels.block_rows import row_pointers
+from clast.kernels.block_rows import multiply, row_pointers
 
 
 def by_incomplete(one, guess, tolerance, limit):
@@ -129,6 +129,18 @@ def test_couplings_are_read_in_single_precision_where_that_is_enough():
     assert precision_for(ROUGH, HEAVY) is precision_of_cycle(LIGHT) is np.float32
     assert precision_for(0.9 * ROUGH, HEAVY) is precision_for(ROUGH, 0.9 * HEAVY) is np.float64
     assert precision_of_cycle(0.9 * LIGHT) is np.float64
+
+
+def test_what_is_multiplied_with_is_the_matrix():
+    one = heavier(elastic_grid(9, 7), 1e7)
+    x, y = np.random.default_rng(8).normal(size=one.force.shape), np.empty_like(one.force)
+    wanted = (dense(one) @ x.ravel()).reshape(-1, 6)
+    for plain in (0, 100):
+        matrix = PCG(plain=plain).factor(one)
+        order = matrix._iteration.incomplete[0] if plain else np.arange(63)
+        energy = multiply(*matrix.by_rows, x[order], y)
+        assert y == pytest.approx(wanted[order], rel=1e-12, abs=1e-9 * np.abs(wanted).max())
+        assert energy == pytest.approx(np.sum(x * wanted), rel=1e-12)
 
 
 def test_rounding_that_would_outweigh_the_inertia_of_the_blocks_is_not_done():

@@ -108,6 +108,11 @@ class Iteration(Protocol):
         """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
         ...
 
+    @property
+    def by_rows(self) -> tuple[Any, ...]:
+        """K as it is multiplied with: what block_rows.multiply takes before x."""
+        ...
+
 
 @dataclass(frozen=True, kw_only=True)
 class WithLevels:
@@ -134,6 +139,11 @@ class WithLevels:
         )
         return found
 
+    @property
+    def by_rows(self) -> tuple[Any, ...]:
+        """K as it is multiplied with: what block_rows.multiply takes before x."""
+        return self.levels.matrix
+
 
 @dataclass(frozen=True, kw_only=True)
 class WithIncomplete:
@@ -141,7 +151,7 @@ class WithIncomplete:
 
     incomplete: tuple[Any, ...]
     """The factorisation (kernels/incomplete.py)."""
-    matrix: tuple[Floats, Any]
+    matrix: tuple[Any, Any]
     """K in its order: the diagonal blocks, and those of coupled pairs."""
     iterations: int
     """Iterations at most."""
@@ -153,13 +163,19 @@ class WithIncomplete:
         )
         return found
 
+    @property
+    def by_rows(self) -> tuple[Any, ...]:
+        """K as it is multiplied with: what block_rows.multiply takes before x."""
+        _, _, pairs, right, left, listed, _, _ = self.incomplete
+        return (*self.matrix, pairs, right, left, listed)
+
 
 def with_incomplete(
     system: BlockSystem, iterations: int, precision: Precision = np.float64
 ) -> WithIncomplete:
     """Return the iteration for a symmetric system; raises StepRejected where it is singular.
 
-    Couplings are read with ``precision`` in every iteration.
+    K is read with ``precision`` in every iteration.
     """
     room = np.empty(system.upper.shape, precision)
     factor, matrix, bad = incomplete.factor(
@@ -185,6 +201,11 @@ class IteratedMatrix:
         self.next_solver: LinearSolver | None = None
         self._own = 0
         self._factor: Factor | None = None
+
+    @property
+    def by_rows(self) -> tuple[Any, ...]:
+        """K as it is multiplied with: what block_rows.multiply takes before x."""
+        return self._iteration.by_rows
 
     @property
     def iterated(self) -> int:
@@ -260,14 +281,14 @@ def inertia_shares(system: BlockSystem) -> tuple[float, float]:
 SOFT = 0.005
 """Share of inertia above which the incomplete factor suffices: one to twenty iterations."""
 ROUGH, HEAVY, LIGHT = 1e-5, 1e-4, 1e-6
-"""Where couplings may be read in single precision, that is rounded by 6e-8 of themselves.  By the
-conjugate gradients themselves, where the residual need not fall below ROUGH and no block has less
+"""Where K may be read in single precision, that is rounded by 6e-8 of itself.  By the conjugate
+gradients themselves, where the residual need not fall below ROUGH and no block has less
 than HEAVY as its share of inertia, of which the rounding then is a thousandth; by a cycle, which
 only has to come near, where none has less than LIGHT."""
 
 
 def precision_for(tolerance: float, least: float) -> Precision:
-    """Return the precision of couplings for a solution to ``tolerance``, ``least`` any's share."""
+    """Return the precision of K for a solution to ``tolerance``, ``least`` being any's share."""
     return np.float32 if tolerance >= ROUGH and least >= HEAVY else np.float64
 
 

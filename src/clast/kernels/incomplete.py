@@ -159,8 +159,8 @@ def factor(own, couplings, pairs, rows, centroid, room):
 
     ``own`` (n, 6, 6) and ``couplings`` (q, 6, 6) are the blocks of K of ``pairs`` (q, 2), whose
     right, left and listed are ``rows``; ``centroid`` (n, 2) is where the blocks are.  K in the
-    order of the factor is its diagonal blocks (n, 6, 6) and, in ``room`` (q, 6, 6), in whose
-    precision they are kept, those of the coupled pairs.  What a strip leaves for the seam is taken
+    order of the factor is its diagonal blocks (n, 6, 6) and those of the coupled pairs, which are
+    in ``room`` (q, 6, 6), both in the precision of that.  What a strip leaves for the seam is taken
     out of it when all strips are done, in their order.
     """
     coupled = coupled_pairs(couplings)
@@ -173,7 +173,7 @@ def factor(own, couplings, pairs, rows, centroid, room):
     upper = np.empty((len(pairs), 6, 6))
     bad = np.full(len(begin) - 2, -1)
     given, new, work = (own, couplings), (order, source, pairs, right), (diagonal, upper)
-    matrix = (np.empty_like(own), room[: len(pairs)])
+    matrix = (np.empty(own.shape, room.dtype), room[: len(pairs)])
     found = (order, begin, pairs, right, left, listed, inverse, scaled)
     if len(bad) > 1:
         _eliminate_strips(begin, given, new, work, (inverse, scaled), matrix, bad)

@@ -9,12 +9,14 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from clast.equations.solvers import PCG, IteratedMatrix
 from clast.equations.system import BlockSystem
 from clast.errors import StepRejected
 from clast.interfaces import Method
 from clast.kernels import block_rows, stream
 from clast.model import Model
 from clast.state import State
+from clast.stepping.convex import DIRECTION
 
 REPEATS = 7
 """Times that something is measured; the fastest counts."""
@@ -88,26 +90,36 @@ def system_of_step(model: Model, method: Method, state: State, step: float) -> B
     return None
 
 
-def bytes_of_product(system: BlockSystem) -> int:
+def matrix_of_directions(system: BlockSystem) -> tuple[Any, ...]:
+    """Return K as it is multiplied with in Newton's directions: what block_rows.multiply takes.
+
+    In the order and the precision in which conjugate gradients have it.
+    """
+    matrix = PCG(tolerance=DIRECTION).factor(system)
+    if not isinstance(matrix, IteratedMatrix):
+        raise TypeError("only symmetric systems are iterated")
+    return matrix.by_rows
+
+
+def bytes_of_product(matrix: tuple[Any, ...]) -> int:
     """Return the bytes that a product moves: K_ii, pairs and K_ij read, x read, y written."""
-    vectors = 2 * system.force.nbytes
-    blocks = system.diagonal.nbytes + system.upper.nbytes
-    return int(blocks + system.pairs.nbytes + vectors)
+    diagonal, upper, pairs, *_ = matrix
+    vectors = 2 * 6 * 8 * len(diagonal)
+    return int(diagonal.nbytes + upper.nbytes + pairs.nbytes + vectors)
 
 
-def measured_product(system: BlockSystem) -> Product:
+def measured_product(matrix: tuple[Any, ...]) -> Product:
     """Return the rate of K x, beside the triad's."""
-    x, y = np.ones_like(system.force), np.empty_like(system.force)
-    moved = bytes_of_product(system)
-    pairs = system.pairs
-    rows = block_rows.row_pointers(len(x), pairs)
-    taken = fastest(lambda: block_rows.multiply(system.diagonal, system.upper, pairs, *rows, x, y))
+    count = len(matrix[0])
+    x, y = np.ones((count, 6)), np.empty((count, 6))
+    moved = bytes_of_product(matrix)
+    taken = fastest(lambda: block_rows.multiply(*matrix, x, y))
     return Product(
         bytes=moved,
         rate=moved / taken,
         triad=triad_rate(moved),
         triad_by_threads=triad_rate(moved, threads=True),
-        shared=len(x) >= block_rows.SHARED,
+        shared=count >= block_rows.SHARED,
     )
 
 

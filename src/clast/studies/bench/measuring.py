@@ -14,7 +14,12 @@ from clast.interfaces import Method
 from clast.model import Model
 from clast.results import Run, RunRecorder
 from clast.simulate import simulate
-from clast.studies.bench.bandwidth import measured_product, system_of_step, triad_rate
+from clast.studies.bench.bandwidth import (
+    matrix_of_directions,
+    measured_product,
+    system_of_step,
+    triad_rate,
+)
 from clast.studies.bench.counting import Counted
 from clast.studies.bench.footprint import footprint
 from clast.studies.bench.machine import forget_peak, peak_memory, this_machine
@@ -85,7 +90,7 @@ def measure(scene: Scene, size: int, wishes: Wishes) -> Measured:
         build_seconds=built,
         footprint=footprint(model, run.state, counted.last, system),
         peak=peak,
-        product=None if system is None else measured_product(system),
+        product=None if system is None else measured_product(matrix_of_directions(system)),
     )
 
 
