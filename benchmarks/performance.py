@@ -36,8 +36,8 @@ SCENES = """\
 ## Cost by scene and size
 
 Made by `clast bench --output build/bench.json`: h = {step:g} s, p/E = {stiffness:g}, solver
-{solver}, on {machine}. *Product* is the matrix product of a step's system, as a share of a triad
-over as many bytes (which stay in the cache up to 10,000 blocks or so), and of the triad in main
+{solver}, on {machine}. *Product* is the matrix product of Newton's directions, as a share of a
+triad over as many bytes (which stay in the cache up to 10,000 blocks or so), and of the triad in main
 memory, which reaches {triad:.3g} GB/s.
 
 The first steps of a wall or a slope are the dearest: weight goes on at once, and waves run
@@ -64,11 +64,15 @@ Apart from the runs above, on the machine named:
 - Numbered at random instead of course by course, walls of 1,011, 10,026 and 100,026 bricks take
   1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew
   (docs/decisions/0024).
-- `--threads 2`, medians of five runs of one and two threads in turns: 1.60 times as fast on a
-  wall of 10,026 blocks at 1 ms, 1.49 at 5 ms, 1.56 on a slope of 10,000 at 1 ms, 1.20 on a heap of
-  10,000, 1.2 to 1.3 on a wall of 1,000 at 1 ms, no difference below 800; the same results to the
-  last bit (docs/decisions/0024). In most runs two threads together get 1.3 times the rate of
-  memory that one gets, so that more cannot be had once data leave the cache.
+- `--threads 2`, medians of five to seven runs of one and two threads in turns: 1.73 times as fast
+  on a wall of 10,026 blocks at 1 ms, 1.68 at 5 ms, 1.73 on a slope of 9,986 at 5 ms, 1.37 to 1.45
+  on a heap of 10,000 from 0.6 to 1.8 s, 0.93 to 1.10 on walls and a heap of 100 (noise; below 800
+  blocks one thread does all); the same results to the last bit (docs/decisions/0024, 0026).
+- The product reads K in the order and the precision in which Newton's directions have it
+  (docs/decisions/0026), 144 bytes instead of 288 a block. For 100,026 bricks it takes 6.5 to 8.3 ms
+  by one thread and 3.6 to 4.0 by two; in double precision it took 7.5 to 12.7 and 6.1 to 7.6. That
+  is 8 to 12 and 17 to 22 GB/s, 40 to 60 % and 45 to 70 % of the triad in main memory by as many
+  threads, measured at the same time: rows of blocks are fetched with more waiting than a triad.
 """
 PEER_HEADINGS = ("program", "wall time per simulated second", "drift", "overlap", "remark")
 BENCH_HEADINGS = (

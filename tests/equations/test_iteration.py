@@ -126,9 +126,12 @@ def test_couplings_are_read_in_single_precision_where_that_is_enough():
         assert {upper.dtype for upper in cycled.levels[2]} == {np.dtype(np.float32)}
         assert cycled.matrix[1].dtype == kinds[tolerance]
         assert np.abs(matrix.solve(heavy.force) - wanted).max() <= size * tolerance
-    assert precision_for(ROUGH, HEAVY) is precision_of_cycle(LIGHT) is np.float32
-    assert precision_for(0.9 * ROUGH, HEAVY) is precision_for(ROUGH, 0.9 * HEAVY) is np.float64
+    assert precision_for(heavy, ROUGH, HEAVY) is precision_of_cycle(LIGHT) is np.float32
+    assert precision_for(heavy, 0.9 * ROUGH, HEAVY) is np.float64
+    assert precision_for(heavy, ROUGH, 0.9 * HEAVY) is np.float64
     assert precision_of_cycle(0.9 * LIGHT) is np.float64
+    chain = heavier(elastic_grid(1, 10), 1e7)
+    assert precision_for(chain, ROUGH, HEAVY) is np.float64
 
 
 def test_what_is_multiplied_with_is_the_matrix():

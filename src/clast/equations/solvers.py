@@ -257,7 +257,7 @@ class PCG:
         if not system.symmetric:
             return Scipy().factor(system)
         share, least = inertia_shares(system)
-        precision = precision_for(self.tolerance, least)
+        precision = precision_for(system, self.tolerance, least)
         if self.plain > 0 and share > SOFT:
             iteration = with_incomplete(system, self.plain, precision)
             return IteratedMatrix(system, iteration, replace(self, plain=0), self.tolerance)
@@ -287,9 +287,15 @@ than HEAVY as its share of inertia, of which the rounding then is a thousandth; 
 only has to come near, where none has less than LIGHT."""
 
 
-def precision_for(tolerance: float, least: float) -> Precision:
-    """Return the precision of K for a solution to ``tolerance``, ``least`` being any's share."""
-    return np.float32 if tolerance >= ROUGH and least >= HEAVY else np.float64
+def precision_for(system: BlockSystem, tolerance: float, least: float) -> Precision:
+    """Return the precision of K for a solution to ``tolerance``, ``least`` being any's share.
+
+    Blocks with fewer pairs than blocks are chains and trees for the most part, of which the factor
+    is exact: one iteration then solves them to 1e-8, which ends Newton's in one as well.
+    """
+    exact = len(system.pairs) < len(system.diagonal)
+    enough = tolerance >= ROUGH and least >= HEAVY
+    return np.float32 if enough and not exact else np.float64
 
 
 def precision_of_cycle(least: float) -> Precision:
@@ -319,7 +325,7 @@ class Automatic:
         with_factor = self._limit(system, FACTOR_ITERATION)
         share, least = inertia_shares(system)
         if share > SOFT and with_factor >= LEAST_ITERATIONS:
-            precision = precision_for(self.tolerance, least)
+            precision = precision_for(system, self.tolerance, least)
             iteration = with_incomplete(system, with_factor, precision)
             return IteratedMatrix(system, iteration, self._stiff(system), self.tolerance)
         return self._stiff(system).factor(system)
