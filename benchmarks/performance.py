@@ -37,8 +37,8 @@ SCENES = """\
 
 Made by `clast bench --output build/bench.json`: h = {step:g} s, p/E = {stiffness:g}, solver
 {solver}, on {machine}. *Product* is the matrix product of Newton's directions, as a share of a
-triad over as many bytes (which stay in the cache up to 10,000 blocks or so), and of the triad in main
-memory, which reaches {triad:.3g} GB/s.
+triad over as many bytes (which stay in the cache up to 10,000 blocks or so), and of the triad in
+main memory, which reaches {triad:.3g} GB/s.
 
 The first steps of a wall or a slope are the dearest: weight goes on at once, and waves run
 through blocks without any damping. Most of the growth from 1,000 to 10,000 blocks is in the
