@@ -413,14 +413,23 @@ def bench(
 @app.command()
 def warmup() -> None:
     """Compile all kernels ahead of the first run."""
+    from dataclasses import replace
     from time import perf_counter
 
     from clast.case import Case
     from clast.casefile.templates import INCLINE
+    from clast.equations.solvers import PCG
+    from clast.simulate import simulate
+    from clast.studies.bench.scenes import SCENES
+    from clast.studies.bench.wishes import Wishes, method_for, schedule_of
 
     start = perf_counter()
     for settings in WARMUPS:
         Case.from_toml(INCLINE, ["time.end=0.003", *settings]).run()
+    for scene, step, share, plain in WARMUP_SCENES:
+        model, wishes = SCENES[scene].build(60), Wishes(step=step, steps=1, share=share)
+        method = replace(method_for(model, wishes), solver=PCG(plain=plain))
+        simulate(model, method, schedule_of(wishes))
     typer.echo(f"kernels are ready after {perf_counter() - start:.1f} s")
 
 
@@ -432,7 +441,16 @@ WARMUPS = (
     ["method.process=convex", "method.solver=pcg", "method.corner_rule=shi"],
     ["method.process=open-close", "method.contact_law.name=augmented-lagrangian"],
 )
-"""Settings that between them reach every kernel."""
+WARMUP_SCENES = (
+    ("wall", 1e-3, 1.0, 100),
+    ("wall", 1e-3, 1.0, 0),
+    ("wall", 5e-2, 1.0, 0),
+    ("wall", 1.0, 1.0, 0),
+    ("slope", 1e-2, 1e3, 100),
+)
+"""Scene, step, s, p/E and iterations with the incomplete factor, which need, one after the other:
+this factor, levels with less and less of the matrix in single precision, and the interior point
+method.  With WARMUPS they reach the kernels of all processes and solvers."""
 
 
 def _check_target(path: Path) -> None:

@@ -93,7 +93,8 @@ def system_of_step(model: Model, method: Method, state: State, step: float) -> B
 def matrix_of_directions(system: BlockSystem) -> tuple[Any, ...]:
     """Return K as it is multiplied with in Newton's directions: what block_rows.multiply takes.
 
-    In the order and the precision in which conjugate gradients have it.
+    In the order and the precision in which conjugate gradients have it.  Raises StepRejected where
+    it is singular.
     """
     matrix = PCG(tolerance=DIRECTION).factor(system)
     if not isinstance(matrix, IteratedMatrix):

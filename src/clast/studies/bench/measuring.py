@@ -9,12 +9,14 @@ from time import perf_counter
 
 import numpy as np
 
-from clast.errors import RunStopped
+from clast.equations.system import BlockSystem
+from clast.errors import RunStopped, StepRejected
 from clast.interfaces import Method
 from clast.model import Model
 from clast.results import Run, RunRecorder
 from clast.simulate import simulate
 from clast.studies.bench.bandwidth import (
+    Product,
     matrix_of_directions,
     measured_product,
     system_of_step,
@@ -90,8 +92,16 @@ def measure(scene: Scene, size: int, wishes: Wishes) -> Measured:
         build_seconds=built,
         footprint=footprint(model, run.state, counted.last, system),
         peak=peak,
-        product=None if system is None else measured_product(matrix_of_directions(system)),
+        product=None if system is None else _product(system),
     )
+
+
+def _product(system: BlockSystem) -> Product | None:
+    """Return the rate of the matrix product, or None where the system is singular."""
+    try:
+        return measured_product(matrix_of_directions(system))
+    except StepRejected:
+        return None
 
 
 def _run(model: Model, method: Method, wishes: Wishes, recorder: RunRecorder) -> Run:
