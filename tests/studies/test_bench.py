@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from typer.testing import CliRunner
 from clast.cli import app
 from clast.errors import CaseError
 from clast.results import read_results
-from clast.studies.bench import SCENES, Benchmark, Wishes, benchmark, measure, sizes_in
+from clast.studies.bench import SCENES, Benchmark, Wishes, benchmark, measure, measuring, sizes_in
 from clast.studies.bench.bandwidth import (
     bytes_of_product,
     matrix_of_directions,
@@ -142,6 +143,13 @@ def test_the_product_moves_every_block_once():
     assert 0 < coupled < len(system.pairs)
     # single precision: 144 bytes a block; vectors of six, numbers of two blocks
     assert bytes_of_product(matrix) == model.block_count * (144 + 96) + coupled * (144 + 16)
+
+
+def test_a_singular_system_has_no_product():
+    model = SCENES["wall"].build(40)
+    system = system_of_step(model, method_for(model, Wishes()), at_start(model), 1e-3)
+    assert measuring._product(system) is not None
+    assert measuring._product(replace(system, diagonal=-system.diagonal)) is None
 
 
 def test_a_run_that_stops_is_a_row_like_the_others(tmp_path):
