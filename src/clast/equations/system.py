@@ -15,7 +15,7 @@ from clast.model import Bools, Floats, Ints
 Rows = tuple[Ints, Ints, Ints]
 """Right (n + 1,), left (n + 1,) and listed (q,) of pairs (kernels/block_rows.py)."""
 Precision = type[np.float32] | type[np.float64]
-"""In which couplings are read, over and over, by an iteration."""
+"""In which K is read, over and over, by an iteration."""
 
 
 @dataclass(frozen=True, kw_only=True)
