@@ -11,7 +11,7 @@ from test_multilevel import elastic_grid
 from clast.equations.cholesky import Cholesky
 from clast.equations.solvers import with_incomplete
 from clast.errors import StepOutcome, StepRejected
-from clast.kernels import incomplete, parts
+from clast.kernels import conjugate, parts, substitution
 
 
 def applied(one):
@@ -23,7 +23,7 @@ def applied(one):
         r = np.zeros(size)
         r[k] = 1.0
         z, turned = np.empty_like(one.force), np.empty_like(one.force)
-        product = incomplete.substitute(ready.incomplete, r.reshape(-1, 6)[order], z)
+        product = substitution.substitute(ready.incomplete, r.reshape(-1, 6)[order], z)
         turned[order] = z
         columns.append(turned.ravel())
         products.append(product)
@@ -120,3 +120,31 @@ def test_many_rows_are_taken_in_strips_whatever_the_threads():
     assert np.array_equal(*answers)
     wanted = Cholesky().factor(one).solve(one.force)
     assert np.abs(found - wanted).max() <= 1e-7 * np.abs(wanted).max()
+
+
+def test_substitutions_in_single_precision_are_those_in_double():
+    """With strips and without: what a strip leaves for the seam is gathered there."""
+    for lines in (5, 2 * parts.LEAST // 60 + 10):
+        one = elastic_grid(lines, 60)
+        one = replace(one, diagonal=one.diagonal + 1e6 * np.eye(6))
+        answers = []
+        for precision in (np.float64, np.float32):
+            ready = with_incomplete(one, 9, precision)
+            r = conjugate.vector(len(one.force), ready.matrix[0])
+            r[:, :6] = one.force
+            z = np.full_like(r, np.nan)
+            answers.append((substitution.substitute(ready.incomplete, r, z), z[:, :6].copy()))
+        (product, z), (of_single, found) = answers
+        assert np.abs(found - z).max() <= 1e-5 * np.abs(z).max()
+        assert of_single == pytest.approx(product, rel=1e-5)
+
+
+def test_what_is_solved_in_single_precision_starts_from_a_guess_that_is_kept():
+    """A guess that is right already is given back to the last digit, not rounded."""
+    one = elastic_grid(5, 60)
+    one = replace(one, diagonal=one.diagonal + 1e6 * np.eye(6))
+    wanted = Cholesky().factor(one).solve(one.force)
+    found, _, _ = with_incomplete(one, 9, np.float32)(one.force, wanted, 0.5)
+    assert np.abs(found - wanted).max() <= 1e-5 * np.abs(wanted).max()
+    same, _, _ = with_incomplete(one, 0, np.float32)(one.force, wanted, 0.5)
+    assert np.array_equal(same, wanted)

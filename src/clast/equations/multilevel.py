@@ -9,7 +9,7 @@ import numpy as np
 
 from clast.equations.system import BlockSystem, Precision, Rows, inverse_of_blocks
 from clast.errors import StepOutcome, StepRejected
-from clast.kernels import aggregates, block_rows, dense
+from clast.kernels import aggregates, block_rows, conjugate, dense
 from clast.kernels.multilevel import LEVELS
 from clast.model import Floats, Ints
 
@@ -23,12 +23,12 @@ STALLED = 0.8
 class Level:
     """A block system by rows, and the aggregates that its blocks form; in the kernels' order."""
 
-    diagonal: Floats
-    """K_ii, shape (n, 6, 6)."""
-    inverse: Floats
+    diagonal: Any
+    """K_ii, shape (n, 6, 6), in the precision of the cycle as all blocks."""
+    inverse: Any
     """Inverses of the diagonal blocks, shape (n, 6, 6)."""
     upper: Any
-    """K_ij, shape (q, 6, 6), in the precision of the cycle."""
+    """K_ij, shape (q, 6, 6)."""
     pairs: Ints
     """Coupled blocks (i, j), i < j, sorted, shape (q, 2)."""
     right: Ints
@@ -60,7 +60,7 @@ class Levels:
     factor: Floats
     """Its Cholesky factor, or nothing where it is too large for one."""
     work: tuple[tuple[Floats, ...], ...]
-    """Eight arrays (n, 6) per level."""
+    """Eight vectors per level, in the precision of the cycle."""
 
 
 WORK = 8
@@ -72,8 +72,8 @@ def levels_of(
 ) -> Levels:
     """Return the levels of a symmetric system; raises StepRejected where it is singular.
 
-    Couplings are read with these precisions by the cycle and by the product with K itself, which
-    has that of the cycle or a better one.
+    The cycle and the product with K itself have these precisions, the product that of the cycle or
+    a better one.
     """
     found: list[Level] = []
     diagonal, upper, pairs = system.diagonal, system.upper, system.pairs
@@ -109,19 +109,29 @@ def levels_of(
         factor, definite = dense.factor_blocks(diagonal, pairs, upper)
         if not definite:
             raise StepRejected(StepOutcome.SINGULAR, "the matrix is not positive definite")
-    filled = [
-        replace(level, upper=level.upper.astype(cycle, copy=False))
-        for level in [*found, *[_EMPTY] * (LEVELS - len(found))]
-    ]
-    couplings = filled[0].upper if product is cycle else system.upper
+    filled = [_in_precision(cycle, one) for one in [*found, *[_EMPTY] * (LEVELS - len(found))]]
+    own, couplings = system.diagonal, system.upper
+    if product is cycle:
+        own, couplings = filled[0].diagonal, filled[0].upper
     return Levels(
-        matrix=(system.diagonal, couplings, system.pairs, *system.rows),
+        matrix=(own, couplings, system.pairs, *system.rows),
         levels=tuple(tuple(column) for column in zip(*map(_fields, filled), strict=True)),
         last=len(found) - 1,
         factor=factor,
         work=tuple(
-            tuple(np.empty((len(level.diagonal), 6)) for level in filled) for _ in range(WORK)
+            tuple(conjugate.vector(len(one.diagonal), one.diagonal) for one in filled)
+            for _ in range(WORK)
         ),
+    )
+
+
+def _in_precision(cycle: Precision, level: Level) -> Level:
+    """Return the level with its blocks in the precision of the cycle."""
+    return replace(
+        level,
+        diagonal=level.diagonal.astype(cycle, copy=False),
+        inverse=level.inverse.astype(cycle, copy=False),
+        upper=level.upper.astype(cycle, copy=False),
     )
 
 

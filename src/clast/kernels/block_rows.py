@@ -9,8 +9,10 @@ answers do not depend on the number of threads.
 from __future__ import annotations
 
 import numpy as np
-from numba import prange
+from numba import prange, types
+from numba.extending import overload
 
+from clast.kernels import single_rows
 from clast.kernels.compiled import kernel, start_threads
 from clast.kernels.six import (
     line,
@@ -158,8 +160,7 @@ def _multiply_shared(diagonal, upper, pairs, right, left, listed, x, y):
 
 
 @kernel()
-def multiply(diagonal, upper, pairs, right, left, listed, x, y):
-    """Write K x (n, 6) into y and return x.K x."""
+def _multiply_double(diagonal, upper, pairs, right, left, listed, x, y):
     if len(x) >= SHARED:
         parts = _multiply_shared(diagonal, upper, pairs, right, left, listed, x, y)
     else:
@@ -173,6 +174,31 @@ def multiply(diagonal, upper, pairs, right, left, listed, x, y):
     for part in parts:
         product += part
     return product
+
+
+def _multiply(diagonal, upper, pairs, right, left, listed, x, y):
+    """Stand for the product in the precision of x."""
+
+
+@overload(_multiply)
+def _multiply_of(diagonal, upper, pairs, right, left, listed, x, y):
+    def in_single(diagonal, upper, pairs, right, left, listed, x, y):
+        return single_rows.multiply(SHARED, diagonal, upper, pairs, right, left, listed, x, y)
+
+    def in_double(diagonal, upper, pairs, right, left, listed, x, y):
+        return _multiply_double(diagonal, upper, pairs, right, left, listed, x, y)
+
+    return in_single if x.dtype == types.float32 else in_double
+
+
+@kernel()
+def multiply(diagonal, upper, pairs, right, left, listed, x, y):
+    """Write K x into y and return x.K x.
+
+    x and y are (n, 6) in double precision, or (n, 8) in single as kernels/single.py has them; K
+    then is in single precision as well.
+    """
+    return _multiply(diagonal, upper, pairs, right, left, listed, x, y)
 
 
 @kernel()
@@ -200,12 +226,27 @@ def products(blocks, x):
 
 
 @kernel()
-def _relax_rows(first, last, damping, inverse, b, kx, x):
+def _relax_double(first, last, damping, inverse, b, kx, x):
     """Add damping x inverse_i (b_i - kx_i) to x_i, in place, for rows ``first`` to ``last`` - 1."""
     r = np.empty((1, 6))
     for i in range(first, last):
         put_row(r, 0, plus_scaled(row(b, i), -1.0, row(kx, i)))
         put_row(x, i, plus_scaled(row(x, i), damping, times(inverse, i, r, 0)))
+
+
+def _relax_rows(first, last, damping, inverse, b, kx, x):
+    """Stand for the same in the precision of x."""
+
+
+@overload(_relax_rows)
+def _relax_rows_of(first, last, damping, inverse, b, kx, x):
+    def in_single(first, last, damping, inverse, b, kx, x):
+        return single_rows.relax(first, last, damping, inverse, b, kx, x)
+
+    def in_double(first, last, damping, inverse, b, kx, x):
+        return _relax_double(first, last, damping, inverse, b, kx, x)
+
+    return in_single if x.dtype == types.float32 else in_double
 
 
 @kernel(parallel=True)
@@ -224,10 +265,25 @@ def relax(damping, inverse, b, kx, x):
 
 
 @kernel()
-def _jacobi_rows(first, last, damping, inverse, b, x):
+def _jacobi_double(first, last, damping, inverse, b, x):
     """Write damping x inverse_i b_i into x_i for rows ``first`` to ``last`` - 1."""
     for i in range(first, last):
         put_row(x, i, plus_scaled(zeros(), damping, times(inverse, i, b, i)))
+
+
+def _jacobi_rows(first, last, damping, inverse, b, x):
+    """Stand for the same in the precision of x."""
+
+
+@overload(_jacobi_rows)
+def _jacobi_rows_of(first, last, damping, inverse, b, x):
+    def in_single(first, last, damping, inverse, b, x):
+        return single_rows.jacobi(first, last, damping, inverse, b, x)
+
+    def in_double(first, last, damping, inverse, b, x):
+        return _jacobi_double(first, last, damping, inverse, b, x)
+
+    return in_single if x.dtype == types.float32 else in_double
 
 
 @kernel(parallel=True)

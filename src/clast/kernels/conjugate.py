@@ -11,8 +11,9 @@ from numba import prange
 
 from clast.kernels.block_rows import CHUNK, SHARED, chunks, multiply
 from clast.kernels.compiled import kernel
-from clast.kernels.incomplete import substitute
-from clast.kernels.six import plus_scaled, put_row, row
+from clast.kernels.single import WIDTH
+from clast.kernels.six import plus, plus_scaled, put_row, row
+from clast.kernels.substitution import substitute
 
 TRIED = 8
 """Iterations after which the rate of convergence is judged."""
@@ -71,21 +72,25 @@ def turn(z, beta, p):
 
 
 @kernel()
-def _in_order(order, vector):
-    """Return the rows of a vector (n, 6) in the order of the factor."""
-    ordered = np.empty_like(vector)
-    for i in range(len(order)):
-        put_row(ordered, i, row(vector, order[i]))
-    return ordered
+def vector(count, precision):
+    """Return a vector of zeros as products in the precision of an array take it."""
+    return np.zeros((count, 6 if precision.itemsize == 8 else WIDTH), precision.dtype)
 
 
 @kernel()
-def _in_turn(order, vector):
-    """Return the rows of a vector (n, 6) in the order of the blocks."""
-    turned = np.empty_like(vector)
+def _in_order(order, given, ordered):
+    """Write the rows of a vector (n, 6) into ``ordered``, in the order of the factor."""
     for i in range(len(order)):
-        put_row(turned, order[i], row(vector, i))
-    return turned
+        put_row(ordered, i, row(given, order[i]))
+
+
+@kernel()
+def _gone(order, guess, x):
+    """Return ``guess`` (n, 6) plus x, which is in the order of the factor."""
+    result = np.empty_like(guess)
+    for i in range(len(order)):
+        put_row(result, order[i], plus(row(guess, order[i]), row(x, i)))
+    return result
 
 
 @kernel()
@@ -95,35 +100,38 @@ def solve(incomplete, matrix, force, guess, tolerance, limit):
     Starts from ``guess`` (n, 6) and stops where r.M^-1 r has fallen to tolerance^2 of its start and
     no longer falls by leaps, after ``limit`` iterations, or as soon as far more than that seem
     needed.  ``incomplete`` is the factor M and ``matrix`` is K in its order, as
-    kernels/incomplete.py returns them.
+    kernels/incomplete.py returns them; all but ``force``, ``guess`` and d has the precision of K.
     """
     order, _, pairs, right, left, listed, _, _ = incomplete
     own, couplings = matrix
-    x, r = _in_order(order, guess), _in_order(order, force)
-    z, kp = np.empty_like(force), np.empty_like(force)
-    if x.any():
-        multiply(own, couplings, pairs, right, left, listed, x, kp)
+    count = len(force)
+    x, r = vector(count, own), vector(count, own)
+    z, kp = vector(count, own), vector(count, own)
+    _in_order(order, force, r)
+    if guess.any():
+        _in_order(order, guess, z)
+        multiply(own, couplings, pairs, right, left, listed, z, kp)
         r -= kp
     start = rz = substitute(incomplete, r, z)
     if start == 0.0:
         return guess.copy(), 0, 0.0
     p = z.copy()
-    count, wanted = 0, tolerance**2 * start
-    while count < limit and rz > wanted:
+    iterations, wanted = 0, tolerance**2 * start
+    while iterations < limit and rz > wanted:
         curvature = multiply(own, couplings, pairs, right, left, listed, p, kp)
         if not curvature > 0.0:
-            return _in_turn(order, x), count, np.inf
+            return _gone(order, guess, x), iterations, np.inf
         advance(rz / curvature, p, kp, x, r)
-        count += 1
+        iterations += 1
         following = substitute(incomplete, r, z)
         beta = following / rz
         leaps = following < LEAP**2 * rz
         wanted = min(tolerance, EXACT if leaps else tolerance) ** 2 * start
         rz = following
-        if count == TRIED and rz > wanted:
-            # needed / count = log(tolerance^2) / log(rz / start), for what is gained so far
+        if iterations == TRIED and rz > wanted:
+            # needed / iterations = log(tolerance^2) / log(rz / start), for what is gained so far
             gained = np.log(start / rz)
-            if -2.0 * np.log(tolerance) * count > HOPE * limit * gained:
+            if -2.0 * np.log(tolerance) * iterations > HOPE * limit * gained:
                 break
         turn(z, beta, p)
-    return _in_turn(order, x), count, np.sqrt(rz / start)
+    return _gone(order, guess, x), iterations, np.sqrt(rz / start)

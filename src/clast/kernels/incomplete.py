@@ -8,8 +8,8 @@ takes its place, so that the product is positive definite in any case.
 A factor is (order, begin, pairs, right, left, listed, inverse, scaled): the order and where strips
 begin, the coupled pairs by their places in it and the rows of these (kernels/block_rows.py), D^-1
 (n, 6, 6) and L^T above its diagonal (q, 6, 6).  L is kept in single precision: enough for what is
-an approximation anyway, and half as much to read in every iteration.  D^-1 is not, and so the
-product stays positive definite.
+an approximation anyway, and half as much to read in every iteration.  D^-1 is so only where K may
+be, for rounding must not leave it indefinite.
 
 With it comes K itself, its blocks in the same order and without those that are zero, which is what
 an iteration multiplies with: it is read from one end to the other as the factor is.
@@ -20,20 +20,10 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from clast.kernels.block_rows import invert, left_of, lines, right_of, row_pointers, times
+from clast.kernels.block_rows import invert, lines, row_pointers
 from clast.kernels.compiled import kernel
 from clast.kernels.parts import coupled_pairs, ordering, renumbered
-from clast.kernels.six import (
-    line,
-    plus,
-    plus_product,
-    plus_scaled,
-    put_line,
-    put_row,
-    row,
-    total,
-    zeros,
-)
+from clast.kernels.six import line, plus, plus_scaled, put_line, zeros
 
 
 @kernel(forceinline=True)
@@ -101,13 +91,15 @@ def _eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, sc
 
     ``diagonal`` and ``upper`` are worked on in place, ``own`` are the diagonal blocks of K.
     """
-    of_row = np.empty((_widest(low, high, right), 6, 6))
+    of_row, pivot = np.empty((_widest(low, high, right), 6, 6)), np.empty((1, 6, 6))
     for i in range(low, high):
-        if not invert(diagonal[i], inverse[i]) and not invert(own[order[i]], inverse[i]):
+        if not invert(diagonal[i], pivot[0]) and not invert(own[order[i]], pivot[0]):
             return order[i]
+        for a in range(6):
+            put_line(inverse, i, a, line(pivot, 0, a))
         first = right[i]
         for q in range(first, right[i + 1]):
-            _multiply_into(inverse, i, upper, q, of_row, q - first)
+            _multiply_into(pivot, 0, upper, q, of_row, q - first)
             for a in range(6):
                 put_line(scaled, q, a, line(of_row, q - first, a))
         _pass_on(i, low, high, diagonal, upper, of_row, first, pairs, right)
@@ -160,15 +152,15 @@ def factor(own, couplings, pairs, rows, centroid, room):
     ``own`` (n, 6, 6) and ``couplings`` (q, 6, 6) are the blocks of K of ``pairs`` (q, 2), whose
     right, left and listed are ``rows``; ``centroid`` (n, 2) is where the blocks are.  K in the
     order of the factor is its diagonal blocks (n, 6, 6) and those of the coupled pairs, which are
-    in ``room`` (q, 6, 6), both in the precision of that.  What a strip leaves for the seam is taken
-    out of it when all strips are done, in their order.
+    in ``room`` (q, 6, 6), both in the precision of that, as D^-1 is.  What a strip leaves for the
+    seam is taken out of it when all strips are done, in their order.
     """
     coupled = coupled_pairs(couplings)
     order, begin = ordering(centroid, pairs, coupled)
     pairs, source = renumbered(order, pairs, rows, coupled)
     count, seam = len(own), begin[-2]
     right, left, listed = row_pointers(count, pairs)
-    inverse, diagonal = np.empty_like(own), np.empty_like(own)
+    inverse, diagonal = np.empty(own.shape, room.dtype), np.empty_like(own)
     scaled = np.empty((len(pairs), 6, 6), np.float32)
     upper = np.empty((len(pairs), 6, 6))
     bad = np.full(len(begin) - 2, -1)
@@ -188,57 +180,3 @@ def factor(own, couplings, pairs, rows, centroid, room):
             _pass_on(i, seam, count, diagonal, upper, scaled, 0, pairs, right)
     bad[0] = _eliminate(seam, count, own, order, diagonal, upper, pairs, right, inverse, scaled)
     return found, matrix, bad[0]
-
-
-@kernel()
-def _go_up(low, high, incomplete, r, z):
-    """Write L^-1 r into rows ``low`` to ``high`` - 1 of z."""
-    _, _, pairs, _, left, listed, _, scaled = incomplete
-    for i in range(low, high):
-        known = left_of(left[i], left[i + 1], listed, scaled, pairs, z)
-        put_row(z, i, plus_scaled(row(r, i), -1.0, known))
-
-
-@kernel()
-def _come_down(low, high, incomplete, r, z):
-    """Turn L^-1 r into L^-T D^-1 L^-1 r, ``low`` to ``high`` - 1, in place; return r.z there."""
-    _, _, pairs, right, _, _, inverse, scaled = incomplete
-    s = zeros()
-    for i in range(high - 1, low - 1, -1):
-        known = right_of(right[i], right[i + 1], scaled, pairs, z)
-        z_i = plus_scaled(times(inverse, i, z, i), -1.0, known)
-        put_row(z, i, z_i)
-        s = plus_product(s, row(r, i), z_i)
-    return total(s)
-
-
-@kernel(parallel=True)
-def _go_up_shared(incomplete, r, z):
-    begin = incomplete[1]
-    for c in prange(len(begin) - 2):
-        _go_up(begin[c], begin[c + 1], incomplete, r, z)
-
-
-@kernel(parallel=True)
-def _come_down_shared(incomplete, r, z, products):
-    begin = incomplete[1]
-    for c in prange(len(begin) - 2):
-        products[c] = _come_down(begin[c], begin[c + 1], incomplete, r, z)
-
-
-@kernel()
-def substitute(incomplete, r, z):
-    """Write (L D L^T)^-1 r (n, 6) into z and return r.z, both in the order of the factor."""
-    begin = incomplete[1]
-    strips, seam = len(begin) - 2, begin[-2]
-    if strips == 1:
-        _go_up(0, seam, incomplete, r, z)
-        return _come_down(0, seam, incomplete, r, z)
-    _go_up_shared(incomplete, r, z)
-    _go_up(seam, begin[-1], incomplete, r, z)
-    product = _come_down(seam, begin[-1], incomplete, r, z)
-    products = np.empty(strips)
-    _come_down_shared(incomplete, r, z, products)
-    for part in products:
-        product += part
-    return product

@@ -11,8 +11,8 @@ one block's half of m changed it still adds something positive, so that K <= 2 D
 A level is (diagonal, inverse, upper, pairs, right, left, listed, parent, start, members, offset):
 its blocks, the inverses of the diagonal ones, its rows (kernels/block_rows.py) and its aggregates.
 ``levels`` holds one tuple of arrays, over the levels, for each of these, and ``work`` one for each
-of eight vectors.  Couplings may be in single precision there: a cycle is an approximation anyway,
-and reads those of its first level twice for each time that they are multiplied with exactly.
+of eight vectors.  A cycle may be in single precision throughout: it is an approximation anyway, and
+reads the blocks of its first level twice for each time that they are multiplied with exactly.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ import numpy as np
 from clast.kernels.aggregates import prolong, restrict
 from clast.kernels.block_rows import dot, jacobi, multiply, relax
 from clast.kernels.compiled import kernel
-from clast.kernels.conjugate import advance, turn
+from clast.kernels.conjugate import advance, turn, vector
 from clast.kernels.dense import solve_factored
+from clast.kernels.six import plus, plus_product, plus_scaled, put_row, row, total, zeros
 
 LEVELS = 8
 """Levels at most: each has about a seventh of the blocks of the one before."""
@@ -72,8 +73,7 @@ def _combine(b, c, v, d, w, e):
     of_d = (dot(d, b) - gamma * alpha / rho) / second if second > 0.0 else 0.0
     of_c = (alpha - gamma * of_d) / rho
     for i in range(len(e)):
-        for a in range(6):
-            e[i, a] = of_c * c[i, a] + of_d * d[i, a]
+        put_row(e, i, plus_scaled(plus_scaled(zeros(), of_c, row(c, i)), of_d, row(d, i)))
 
 
 @kernel()
@@ -117,14 +117,14 @@ def _come_up(k, second, levels, work):
         return True
     alpha, rho = dot(c, rhs), _multiply(k, levels, c, product)
     share = alpha / rho if rho > 0.0 else 0.0
-    left, whole = 0.0, 0.0
+    left, whole = zeros(), zeros()
     for i in range(len(rhs)):
-        for a in range(6):
-            result[i, a] = share * c[i, a]
-            other[i, a] = rhs[i, a] - share * product[i, a]
-            left += other[i, a] ** 2
-            whole += rhs[i, a] ** 2
-    return left <= GOOD**2 * whole
+        wanted = row(rhs, i)
+        rest_of = plus_scaled(wanted, -share, row(product, i))
+        put_row(result, i, plus_scaled(zeros(), share, row(c, i)))
+        put_row(other, i, rest_of)
+        left, whole = plus_product(left, rest_of, rest_of), plus_product(whole, wanted, wanted)
+    return total(left) <= GOOD**2 * total(whole)
 
 
 @kernel()
@@ -148,6 +148,22 @@ def _cycle(last, levels, factor, work):
 
 
 @kernel()
+def _copy(given, taken):
+    """Write the rows of a vector into another one, whatever their precision."""
+    for i in range(len(given)):
+        put_row(taken, i, row(given, i))
+
+
+@kernel()
+def _gone(guess, x):
+    """Return ``guess`` (n, 6) plus x."""
+    result = np.empty_like(guess)
+    for i in range(len(guess)):
+        put_row(result, i, plus(row(guess, i), row(x, i)))
+    return result
+
+
+@kernel()
 def solve(matrix, levels, last, factor, work, force, guess, tolerance, limit):
     """Return d (n, 6) of K d = F, the iterations and the final reduction of r.B r.
 
@@ -157,31 +173,36 @@ def solve(matrix, levels, last, factor, work, force, guess, tolerance, limit):
     iterations; inf where K or B is not positive definite.
     """
     diagonal, upper, pairs, right, left, listed = matrix
-    x = guess.copy()
-    r, z = work[0][0], work[1][0]
-    kp = np.empty_like(force)
-    multiply(diagonal, upper, pairs, right, left, listed, x, kp)
-    r[:] = force - kp
+    number = len(force)
+    x, r = vector(number, diagonal), vector(number, diagonal)
+    kp, p = vector(number, diagonal), vector(number, diagonal)
+    rhs, z = work[0][0], work[1][0]
+    _copy(guess, p)
+    multiply(diagonal, upper, pairs, right, left, listed, p, kp)
+    _copy(force, r)
+    r -= kp
+    _copy(r, rhs)
     _cycle(last, levels, factor, work)
     rz = dot(r, z)
     start = rz
     if start == 0.0:
-        return x, 0, 0.0
-    p = z.copy()
+        return guess.copy(), 0, 0.0
+    _copy(z, p)
     count = 0
     while count < limit and rz > tolerance**2 * start:
         curvature = multiply(diagonal, upper, pairs, right, left, listed, p, kp)
         if not curvature > 0.0:
-            return x, count, np.inf
+            return _gone(guess, x), count, np.inf
         alpha = rz / curvature
         advance(alpha, p, kp, x, r)
         count += 1
+        _copy(r, rhs)
         _cycle(last, levels, factor, work)
         following = dot(r, z)
         if not following >= 0.0:
-            return x, count, np.inf
+            return _gone(guess, x), count, np.inf
         # z.(r - r_before), Polak and Ribiere's, for a preconditioner that is not quite linear
         beta = -alpha * dot(kp, z) / rz
         rz = following
         turn(z, beta, p)
-    return x, count, np.sqrt(rz / start)
+    return _gone(guess, x), count, np.sqrt(rz / start)

@@ -95,10 +95,10 @@ def _store(context, builder, signature, arguments):
 def _spread(builder, number, kind):
     """Return a register filled with one number."""
     value = builder.insert_element(ir.Constant(kind, ir.Undefined), number, INDEX(0))
-    return _shuffle(builder, value, value, [0] * kind.count)
+    return shuffle(builder, value, value, [0] * kind.count)
 
 
-def _shuffle(builder, one, other, chosen):
+def shuffle(builder, one, other, chosen):
     """Return the ``chosen`` of the numbers of two registers, counted on from one to the other."""
     mask = ir.Constant(ir.VectorType(INDEX, len(chosen)), chosen)
     return builder.shuffle_vector(one, other, mask)
@@ -118,7 +118,7 @@ def _add_products(builder, y, u, v):
 def _halved(builder, value):
     """Return two sums of three of the six numbers each."""
     four, two = _part(builder, value)
-    low, high = _shuffle(builder, four, four, [0, 1]), _shuffle(builder, four, four, [2, 3])
+    low, high = shuffle(builder, four, four, [0, 1]), shuffle(builder, four, four, [2, 3])
     return builder.fadd(builder.fadd(low, high), two)
 
 
@@ -231,9 +231,9 @@ def totals(context, u0, u1, u2, u3, u4, u5):
         halves = [_halved(builder, value) for value in arguments]
         sums = []
         for one, other in zip(halves[::2], halves[1::2], strict=True):
-            even, odd = (_shuffle(builder, one, other, [k, 2 + k]) for k in range(2))
+            even, odd = (shuffle(builder, one, other, [k, 2 + k]) for k in range(2))
             sums.append(builder.fadd(even, odd))
-        return _join(builder, _shuffle(builder, sums[0], sums[1], [0, 1, 2, 3]), sums[2])
+        return _join(builder, shuffle(builder, sums[0], sums[1], [0, 1, 2, 3]), sums[2])
 
     return SIX(u0, u1, u2, u3, u4, u5), made
 
@@ -250,7 +250,7 @@ def with_number(context, u, k, number):
             whole = ir.VectorType(ir.IntType(64), kind.count)
             places = ir.Constant(whole, [first + c for c in range(kind.count)])
             wanted = builder.insert_element(ir.Constant(whole, ir.Undefined), place, INDEX(0))
-            wanted = _shuffle(builder, wanted, wanted, [0] * kind.count)
+            wanted = shuffle(builder, wanted, wanted, [0] * kind.count)
             chosen = builder.icmp_signed("==", places, wanted)
             result.append(builder.select(chosen, _spread(builder, number, kind), value))
         return _join(builder, *result)

@@ -13,7 +13,7 @@ from clast.equations.solvers import PCG, IteratedMatrix
 from clast.equations.system import BlockSystem
 from clast.errors import StepRejected
 from clast.interfaces import Method
-from clast.kernels import block_rows, stream
+from clast.kernels import block_rows, conjugate, stream
 from clast.model import Model
 from clast.state import State
 from clast.stepping.convex import DIRECTION
@@ -105,14 +105,15 @@ def matrix_of_directions(system: BlockSystem) -> tuple[Any, ...]:
 def bytes_of_product(matrix: tuple[Any, ...]) -> int:
     """Return the bytes that a product moves: K_ii, pairs and K_ij read, x read, y written."""
     diagonal, upper, pairs, *_ = matrix
-    vectors = 2 * 6 * 8 * len(diagonal)
+    vectors = 2 * conjugate.vector(len(diagonal), diagonal).nbytes
     return int(diagonal.nbytes + upper.nbytes + pairs.nbytes + vectors)
 
 
 def measured_product(matrix: tuple[Any, ...]) -> Product:
     """Return the rate of K x, beside the triad's."""
     count = len(matrix[0])
-    x, y = np.ones((count, 6)), np.empty((count, 6))
+    x, y = conjugate.vector(count, matrix[0]), conjugate.vector(count, matrix[0])
+    x[:, :6] = 1.0
     moved = bytes_of_product(matrix)
     taken = fastest(lambda: block_rows.multiply(*matrix, x, y))
     return Product(
