@@ -114,3 +114,16 @@ def test_jacobi_and_relaxation_are_those_in_double_precision(count):
     block_rows.jacobi(0.8, inverse, b, x)
     assert of_single[:, :6] == pytest.approx(x, abs=2e-5)
     assert not of_single[:, 6:].any()
+
+
+@numba.njit
+def fetched(blocks):
+    """Ask for what lies far behind and before the blocks."""
+    for q in (0, len(blocks) - 1):
+        for ahead in (1, -1, 10**6, -(10**6)):
+            single.fetch(blocks, q, ahead)
+    return True
+
+
+def test_what_is_not_there_may_be_asked_for():
+    assert fetched(np.zeros((3, 6, 6), np.float32))

@@ -141,8 +141,8 @@ def test_the_product_moves_every_block_once():
     matrix = matrix_of_directions(system)
     coupled = np.count_nonzero(system.upper.any(axis=(1, 2)))
     assert 0 < coupled < len(system.pairs)
-    # single precision: 144 bytes a block; vectors of eight, numbers of two blocks
-    assert bytes_of_product(matrix) == model.block_count * (144 + 64) + coupled * (144 + 16)
+    # single precision: 144 bytes a block; vectors of eight, short numbers of blocks
+    assert bytes_of_product(matrix) == model.block_count * (144 + 64) + coupled * (144 + 8)
 
 
 def test_a_singular_system_has_no_product():

@@ -110,11 +110,9 @@ def levels_of(
         if not definite:
             raise StepRejected(StepOutcome.SINGULAR, "the matrix is not positive definite")
     filled = [_in_precision(cycle, one) for one in [*found, *[_EMPTY] * (LEVELS - len(found))]]
-    own, couplings = system.diagonal, system.upper
-    if product is cycle:
-        own, couplings = filled[0].diagonal, filled[0].upper
+    matrix = (system.diagonal, system.upper, system.pairs, *system.rows)
     return Levels(
-        matrix=(own, couplings, system.pairs, *system.rows),
+        matrix=_matrix(filled[0]) if product is cycle else matrix,
         levels=tuple(tuple(column) for column in zip(*map(_fields, filled), strict=True)),
         last=len(found) - 1,
         factor=factor,
@@ -126,13 +124,22 @@ def levels_of(
 
 
 def _in_precision(cycle: Precision, level: Level) -> Level:
-    """Return the level with its blocks in the precision of the cycle."""
-    return replace(
-        level,
-        diagonal=level.diagonal.astype(cycle, copy=False),
-        inverse=level.inverse.astype(cycle, copy=False),
-        upper=level.upper.astype(cycle, copy=False),
-    )
+    """Return the level with its blocks in the precision of the cycle, and the pairs that go by it.
+
+    Short integers go with single precision: they are read as often as the blocks.
+    """
+    whole = np.int32 if cycle is np.float32 else np.int64
+    of_blocks = {name: getattr(level, name).astype(cycle, copy=False) for name in _BLOCKS}
+    of_pairs = {name: getattr(level, name).astype(whole, copy=False) for name in _PAIRS}
+    return replace(level, **of_blocks, **of_pairs)
+
+
+def _matrix(level: Level) -> tuple[Any, ...]:
+    """Return what block_rows.multiply takes of a level."""
+    return (level.diagonal, level.upper, *(getattr(level, name) for name in _PAIRS))
+
+
+_BLOCKS, _PAIRS = ("diagonal", "inverse", "upper"), ("pairs", "right", "left", "listed")
 
 
 def _fields(level: Level) -> tuple[Any, ...]:

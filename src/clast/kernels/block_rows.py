@@ -41,10 +41,11 @@ def row_pointers(count, pairs):
     """Return where each row finds its pairs (q, 2), which are sorted.
 
     ``right`` (n + 1,): the pairs (i, .) of row i are right[i] to right[i + 1] - 1.  ``left``
-    (n + 1,) and ``listed`` (q,): the pairs (., i), listed by their other block.
+    (n + 1,) and ``listed`` (q,): the pairs (., i), listed by their other block.  All are integers
+    of the kind that ``pairs`` has.
     """
-    right = np.zeros(count + 1, np.int64)
-    left = np.zeros(count + 1, np.int64)
+    right = np.zeros(count + 1, pairs.dtype)
+    left = np.zeros(count + 1, pairs.dtype)
     for q in range(len(pairs)):
         right[pairs[q, 0] + 1] += 1
         left[pairs[q, 1] + 1] += 1
@@ -52,7 +53,7 @@ def row_pointers(count, pairs):
         right[i + 1] += right[i]
         left[i + 1] += left[i]
     at = left[:-1].copy()
-    listed = np.empty(len(pairs), np.int64)
+    listed = np.empty(len(pairs), pairs.dtype)
     for q in range(len(pairs)):
         listed[at[pairs[q, 1]]] = q
         at[pairs[q, 1]] += 1

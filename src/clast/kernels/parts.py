@@ -174,7 +174,8 @@ def renumbered(order, pairs, rows, coupled):
     """Return the coupled pairs by their places in ``order`` (n,), sorted, and whence each comes.
 
     ``rows`` are right, left and listed of the pairs (kernels/block_rows.py).  ``source`` (q,) is
-    the pair's old number, or minus that minus one where its blocks have changed sides.
+    the pair's old number, or minus that minus one where its blocks have changed sides.  The pairs
+    are short integers, to be read over and over.
     """
     count = len(order)
     place = np.empty(count, np.int64)
@@ -187,7 +188,7 @@ def renumbered(order, pairs, rows, coupled):
         _rows_of(0, count, order, place, pairs, rows, coupled, start)
     for k in range(count):
         start[k + 1] += start[k]
-    new, source = np.empty((start[-1], 2), np.int64), np.empty(start[-1], np.int64)
+    new, source = np.empty((start[-1], 2), np.int32), np.empty(start[-1], np.int64)
     if count >= SHARED:
         _fill_rows_shared(order, place, pairs, rows, coupled, start, new, source)
     else:

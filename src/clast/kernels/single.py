@@ -20,6 +20,8 @@ WIDTH = 8
 """Numbers in a row of a vector."""
 NUMBER = ir.FloatType()
 REGISTER = ir.VectorType(NUMBER, WIDTH)
+LINE = 16
+"""Numbers in a line of the cache."""
 NOTHING = ir.Constant(REGISTER, [0.0] * WIDTH)
 
 
@@ -97,6 +99,29 @@ def lines(context, blocks, q):
         return context.make_tuple(builder, signature.return_type, found)
 
     return types.UniTuple(EIGHT, 6)(blocks, q), made
+
+
+@operation
+def fetch(context, blocks, q, ahead):
+    """Ask the memory for what will be read, the block ``ahead`` blocks behind block q.
+
+    It may lie behind the last block or before the first: asking for it does nothing then.
+    """
+
+    def made(context, builder, signature, arguments):
+        first = _place(context, builder, signature, arguments)
+        byte = ir.IntType(8).as_pointer()
+        form = ir.FunctionType(ir.VoidType(), [byte, INDEX, INDEX, INDEX])
+        call = cgutils.get_or_insert_function(builder.module, form, "llvm.prefetch.p0i8")
+        numbers = context.cast(builder, arguments[2], signature.args[2], types.int64)
+        numbers = builder.mul(numbers, ir.IntType(64)(36))
+        for line in range(0, 36, LINE):
+            place = builder.gep(first, [builder.add(numbers, ir.IntType(64)(line))])
+            to_read, kept, data = INDEX(0), INDEX(3), INDEX(1)
+            builder.call(call, [builder.bitcast(place, byte), to_read, kept, data])
+        return context.get_dummy_value()
+
+    return types.void(blocks, q, ahead), made
 
 
 @operation

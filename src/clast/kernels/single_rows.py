@@ -18,6 +18,10 @@ STRETCHES, SHORTEST = 8, 256
 """Stretches of rows that threads share, and rows of one at least."""
 
 
+AHEAD = 24
+"""Blocks that are asked for before they are needed: memory is read page by page otherwise."""
+
+
 @kernel()
 def stretch(count):
     """Return the rows of a stretch of ``count``: they depend on nothing else."""
@@ -40,10 +44,14 @@ def times(blocks, i, x):
 
 @kernel(forceinline=True)
 def right_of(low, high, upper, pairs, x):
-    """Return the sum of K_ij x_j over the pairs ``low`` to ``high`` - 1, those of a row i."""
+    """Return the sum of K_ij x_j over the pairs ``low`` to ``high`` - 1, those of a row i.
+
+    Rows are taken from the last to the first.
+    """
     t0, t1, t2 = single.zeros(), single.zeros(), single.zeros()
     t3, t4, t5 = single.zeros(), single.zeros(), single.zeros()
     for q in range(low, high):
+        single.fetch(upper, q, -AHEAD)
         other = single.row(x, pairs[q, 1])
         k0, k1, k2, k3, k4, k5 = single.lines(upper, q)
         t0 = single.plus_product(t0, k0, other)
@@ -88,6 +96,7 @@ def both_sides(low, high, end, x_i, upper, pairs, x, y):
     x0, x1, x2, x3, x4, x5 = single.spread(x_i)
     for q in range(low, high):
         j = pairs[q, 1]
+        single.fetch(upper, q, AHEAD)
         other = single.row(x, j)
         k0, k1, k2, k3, k4, k5 = single.lines(upper, q)
         t0 = single.plus_product(t0, k0, other)

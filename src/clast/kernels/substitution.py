@@ -77,6 +77,7 @@ def _pass_up(low, high, end, z_i, scaled, pairs, z):
         j = pairs[q, 1]
         if j >= end:
             break
+        single.fetch(scaled, q, single_rows.AHEAD)
         k0, k1, k2, k3, k4, k5 = single.lines(scaled, q)
         s0 = single.plus_product(single.row(z, j), n0, k0)
         s1 = single.plus_product(single.zeros(), n1, k1)
