@@ -280,11 +280,13 @@ def inertia_shares(system: BlockSystem) -> tuple[float, float]:
 
 SOFT = 0.005
 """Share of inertia above which the incomplete factor suffices: one to twenty iterations."""
-ROUGH, HEAVY, LIGHT = 1e-5, 1e-4, 1e-6
-"""Where K may be read in single precision, that is rounded by 6e-8 of itself.  By the conjugate
-gradients themselves, where the residual need not fall below ROUGH and no block has less
-than HEAVY as its share of inertia, of which the rounding then is a thousandth; by a cycle, which
-only has to come near, where none has less than LIGHT."""
+ROUGH, LIGHT = 1e-5, 1e-6
+"""Where the solution may be iterated in single precision, that is with a K rounded by 6e-8 of
+itself: where the residual need not fall below ROUGH.  No block's share of inertia may be below LIGHT
+then, so that rounding stays below a tenth of any inertia; LIGHT is for a Newton direction, the
+more accurate ones need more inertia in proportion."""
+DIRECTIONS = 1e-3
+"""Tolerance of Newton's directions, for which LIGHT was measured (ADR 0027)."""
 
 
 def precision_for(system: BlockSystem, tolerance: float, least: float) -> Precision:
@@ -294,7 +296,7 @@ def precision_for(system: BlockSystem, tolerance: float, least: float) -> Precis
     is exact: one iteration then solves them to 1e-8, which ends Newton's in one as well.
     """
     exact = len(system.pairs) < len(system.diagonal)
-    enough = tolerance >= ROUGH and least >= HEAVY
+    enough = tolerance >= ROUGH and least * tolerance >= LIGHT * DIRECTIONS
     return np.float32 if enough and not exact else np.float64
 
 
