@@ -13,7 +13,7 @@ from clast.kernels import aggregates, block_rows, conjugate, dense
 from clast.kernels.multilevel import LEVELS
 from clast.model import Floats, Ints
 
-COARSEST = 20
+COARSEST = 32
 """A level of no more blocks than this is factorised."""
 STALLED = 0.8
 """Blocks that aggregates may leave, as a share, for another level to be worth it."""

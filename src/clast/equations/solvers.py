@@ -282,9 +282,9 @@ SOFT = 0.005
 """Share of inertia above which the incomplete factor suffices: one to twenty iterations."""
 ROUGH, LIGHT = 1e-5, 1e-6
 """Where the solution may be iterated in single precision, that is with a K rounded by 6e-8 of
-itself: where the residual need not fall below ROUGH.  No block's share of inertia may be below LIGHT
-then, so that rounding stays below a tenth of any inertia; LIGHT is for a Newton direction, the
-more accurate ones need more inertia in proportion."""
+itself: where the residual need not fall below ROUGH, and no block's share of inertia is below
+LIGHT, so that rounding stays below a tenth of any inertia.  LIGHT is for Newton's directions; what
+must be more accurate needs more inertia in proportion."""
 DIRECTIONS = 1e-3
 """Tolerance of Newton's directions, for which LIGHT was measured (ADR 0027)."""
 

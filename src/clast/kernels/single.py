@@ -50,6 +50,11 @@ def _place(context, builder, signature, arguments):
     return cgutils.get_item_pointer(context, builder, kind, array, at, wraparound=False)
 
 
+def _is_single(array):
+    """Return whether it holds numbers in single precision: others would be misread."""
+    return array.dtype == types.float32
+
+
 def _load(builder, place):
     return builder.load(builder.bitcast(place, REGISTER.as_pointer()), align=UNALIGNED)
 
@@ -61,9 +66,17 @@ def _add_product(builder, y, u, v):
     return builder.call(call, [u, v, y])
 
 
+def _filled(builder, number):
+    """Return a register filled with a number."""
+    given = builder.insert_element(NOTHING, number, INDEX(0))
+    return shuffle(builder, given, given, [0] * WIDTH)
+
+
 @operation
 def row(context, x, i):
     """Return row i of x (n, 8)."""
+    if not _is_single(x):
+        return None
 
     def made(context, builder, signature, arguments):
         return _load(builder, _place(context, builder, signature, arguments))
@@ -74,6 +87,8 @@ def row(context, x, i):
 @operation
 def put_row(context, x, i, value):
     """Write six numbers and two zeros into row i of x (n, 8)."""
+    if not _is_single(x):
+        return None
 
     def made(context, builder, signature, arguments):
         place = _place(context, builder, signature, arguments)
@@ -91,6 +106,8 @@ def lines(context, blocks, q):
     Eight numbers are read for each, the last two being the next line's; the last line is read from
     two numbers before it, and nothing behind the block.
     """
+    if not _is_single(blocks):
+        return None
 
     def made(context, builder, signature, arguments):
         first = _place(context, builder, signature, arguments)
@@ -107,6 +124,8 @@ def fetch(context, blocks, q, ahead):
 
     It may lie behind the last block or before the first: asking for it does nothing then.
     """
+    if not _is_single(blocks):
+        return None
 
     def made(context, builder, signature, arguments):
         first = _place(context, builder, signature, arguments)
@@ -151,8 +170,7 @@ def filled(context, number):
     """Return a register filled with a number."""
 
     def made(context, builder, signature, arguments):
-        given = builder.insert_element(NOTHING, arguments[0], INDEX(0))
-        return shuffle(builder, given, given, [0] * WIDTH)
+        return _filled(builder, arguments[0])
 
     return EIGHT(types.float32), made
 
