@@ -286,7 +286,7 @@ itself: where the residual need not fall below ROUGH, and no block's share of in
 LIGHT, so that rounding stays below a tenth of any inertia.  LIGHT is for Newton's directions; what
 must be more accurate needs more inertia in proportion."""
 DIRECTIONS = 1e-3
-"""Tolerance of Newton's directions, for which LIGHT was measured (ADR 0027)."""
+"""Tolerance of Newton's directions, for which LIGHT was measured (docs/decisions/0027)."""
 
 
 def precision_for(system: BlockSystem, tolerance: float, least: float) -> Precision:

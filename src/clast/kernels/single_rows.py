@@ -16,8 +16,6 @@ from clast.kernels.compiled import kernel
 
 STRETCHES, SHORTEST = 8, 256
 """Stretches of rows that threads share, and rows of one at least."""
-
-
 AHEAD = 24
 """Blocks that are asked for before they are needed: memory is read page by page otherwise."""
 
