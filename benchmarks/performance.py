@@ -50,29 +50,31 @@ LARGE = """\
 Apart from the runs above, on the machine named:
 
 - `clast bench heap --size 1000000 --step 2.5e-3 --steps 100 --results build`: a million falling
-  squares are built in 11 s and take 4.1 µs per block and step, 7.4 minutes with first and last
-  state saved (0.7 GB), and 2.9 GB of memory at most (before contact detection was shared).
+  squares are built in 8 s and take 2.1 µs per block and step, 3.5 minutes with first and last
+  state saved (0.7 GB), and 2.8 GB of memory at most.
 - `clast bench stack --size 1000000 --steps 100 --threads 2 --results build`: 20,000 towers of 50
-  squares at rest on 3,960,000 contacts, h = 1 ms, take 7.8 µs per block and step, 13 minutes with
-  first and last state saved (0.9 GB), and 8.1 GB of memory at most; the matrix product reached
-  25 GB/s there, 81 % of the triad by as many threads.
-- Of one height cost per block hardly depends on the number of blocks: walls of 50 courses with
-  1,026, 10,026 and 100,026 bricks take 90, 95 and 106 µs per block and step at 1 ms, with 20 to
-  24 iterations a step; towers of 50 storeys with 1,001, 10,001 and 100,001 squares 22, 12 and
-  14 µs at 5 ms, with 3.5 to 4.3. In the table above what grows is the height: scenes of 1,000
-  blocks are 32 storeys or 45 courses high.
+  squares at rest on 3,960,000 contacts, h = 1 ms, take 4.9 µs per block and step, 8.2 minutes with
+  first and last state saved (0.9 GB), and 9.5 GB of memory at most; the matrix product reached
+  24 GB/s there, 104 % of the triad by as many threads.
+- Of one height cost per block hardly depends on the number of blocks: in their first ten steps
+  walls of 50 courses with 1,026, 10,026 and 100,026 bricks take 107, 110 and 128 µs per block and
+  step at 1 ms, with 35 to 43 iterations a step; towers of 50 storeys with 1,001, 10,001 and 100,001
+  squares 12, 11 and 14 µs at 5 ms, with 3.5 to 4.3. In the table above what grows is the height:
+  scenes of 1,000 blocks are 32 storeys or 45 courses high.
 - Numbered at random instead of course by course, walls of 1,011, 10,026 and 100,026 bricks take
   1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew
   (docs/decisions/0024).
-- `--threads 2`, medians of five to seven runs of one and two threads in turns: 1.73 times as fast
-  on a wall of 10,026 blocks at 1 ms, 1.68 at 5 ms, 1.73 on a slope of 9,986 at 5 ms, 1.37 to 1.45
-  on a heap of 10,000 from 0.6 to 1.8 s, 0.93 to 1.10 on walls and a heap of 100 (noise; below 800
-  blocks one thread does all); the same results to the last bit (docs/decisions/0024, 0026).
-- The product reads K in the order and the precision in which Newton's directions have it
-  (docs/decisions/0026), 144 bytes instead of 288 a block. For 100,026 bricks it takes 6.5 to 8.3 ms
-  by one thread and 3.6 to 4.0 by two; in double precision it took 7.5 to 12.7 and 6.1 to 7.6. That
-  is 8 to 12 and 17 to 22 GB/s, 40 to 60 % and 45 to 70 % of the triad in main memory by as many
-  threads, measured at the same time: rows of blocks are fetched with more waiting than a triad.
+- `--threads 2`, medians of three runs of one and two threads in turns: 1.43 to 1.46 times as fast
+  on a wall of 10,026 blocks at 1 ms, 1.42 at 5 ms, 1.26 on the first three steps of a slope of
+  9,986 at 5 ms; the version before took part in the same hour with 1.45, and had reached 1.73 on the
+  same wall hours earlier, when the machine's memory was less busy. Walls and a heap of 100 take as
+  long as by one (below 800 blocks one thread does all); the same results to the last bit
+  (docs/decisions/0024, 0026).
+- Where Newton's directions have K in single precision the product reads each block once
+  (docs/decisions/0027), 144 bytes instead of 288. For 100,026 bricks it takes 3.3 to 5.6 ms by one
+  thread and 2.7 to 3.2 by two; in double precision, as `modified` and `open-close` have it, 7.5 to
+  12.7 and 6.1 to 7.6. That is 12 to 20 and 20 to 25 GB/s, 75 to 85 % and 76 to 84 % of the triad in main
+  memory by as many threads, measured in turns with it.
 """
 PEER_HEADINGS = ("program", "wall time per simulated second", "drift", "overlap", "remark")
 BENCH_HEADINGS = (
