@@ -67,8 +67,9 @@ Apart from the runs above, on the machine named:
 - `--threads 2`, medians of three runs of one and two threads in turns: 1.43 to 1.46 times as fast
   on a wall of 10,026 blocks at 1 ms, 1.42 at 5 ms, 1.26 on the first three steps of a slope of
   9,986 at 5 ms; the version before took part in the same hour with 1.45, and had reached 1.73 on
-  the same wall hours earlier, when the machine's memory was less busy. Walls and a heap of 100
-  take as long as by one (below 800 blocks one thread does all); the same results to the last bit
+  the same wall hours earlier, when the machine's memory was less busy; a heap of 10,000
+  at 1.4 s 1.05. Walls and a heap of 100 take as long as by one (below 800 blocks one thread
+  does all); the same results to the last bit
   (docs/decisions/0024, 0026).
 - Where Newton's directions have K in single precision the product reads each block once
   (docs/decisions/0027), 144 bytes instead of 288. For 100,026 bricks it takes 3.3 to 5.6 ms by one

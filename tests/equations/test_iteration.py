@@ -12,7 +12,7 @@ from clast.equations.cholesky import Cholesky, CholeskyFactor
 from clast.equations.multilevel import levels_of
 from clast.equations.reuse import FactorOfStep
 from clast.equations.solvers import (
-    DIRECTIONS,
+    DIRECTION,
     LIGHT,
     PCG,
     ROUGH,
@@ -126,9 +126,9 @@ def test_couplings_are_read_in_single_precision_where_that_is_enough():
         assert {upper.dtype for upper in cycled.levels[2]} == {np.dtype(np.float32)}
         assert cycled.matrix[1].dtype == kinds[tolerance]
         assert np.abs(matrix.solve(heavy.force) - wanted).max() <= size * tolerance
-    assert precision_for(heavy, DIRECTIONS, LIGHT) is precision_of_cycle(LIGHT) is np.float32
-    assert precision_for(heavy, DIRECTIONS, 0.9 * LIGHT) is np.float64
-    assert precision_for(heavy, 0.1 * DIRECTIONS, 9.0 * LIGHT) is np.float64
+    assert precision_for(heavy, DIRECTION, LIGHT) is precision_of_cycle(LIGHT) is np.float32
+    assert precision_for(heavy, DIRECTION, 0.9 * LIGHT) is np.float64
+    assert precision_for(heavy, 0.1 * DIRECTION, 9.0 * LIGHT) is np.float64
     assert precision_for(heavy, ROUGH, 1.0) is np.float32
     assert precision_for(heavy, 0.9 * ROUGH, 1.0) is np.float64
     assert precision_of_cycle(0.9 * LIGHT) is np.float64
@@ -141,8 +141,8 @@ def test_what_is_solved_in_single_precision_goes_where_the_solution_is(weight):
     """Down to a share of inertia of LIGHT: the error's energy is small beside the solution's."""
     one = heavier(elastic_grid(30, 30, stiffness=1e6 / 3.0), weight)
     _, least = inertia_shares(one)
-    assert precision_for(one, DIRECTIONS, least) is np.float32
-    matrix = PCG(tolerance=DIRECTIONS).factor(one)
+    assert precision_for(one, DIRECTION, least) is np.float32
+    matrix = PCG(tolerance=DIRECTION).factor(one)
     force = one.force + np.array([1e3, -2e3, 0.0, 0.0, 0.0, 0.0])  # all of them pushed together
     found, wanted = matrix.solve(force), Cholesky().factor(one).solve(force)
     assert matrix.by_rows[1].dtype == np.float32

@@ -285,8 +285,9 @@ ROUGH, LIGHT = 1e-5, 1e-6
 itself: where the residual need not fall below ROUGH, and no block's share of inertia is below
 LIGHT, so that rounding stays below a tenth of any inertia.  LIGHT is for Newton's directions; what
 must be more accurate needs more inertia in proportion."""
-DIRECTIONS = 1e-3
-"""Tolerance of Newton's directions, for which LIGHT was measured (docs/decisions/0027)."""
+DIRECTION = 1e-3
+"""Accuracy of Newton's directions where they are found by iteration; the step's is unaffected.
+LIGHT was measured with it (docs/decisions/0027)."""
 
 
 def precision_for(system: BlockSystem, tolerance: float, least: float) -> Precision:
@@ -296,7 +297,7 @@ def precision_for(system: BlockSystem, tolerance: float, least: float) -> Precis
     is exact: one iteration then solves them to 1e-8, which ends Newton's in one as well.
     """
     exact = len(system.pairs) < len(system.diagonal)
-    enough = tolerance >= ROUGH and least * tolerance >= LIGHT * DIRECTIONS
+    enough = tolerance >= ROUGH and least * tolerance >= LIGHT * DIRECTION
     return np.float32 if enough and not exact else np.float64
 
 

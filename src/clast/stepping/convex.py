@@ -25,7 +25,7 @@ from clast.contact.arrays import Contacts
 from clast.contact.detection import detect
 from clast.equations.frames import BlockFrames, block_frames
 from clast.equations.reuse import FactorOfStep
-from clast.equations.solvers import inexact
+from clast.equations.solvers import DIRECTION, inexact
 from clast.equations.system import contact_motions, graph_of, inverse_of_blocks
 from clast.equations.terms import diagonal_terms
 from clast.interfaces import Method, StepResult
@@ -44,10 +44,6 @@ from clast.stepping.reach import (
     travel_of,
 )
 from clast.stepping.stages import Stages
-
-DIRECTION = 1e-3
-"""Accuracy of Newton's directions where they are found by iteration; the step's is unaffected."""
-
 
 AT_REST = 1.0
 """Slip rate below which a new contact is taken to hold at first, in units of g h."""

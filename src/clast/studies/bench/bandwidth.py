@@ -9,14 +9,13 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from clast.equations.solvers import PCG, IteratedMatrix
+from clast.equations.solvers import DIRECTION, PCG, IteratedMatrix
 from clast.equations.system import BlockSystem
 from clast.errors import StepRejected
 from clast.interfaces import Method
 from clast.kernels import block_rows, conjugate, stream
 from clast.model import Model
 from clast.state import State
-from clast.stepping.convex import DIRECTION
 
 REPEATS = 7
 """Times that something is measured; the fastest counts."""
