@@ -95,18 +95,9 @@ def test_both_paths_make_the_same_equations(name):
             rng.random(len(contacts)) < 0.8
         )
         own, upper = np.empty_like(base), np.empty((len(contacts.pairs), 6, 6))
-        assembly.assemble(
-            base,
-            model.fixed,
-            contacts.pairs,
-            graph,
-            contacts.vertex_block,
-            contacts.levers,
-            kn,
-            ks,
-            own,
-            upper,
-        )
+        springs = graph, contacts.vertex_block, contacts.levers, kn, ks
+        coupled, _, _ = assembly.assemble(base, model.fixed, contacts.pairs, *springs, own)
+        assembly.assemble_couplings(coupled, *springs, upper)
         motions = contact_motions(contacts, drift)
         forces = with_contact_forces(drift, base, contacts, graph, model.fixed, normal, shear)
         found.append((own, upper, *motions, forces))

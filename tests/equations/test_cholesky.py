@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from clast.equations.cholesky import Cholesky, analyse
+from clast.equations.couplings import Blocks
 from clast.equations.solvers import PCG, Automatic
 from clast.equations.system import BlockSystem
 from clast.errors import StepOutcome, StepRejected
@@ -45,12 +46,16 @@ def random_system(rng, count, pairs, stiffness=1e6):
         diagonal=diagonal,
         pairs=pairs,
         rows=row_pointers(count, pairs),
-        upper=upper,
-        lower=upper.transpose(0, 2, 1),
+        couplings=Blocks(upper=upper, lower=upper.transpose(0, 2, 1)),
         symmetric=True,
         force=rng.normal(size=(count, 6)),
         centroid=rng.normal(size=(count, 2)),
     )
+
+
+def with_upper(one, upper):
+    """Return a symmetric system with other blocks beside the diagonal."""
+    return replace(one, couplings=Blocks(upper=upper, lower=upper.transpose(0, 2, 1)))
 
 
 def dense(one):
@@ -106,7 +111,7 @@ def test_held_blocks_couple_nothing():
     diagonal, upper, force = one.diagonal.copy(), one.upper.copy(), one.force.copy()
     diagonal[held], force[held] = 5.0 * np.eye(6), 0.0
     upper[(one.pairs == held).any(axis=1)] = 0.0
-    two = replace(one, diagonal=diagonal, upper=upper, lower=upper.transpose(0, 2, 1), force=force)
+    two = with_upper(replace(one, diagonal=diagonal, force=force), upper)
     found = Cholesky().factor(two).solve(two.force)
     wanted = np.linalg.solve(dense(two), force.ravel())
     assert np.abs(found.ravel() - wanted).max() < 1e-7 * np.abs(wanted).max()

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_cholesky import PATTERNS, dense, grid, random_system
+from test_cholesky import PATTERNS, dense, grid, random_system, with_upper
 from test_multilevel import elastic_grid
 
 from clast.contact.arrays import ContactResponse
@@ -94,7 +94,7 @@ def test_blocks_that_are_coupled_to_none_do_not_count_in_the_share():
     rows = row_pointers(len(diagonal), one.pairs)
     wider = replace(one, diagonal=diagonal, rows=rows)
     assert inertia_shares(wider)[0] == pytest.approx(inertia_shares(one)[0])
-    assert inertia_shares(replace(one, upper=np.zeros_like(one.upper))) == (1.0, 1.0)
+    assert inertia_shares(with_upper(one, np.zeros_like(one.upper))) == (1.0, 1.0)
 
 
 def test_the_least_share_of_inertia_is_that_of_the_weakest_block_in_its_weakest_direction():
@@ -168,7 +168,7 @@ def test_what_is_multiplied_with_is_the_matrix():
 def test_rounding_that_would_outweigh_the_inertia_of_the_blocks_is_not_done():
     """Rounded up, couplings take away more than there is, for want of any inertia to speak of."""
     one = heavier(elastic_grid(8, 8, stiffness=1e6 / 3.0), 1e-4 - 1.0)
-    rounded = replace(one, upper=one.upper.astype(np.float32).astype(np.float64))
+    rounded = with_upper(one, one.upper.astype(np.float32).astype(np.float64))
     assert np.linalg.eigvalsh(dense(rounded)).min() < 0.0 < np.linalg.eigvalsh(dense(one)).min()
     matrix = PCG(tolerance=1e-3).factor(one)
     assert {upper.dtype for upper in matrix._iteration.levels.levels[2]} == {np.dtype(np.float64)}

@@ -1,9 +1,11 @@
 """Levels of larger blocks: the coarse systems, the cycle, the iteration."""
 
+from dataclasses import replace
+
 import numba
 import numpy as np
 import pytest
-from test_cholesky import PATTERNS, dense, grid, random_system
+from test_cholesky import PATTERNS, dense, grid, random_system, with_upper
 
 from clast.equations.cholesky import Cholesky
 from clast.equations.multilevel import COARSEST, levels_of
@@ -136,7 +138,7 @@ def elastic_grid(rows, columns, stiffness=1e6):
             diagonal[i] += stiffness * rows_of[0] @ rows_of[0].T
             diagonal[j] += stiffness * rows_of[1] @ rows_of[1].T
             upper[q] += stiffness * rows_of[0] @ rows_of[1].T
-    return type(one)(**{**vars(one), "diagonal": diagonal, "upper": upper, "centroid": centroid})
+    return with_upper(replace(one, diagonal=diagonal, centroid=centroid), upper)
 
 
 def test_iterations_hardly_grow_with_the_number_of_blocks():

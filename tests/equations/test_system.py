@@ -7,6 +7,7 @@ import pytest
 
 from clast.contact.arrays import Contacts
 from clast.contact.laws import Penalty
+from clast.equations.couplings import Blocks
 from clast.equations.frames import block_frames
 from clast.equations.solvers import PCG, Direct, Scipy, solve, sparse_matrix
 from clast.equations.system import (
@@ -144,8 +145,7 @@ def test_sparse_matrix_without_contacts():
     one = replace(
         wall().assembled(),
         pairs=np.zeros((0, 2), np.int64),
-        upper=np.zeros((0, 6, 6)),
-        lower=np.zeros((0, 6, 6)),
+        couplings=Blocks(upper=np.zeros((0, 6, 6)), lower=np.zeros((0, 6, 6))),
     )
     assert np.array_equal(sparse_matrix(one).toarray(), dense(one))
 
@@ -201,9 +201,9 @@ def test_assembling_changes_nothing_that_it_was_given():
 
 def test_singular_matrix_rejects_the_step():
     one = wall().assembled()
-    nothing = {name: 0.0 * getattr(one, name) for name in ("diagonal", "upper", "lower")}
+    none = Blocks(upper=0.0 * one.upper, lower=0.0 * one.lower)
     with pytest.raises(StepRejected) as caught:
-        solve(Scipy(), replace(one, **nothing))
+        solve(Scipy(), replace(one, diagonal=0.0 * one.diagonal, couplings=none))
     assert caught.value.outcome is StepOutcome.SINGULAR
 
 

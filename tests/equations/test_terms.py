@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from clast.equations import terms
+from clast.equations.couplings import Blocks
 from clast.equations.frames import block_frames
 from clast.equations.integration import end_velocity, inertia_factor, velocity_factor
 from clast.equations.solvers import Scipy, solve
@@ -62,8 +63,7 @@ def test_free_block_solves_newtons_law():
         diagonal=base.diagonal,
         pairs=np.zeros((0, 2), np.int64),
         rows=row_pointers(1, np.zeros((0, 2), np.int64)),
-        upper=none,
-        lower=none,
+        couplings=Blocks(upper=none, lower=none),
         symmetric=True,
         force=base.force,
         centroid=base.centroid,

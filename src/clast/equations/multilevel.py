@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from clast.equations.system import BlockSystem, Precision, Rows, inverse_of_blocks
+from clast.equations.couplings import Precision, Rows
+from clast.equations.system import BlockSystem, inverse_of_blocks
 from clast.errors import StepOutcome, StepRejected
 from clast.kernels import aggregates, block_rows, conjugate, dense
 from clast.kernels.multilevel import LEVELS
@@ -76,7 +77,8 @@ def levels_of(
     a better one.
     """
     found: list[Level] = []
-    diagonal, upper, pairs = system.diagonal, system.upper, system.pairs
+    diagonal, upper = system.diagonal, system.couplings.in_precision(cycle)
+    pairs = system.pairs
     rows, centroid = system.rows, system.centroid
     while True:
         level, centre = _level(diagonal, upper, pairs, rows, centroid)
@@ -110,9 +112,9 @@ def levels_of(
         if not definite:
             raise StepRejected(StepOutcome.SINGULAR, "the matrix is not positive definite")
     filled = [_in_precision(cycle, one) for one in [*found, *[_EMPTY] * (LEVELS - len(found))]]
-    matrix = (system.diagonal, system.upper, system.pairs, *system.rows)
+    better = product is not cycle
     return Levels(
-        matrix=_matrix(filled[0]) if product is cycle else matrix,
+        matrix=_whole(system) if better else _matrix(filled[0]),
         levels=tuple(tuple(column) for column in zip(*map(_fields, filled), strict=True)),
         last=len(found) - 1,
         factor=factor,
@@ -132,6 +134,11 @@ def _in_precision(cycle: Precision, level: Level) -> Level:
     of_blocks = {name: getattr(level, name).astype(cycle, copy=False) for name in _BLOCKS}
     of_pairs = {name: getattr(level, name).astype(whole, copy=False) for name in _PAIRS}
     return replace(level, **of_blocks, **of_pairs)
+
+
+def _whole(system: BlockSystem) -> tuple[Any, ...]:
+    """Return what block_rows.multiply takes of a system, in double precision."""
+    return (system.diagonal, system.upper, system.pairs, *system.rows)
 
 
 def _matrix(level: Level) -> tuple[Any, ...]:

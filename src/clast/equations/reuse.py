@@ -8,6 +8,7 @@ from clast.contact.arrays import ContactResponse
 from clast.equations.solvers import IteratedMatrix
 from clast.equations.system import BlockSystem
 from clast.interfaces import Factor, LinearSolver
+from clast.kernels import shares
 from clast.model import Floats, Ints
 
 
@@ -50,10 +51,10 @@ class FactorOfStep:
         """Return the matrix made ready, or the last one where no stiffness has changed."""
         stiffness = (response.normal_stiffness, response.shear_stiffness, response.coupling)
         same = len(self._stiffness) == len(stiffness) and all(
-            np.array_equal(one, other)
+            one is other or bool(shares.alike(one, other))
             for one, other in zip(stiffness, self._stiffness, strict=True)
         )
-        same = same and np.array_equal(system.pairs, self._pairs)
+        same = same and (system.pairs is self._pairs or np.array_equal(system.pairs, self._pairs))
         if self._factor is None or not same:
             solver = self._next_solver()
             self._iterated = self.iterations

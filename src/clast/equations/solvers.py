@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from clast.equations.cholesky import Cholesky
+from clast.equations.couplings import Precision
 from clast.equations.multilevel import Levels, levels_of
-from clast.equations.system import BlockSystem, Precision
+from clast.equations.system import BlockSystem
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Factor, LinearSolver
-from clast.kernels import block_rows, conjugate, incomplete, multilevel
+from clast.kernels import conjugate, incomplete, multilevel
 from clast.model import Floats, Ints
 
 if TYPE_CHECKING:
@@ -177,9 +178,14 @@ def with_incomplete(
 
     K is read with ``precision`` in every iteration.
     """
-    room = np.empty(system.upper.shape, precision)
     factor, matrix, bad = incomplete.factor(
-        system.diagonal, system.upper, system.pairs, system.rows, system.centroid, room
+        system.diagonal,
+        system.couplings.known,
+        system.couplings.coupled,
+        system.pairs,
+        system.rows,
+        system.centroid,
+        np.empty(0, precision),
     )
     if bad >= 0:
         raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
@@ -274,8 +280,7 @@ def inertia_shares(system: BlockSystem) -> tuple[float, float]:
     Blocks that are coupled to none, as fixed ones, do not count; 1 where all are such.  Second, the
     least such share of one block with its row of K, in the direction in which it is least.
     """
-    share, least = block_rows.inertia_shares(system.diagonal, system.upper, system.rows)
-    return float(share), float(least)
+    return system.couplings.inertia_shares(system.diagonal, system.rows)
 
 
 SOFT = 0.005

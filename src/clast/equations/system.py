@@ -7,15 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from clast.contact.arrays import ContactResponse, Contacts
+from clast.equations.couplings import Blocks, Couplings, Graph, Rows, Springs
 from clast.equations.terms import DiagonalTerms
 from clast.errors import StepOutcome, StepRejected
 from clast.kernels import assembly, block_rows
 from clast.model import Bools, Floats, Ints
-
-Rows = tuple[Ints, Ints, Ints]
-"""Right (n + 1,), left (n + 1,) and listed (q,) of pairs (kernels/block_rows.py)."""
-Precision = type[np.float32] | type[np.float64]
-"""In which K is read, over and over, by an iteration."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,10 +24,8 @@ class BlockSystem:
     """Coupled blocks (i, j), i < j, shape (q, 2)."""
     rows: Rows
     """Which pairs each block belongs to."""
-    upper: Floats
-    """K_ij, shape (q, 6, 6)."""
-    lower: Floats
-    """K_ji, shape (q, 6, 6)."""
+    couplings: Couplings
+    """K_ij and K_ji."""
     symmetric: bool
     """True where K_ji is the transpose of K_ij: unless friction is solved inside the step."""
     force: Floats
@@ -39,9 +33,15 @@ class BlockSystem:
     centroid: Floats
     """Where the blocks are, m, shape (n, 2)."""
 
+    @property
+    def upper(self) -> Floats:
+        """K_ij, shape (q, 6, 6)."""
+        return self.couplings.upper
 
-Graph = tuple[Ints, Ints, Ints, Ints]
-"""First contact of each pair (q + 1,), then the Rows of the pairs."""
+    @property
+    def lower(self) -> Floats:
+        """K_ji, shape (q, 6, 6)."""
+        return self.couplings.lower
 
 
 def graph_of(contacts: Contacts, count: int) -> Graph:
@@ -142,8 +142,7 @@ def _with_contacts(
         diagonal=diagonal,
         pairs=contacts.pairs,
         rows=block_rows.row_pointers(len(diagonal), contacts.pairs),
-        upper=upper,
-        lower=lower,
+        couplings=Blocks(upper=upper, lower=lower),
         symmetric=False,
         force=force,
         centroid=base.centroid,
@@ -162,25 +161,25 @@ def symmetric_system(
 
     ``force`` is 0 for fixed blocks already; ``graph`` that of the contacts.
     """
-    diagonal, upper = np.empty_like(base.diagonal), np.empty((len(contacts.pairs), 6, 6))
-    assembly.assemble(
-        base.diagonal,
-        fixed,
-        contacts.pairs,
-        graph,
-        contacts.vertex_block,
-        contacts.levers,
-        response.normal_stiffness,
-        response.shear_stiffness,
-        diagonal,
-        upper,
+    diagonal = np.empty_like(base.diagonal)
+    stiffnesses = response.normal_stiffness, response.shear_stiffness
+    vertex_block, levers = contacts.vertex_block, contacts.levers
+    coupled, share, least = assembly.assemble(
+        base.diagonal, fixed, contacts.pairs, graph, vertex_block, levers, *stiffnesses, diagonal
     )
     return BlockSystem(
         diagonal=diagonal,
         pairs=contacts.pairs,
         rows=graph[1:],
-        upper=upper,
-        lower=upper.transpose(0, 2, 1),
+        couplings=Springs(
+            graph=graph,
+            vertex_block=vertex_block,
+            levers=levers,
+            normal_stiffness=stiffnesses[0],
+            shear_stiffness=stiffnesses[1],
+            coupled=coupled,
+            shares=(share, least),
+        ),
         symmetric=True,
         force=force,
         centroid=base.centroid,

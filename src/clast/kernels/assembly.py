@@ -7,7 +7,14 @@ from numba import prange
 
 from clast.kernels.block_rows import CHUNK, SHARED, chunks, row_pointers, times
 from clast.kernels.compiled import kernel
-from clast.kernels.levers import couple, finish_own, force_on, gather_own, relative_motion
+from clast.kernels.levers import (
+    couple,
+    finish_own,
+    force_on,
+    gather_own,
+    normal_of,
+    relative_motion,
+)
 from clast.kernels.shares import MANY, PART, parts
 from clast.kernels.six import (
     line,
@@ -100,12 +107,79 @@ def _hold(i, base, own):
 
 
 @kernel()
-def _assemble_rows(low, high, base, fixed, pairs, graph, vertex_block, levers, kn, ks, own, upper):
-    """Assemble blocks ``low`` to ``high`` - 1 and the pairs that begin with them."""
+def _find_stiff(first, last, fixed, pairs, start, kn, ks, stiff):
+    """Write whether the pairs ``first`` to ``last`` - 1 have a contact with any stiffness."""
+    for q in range(first, last):
+        stiff[q] = False
+        if not fixed[pairs[q, 0]] and not fixed[pairs[q, 1]]:
+            for c in range(start[q], start[q + 1]):
+                stiff[q] |= kn[c] != 0.0 or ks[c] != 0.0
+
+
+@kernel(parallel=True)
+def _find_stiff_shared(fixed, pairs, start, kn, ks, stiff):
+    for part in prange(parts(len(pairs))):
+        last = min((part + 1) * PART, len(pairs))
+        _find_stiff(part * PART, last, fixed, pairs, start, kn, ks, stiff)
+
+
+@kernel()
+def stiff_pairs(fixed, pairs, start, kn, ks):
+    """Return whether contacts couple the blocks of each pair in K, shape (q,); fixed: never."""
+    stiff = np.empty(len(pairs), np.bool_)
+    if len(pairs) >= MANY:
+        _find_stiff_shared(fixed, pairs, start, kn, ks, stiff)
+    else:
+        _find_stiff(0, len(pairs), fixed, pairs, start, kn, ks, stiff)
+    return stiff
+
+
+@kernel(forceinline=True)
+def _stiffness_against(held, q, start, levers, kn, ks):
+    """Return ``held`` = (xx, xy, yy) and what the contacts of pair q add to it, N/m."""
+    xx, xy, yy = held
+    for c in range(start[q], start[q + 1]):
+        nx, ny = normal_of(levers, c)
+        xx += kn[c] * nx * nx + ks[c] * ny * ny
+        xy += (kn[c] - ks[c]) * nx * ny
+        yy += kn[c] * ny * ny + ks[c] * nx * nx
+    return xx, xy, yy
+
+
+@kernel()
+def _left_over(i, base, own, fixed, pairs, stiff, graph, levers, kn, ks):
+    """Return the translational stiffness of block i, what couplings leave of it, and its share.
+
+    Its share is that in the weakest direction.  A translation of all blocks together moves no
+    contact between two free ones: what is left is K without contacts and those with fixed blocks.
+    """
+    start, right, left, listed = graph
+    held, coupled = (base[i, 0, 0], base[i, 0, 1], base[i, 1, 1]), False
+    for q in range(right[i], right[i + 1]):
+        coupled |= stiff[q]
+        if fixed[pairs[q, 1]]:
+            held = _stiffness_against(held, q, start, levers, kn, ks)
+    for at in range(left[i], left[i + 1]):
+        q = listed[at]
+        coupled |= stiff[q]
+        if fixed[pairs[q, 0]]:
+            held = _stiffness_against(held, q, start, levers, kn, ks)
+    if not coupled:
+        return 0.0, 0.0, 1.0
+    xx, xy, yy = held
+    whole = own[i, 0, 0] + own[i, 1, 1]
+    # the smaller eigenvalue of (xx, xy; xy, yy), twice
+    smaller = xx + yy - np.sqrt((xx - yy) ** 2 + 4.0 * xy**2)
+    return whole, xx + yy, smaller / whole if whole > 0.0 else 0.0
+
+
+@kernel()
+def _own_rows(low, high, base, fixed, pairs, stiff, graph, vertex_block, levers, kn, ks, own):
+    """Assemble K_ii of blocks ``low`` to ``high`` - 1; return what ``_left_over`` sums up to."""
     start, right, left, listed = graph
     moments = np.empty((1, 3, 6))
+    whole, rest, least = 0.0, 0.0, 1.0
     for i in range(low, high):
-        upper[right[i] : right[i + 1]] = 0.0
         if fixed[i]:
             _hold(i, base, own)
             continue
@@ -119,36 +193,76 @@ def _assemble_rows(low, high, base, fixed, pairs, graph, vertex_block, levers, k
         first, last = start[right[i]], start[right[i + 1]]
         gather_own(levers, i, first, last, vertex_block, kn, ks, moments, own)
         finish_own(levers, moments, own, i)
+        found = _left_over(i, base, own, fixed, pairs, stiff, graph, levers, kn, ks)
+        whole, rest, least = whole + found[0], rest + found[1], min(least, found[2])
+    return whole, rest, least
+
+
+@kernel(parallel=True)
+def _own_shared(base, fixed, pairs, stiff, graph, vertex_block, levers, kn, ks, own):
+    found = np.empty((chunks(len(base)), 3))
+    for c in prange(len(found)):
+        last = min((c + 1) * CHUNK, len(base))
+        found[c, 0], found[c, 1], found[c, 2] = _own_rows(
+            c * CHUNK, last, base, fixed, pairs, stiff, graph, vertex_block, levers, kn, ks, own
+        )
+    return found
+
+
+@kernel()
+def assemble(base, fixed, pairs, graph, vertex_block, levers, kn, ks, own):
+    """Write K_ii with the contact springs in it into ``own`` (n, 6, 6); return what couples blocks.
+
+    ``base`` (n, 6, 6) is K without contacts; ``graph`` the first contact of each pair and
+    the pairs of each block (see block_rows.row_pointers); ``levers`` what contacts are in the
+    equations (kernels/levers.py).  Returned are the pairs that are coupled at all (q,), and which
+    share of their stiffness against translation couplings leave to the blocks, to all coupled ones
+    together and to the one with the least, in its weakest direction; 1 where none is coupled.
+    Blocks held fixed keep a diagonal of their own size and no couplings.  Every block sums up its
+    own contacts in their order: threads can share the work.
+    """
+    stiff = stiff_pairs(fixed, pairs, graph[0], kn, ks)
+    if len(base) < SHARED:
+        whole, rest, least = _own_rows(
+            0, len(base), base, fixed, pairs, stiff, graph, vertex_block, levers, kn, ks, own
+        )
+    else:
+        whole, rest, least = 0.0, 0.0, 1.0
+        for part in _own_shared(
+            base, fixed, pairs, stiff, graph, vertex_block, levers, kn, ks, own
+        ):
+            whole, rest, least = whole + part[0], rest + part[1], min(least, part[2])
+    return stiff, rest / whole if whole > 0.0 else 1.0, least
+
+
+@kernel()
+def _couple_rows(low, high, stiff, graph, vertex_block, levers, kn, ks, upper):
+    """Assemble K_ij of the pairs that begin with blocks ``low`` to ``high`` - 1."""
+    start, right, _, _ = graph
+    for i in range(low, high):
         for q in range(right[i], right[i + 1]):
-            if not fixed[pairs[q, 1]]:
+            for a in range(6):
+                put_line(upper, q, a, zeros())
+            if stiff[q]:
                 couple(levers, i, q, start[q], start[q + 1], vertex_block, kn, ks, upper)
 
 
 @kernel(parallel=True)
-def _assemble_shared(base, fixed, pairs, graph, vertex_block, levers, kn, ks, own, upper):
-    for c in prange(chunks(len(base))):
-        last = min((c + 1) * CHUNK, len(base))
-        _assemble_rows(
-            c * CHUNK, last, base, fixed, pairs, graph, vertex_block, levers, kn, ks, own, upper
-        )
+def _couple_shared(stiff, graph, vertex_block, levers, kn, ks, upper):
+    count = len(graph[1]) - 1
+    for c in prange(chunks(count)):
+        last = min((c + 1) * CHUNK, count)
+        _couple_rows(c * CHUNK, last, stiff, graph, vertex_block, levers, kn, ks, upper)
 
 
 @kernel()
-def assemble(base, fixed, pairs, graph, vertex_block, levers, kn, ks, own, upper):
-    """Write K with the contact springs in it: diagonal ``own`` (n, 6, 6), ``upper`` (q, 6, 6).
-
-    ``base`` (n, 6, 6) is K without contacts; ``graph`` the first contact of each pair and
-    the pairs of each block (see block_rows.row_pointers); ``levers`` what contacts are in the
-    equations (kernels/levers.py).
-    Blocks held fixed keep a diagonal of their own size and no couplings.  Every block sums up its
-    own contacts in their order: threads can share the work.
-    """
-    if len(base) >= SHARED:
-        _assemble_shared(base, fixed, pairs, graph, vertex_block, levers, kn, ks, own, upper)
+def assemble_couplings(stiff, graph, vertex_block, levers, kn, ks, upper):
+    """Write K_ij of all pairs into ``upper`` (q, 6, 6), in its precision; 0 where not ``stiff``."""
+    count = len(graph[1]) - 1
+    if count >= SHARED:
+        _couple_shared(stiff, graph, vertex_block, levers, kn, ks, upper)
     else:
-        _assemble_rows(
-            0, len(base), base, fixed, pairs, graph, vertex_block, levers, kn, ks, own, upper
-        )
+        _couple_rows(0, count, stiff, graph, vertex_block, levers, kn, ks, upper)
 
 
 @kernel()

@@ -78,18 +78,48 @@ def vector(count, precision):
 
 
 @kernel()
+def _order_rows(first, last, order, given, ordered):
+    """Write places ``first`` to ``last`` - 1 of a vector in the order of the factor."""
+    for i in range(first, last):
+        put_row(ordered, i, row(given, order[i]))
+
+
+@kernel(parallel=True)
+def _in_order_shared(order, given, ordered):
+    for c in prange(chunks(len(order))):
+        _order_rows(c * CHUNK, min((c + 1) * CHUNK, len(order)), order, given, ordered)
+
+
+@kernel()
 def _in_order(order, given, ordered):
     """Write the rows of a vector (n, 6) into ``ordered``, in the order of the factor."""
-    for i in range(len(order)):
-        put_row(ordered, i, row(given, order[i]))
+    if len(order) >= SHARED:
+        _in_order_shared(order, given, ordered)
+    else:
+        _order_rows(0, len(order), order, given, ordered)
+
+
+@kernel()
+def _return_rows(first, last, order, guess, x, result):
+    """Write ``guess`` plus x where places ``first`` to ``last`` - 1 belong."""
+    for i in range(first, last):
+        put_row(result, order[i], plus(row(guess, order[i]), row(x, i)))
+
+
+@kernel(parallel=True)
+def _gone_shared(order, guess, x, result):
+    for c in prange(chunks(len(order))):
+        _return_rows(c * CHUNK, min((c + 1) * CHUNK, len(order)), order, guess, x, result)
 
 
 @kernel()
 def _gone(order, guess, x):
     """Return ``guess`` (n, 6) plus x, which is in the order of the factor."""
     result = np.empty_like(guess)
-    for i in range(len(order)):
-        put_row(result, order[i], plus(row(guess, order[i]), row(x, i)))
+    if len(order) >= SHARED:
+        _gone_shared(order, guess, x, result)
+    else:
+        _return_rows(0, len(order), order, guess, x, result)
     return result
 
 
@@ -111,7 +141,8 @@ def solve(incomplete, matrix, force, guess, tolerance, limit):
     if guess.any():
         _in_order(order, guess, z)
         multiply(own, couplings, pairs, right, left, listed, z, kp)
-        r -= kp
+        turn(r, -1.0, kp)
+        r, kp = kp, r
     start = rz = substitute(incomplete, r, z)
     if start == 0.0:
         return guess.copy(), 0, 0.0

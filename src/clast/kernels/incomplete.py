@@ -22,7 +22,8 @@ from numba import prange
 
 from clast.kernels.block_rows import invert, lines, row_pointers
 from clast.kernels.compiled import kernel
-from clast.kernels.parts import coupled_pairs, ordering, renumbered
+from clast.kernels.couplings import put_coupling
+from clast.kernels.parts import ordering, renumbered
 from clast.kernels.six import line, plus, plus_scaled, put_line, zeros
 
 
@@ -107,9 +108,8 @@ def _eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, sc
 
 
 @kernel()
-def _take(low, high, given, new, work, matrix):
-    """Copy the blocks of rows ``low`` to ``high`` - 1 in their new order, twice."""
-    own, couplings = given
+def _take(low, high, own, couplings, new, work, matrix):
+    """Write the blocks of rows ``low`` to ``high`` - 1 in their new order, twice."""
     order, source, _, right = new
     diagonal, upper = work
     kept_own, kept = matrix
@@ -118,63 +118,58 @@ def _take(low, high, given, new, work, matrix):
             put_line(diagonal, i, a, line(own, order[i], a))
             put_line(kept_own, i, a, line(own, order[i], a))
         for q in range(right[i], right[i + 1]):
-            old = source[q]
-            for a in range(6):
-                if old >= 0:
-                    put_line(upper, q, a, line(couplings, old, a))
-                else:
-                    for c in range(6):
-                        upper[q, c, a] = couplings[-1 - old, a, c]
+            put_coupling(couplings, source[q], order[i], upper, q)
             for a in range(6):
                 put_line(kept, q, a, line(upper, q, a))
 
 
 @kernel()
-def _eliminate_strip(low, high, given, new, work, found, matrix):
+def _eliminate_strip(low, high, own, couplings, new, work, found, matrix):
     """Copy and eliminate a strip."""
     order, _, pairs, right = new
     diagonal, upper = work
     inverse, scaled = found
-    _take(low, high, given, new, work, matrix)
-    return _eliminate(low, high, given[0], order, diagonal, upper, pairs, right, inverse, scaled)
+    _take(low, high, own, couplings, new, work, matrix)
+    return _eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, scaled)
 
 
 @kernel(parallel=True)
-def _eliminate_strips(begin, given, new, work, found, matrix, bad):
+def _eliminate_strips(begin, own, couplings, new, work, found, matrix, bad):
     for c in prange(len(bad)):
-        bad[c] = _eliminate_strip(begin[c], begin[c + 1], given, new, work, found, matrix)
+        low, high = begin[c], begin[c + 1]
+        bad[c] = _eliminate_strip(low, high, own, couplings, new, work, found, matrix)
 
 
 @kernel()
-def factor(own, couplings, pairs, rows, centroid, room):
+def factor(own, couplings, coupled, pairs, rows, centroid, precision):
     """Return the factor of K, K in its order, and the first block without a pivot, or -1.
 
-    ``own`` (n, 6, 6) and ``couplings`` (q, 6, 6) are the blocks of K of ``pairs`` (q, 2), whose
-    right, left and listed are ``rows``; ``centroid`` (n, 2) is where the blocks are.  K in the
-    order of the factor is its diagonal blocks (n, 6, 6) and those of the coupled pairs, which are
-    in ``room`` (q, 6, 6), both in the precision of that, as D^-1 is.  What a strip leaves for the
-    seam is taken out of it when all strips are done, in their order.
+    ``own`` (n, 6, 6) are the diagonal blocks of K and ``couplings`` (kernels/couplings.py) what
+    couples ``pairs`` (q, 2), whose right, left and listed are ``rows``; ``coupled`` (q,) says which
+    of them are coupled at all, ``centroid`` (n, 2) where the blocks are.  K in the order of the
+    factor is its diagonal blocks (n, 6, 6) and those of the coupled pairs, both in the precision of
+    the array ``precision``, as D^-1 is and what is being eliminated, pivots excepted.  What a strip
+    leaves for the seam is taken out of it when all strips are done, in their order.
     """
-    coupled = coupled_pairs(couplings)
     order, begin = ordering(centroid, pairs, coupled)
     pairs, source = renumbered(order, pairs, rows, coupled)
-    count, seam = len(own), begin[-2]
+    count, seam, kind = len(own), begin[-2], precision.dtype
     right, left, listed = row_pointers(count, pairs)
-    inverse, diagonal = np.empty(own.shape, room.dtype), np.empty_like(own)
+    inverse, diagonal = np.empty(own.shape, kind), np.empty_like(own)
     scaled = np.empty((len(pairs), 6, 6), np.float32)
-    upper = np.empty((len(pairs), 6, 6))
+    upper = np.empty((len(pairs), 6, 6), kind)
     bad = np.full(len(begin) - 2, -1)
-    given, new, work = (own, couplings), (order, source, pairs, right), (diagonal, upper)
-    matrix = (np.empty(own.shape, room.dtype), room[: len(pairs)])
+    new, work = (order, source, pairs, right), (diagonal, upper)
+    matrix = (np.empty(own.shape, kind), np.empty((len(pairs), 6, 6), kind))
     found = (order, begin, pairs, right, left, listed, inverse, scaled)
     if len(bad) > 1:
-        _eliminate_strips(begin, given, new, work, (inverse, scaled), matrix, bad)
+        _eliminate_strips(begin, own, couplings, new, work, (inverse, scaled), matrix, bad)
     else:
-        bad[0] = _eliminate_strip(0, seam, given, new, work, (inverse, scaled), matrix)
+        bad[0] = _eliminate_strip(0, seam, own, couplings, new, work, (inverse, scaled), matrix)
     for first in bad:
         if first >= 0:
             return found, matrix, first
-    _take(seam, count, given, new, work, matrix)
+    _take(seam, count, own, couplings, new, work, matrix)
     for i in range(seam):
         if right[i + 1] > right[i] and pairs[right[i + 1] - 1, 1] >= seam:
             _pass_on(i, seam, count, diagonal, upper, scaled, 0, pairs, right)

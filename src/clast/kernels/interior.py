@@ -182,3 +182,21 @@ def mean_product(state, way, share, strength):
             totals[part] = _products(low, high, state, way, share, strength)
     count = len(strength) + 2 * (strength > 0.0).sum()
     return totals.sum() / count
+
+
+@kernel(parallel=True)
+def _moved_shared(state, way, share, result):
+    for part in prange(parts(len(state))):
+        for k in range(part * PART, min((part + 1) * PART, len(state))):
+            result[k] = state[k] + share * way[k]
+
+
+@kernel()
+def moved(state, way, share):
+    """Return ``state`` + share x ``way``, arrays of one shape."""
+    result = np.empty_like(state)
+    if state.size >= MANY:
+        _moved_shared(state.ravel(), way.ravel(), share, result.ravel())
+    else:
+        result[:] = state + share * way
+    return result

@@ -41,6 +41,10 @@ def force_on(levers, c, of_vertex, normal, shear):
     """Return N n + T t, six numbers, for the vertex's block or the edge's."""
 
 
+def normal_of(levers, c):
+    """Return nx and ny of contact c."""
+
+
 def gather_own(levers, i, first, last, vertex_block, kn, ks, moments, own):
     """Take up what contacts ``first`` to ``last`` - 1 stiffen block i, before ``finish_own``."""
 
@@ -96,6 +100,19 @@ def _force_on(levers, c, of_vertex, normal, shear):
         side = 0 if of_vertex else 1
         n, t = line(levers, c, side), line(levers, c, 2 + side)
         return plus_scaled(plus_scaled(zeros(), normal, n), shear, t)
+
+    if _is_array(levers):
+        return by_rows if levers.ndim == ROWS else by_offsets
+    return None
+
+
+@overload(normal_of)
+def _normal_of(levers, c):
+    def by_offsets(levers, c):
+        return levers[c, 0], levers[c, 1]
+
+    def by_rows(levers, c):
+        return levers[c, 0, 0], levers[c, 0, 1]
 
     if _is_array(levers):
         return by_rows if levers.ndim == ROWS else by_offsets

@@ -63,8 +63,8 @@ class Iterate:
     def moved(self, way: Iterate, share: float) -> Iterate:
         """Return the iterate ``share`` of the ``way`` on."""
         return Iterate(
-            unknowns=self.unknowns + share * way.unknowns,
-            state=self.state + share * way.state,
+            unknowns=kernel.moved(self.unknowns, way.unknowns, share),
+            state=kernel.moved(self.state, way.state, share),
         )
 
 

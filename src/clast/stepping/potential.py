@@ -15,9 +15,9 @@ from clast.contact.arrays import (
     reordered,
 )
 from clast.contact.springs import limits_of
+from clast.equations.couplings import Graph
 from clast.equations.reuse import FactorOfStep
 from clast.equations.system import (
-    Graph,
     contact_motions,
     graph_of,
     symmetric_system,
