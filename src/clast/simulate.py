@@ -11,6 +11,7 @@ from clast.interfaces import Method, StepResult
 from clast.interrupts import held_back
 from clast.kernels.threads import threads_worth
 from clast.model import Model
+from clast.objects import left_alone
 from clast.results import Report, Run, RunRecorder
 from clast.state import Ledger, State, initial_state
 from clast.stepping import energy
@@ -94,6 +95,22 @@ class _Tally:
         )
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Between:
+    """What is done between two steps."""
+
+    let_go: Callable[[], None]
+    """Raises KeyboardInterrupt if the key was pressed."""
+    settle: Callable[[], None]
+    """Leaves all objects alone that there are by now."""
+
+    def steps(self, taken: int) -> None:
+        """Do it after so many steps; the more there were the fewer things are new."""
+        self.let_go()
+        if taken & (taken - 1) == 0:
+            self.settle()
+
+
 def simulate(
     model: Model,
     method: Method,
@@ -120,8 +137,9 @@ def simulate(
     failure = ""
     outcome = "the run reached its end"
     try:
-        with held_back() as let_go, threads_worth(model.block_count):
-            state = _march(model, method, schedule, state, recorder, watch, tally, let_go)
+        with held_back() as let_go, left_alone() as settle, threads_worth(model.block_count):
+            between = _Between(let_go=let_go, settle=settle)
+            state = _march(model, method, schedule, state, recorder, watch, tally, between)
     except StepRejected as rejected:
         failure = str(rejected)
         outcome = f"stopped at t = {recorder.state.time:.6g} s: {failure}"
@@ -144,17 +162,14 @@ def _march(
     recorder: RunRecorder,
     watch: Callable[[Progress], None] | None,
     tally: _Tally,
-    let_go: Callable[[], None],
+    between: _Between,
 ) -> State:
-    """Step from ``state`` to the end of the schedule and return the last state.
-
-    ``let_go`` is called between steps, and raises KeyboardInterrupt if the key was pressed.
-    """
+    """Step from ``state`` to the end of the schedule and return the last state."""
     smallest = schedule.smallest_step or SMALLEST_SHARE * schedule.step
     step, frame, first = schedule.step, 1, state.ledger
     result: StepResult | None = None
     while schedule.end - state.time > 1e-9 * schedule.step:
-        let_go()
+        between.steps(tally.steps)
         wanted = min(step, schedule.end - state.time)
         result, taken = _accepted_step(model, method, state, wanted, smallest, tally)
         state = result.state

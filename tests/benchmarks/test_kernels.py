@@ -109,7 +109,7 @@ def test_levels(benchmark, wall):
 
 def test_iteration(benchmark, wall):
     found, force = levels_of(wall.system), wall.system.force
-    matrix, levels = found.matrix, (found.levels, found.last, found.factor, found.work)
+    matrix, levels = found.matrix, (found.levels, found.last, found.inverse, found.work)
     d, iterations, reduction = benchmark(
         multilevel.solve, matrix, *levels, force, np.zeros_like(force), 1e-6, 400
     )

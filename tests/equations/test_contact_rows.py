@@ -113,8 +113,7 @@ def test_contact_forces_are_equal_and_opposite(name):
     count = model.block_count
     nothing, free = np.zeros((count, 6)), np.zeros(count, np.bool_)
     graph = graph_of(contacts, count)
-    any_blocks = rng.normal(size=(count, 6, 6))
-    force = with_contact_forces(nothing, any_blocks, contacts, graph, free, normal, shear)
+    force = with_contact_forces(nothing, contacts, graph, free, normal, shear)
     assert force[:, :2].sum(axis=0) == pytest.approx([0.0, 0.0], abs=1e-12)
     x, y = frames.centroid.T
     moment = force[:, 2] + x * force[:, 1] - y * force[:, 0]

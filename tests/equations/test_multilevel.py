@@ -49,7 +49,7 @@ def solved(one, tolerance=1e-10, limit=500):
         found.matrix,
         found.levels,
         found.last,
-        found.factor,
+        found.inverse,
         found.work,
         one.force,
         np.zeros_like(one.force),
@@ -108,7 +108,7 @@ def test_the_cycle_is_symmetric_and_positive():
     columns = []
     for k in range(6 * count):
         found.work[0][0][:] = np.eye(6 * count)[k].reshape(count, 6)
-        multilevel._cycle(found.last, found.levels, found.factor, found.work)
+        multilevel._cycle(found.last, found.levels, found.inverse, found.work)
         columns.append(found.work[1][0].ravel().copy())
     matrix = np.array(columns)
     assert np.abs(matrix - matrix.T).max() <= 1e-10 * np.abs(matrix).max()

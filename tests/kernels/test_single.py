@@ -100,7 +100,10 @@ def test_stretches_cross_rows():
     """3,000 rows are in several stretches and shared by threads; of fewer all are in one."""
     assert single_rows.stretch(3000) < 3000
     assert block_rows.SHARED <= 3000
-    assert single_rows.stretch(2) > 2
+    for count in range(2, 6000, 37):
+        length = single_rows.stretch(count)
+        assert -(-count // length) in (1, 2, 4, 8)
+        assert length == count or length >= single_rows.SHORTEST
 
 
 @pytest.mark.parametrize("count", [7, 900])

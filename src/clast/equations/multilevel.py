@@ -15,7 +15,7 @@ from clast.kernels.multilevel import LEVELS
 from clast.model import Floats, Ints
 
 COARSEST = 32
-"""A level of no more blocks than this is factorised."""
+"""A level of no more blocks than this is inverted in full."""
 STALLED = 0.8
 """Blocks that aggregates may leave, as a share, for another level to be worth it."""
 
@@ -58,8 +58,8 @@ class Levels:
     """For each field of Level the arrays of all levels, filled up to LEVELS."""
     last: int
     """Index of the coarsest level."""
-    factor: Floats
-    """Its Cholesky factor, or nothing where it is too large for one."""
+    inverse: Floats
+    """Its inverse in full, or nothing where it is too large for one."""
     work: tuple[tuple[Floats, ...], ...]
     """Eight vectors per level, in the precision of the cycle."""
 
@@ -106,9 +106,9 @@ def levels_of(
         )
         pairs, centroid = coarse, centre
         rows = block_rows.row_pointers(len(diagonal), pairs)
-    factor = np.zeros((0, 0))
+    inverse = np.zeros((0, 0))
     if len(diagonal) <= COARSEST:
-        factor, definite = dense.factor_blocks(diagonal, pairs, upper)
+        inverse, definite = dense.invert_blocks(diagonal, pairs, upper)
         if not definite:
             raise StepRejected(StepOutcome.SINGULAR, "the matrix is not positive definite")
     filled = [_in_precision(cycle, one) for one in [*found, *[_EMPTY] * (LEVELS - len(found))]]
@@ -117,7 +117,7 @@ def levels_of(
         matrix=_whole(system) if better else _matrix(filled[0]),
         levels=tuple(tuple(column) for column in zip(*map(_fields, filled), strict=True)),
         last=len(found) - 1,
-        factor=factor,
+        inverse=inverse,
         work=tuple(
             tuple(conjugate.vector(len(one.diagonal), one.diagonal) for one in filled)
             for _ in range(WORK)

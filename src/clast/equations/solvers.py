@@ -131,7 +131,7 @@ class WithLevels:
             at.matrix,
             at.levels,
             at.last,
-            at.factor,
+            at.inverse,
             at.work,
             force,
             guess,

@@ -82,28 +82,15 @@ def gap_rate(contacts: Contacts, velocity: Floats) -> Floats:
 
 def with_contact_forces(
     force: Floats,
-    diagonal: Floats,
     contacts: Contacts,
     graph: Graph,
     fixed: Bools,
     normal: Floats,
     shear: Floats,
 ) -> Floats:
-    """Return ``force`` (n, 6) plus N n + T t of forces (m,), N/m; 0 for fixed blocks.
-
-    ``diagonal`` (n, 6, 6) are the blocks of K without contacts, which a zero d leaves out.
-    """
-    nothing = np.zeros_like(force)
-    return assembly.unbalanced(
-        diagonal,
-        nothing,
-        force,
-        fixed,
-        graph,
-        contacts.vertex_block,
-        contacts.levers,
-        normal,
-        shear,
+    """Return ``force`` (n, 6) plus N n + T t of forces (m,), N/m; 0 for fixed blocks."""
+    return assembly.loaded(
+        force, fixed, graph, contacts.vertex_block, contacts.levers, normal, shear
     )
 
 
@@ -118,7 +105,7 @@ def _with_contacts(
     """Return the system with contact stiffness and loads (m,) added, fixed blocks held."""
     if not response.coupling.any():
         graph = graph_of(contacts, len(fixed))
-        force = with_contact_forces(force, base.diagonal, contacts, graph, fixed, *loads)
+        force = with_contact_forces(force, contacts, graph, fixed, *loads)
         return symmetric_system(base, contacts, response, force, fixed, graph)
     diagonal, force = base.diagonal.copy(), force.copy()
     upper = np.zeros((len(contacts.pairs), 6, 6))

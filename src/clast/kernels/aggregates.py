@@ -20,6 +20,8 @@ from clast.kernels.six import line, plus, plus_scaled, put_line, put_row, row, s
 
 WEAK = 1e-3
 """Blocks coupled by less than this share of their own stiffness do not attract each other."""
+GROUP = 16
+"""Aggregates that a thread takes at a time: as much work as a chunk of blocks."""
 
 
 @kernel()
@@ -234,9 +236,9 @@ def _coarse_rows(first, last, matrix, rows, aggregates, coarse, own, coupling):
 
 @kernel(parallel=True)
 def _coarse_shared(matrix, rows, aggregates, coarse, own, coupling):
-    for c in prange(chunks(len(own))):
-        last = min((c + 1) * CHUNK, len(own))
-        _coarse_rows(c * CHUNK, last, matrix, rows, aggregates, coarse, own, coupling)
+    for c in prange((len(own) + GROUP - 1) // GROUP):
+        last = min((c + 1) * GROUP, len(own))
+        _coarse_rows(c * GROUP, last, matrix, rows, aggregates, coarse, own, coupling)
 
 
 @kernel()
@@ -273,9 +275,9 @@ def _restrict_rows(first, last, start, members, offset, r, coarse):
 
 @kernel(parallel=True)
 def _restrict_shared(start, members, offset, r, coarse):
-    for c in prange(chunks(len(coarse))):
-        last = min((c + 1) * CHUNK, len(coarse))
-        _restrict_rows(c * CHUNK, last, start, members, offset, r, coarse)
+    for c in prange((len(coarse) + GROUP - 1) // GROUP):
+        last = min((c + 1) * GROUP, len(coarse))
+        _restrict_rows(c * GROUP, last, start, members, offset, r, coarse)
 
 
 @kernel()

@@ -325,23 +325,27 @@ def _forces_on(i, first, last, vertex_block, levers, normal, shear):
     return s
 
 
+@kernel(forceinline=True)
+def _plus_forces(s, i, graph, vertex_block, levers, normal, shear):
+    """Return s plus the sum of N n + T t on block i."""
+    start, right, left, listed = graph
+    for at in range(left[i], left[i + 1]):
+        q = listed[at]
+        s = plus(s, _forces_on(i, start[q], start[q + 1], vertex_block, levers, normal, shear))
+    # the pairs that begin with a block follow each other, and so do their contacts
+    first, last = start[right[i]], start[right[i + 1]]
+    return plus(s, _forces_on(i, first, last, vertex_block, levers, normal, shear))
+
+
 @kernel()
 def _balance_rows(low, high, base, d, load, fixed, graph, vertex_block, levers, normal, shear, out):
     """Write load - B d + sum of N n + T t of blocks ``low`` to ``high`` - 1; 0 where fixed."""
-    start, right, left, listed = graph
     for i in range(low, high):
         if fixed[i]:
             put_row(out, i, zeros())
-            continue
-        s = plus_scaled(row(load, i), -1.0, times(base, i, d, i))
-        for at in range(left[i], left[i + 1]):
-            q = listed[at]
-            f = _forces_on(i, start[q], start[q + 1], vertex_block, levers, normal, shear)
-            s = plus(s, f)
-        # the pairs that begin with a block follow each other, and so do their contacts
-        first, last = start[right[i]], start[right[i + 1]]
-        f = _forces_on(i, first, last, vertex_block, levers, normal, shear)
-        put_row(out, i, plus(s, f))
+        else:
+            s = plus_scaled(row(load, i), -1.0, times(base, i, d, i))
+            put_row(out, i, _plus_forces(s, i, graph, vertex_block, levers, normal, shear))
 
 
 @kernel(parallel=True)
@@ -367,12 +371,58 @@ def unbalanced(base, d, load, fixed, graph, vertex_block, levers, normal, shear)
 
 
 @kernel()
+def _load_rows(low, high, load, fixed, graph, vertex_block, levers, normal, shear, out):
+    """Write load + sum of N n + T t of blocks ``low`` to ``high`` - 1; 0 where fixed."""
+    for i in range(low, high):
+        if fixed[i]:
+            put_row(out, i, zeros())
+        else:
+            s = _plus_forces(row(load, i), i, graph, vertex_block, levers, normal, shear)
+            put_row(out, i, s)
+
+
+@kernel(parallel=True)
+def _load_shared(load, fixed, graph, vertex_block, levers, normal, shear, out):
+    for c in prange(chunks(len(load))):
+        last = min((c + 1) * CHUNK, len(load))
+        _load_rows(c * CHUNK, last, load, fixed, graph, vertex_block, levers, normal, shear, out)
+
+
+@kernel()
+def loaded(load, fixed, graph, vertex_block, levers, normal, shear):
+    """Return load + sum of N n + T t (n, 6): forces with those of contacts; 0 for fixed blocks."""
+    out = np.empty_like(load)
+    if len(load) >= SHARED:
+        _load_shared(load, fixed, graph, vertex_block, levers, normal, shear, out)
+    else:
+        _load_rows(0, len(load), load, fixed, graph, vertex_block, levers, normal, shear, out)
+    return out
+
+
+@kernel()
+def _form_rows(first, last, blocks, d):
+    s = zeros()
+    for i in range(first, last):
+        s = plus_product(s, times(blocks, i, d, i), row(d, i))
+    return total(s)
+
+
+@kernel(parallel=True)
+def _form_shared(blocks, d, products):
+    for c in prange(len(products)):
+        products[c] = _form_rows(c * CHUNK, min((c + 1) * CHUNK, len(d)), blocks, d)
+
+
+@kernel()
 def form(blocks, d):
     """Return the sum of d_i.B_i d_i over symmetric blocks B (n, 6, 6)."""
+    products = np.empty(chunks(len(d)))
+    if len(d) >= SHARED:
+        _form_shared(blocks, d, products)
+    else:
+        for c in range(len(products)):
+            products[c] = _form_rows(c * CHUNK, min((c + 1) * CHUNK, len(d)), blocks, d)
     product = 0.0
-    for c in range(chunks(len(d))):
-        s = zeros()
-        for i in range(c * CHUNK, min((c + 1) * CHUNK, len(d))):
-            s = plus_product(s, times(blocks, i, d, i), row(d, i))
-        product += total(s)
+    for part in products:
+        product += part
     return product

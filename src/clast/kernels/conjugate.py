@@ -12,7 +12,7 @@ from numba import prange
 from clast.kernels.block_rows import CHUNK, SHARED, chunks, multiply
 from clast.kernels.compiled import kernel
 from clast.kernels.single import WIDTH
-from clast.kernels.six import plus, plus_scaled, put_row, row
+from clast.kernels.six import plus, plus_product, plus_scaled, put_row, row, total, zeros
 from clast.kernels.substitution import substitute
 
 TRIED = 8
@@ -73,30 +73,39 @@ def turn(z, beta, p):
 
 @kernel()
 def vector(count, precision):
-    """Return a vector of zeros as products in the precision of an array take it."""
+    """Return a vector of zeros as products in the precision of an array take it.
+
+    Rows of eight have two numbers that stay zero: operations on six leave them as they are.
+    """
     return np.zeros((count, 6 if precision.itemsize == 8 else WIDTH), precision.dtype)
 
 
 @kernel()
 def _order_rows(first, last, order, given, ordered):
-    """Write places ``first`` to ``last`` - 1 of a vector in the order of the factor."""
+    """Write places ``first`` to ``last`` - 1 in the factor's order; return the sum of squares."""
+    square = zeros()
     for i in range(first, last):
-        put_row(ordered, i, row(given, order[i]))
+        numbers = row(given, order[i])
+        square = plus_product(square, numbers, numbers)
+        put_row(ordered, i, numbers)
+    return total(square)
 
 
 @kernel(parallel=True)
-def _in_order_shared(order, given, ordered):
-    for c in prange(chunks(len(order))):
-        _order_rows(c * CHUNK, min((c + 1) * CHUNK, len(order)), order, given, ordered)
+def _in_order_shared(order, given, ordered, squares):
+    for c in prange(len(squares)):
+        last = min((c + 1) * CHUNK, len(order))
+        squares[c] = _order_rows(c * CHUNK, last, order, given, ordered)
 
 
 @kernel()
 def _in_order(order, given, ordered):
-    """Write the rows of a vector (n, 6) into ``ordered``, in the order of the factor."""
-    if len(order) >= SHARED:
-        _in_order_shared(order, given, ordered)
-    else:
-        _order_rows(0, len(order), order, given, ordered)
+    """Write the rows of a vector (n, 6) in the order of the factor; return if any is not zero."""
+    if len(order) < SHARED:
+        return _order_rows(0, len(order), order, given, ordered) > 0.0
+    squares = np.empty(chunks(len(order)))
+    _in_order_shared(order, given, ordered, squares)
+    return squares.max() > 0.0
 
 
 @kernel()
@@ -138,8 +147,7 @@ def solve(incomplete, matrix, force, guess, tolerance, limit):
     x, r = vector(count, own), vector(count, own)
     z, kp = vector(count, own), vector(count, own)
     _in_order(order, force, r)
-    if guess.any():
-        _in_order(order, guess, z)
+    if _in_order(order, guess, z):
         multiply(own, couplings, pairs, right, left, listed, z, kp)
         turn(r, -1.0, kp)
         r, kp = kp, r

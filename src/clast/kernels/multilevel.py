@@ -3,7 +3,7 @@
 Level k + 1 is the system of the aggregates of level k (kernels/aggregates.py).  On each level one
 damped Jacobi step goes before and one after the correction by the next level, which is found by one
 or two cycles there, combined so that the error's energy is least (K-cycle, Notay and Vassilevski
-2008).  The last level is factorised.
+2008).  The last level is solved by its inverse.
 
 The cycle is positive definite whatever the contacts: each adds k m m^T to K, and with the sign of
 one block's half of m changed it still adds something positive, so that K <= 2 D.
@@ -23,7 +23,7 @@ from clast.kernels.aggregates import prolong, restrict
 from clast.kernels.block_rows import dot, jacobi, multiply, relax
 from clast.kernels.compiled import kernel
 from clast.kernels.conjugate import advance, turn, vector
-from clast.kernels.dense import solve_factored
+from clast.kernels.dense import multiply_dense
 from clast.kernels.six import plus, plus_product, plus_scaled, put_row, row, total, zeros
 
 LEVELS = 8
@@ -77,11 +77,11 @@ def _combine(b, c, v, d, w, e):
 
 
 @kernel()
-def _solve_last(k, levels, factor, work):
-    """Solve the last level: by its factor, or roughly by two Jacobi steps where it has none."""
+def _solve_last(k, levels, inverse, work):
+    """Solve the last level: by its inverse, or roughly by two Jacobi steps where it has none."""
     rhs, result, rest = work[0][k], work[1][k], work[3][k]
-    if len(factor) > 0:
-        solve_factored(factor, rhs, result)
+    if len(inverse) > 0:
+        multiply_dense(inverse, rhs, result)
         return
     _smooth_before(k, levels, rhs, result, rest)
     _smooth_after(k, levels, rhs, rest, result)
@@ -128,7 +128,7 @@ def _come_up(k, second, levels, work):
 
 
 @kernel()
-def _cycle(last, levels, factor, work):
+def _cycle(last, levels, inverse, work):
     """Solve level 0 roughly: work[1][0] becomes about K^-1 work[0][0]."""
     second = np.zeros(LEVELS, np.bool_)
     k = 0
@@ -137,7 +137,7 @@ def _cycle(last, levels, factor, work):
             _go_down(k, second[k], levels, work)
             k += 1
             second[k] = False
-        _solve_last(k, levels, factor, work)
+        _solve_last(k, levels, inverse, work)
         while True:
             if k == 0:
                 return
@@ -164,7 +164,7 @@ def _gone(guess, x):
 
 
 @kernel()
-def solve(matrix, levels, last, factor, work, force, guess, tolerance, limit):
+def solve(matrix, levels, last, inverse, work, force, guess, tolerance, limit):
     """Return d (n, 6) of K d = F, the iterations and the final reduction of r.B r.
 
     ``matrix`` is K: diagonal, upper, pairs, right, left and listed of kernels/block_rows.py.
@@ -182,7 +182,7 @@ def solve(matrix, levels, last, factor, work, force, guess, tolerance, limit):
     _copy(force, r)
     r -= kp
     _copy(r, rhs)
-    _cycle(last, levels, factor, work)
+    _cycle(last, levels, inverse, work)
     rz = dot(r, z)
     start = rz
     if start == 0.0:
@@ -197,7 +197,7 @@ def solve(matrix, levels, last, factor, work, force, guess, tolerance, limit):
         advance(alpha, p, kp, x, r)
         count += 1
         _copy(r, rhs)
-        _cycle(last, levels, factor, work)
+        _cycle(last, levels, inverse, work)
         following = dot(r, z)
         if not following >= 0.0:
             return _gone(guess, x), count, np.inf

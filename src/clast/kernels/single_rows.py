@@ -22,8 +22,14 @@ AHEAD = 24
 
 @kernel()
 def stretch(count):
-    """Return the rows of a stretch of ``count``: they depend on nothing else."""
-    return max(SHORTEST, (count + STRETCHES - 1) // STRETCHES)
+    """Return the rows of a stretch of ``count``: they depend on nothing else.
+
+    Their number is a power of two, for as many threads to have as much to do.
+    """
+    number = 1
+    while number < STRETCHES and count >= 2 * number * SHORTEST:
+        number *= 2
+    return (count + number - 1) // number
 
 
 @kernel(forceinline=True)

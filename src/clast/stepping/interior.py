@@ -182,7 +182,7 @@ def linearised(conditions: Conditions, at: Iterate, stages: Stages) -> Linearise
         at.state, contacts.gap + opening, slip, conditions.springs
     )
     unbalanced = potential.unbalanced(at.unknowns, normal - conditions.limits.tension, shear)
-    nothing = np.zeros(len(contacts))
+    nothing = potential.at_rest.coupling
     response = ContactResponse(
         normal_force=normal,
         shear_force=shear,

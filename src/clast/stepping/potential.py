@@ -135,9 +135,7 @@ class Potential:
 
     def loaded(self, force: Floats, normal: Floats, shear: Floats) -> Floats:
         """Return ``force`` (n, 6) plus N n + T t of forces (m,); 0 for fixed blocks."""
-        return with_contact_forces(
-            force, self.base.diagonal, self.contacts, self.graph, self.fixed, normal, shear
-        )
+        return with_contact_forces(force, self.contacts, self.graph, self.fixed, normal, shear)
 
     def distance(self, point: Point) -> float:
         """Return a bound on twice the potential above its minimum, J/m.
