@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
+
+MANY = 100_000
+"""New objects after which Python looks for cycles among them during a run."""
 
 
 @contextmanager
-def left_alone() -> Iterator[Callable[[], None]]:
-    """Keep Python from looking through old objects for cycles, as long as this lasts.
+def left_alone() -> Iterator[None]:
+    """Keep Python from looking for cycles among old objects, and often, as long as this lasts.
 
-    A step makes thousands of objects that need no such search, and each full one goes through all
-    of numba's: a twentieth of the time of a run of 10,000 blocks.  Given is what leaves alone also
-    those that have come since, such as kernels that a run has just begun to use.
+    A step makes thousands of objects and no cycles, and kernels that are loaded make many more.
     """
     frozen_by_others = gc.get_freeze_count() > 0
+    usual = gc.get_threshold()
     gc.freeze()
+    if usual[0] > 0:
+        gc.set_threshold(max(usual[0], MANY), *usual[1:])
     try:
-        yield gc.freeze
+        yield
     finally:
+        gc.set_threshold(*usual)
         if not frozen_by_others:
             gc.unfreeze()

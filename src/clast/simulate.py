@@ -95,22 +95,6 @@ class _Tally:
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Between:
-    """What is done between two steps."""
-
-    let_go: Callable[[], None]
-    """Raises KeyboardInterrupt if the key was pressed."""
-    settle: Callable[[], None]
-    """Leaves all objects alone that there are by now."""
-
-    def steps(self, taken: int) -> None:
-        """Do it after so many steps; the more there were the fewer things are new."""
-        self.let_go()
-        if taken & (taken - 1) == 0:
-            self.settle()
-
-
 def simulate(
     model: Model,
     method: Method,
@@ -137,9 +121,8 @@ def simulate(
     failure = ""
     outcome = "the run reached its end"
     try:
-        with held_back() as let_go, left_alone() as settle, threads_worth(model.block_count):
-            between = _Between(let_go=let_go, settle=settle)
-            state = _march(model, method, schedule, state, recorder, watch, tally, between)
+        with held_back() as let_go, left_alone(), threads_worth(model.block_count):
+            state = _march(model, method, schedule, state, recorder, watch, tally, let_go)
     except StepRejected as rejected:
         failure = str(rejected)
         outcome = f"stopped at t = {recorder.state.time:.6g} s: {failure}"
@@ -162,14 +145,17 @@ def _march(
     recorder: RunRecorder,
     watch: Callable[[Progress], None] | None,
     tally: _Tally,
-    between: _Between,
+    let_go: Callable[[], None],
 ) -> State:
-    """Step from ``state`` to the end of the schedule and return the last state."""
+    """Step from ``state`` to the end of the schedule and return the last state.
+
+    ``let_go`` is called between steps, and raises KeyboardInterrupt if the key was pressed.
+    """
     smallest = schedule.smallest_step or SMALLEST_SHARE * schedule.step
     step, frame, first = schedule.step, 1, state.ledger
     result: StepResult | None = None
     while schedule.end - state.time > 1e-9 * schedule.step:
-        between.steps(tally.steps)
+        let_go()
         wanted = min(step, schedule.end - state.time)
         result, taken = _accepted_step(model, method, state, wanted, smallest, tally)
         state = result.state

@@ -4,7 +4,7 @@ import gc
 
 import pytest
 
-from clast.objects import left_alone
+from clast.objects import MANY, left_alone
 from clast.simulate import Schedule, simulate
 from systems import by_convex, wall
 
@@ -25,19 +25,27 @@ class Ring:
 def test_old_objects_are_left_alone_and_new_ones_are_not():
     gc.collect()
     Ring()
-    with left_alone() as settle:
+    with left_alone():
         gc.collect()
         assert Ring.alive == 1
         Ring()
         gc.collect()
         assert Ring.alive == 1
-        Ring()
-        settle()
-        gc.collect()
-        assert Ring.alive == 2
-    assert gc.get_freeze_count() == 0
     gc.collect()
     assert Ring.alive == 0
+
+
+def test_new_objects_are_looked_through_less_often_and_then_as_before():
+    usual = gc.get_threshold()
+    with left_alone():
+        assert gc.get_threshold() == (MANY, *usual[1:])
+    assert gc.get_threshold() == usual
+    gc.set_threshold(0)  # switched off: so it stays
+    try:
+        with left_alone():
+            assert gc.get_threshold()[0] == 0
+    finally:
+        gc.set_threshold(*usual)
 
 
 def test_what_others_have_frozen_stays_so():
