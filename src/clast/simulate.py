@@ -11,7 +11,6 @@ from clast.interfaces import Method, StepResult
 from clast.interrupts import held_back
 from clast.kernels.threads import threads_worth
 from clast.model import Model
-from clast.objects import left_alone
 from clast.results import Report, Run, RunRecorder
 from clast.state import Ledger, State, initial_state
 from clast.stepping import energy
@@ -121,7 +120,7 @@ def simulate(
     failure = ""
     outcome = "the run reached its end"
     try:
-        with held_back() as let_go, left_alone(), threads_worth(model.block_count):
+        with held_back() as let_go, threads_worth(model.block_count):
             state = _march(model, method, schedule, state, recorder, watch, tally, let_go)
     except StepRejected as rejected:
         failure = str(rejected)
