@@ -112,9 +112,8 @@ def levels_of(
         if not definite:
             raise StepRejected(StepOutcome.SINGULAR, "the matrix is not positive definite")
     filled = [_in_precision(cycle, one) for one in [*found, *[_EMPTY] * (LEVELS - len(found))]]
-    better = product is not cycle
     return Levels(
-        matrix=_whole(system) if better else _matrix(filled[0]),
+        matrix=_matrix(filled[0]) if product is cycle else _whole(system),
         levels=tuple(tuple(column) for column in zip(*map(_fields, filled), strict=True)),
         last=len(found) - 1,
         inverse=inverse,

@@ -1,7 +1,7 @@
 """The inverse of the few equations that are left on the coarsest level.
 
 A cycle needs it over and over: a product with the inverse has no chain of dependent numbers as the
-substitutions with a factor have, and takes a tenth of the time.
+substitutions with a factor have, and takes a fifth of the time.
 """
 
 from __future__ import annotations
