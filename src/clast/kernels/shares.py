@@ -17,6 +17,12 @@ def parts(count):
 
 
 @kernel()
+def bounds(part, count):
+    """Return the first contact of a part and the one after its last."""
+    return part * PART, min((part + 1) * PART, count)
+
+
+@kernel()
 def alike(one, other):
     """Return whether two arrays (m,) hold the same numbers, up to the first that differs."""
     if len(one) != len(other):

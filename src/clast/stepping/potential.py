@@ -21,7 +21,6 @@ from clast.equations.system import (
     contact_motions,
     graph_of,
     symmetric_system,
-    with_contact_forces,
 )
 from clast.equations.terms import DiagonalTerms
 from clast.interfaces import ContactLaw
@@ -132,10 +131,6 @@ class Potential:
             normal,
             shear,
         )
-
-    def loaded(self, force: Floats, normal: Floats, shear: Floats) -> Floats:
-        """Return ``force`` (n, 6) plus N n + T t of forces (m,); 0 for fixed blocks."""
-        return with_contact_forces(force, self.contacts, self.graph, self.fixed, normal, shear)
 
     def distance(self, point: Point) -> float:
         """Return a bound on twice the potential above its minimum, J/m.
