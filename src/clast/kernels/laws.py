@@ -6,60 +6,109 @@ import numpy as np
 from numba import prange
 
 from clast.kernels.compiled import kernel
-from clast.kernels.shares import MANY, PART, parts
+from clast.kernels.shares import MANY, bounds, in_part, parts
+
+
+@kernel(error_model="numpy")
+def _bear(gap, p, joints, memory, normal):
+    """Write N, its stiffness and energy, and whether the contact bears anything or may bear shear.
+
+    In a minimisation (bound given) a contact that just touches counts with its stiffness: at the
+    kink either is a derivative, and it is about to close.
+    """
+    _, _, tensile_strength, length = joints
+    _, _, multiplier, friction_base = memory
+    force, stiffness, energy, bears, counts = normal
+    for c in range(len(gap)):
+        given = not np.isnan(friction_base[c])
+        trial = multiplier[c] - p * gap[c]
+        tension = tensile_strength[c] * length[c]
+        bearing = (trial > -tension) | (given & (trial == -tension))
+        counting = bearing | given | (tension != 0.0)
+        # -tension is the cut-off; the bond is lost when the step is over
+        n = trial if bearing else -tension
+        force[c] = n if counting else 0.0
+        stiffness[c] = p if bearing else 0.0
+        energy[c] = 0.5 * (n - multiplier[c]) ** 2 / p if counting else 0.0
+        bears[c], counts[c] = bearing, counting
+
+
+@kernel(error_model="numpy")
+def _resist(slip, k, joints, memory, normal, shear, works):
+    """Write T, its stiffness, its coupling to N, the trial force and its bound; add to the works.
+
+    What the spring does not take up of a slip is lost.
+    """
+    friction, cohesion, _, length = joints
+    _, shear_force, _, friction_base = memory
+    force, _, _, _, counts = normal
+    t_force, ks, coupling, trials, bounds_of = shear
+    energy, loss = works
+    for c in range(len(slip)):
+        given = not np.isnan(friction_base[c])
+        base = friction_base[c] if given else force[c]
+        bound = max(0.0, base * friction[c] + cohesion[c] * length[c])
+        bound = bound if counts[c] else 0.0
+        trial = shear_force[c] - k * slip[c] if counts[c] else 0.0
+        sign = 1.0 if trial > 0.0 else -1.0
+        size = sign * trial
+        sticks = (size <= bound) & ((bound > 0.0) | (trial != 0.0))
+        t = trial if sticks else sign * bound
+        t_force[c] = t if bound > 0.0 else 0.0
+        ks[c] = k if sticks else 0.0
+        coupling[c] = sign * friction[c] if (size > bound) & (bound > 0.0) & (not given) else 0.0
+        loss[c] = bound * (size - bound) / k if size > bound else 0.0
+        energy[c] += 0.5 * t * t / k
+        trials[c], bounds_of[c] = size, bound
+
+
+@kernel()
+def _end(joints, memory, normal, shear, ends):
+    """Write the modes and which bonds are intact.
+
+    Without any strength there is nothing to stick to, even at rest.
+    """
+    _, cohesion, tensile_strength, length = joints
+    bonded = memory[0]
+    force, _, _, bears, counts = normal
+    _, _, _, trials, bounds_of = shear
+    mode, intact = ends
+    for c in range(len(mode)):
+        tension, strength = tensile_strength[c] * length[c], cohesion[c] * length[c]
+        slips = trials[c] > bounds_of[c]
+        locked = (not slips) & (bounds_of[c] > 0.0)
+        away = (not counts[c]) | ((force[c] == 0.0) & (tension == 0.0))
+        mode[c] = 0 if away else 2 if locked else 1
+        held = bears[c] | (tension == 0.0)
+        intact[c] = bonded[c] & held & ((not slips) | ((strength == 0.0) & (tension == 0.0)))
+
+
+@kernel()
+def _of_four(four, first, last):
+    """Return of four arrays (m,) what belongs to the contacts ``first`` to ``last`` - 1."""
+    a, b, c, d = four
+    return a[first:last], b[first:last], c[first:last], d[first:last]
 
 
 @kernel()
 def _penalty(first, last, gap, slip, springs, joints, memory, forces, stiffnesses, ends, works):
     """Let contacts ``first`` to ``last`` - 1 answer."""
-    normal_stiffness, shear_stiffness = springs
-    friction, cohesion, tensile_strength, length = joints
-    bonded, shear_force, multiplier, friction_base = memory
-    n_force, t_force = forces
+    joints, memory = _of_four(joints, first, last), _of_four(memory, first, last)
+    n, t = in_part(forces, first, last)
+    ends, works = in_part(ends, first, last), in_part(works, first, last)
     kn, ks, coupling = stiffnesses
-    mode, intact = ends
-    energy, loss = works
-    for c in range(first, last):
-        n_force[c] = t_force[c] = kn[c] = ks[c] = coupling[c] = energy[c] = loss[c] = 0.0
-        mode[c], intact[c] = 0, bonded[c]
-        trial_normal = multiplier[c] - normal_stiffness * gap[c]
-        tension = tensile_strength[c] * length[c]
-        # in a minimisation (bound given) a contact that just touches counts with its stiffness:
-        # at the kink either is a derivative, and it is about to close
-        given = not np.isnan(friction_base[c])
-        if trial_normal > -tension or (given and trial_normal == -tension):
-            n_force[c], kn[c] = trial_normal, normal_stiffness
-        else:
-            n_force[c] = -tension  # the cut-off; the bond is lost when the step is over
-            intact[c] = bonded[c] and tension == 0.0
-            if tension == 0.0 and not given:
-                continue
-        energy[c] = 0.5 * (n_force[c] - multiplier[c]) ** 2 / normal_stiffness
-        base = friction_base[c] if given else n_force[c]
-        strength = cohesion[c] * length[c]
-        bound = max(0.0, base * friction[c] + strength)
-        trial = shear_force[c] - shear_stiffness * slip[c]
-        if bound == 0.0 and trial == 0.0:
-            mode[c] = 1  # no strength: there is nothing to stick to, even at rest
-        elif abs(trial) <= bound:
-            t_force[c], ks[c], mode[c] = trial, shear_stiffness, 2
-        else:
-            intact[c] = intact[c] and strength == 0.0 and tension == 0.0
-            sign = 1.0 if trial > 0.0 else -1.0
-            t_force[c], mode[c] = sign * bound, 1
-            if bound > 0.0 and np.isnan(friction_base[c]):
-                coupling[c] = sign * friction[c]
-            # the part of the slip that the spring did not take up
-            loss[c] = bound * (abs(trial) - bound) / shear_stiffness
-        energy[c] += 0.5 * t_force[c] ** 2 / shear_stiffness
-        if n_force[c] == 0.0 and tension == 0.0:
-            mode[c] = 0
+    count = last - first
+    normal = n, kn[first:last], works[0], np.empty(count, np.bool_), np.empty(count, np.bool_)
+    shear = t, ks[first:last], coupling[first:last], np.empty(count), np.empty(count)
+    _bear(gap[first:last], springs[0], joints, memory, normal)
+    _resist(slip[first:last], springs[1], joints, memory, normal, shear, works)
+    _end(joints, memory, normal, shear, ends)
 
 
 @kernel(parallel=True)
 def _penalty_shared(gap, slip, springs, joints, memory, forces, stiffnesses, ends, works):
     for part in prange(parts(len(gap))):
-        first, last = part * PART, min((part + 1) * PART, len(gap))
+        first, last = bounds(part, len(gap))
         _penalty(first, last, gap, slip, springs, joints, memory, forces, stiffnesses, ends, works)
 
 
@@ -78,5 +127,9 @@ def penalty(gap, slip, springs, joints, memory):
     if count >= MANY:
         _penalty_shared(gap, slip, springs, joints, memory, forces, stiffnesses, ends, works)
     else:
-        _penalty(0, count, gap, slip, springs, joints, memory, forces, stiffnesses, ends, works)
+        for part in range(parts(count)):
+            first, last = bounds(part, count)
+            _penalty(
+                first, last, gap, slip, springs, joints, memory, forces, stiffnesses, ends, works
+            )
     return *forces, *stiffnesses, *ends, *works

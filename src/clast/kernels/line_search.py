@@ -10,65 +10,135 @@ import numpy as np
 from numba import prange
 
 from clast.kernels.compiled import kernel
-from clast.kernels.region_sums import FEW, added
-from clast.kernels.shares import PART, parts
+from clast.kernels.shares import MANY, bounds, in_part, parts, sum_of
 
 NOTHING = 1e-14
 """Slope that does not count, as a share of the sum of all slopes."""
 
 
 @kernel(forceinline=True)
-def _normal(c, at, line, springs):
-    """Return the normal force at length ``at`` and its stiffness."""
-    gap, d_gap, _, _ = line
-    multiplier, _, p, _, tension, _ = springs
-    force = multiplier[c] - p * (gap[c] + at * d_gap[c])
-    bears = force >= -tension[c]
-    return force if bears else -tension[c], p if bears else 0.0
+def _normal(gap, multiplier, p, tension):
+    """Return the normal force and its stiffness."""
+    force = multiplier - p * gap
+    bears = force >= -tension
+    return force if bears else -tension, p if bears else 0.0
 
 
 @kernel(forceinline=True)
-def _shear(c, at, line, springs):
-    """Return the shear force at length ``at`` and its stiffness."""
-    _, _, slip, d_slip = line
-    _, shear_force, _, k, _, strength = springs
-    bound = strength[c]
-    force = shear_force[c] - k * (slip[c] + at * d_slip[c])
+def _shear(slip, shear_force, k, bound):
+    """Return the shear force and its stiffness."""
+    force = shear_force - k * slip
     within = min(max(force, -bound), bound)
-    sticks = (force == within) & (bound > 0.0)
-    return within, k if sticks else 0.0
+    return within, k if (force == within) & (bound > 0.0) else 0.0
 
 
 @kernel()
-def _add(first, last, length, done, region, line, springs, work, bend):
-    """Add contacts ``first`` to ``last`` - 1 to work and bend of the regions not ``done``.
+def _only_region(region):
+    """Return the region that all contacts are in (m,), or -1."""
+    same = True
+    for c in range(len(region)):
+        same &= region[c] == region[0]
+    return region[0] if same else -1
+
+
+@kernel()
+def _only_regions(region):
+    """Return the region that all contacts of each part are in, or -1."""
+    only = np.empty(parts(len(region)), np.int64)
+    for part in range(len(only)):
+        first, last = bounds(part, len(region))
+        only[part] = _only_region(region[first:last])
+    return only
+
+
+@kernel()
+def _lengths(length, region, only):
+    """Return the length of each contact's region (m,), which is ``only`` that or -1."""
+    at = np.empty(len(region))
+    if only >= 0:
+        at[:] = length[only]
+    else:
+        for c in range(len(region)):
+            at[c] = length[region[c]]
+    return at
+
+
+@kernel()
+def _work(first, last, at, line, springs, works, bends):
+    """Write what the forces of each contact do along the line, and how that bends."""
+    multiplier, shear_force, p, k, tension, strength = springs
+    gap, d_gap = in_part((line[0], line[1]), first, last)
+    slip, d_slip = in_part((line[2], line[3]), first, last)
+    multiplier, shear_force = in_part((multiplier, shear_force), first, last)
+    tension, strength = in_part((tension, strength), first, last)
+    for c in range(len(gap)):
+        opening, sliding = d_gap[c], d_slip[c]
+        n, kn = _normal(gap[c] + at[c] * opening, multiplier[c], p, tension[c])
+        t, ks = _shear(slip[c] + at[c] * sliding, shear_force[c], k, strength[c])
+        works[c] = n * opening + t * sliding
+        bends[c] = kn * opening * opening + ks * sliding * sliding
+
+
+@kernel()
+def _work_of_part(part, length, done, only, region, line, springs, terms, sums):
+    """Write the terms of a part's contacts, or, where all are in one region, their sums."""
+    first, last = bounds(part, len(region))
+    if only[part] < 0:
+        at = _lengths(length, region[first:last], -1)
+        _work(first, last, at, line, springs, terms[0, first:last], terms[1, first:last])
+    elif not done[only[part]]:
+        at = _lengths(length, region[first:last], only[part])
+        works, bends = np.empty(last - first), np.empty(last - first)
+        _work(first, last, at, line, springs, works, bends)
+        sums[part, 0], sums[part, 1] = sum_of(works), sum_of(bends)
+
+
+@kernel(parallel=True)
+def _work_of_parts(length, done, only, region, line, springs, terms, sums):
+    for part in prange(len(only)):
+        _work_of_part(part, length, done, only, region, line, springs, terms, sums)
+
+
+@kernel()
+def _add_terms(region, done, works, bends, work, bend):
+    """Add the terms of contacts (m,) to the sums of their regions.
 
     Contacts of one region mostly follow each other: their sums stay in registers.
     """
-    c = first
-    while c < last:
-        r = region[c]
-        at, here, how = length[r], 0.0, 0.0
+    c = 0
+    while c < len(region):
+        r, here, how = region[c], 0.0, 0.0
         if done[r]:
-            while c < last and region[c] == r:
+            while c < len(region) and region[c] == r:
                 c += 1
             continue
-        while c < last and region[c] == r:
-            opening, slip = line[1][c], line[3][c]
-            normal, kn = _normal(c, at, line, springs)
-            shear, ks = _shear(c, at, line, springs)
-            here += normal * opening + shear * slip
-            how += kn * opening * opening + ks * slip * slip
+        while c < len(region) and region[c] == r:
+            here += works[c]
+            how += bends[c]
             c += 1
         work[r] += here
         bend[r] += how
 
 
-@kernel(parallel=True)
-def _add_parts(size, length, done, region, line, springs, works, bends):
-    for part in prange(len(works)):
-        low, high = part * size, min((part + 1) * size, len(region))
-        _add(low, high, length, done, region, line, springs, works[part], bends[part])
+@kernel()
+def _works_along(length, done, only, region, line, springs, terms):
+    """Return the work of all contacts in each region (r,) along the line, and how it bends."""
+    sums = np.zeros((len(only), 2))
+    if len(region) >= MANY:
+        _work_of_parts(length, done, only, region, line, springs, terms, sums)
+    else:
+        for part in range(len(only)):
+            _work_of_part(part, length, done, only, region, line, springs, terms, sums)
+    work, bend = np.zeros(len(length)), np.zeros(len(length))
+    for part in range(len(only)):
+        if only[part] >= 0:
+            work[only[part]] += sums[part, 0]
+            bend[only[part]] += sums[part, 1]
+        else:
+            low, high = bounds(part, len(region))
+            works, bends = in_part((terms[0], terms[1]), low, high)
+            _add_terms(region[low:high], done, works, bends, work, bend)
+    return work, bend
 
 
 @kernel()
@@ -109,51 +179,57 @@ def lengths_along(region, line, springs, smooth, curvature, start, tolerance, li
     slope, kept inside a bracket, until it has fallen to ``tolerance`` of its start, or to next to
     nothing beside those of all regions.
     """
-    count, number = len(start), len(region)
-    size = PART if count <= FEW else max(number, 1)
-    pieces = (number + size - 1) // size
+    count = len(start)
+    only, terms = _only_regions(region), np.empty((2, len(region)))
     enough = tolerance * np.abs(start) + NOTHING * np.abs(start).sum()
     done = start == 0.0
     length = np.ones(count)
     search = length, np.zeros(count), np.full(count, np.inf), done
-    works, bends = np.empty((pieces, count)), np.empty((pieces, count))
     left, evaluations = count - int(done.sum()), 0
     while left > 0 and evaluations < limit:
         evaluations += 1
-        works[:] = 0.0
-        bends[:] = 0.0
-        _add_parts(size, length, done, region, line, springs, works, bends)
-        slope = smooth + length * curvature - added(works)
-        left = _narrow(search, slope, curvature + added(bends), enough)
+        work, bend = _works_along(length, done, only, region, line, springs, terms)
+        left = _narrow(search, smooth + length * curvature - work, curvature + bend, enough)
     return length, evaluations
 
 
 @kernel()
-def _answer(first, last, region, length, line, springs, found):
-    """Write what contacts ``first`` to ``last`` - 1 have come to and how they answer.
+def _answer_normal(at, gap, d_gap, springs, found):
+    multiplier, tension, p = springs
+    new_gap, force, stiffness = found
+    for c in range(len(at)):
+        new_gap[c] = gap[c] + at[c] * d_gap[c]
+        force[c], stiffness[c] = _normal(new_gap[c], multiplier[c], p, tension[c])
 
-    Those of a region mostly follow each other: nothing then has to be fetched contact by contact.
-    """
-    gap, d_gap, slip, d_slip = line
-    low = first
-    while low < last:
-        high = low + 1
-        while high < last and region[high] == region[low]:
-            high += 1
-        at = length[region[low]]
-        for c in range(low, high):
-            found[0][c] = gap[c] + at * d_gap[c]
-            found[1][c] = slip[c] + at * d_slip[c]
-            found[2][c], found[4][c] = _normal(c, at, line, springs)
-            found[3][c], found[5][c] = _shear(c, at, line, springs)
-        low = high
+
+@kernel()
+def _answer_shear(at, slip, d_slip, springs, found):
+    shear_force, strength, k = springs
+    new_slip, force, stiffness = found
+    for c in range(len(at)):
+        new_slip[c] = slip[c] + at[c] * d_slip[c]
+        force[c], stiffness[c] = _shear(new_slip[c], shear_force[c], k, strength[c])
+
+
+@kernel()
+def _answer(first, last, region, length, line, springs, found):
+    """Write what contacts ``first`` to ``last`` - 1 have come to and how they answer."""
+    at = _lengths(length, region[first:last], -1)
+    multiplier, shear_force, p, k, tension, strength = springs
+    gap, slip, normal, shear, kn, ks = found
+    of_normal = *in_part((multiplier, tension), first, last), p
+    of_shear = *in_part((shear_force, strength), first, last), k
+    normal_found = gap[first:last], normal[first:last], kn[first:last]
+    shear_found = slip[first:last], shear[first:last], ks[first:last]
+    _answer_normal(at, line[0][first:last], line[1][first:last], of_normal, normal_found)
+    _answer_shear(at, line[2][first:last], line[3][first:last], of_shear, shear_found)
 
 
 @kernel(parallel=True)
 def _answer_parts(region, length, line, springs, found):
     for part in prange(parts(len(region))):
-        last = min((part + 1) * PART, len(region))
-        _answer(part * PART, last, region, length, line, springs, found)
+        first, last = bounds(part, len(region))
+        _answer(first, last, region, length, line, springs, found)
 
 
 @kernel()

@@ -131,7 +131,7 @@ class Conditions:
         They are mu = rounding^2/(4 p), ``rounding`` being a force, N/m.
         """
         gaps = point.gap, point.slip
-        state, errors, stiffnesses, products = kernel.centred(*gaps, rounding, self.springs)
+        state, errors, stiffnesses, products = kernel.centred(gaps, rounding, self.springs)
         return Iterate(
             unknowns=point.unknowns,
             gaps=gaps,
