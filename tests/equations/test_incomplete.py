@@ -11,7 +11,7 @@ from test_multilevel import elastic_grid
 from clast.equations.cholesky import Cholesky
 from clast.equations.solvers import with_incomplete
 from clast.errors import StepOutcome, StepRejected
-from clast.kernels import conjugate, parts, substitution
+from clast.kernels import conjugate, incomplete, parts, substitution
 
 
 def applied(one):
@@ -103,6 +103,45 @@ def test_strips_and_their_seam_leave_nothing_out():
     assert iterations <= 2
     wanted = Cholesky().factor(one).solve(one.force)
     assert np.abs(found - wanted).max() <= 1e-5 * np.abs(wanted).max()
+
+
+def eliminated(one, order):
+    """Return D^-1 and L^T by place, eliminated block by block in an order, without fill."""
+    place = np.argsort(order)
+    own = one.diagonal[order].copy()
+    upper = {}
+    for (i, j), block in zip(place[one.pairs], one.upper, strict=True):
+        upper[min(i, j), max(i, j)] = (block if i < j else block.T).copy()
+    after = [sorted(k for i, k in upper if i == j) for j in range(len(order))]
+    scaled = {}
+    for i, others in enumerate(after):
+        own[i] = np.linalg.inv(own[i])
+        for j in others:
+            scaled[i, j] = own[i] @ upper[i, j]
+            own[j] -= scaled[i, j].T @ upper[i, j]
+            for k in others:
+                if k > j and (j, k) in upper:
+                    upper[j, k] -= scaled[i, j].T @ upper[i, k]
+    return own, scaled
+
+
+@pytest.mark.parametrize("parted", [True, False])
+def test_the_seam_is_eliminated_as_if_one_block_came_after_the_other(parted):
+    """By segments, or, where blocks lie anywhere and segments are coupled, as a whole."""
+    one = elastic_grid(4 * parts.LEAST // 40 + 5, 40)
+    one = replace(one, diagonal=one.diagonal + 1e8 * np.eye(6))
+    if not parted:
+        anywhere = np.random.default_rng(6).permutation(len(one.centroid))
+        one = replace(one, centroid=one.centroid[anywhere])
+    coupled = one.couplings.coupled
+    order, begin, segments = parts.ordering(one.centroid, one.pairs, coupled)
+    assert len(segments) == len(begin) - 1 > 3
+    _, _, pairs, right, _, _, inverse, scaled = with_incomplete(one, 1).incomplete
+    assert incomplete.is_parted(segments, pairs, right) == parted
+    wanted, of_pairs = eliminated(one, order)
+    assert np.abs(inverse - wanted).max() <= 1e-9 * np.abs(wanted).max()
+    wanted = np.array([of_pairs[tuple(pair)] for pair in pairs])
+    assert np.abs(scaled - wanted).max() <= 1e-6 * np.abs(wanted).max()
 
 
 def test_many_rows_are_taken_in_strips_whatever_the_threads():

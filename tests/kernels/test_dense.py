@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clast.kernels import assembly, dense, interior, shares
+from clast.kernels import assembly, dense, shares
 
 
 def matrix_of(diagonal, pairs, upper):
@@ -56,10 +56,10 @@ def test_a_matrix_that_is_not_definite_has_no_inverse():
     assert not dense.invert_blocks(diagonal, pairs, upper)[1]
 
 
-@pytest.mark.parametrize("shape", [(0, 6), (40, 6), (7, 2000), (3001, 6)])
-def test_a_state_is_moved_a_share_of_the_way(shape):
-    state, way = np.random.default_rng(2).normal(size=(2, *shape))
-    assert np.array_equal(interior.moved(state, way, 0.3), state + 0.3 * way)
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 4, 5, 1023])
+def test_a_sum_leaves_nothing_out(count):
+    values = np.random.default_rng(2).integers(-1000, 1000, count).astype(float)
+    assert shares.sum_of(values) == values.sum()
 
 
 def test_arrays_are_alike_to_the_last_number():

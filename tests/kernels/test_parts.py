@@ -30,7 +30,7 @@ def test_strips_are_not_coupled(size, shuffled):
         centroid = centroid[np.argsort(place)]
         pairs = np.sort(place[pairs], axis=1)
         pairs = pairs[np.lexsort(pairs.T[::-1])]
-    order, begin = parts.ordering(centroid, pairs, np.ones(len(pairs), np.bool_))
+    order, begin, segments = parts.ordering(centroid, pairs, np.ones(len(pairs), np.bool_))
     strips = len(begin) - 2
     assert strips == parts.number_of_strips(count)
     assert np.array_equal(np.sort(order), np.arange(count))
@@ -38,6 +38,8 @@ def test_strips_are_not_coupled(size, shuffled):
     part[order] = np.searchsorted(begin, np.arange(count), side="right") - 1
     one, other = part[pairs].T
     assert ((one == other) | (one == strips) | (other == strips)).all()
+    assert segments[0] == begin[-2]
+    assert segments[-1] == count
     if strips > 1:
         assert np.diff(begin)[:-1].min() > 0.6 * count / strips
         assert begin[-1] - begin[-2] <= (strips - 1) * min(size)
@@ -48,7 +50,9 @@ def test_pairs_are_renumbered():
     pairs = np.array(sorted({tuple(sorted(rng.choice(20, 2, replace=False))) for _ in range(60)}))
     coupled = rng.random(len(pairs)) < 0.7
     order = rng.permutation(20)
-    new, source = parts.renumbered(order, pairs, row_pointers(20, pairs), coupled)
+    new, source, rows = parts.renumbered(order, pairs, row_pointers(20, pairs), coupled)
+    for found, wanted in zip(rows, row_pointers(20, new), strict=True):
+        assert np.array_equal(found, wanted)
     assert len(new) == coupled.sum()
     assert np.array_equal(new, new[np.lexsort(new.T[::-1])])
     for (i, j), q in zip(new, source, strict=True):

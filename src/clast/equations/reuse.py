@@ -36,9 +36,13 @@ class FactorOfStep:
         return self._factor_of(system, response).solve(system.force)
 
     def nearer(
-        self, system: BlockSystem, response: ContactResponse, guess: Floats, tolerance: float
+        self,
+        system: BlockSystem,
+        response: ContactResponse,
+        guess: Floats | None,
+        tolerance: float,
     ) -> Floats:
-        """Return d (n, 6) of a system; an iteration starts from ``guess`` (n, 6).
+        """Return d (n, 6) of a system; an iteration starts from ``guess`` (n, 6), None being zero.
 
         It ends where the residual has fallen to ``tolerance`` of the guess's.
         """

@@ -105,8 +105,13 @@ class Direct:
 class Iteration(Protocol):
     """A way to come nearer to the solution of one system, step by step."""
 
-    def __call__(self, force: Floats, guess: Floats, tolerance: float) -> tuple[Floats, int, float]:
-        """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
+    def __call__(
+        self, force: Floats, guess: Floats | None, tolerance: float
+    ) -> tuple[Floats, int, float]:
+        """Return d (n, 6), the iterations, and the share that is left of the guess's residual.
+
+        None is a guess of zero.
+        """
         ...
 
     @property
@@ -124,7 +129,9 @@ class WithLevels:
     iterations: int
     """Iterations at most."""
 
-    def __call__(self, force: Floats, guess: Floats, tolerance: float) -> tuple[Floats, int, float]:
+    def __call__(
+        self, force: Floats, guess: Floats | None, tolerance: float
+    ) -> tuple[Floats, int, float]:
         """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
         at = self.levels
         found: tuple[Floats, int, float] = multilevel.solve(
@@ -134,7 +141,7 @@ class WithLevels:
             at.inverse,
             at.work,
             force,
-            guess,
+            np.zeros_like(force) if guess is None else guess,
             tolerance,
             self.iterations,
         )
@@ -144,6 +151,10 @@ class WithLevels:
     def by_rows(self) -> tuple[Any, ...]:
         """K as it is multiplied with: what block_rows.multiply takes before x."""
         return self.levels.matrix
+
+
+NO_GUESS: Floats = np.zeros((0, 6))
+"""What kernels/conjugate.py takes for a guess of zero."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,10 +168,17 @@ class WithIncomplete:
     iterations: int
     """Iterations at most."""
 
-    def __call__(self, force: Floats, guess: Floats, tolerance: float) -> tuple[Floats, int, float]:
+    def __call__(
+        self, force: Floats, guess: Floats | None, tolerance: float
+    ) -> tuple[Floats, int, float]:
         """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
         found: tuple[Floats, int, float] = conjugate.solve(
-            self.incomplete, self.matrix, force, guess, tolerance, self.iterations
+            self.incomplete,
+            self.matrix,
+            force,
+            NO_GUESS if guess is None else guess,
+            tolerance,
+            self.iterations,
         )
         return found
 
@@ -220,10 +238,13 @@ class IteratedMatrix:
 
     def solve(self, force: Floats) -> Floats:
         """Return d (n, 6) for F (n, 6)."""
-        return self.nearer(force, np.zeros_like(force), self.tolerance)
+        return self.nearer(force, None, self.tolerance)
 
-    def nearer(self, force: Floats, guess: Floats, tolerance: float) -> Floats:
-        """Return d (n, 6) whose residual is at most ``tolerance`` of that of ``guess`` (n, 6)."""
+    def nearer(self, force: Floats, guess: Floats | None, tolerance: float) -> Floats:
+        """Return d (n, 6) whose residual is at most ``tolerance`` of that of ``guess`` (n, 6).
+
+        None is a guess of zero.
+        """
         if self._factor is None:
             displacement, iterations, left = self._iteration(force, guess, tolerance)
             self._own += iterations

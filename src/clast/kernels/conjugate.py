@@ -81,38 +81,69 @@ def vector(count, precision):
 
 
 @kernel()
-def _order_rows(first, last, order, given, ordered):
-    """Write places ``first`` to ``last`` - 1 in the factor's order; return the sum of squares."""
+def _empty(blocks):
+    """Return a vector to be cleared, of as many rows as blocks and in their precision."""
+    return np.empty((len(blocks), 6 if blocks.itemsize == 8 else WIDTH), blocks.dtype)
+
+
+@kernel()
+def _order_rows(first, last, order, given, ordered, cleared):
+    """Write places ``first`` to ``last`` - 1 in the factor's order; return the sum of squares.
+
+    Nothing ``given`` (0, 6) is zero.  Those of ``cleared`` become zero as well.
+    """
+    ordered[first:last] = 0.0
+    cleared[first:last] = 0.0
     square = zeros()
-    for i in range(first, last):
-        numbers = row(given, order[i])
-        square = plus_product(square, numbers, numbers)
-        put_row(ordered, i, numbers)
+    if len(given) > 0:
+        for i in range(first, last):
+            numbers = row(given, order[i])
+            square = plus_product(square, numbers, numbers)
+            put_row(ordered, i, numbers)
     return total(square)
 
 
 @kernel(parallel=True)
-def _in_order_shared(order, given, ordered, squares):
+def _in_order_shared(order, given, ordered, cleared, squares):
     for c in prange(len(squares)):
         last = min((c + 1) * CHUNK, len(order))
-        squares[c] = _order_rows(c * CHUNK, last, order, given, ordered)
+        squares[c] = _order_rows(c * CHUNK, last, order, given, ordered, cleared)
 
 
 @kernel()
-def _in_order(order, given, ordered):
+def _in_order(order, given, ordered, cleared):
     """Write the rows of a vector (n, 6) in the order of the factor; return if any is not zero."""
     if len(order) < SHARED:
-        return _order_rows(0, len(order), order, given, ordered) > 0.0
+        return _order_rows(0, len(order), order, given, ordered, cleared) > 0.0
     squares = np.empty(chunks(len(order)))
-    _in_order_shared(order, given, ordered, squares)
+    _in_order_shared(order, given, ordered, cleared, squares)
     return squares.max() > 0.0
+
+
+@kernel(parallel=True)
+def _copy_shared(given, taken):
+    for c in prange(chunks(len(given))):
+        last = min((c + 1) * CHUNK, len(given))
+        taken[c * CHUNK : last] = given[c * CHUNK : last]
+
+
+@kernel()
+def _copied(given):
+    """Return a copy of a vector."""
+    taken = np.empty_like(given)
+    if len(given) < SHARED:
+        taken[:] = given
+    else:
+        _copy_shared(given, taken)
+    return taken
 
 
 @kernel()
 def _return_rows(first, last, order, guess, x, result):
     """Write ``guess`` plus x where places ``first`` to ``last`` - 1 belong."""
     for i in range(first, last):
-        put_row(result, order[i], plus(row(guess, order[i]), row(x, i)))
+        begun = row(guess, order[i]) if len(guess) > 0 else zeros()
+        put_row(result, order[i], plus(begun, row(x, i)))
 
 
 @kernel(parallel=True)
@@ -124,7 +155,7 @@ def _gone_shared(order, guess, x, result):
 @kernel()
 def _gone(order, guess, x):
     """Return ``guess`` (n, 6) plus x, which is in the order of the factor."""
-    result = np.empty_like(guess)
+    result = np.empty((len(order), 6))
     if len(order) >= SHARED:
         _gone_shared(order, guess, x, result)
     else:
@@ -136,25 +167,24 @@ def _gone(order, guess, x):
 def solve(incomplete, matrix, force, guess, tolerance, limit):
     """Return d (n, 6) of K d = F, the iterations and the reduction of r.M^-1 r reached.
 
-    Starts from ``guess`` (n, 6) and stops where r.M^-1 r has fallen to tolerance^2 of its start and
-    no longer falls by leaps, after ``limit`` iterations, or as soon as far more than that seem
-    needed.  ``incomplete`` is the factor M and ``matrix`` is K in its order, as
-    kernels/incomplete.py returns them; all but ``force``, ``guess`` and d has the precision of K.
+    Starts from ``guess`` (n, 6), or from zero where that is (0, 6), and stops where r.M^-1 r has
+    fallen to tolerance^2 of its start and no longer falls by leaps, after ``limit`` iterations, or
+    as soon as far more than that seem needed.  ``incomplete`` is the factor M and ``matrix`` is K
+    in its order, as kernels/incomplete.py returns them; all but ``force``, ``guess`` and d has the
+    precision of K.
     """
     order, _, pairs, right, left, listed, _, _ = incomplete
     own, couplings = matrix
-    count = len(force)
-    x, r = vector(count, own), vector(count, own)
-    z, kp = vector(count, own), vector(count, own)
-    _in_order(order, force, r)
-    if _in_order(order, guess, z):
+    x, r, z, kp = _empty(own), _empty(own), _empty(own), _empty(own)
+    _in_order(order, force, r, x)
+    if _in_order(order, guess, z, kp):
         multiply(own, couplings, pairs, right, left, listed, z, kp)
         turn(r, -1.0, kp)
         r, kp = kp, r
     start = rz = substitute(incomplete, r, z)
     if start == 0.0:
-        return guess.copy(), 0, 0.0
-    p = z.copy()
+        return _gone(order, guess, x), 0, 0.0
+    p = _copied(z)
     iterations, wanted = 0, tolerance**2 * start
     while iterations < limit and rz > wanted:
         curvature = multiply(own, couplings, pairs, right, left, listed, p, kp)

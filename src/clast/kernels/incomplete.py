@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from clast.kernels.block_rows import invert, lines, row_pointers
+from clast.kernels.block_rows import invert, lines
 from clast.kernels.compiled import kernel
 from clast.kernels.couplings import put_coupling
 from clast.kernels.parts import ordering, renumbered
@@ -124,20 +124,90 @@ def _take(low, high, own, couplings, new, work, matrix):
 
 
 @kernel()
-def _eliminate_strip(low, high, own, couplings, new, work, found, matrix):
-    """Copy and eliminate a strip."""
+def _find_leaders(low, high, seam, pairs, right, leaders):
+    """Write the rows from ``low`` to ``high`` - 1 that are coupled to the seam; return how many."""
+    number = 0
+    for i in range(low, high):
+        if right[i + 1] > right[i] and pairs[right[i + 1] - 1, 1] >= seam:
+            leaders[low + number] = i
+            number += 1
+    return number
+
+
+@kernel()
+def _eliminate_strip(low, high, seam, own, couplings, new, work, found, matrix, leaders):
+    """Copy and eliminate a strip; return how many rows lead to the seam, and what is singular."""
     order, _, pairs, right = new
     diagonal, upper = work
     inverse, scaled = found
     _take(low, high, own, couplings, new, work, matrix)
-    return _eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, scaled)
+    bad = _eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, scaled)
+    return _find_leaders(low, high, seam, pairs, right, leaders), bad
 
 
 @kernel(parallel=True)
-def _eliminate_strips(begin, own, couplings, new, work, found, matrix, bad):
+def _eliminate_strips(begin, own, couplings, new, work, found, matrix, leaders, number, bad):
     for c in prange(len(bad)):
         low, high = begin[c], begin[c + 1]
-        bad[c] = _eliminate_strip(low, high, own, couplings, new, work, found, matrix)
+        number[c], bad[c] = _eliminate_strip(
+            low, high, begin[-2], own, couplings, new, work, found, matrix, leaders
+        )
+
+
+@kernel()
+def _take_segment(low, high, begin, own, couplings, new, work, scaled, matrix, leading):
+    """Copy a segment of the seam and take out of it what the strips leave for it, in their order.
+
+    A strip may be coupled to any segment, and a row to several.
+    """
+    _, _, pairs, right = new
+    diagonal, upper = work
+    leaders, number = leading
+    _take(low, high, own, couplings, new, work, matrix)
+    for c in range(len(number)):
+        for at in range(begin[c], begin[c] + number[c]):
+            _pass_on(leaders[at], low, high, diagonal, upper, scaled, 0, pairs, right)
+
+
+@kernel(parallel=True)
+def _take_seam(begin, segments, own, couplings, new, work, scaled, matrix, leading):
+    for c in prange(len(segments) - 1):
+        low, high = segments[c], segments[c + 1]
+        _take_segment(low, high, begin, own, couplings, new, work, scaled, matrix, leading)
+
+
+@kernel()
+def is_parted(segments, pairs, right):
+    """Return whether no segment of the seam is coupled to another one."""
+    for c in range(len(segments) - 1):
+        for i in range(segments[c], segments[c + 1]):
+            if right[i + 1] > right[i] and pairs[right[i + 1] - 1, 1] >= segments[c + 1]:
+                return False
+    return True
+
+
+@kernel(parallel=True)
+def _eliminate_segments(segments, own, new, work, found, bad):
+    order, _, pairs, right = new
+    diagonal, upper = work
+    inverse, scaled = found
+    for c in prange(len(bad)):
+        low, high = segments[c], segments[c + 1]
+        bad[c] = _eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, scaled)
+
+
+@kernel()
+def _eliminate_seam(begin, segments, own, couplings, new, work, found, matrix, leading, bad):
+    """Eliminate the seam: by segments, unless these are coupled, as where strips are thin."""
+    order, _, pairs, right = new
+    diagonal, upper = work
+    inverse, scaled = found
+    _take_seam(begin, segments, own, couplings, new, work, scaled, matrix, leading)
+    if is_parted(segments, pairs, right):
+        _eliminate_segments(segments, own, new, work, found, bad)
+    else:
+        low, high = begin[-2], begin[-1]
+        bad[0] = _eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, scaled)
 
 
 @kernel()
@@ -148,30 +218,24 @@ def factor(own, couplings, coupled, pairs, rows, centroid, precision):
     couples ``pairs`` (q, 2), whose right, left and listed are ``rows``; ``coupled`` (q,) says which
     of them are coupled at all, ``centroid`` (n, 2) where the blocks are.  K in the order of the
     factor is its diagonal blocks (n, 6, 6) and those of the coupled pairs, both in the precision of
-    the array ``precision``, as D^-1 is and what is being eliminated, pivots excepted.  What a strip
-    leaves for the seam is taken out of it when all strips are done, in their order.
+    the array ``precision``, as D^-1 is and what is being eliminated, pivots excepted.
     """
-    order, begin = ordering(centroid, pairs, coupled)
-    pairs, source = renumbered(order, pairs, rows, coupled)
-    count, seam, kind = len(own), begin[-2], precision.dtype
-    right, left, listed = row_pointers(count, pairs)
+    order, begin, segments = ordering(centroid, pairs, coupled)
+    pairs, source, (right, left, listed) = renumbered(order, pairs, rows, coupled)
+    kind = precision.dtype
     inverse, diagonal = np.empty(own.shape, kind), np.empty_like(own)
     scaled = np.empty((len(pairs), 6, 6), np.float32)
     upper = np.empty((len(pairs), 6, 6), kind)
     bad = np.full(len(begin) - 2, -1)
     new, work = (order, source, pairs, right), (diagonal, upper)
     matrix = (np.empty(own.shape, kind), np.empty((len(pairs), 6, 6), kind))
-    found = (order, begin, pairs, right, left, listed, inverse, scaled)
+    leading = np.empty(len(own), np.int64), np.zeros(len(bad), np.int64)
     if len(bad) > 1:
-        _eliminate_strips(begin, own, couplings, new, work, (inverse, scaled), matrix, bad)
+        done = inverse, scaled
+        _eliminate_strips(begin, own, couplings, new, work, done, matrix, *leading, bad)
+        if bad.max() < 0:
+            _eliminate_seam(begin, segments, own, couplings, new, work, done, matrix, leading, bad)
     else:
-        bad[0] = _eliminate_strip(0, seam, own, couplings, new, work, (inverse, scaled), matrix)
-    for first in bad:
-        if first >= 0:
-            return found, matrix, first
-    _take(seam, count, own, couplings, new, work, matrix)
-    for i in range(seam):
-        if right[i + 1] > right[i] and pairs[right[i + 1] - 1, 1] >= seam:
-            _pass_on(i, seam, count, diagonal, upper, scaled, 0, pairs, right)
-    bad[0] = _eliminate(seam, count, own, order, diagonal, upper, pairs, right, inverse, scaled)
-    return found, matrix, bad[0]
+        _take(0, len(own), own, couplings, new, work, matrix)
+        bad[0] = _eliminate(0, len(own), own, order, diagonal, upper, pairs, right, inverse, scaled)
+    return (order, begin, pairs, right, left, listed, inverse, scaled), matrix, bad.max()

@@ -2,9 +2,10 @@
 
 The blocks are parted into strips, as many in each, across the longer side of what they fill.  Those
 that are coupled to a block of an earlier strip form the seam and come last: of what is left no
-strip is coupled to another one (one level of nested dissection, George 1973).  Four times as many
-blocks have twice as many strips: the seam's share is the same.  The number of strips depends on
-that of the blocks alone, and with it every sum: answers do not depend on the threads.
+strip is coupled to another one (one level of nested dissection, George 1973).  The seam keeps the
+order of the strips that its blocks were in: these are its segments.  Four times as many blocks have
+twice as many strips: the seam's share is the same.  The number of strips depends on that of the
+blocks alone, and with it every sum: answers do not depend on the threads.
 """
 
 from __future__ import annotations
@@ -47,16 +48,36 @@ def strips(centroid):
             side, first, width = k, low, high - low
     if width == 0.0:
         return strip, 1
-    within = np.zeros(SLOTS + 1, np.int64)
-    slot = np.empty(count, np.int64)
+    slot = _slots(centroid[:, side], first, SLOTS / width)
+    of_slot = _strips_of_slots(slot, number)
     for i in range(count):
-        slot[i] = min(int(SLOTS * (centroid[i, side] - first) / width), SLOTS - 1)
-        within[slot[i] + 1] += 1
-    for k in range(SLOTS):
-        within[k + 1] += within[k]
-    for i in range(count):
-        strip[i] = within[slot[i]] * number // count
+        strip[i] = of_slot[slot[i]]
     return strip, number
+
+
+@kernel(error_model="numpy")
+def _slots(place, first, scale):
+    """Return the slot of each block (n,)."""
+    slot = np.empty(len(place), np.int32)
+    for i in range(len(place)):
+        slot[i] = min(np.int32(scale * (place[i] - first)), np.int32(SLOTS - 1))
+    return slot
+
+
+@kernel()
+def _strips_of_slots(slot, number):
+    """Return the strip of each slot: as many blocks in each as whole slots allow."""
+    within = np.zeros(SLOTS, np.int64)
+    for i in range(len(slot)):
+        within[slot[i]] += 1
+    of_slot = np.empty(SLOTS, np.int64)
+    before, strip = 0, 0
+    for k in range(SLOTS):
+        while (strip + 1) * len(slot) <= before * number:
+            strip += 1
+        of_slot[k] = strip
+        before += within[k]
+    return of_slot
 
 
 @kernel()
@@ -90,7 +111,11 @@ def coupled_pairs(upper):
 
 @kernel()
 def ordering(centroid, pairs, coupled):
-    """Return the blocks strip by strip, the seam last (n,), and where each begins (strips + 2,)."""
+    """Return the blocks strip by strip, the seam last (n,), and where all begins.
+
+    Where the strips and the seam begin (strips + 2,), the last being n; and where the segments of
+    the seam do (strips + 1,).
+    """
     count = len(centroid)
     part, number = strips(centroid)
     if number > 1:
@@ -98,40 +123,45 @@ def ordering(centroid, pairs, coupled):
         for q in range(len(pairs)):
             i, j = pairs[q]
             if coupled[q] and strip[i] != strip[j]:
-                part[i if strip[i] > strip[j] else j] = number
-    begin = np.zeros(number + 2, np.int64)
+                later = i if strip[i] > strip[j] else j
+                part[later] = number + strip[later]
+    begin = np.zeros(2 * number + 1, np.int64)
     for i in range(count):
         begin[part[i] + 1] += 1
-    for k in range(number + 1):
+    for k in range(2 * number):
         begin[k + 1] += begin[k]
     at = begin[:-1].copy()
     order = np.empty(count, np.int64)
     for i in range(count):
         order[at[part[i]]] = i
         at[part[i]] += 1
-    return order, begin
+    segments = begin[number:].copy()
+    begin[number + 1] = count
+    return order, begin[: number + 2].copy(), segments
 
 
 @kernel()
-def _rows_of(low, high, order, place, pairs, rows, coupled, start):
-    """Write how many coupled pairs begin with each of the places ``low`` to ``high`` - 1."""
-    right, left, listed = rows
+def _rows_of(low, high, order, place, pairs, rows, coupled, right, left):
+    """Write how many coupled pairs begin and end with each place from ``low`` to ``high`` - 1."""
+    first, last, listed = rows
     for k in range(low, high):
-        i, found = order[k], 0
-        for q in range(right[i], right[i + 1]):
-            if coupled[q] and place[pairs[q, 1]] > k:
-                found += 1
-        for at in range(left[i], left[i + 1]):
-            if coupled[listed[at]] and place[pairs[listed[at], 0]] > k:
-                found += 1
-        start[k + 1] = found
+        i, after, before = order[k], 0, 0
+        for q in range(first[i], first[i + 1]):
+            if coupled[q]:
+                later = place[pairs[q, 1]] > k
+                after, before = after + later, before + (not later)
+        for at in range(last[i], last[i + 1]):
+            if coupled[listed[at]]:
+                later = place[pairs[listed[at], 0]] > k
+                after, before = after + later, before + (not later)
+        right[k + 1], left[k + 1] = after, before
 
 
 @kernel(parallel=True)
-def _rows_of_shared(order, place, pairs, rows, coupled, start):
+def _rows_of_shared(order, place, pairs, rows, coupled, right, left):
     for c in prange(chunks(len(order))):
         last = min((c + 1) * CHUNK, len(order))
-        _rows_of(c * CHUNK, last, order, place, pairs, rows, coupled, start)
+        _rows_of(c * CHUNK, last, order, place, pairs, rows, coupled, right, left)
 
 
 @kernel()
@@ -170,27 +200,40 @@ def _fill_rows_shared(order, place, pairs, rows, coupled, start, new, source):
 
 
 @kernel()
+def _listed(pairs, left):
+    """Return the pairs (., k) of each place, in ascending order."""
+    at = left[:-1].copy()
+    listed = np.empty(len(pairs), np.int32)
+    for q in range(len(pairs)):
+        k = pairs[q, 1]
+        listed[at[k]] = q
+        at[k] += 1
+    return listed
+
+
+@kernel()
 def renumbered(order, pairs, rows, coupled):
     """Return the coupled pairs by their places in ``order`` (n,), sorted, and whence each comes.
 
-    ``rows`` are right, left and listed of the pairs (kernels/block_rows.py).  ``source`` (q,) is
-    the pair's old number, or minus that minus one where its blocks have changed sides.  The pairs
-    are short integers, to be read over and over.
+    And their own rows.  ``rows`` are right, left and listed of the pairs (kernels/block_rows.py).
+    ``source`` (q,) is the pair's old number, or minus that minus one where its blocks have changed
+    sides.  The pairs and their rows are short integers, to be read over and over.
     """
     count = len(order)
     place = np.empty(count, np.int64)
     for k in range(count):
         place[order[k]] = k
-    start = np.zeros(count + 1, np.int64)
+    right, left = np.zeros(count + 1, np.int32), np.zeros(count + 1, np.int32)
     if count >= SHARED:
-        _rows_of_shared(order, place, pairs, rows, coupled, start)
+        _rows_of_shared(order, place, pairs, rows, coupled, right, left)
     else:
-        _rows_of(0, count, order, place, pairs, rows, coupled, start)
+        _rows_of(0, count, order, place, pairs, rows, coupled, right, left)
     for k in range(count):
-        start[k + 1] += start[k]
-    new, source = np.empty((start[-1], 2), np.int32), np.empty(start[-1], np.int64)
+        right[k + 1] += right[k]
+        left[k + 1] += left[k]
+    new, source = np.empty((right[-1], 2), np.int32), np.empty(right[-1], np.int64)
     if count >= SHARED:
-        _fill_rows_shared(order, place, pairs, rows, coupled, start, new, source)
+        _fill_rows_shared(order, place, pairs, rows, coupled, right, new, source)
     else:
-        _fill_rows(0, count, order, place, pairs, rows, coupled, start, new, source)
-    return new, source
+        _fill_rows(0, count, order, place, pairs, rows, coupled, right, new, source)
+    return new, source, (right, left, _listed(new, left))

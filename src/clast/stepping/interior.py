@@ -181,7 +181,7 @@ class Linearised:
             forces = kernel.aimed(*about, at.stiffnesses, limits.tension)
             load = potential.unbalanced(at.unknowns, *forces)
         with stages("solve"):
-            guess = np.zeros_like(load) if before is None else before.unknowns
+            guess = None if before is None else before.unknowns
             system = replace(self.system, force=load)
             unknowns = factor.nearer(system, self.response, guess, ROUGH)
         with stages("law"):
