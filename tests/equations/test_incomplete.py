@@ -161,21 +161,37 @@ def test_many_rows_are_taken_in_strips_whatever_the_threads():
     assert np.abs(found - wanted).max() <= 1e-7 * np.abs(wanted).max()
 
 
+def widened(short):
+    """Return short numbers (kernels/six.py) in single precision."""
+    return (short.astype(np.uint32) << 16).view(np.float32)
+
+
 def test_substitutions_in_single_precision_are_those_in_double():
     """With strips and without: what a strip leaves for the seam is gathered there."""
     for lines in (5, 2 * parts.LEAST // 60 + 10):
         one = elastic_grid(lines, 60)
         one = replace(one, diagonal=one.diagonal + 1e6 * np.eye(6))
-        answers = []
-        for precision in (np.float64, np.float32):
-            ready = with_incomplete(one, 9, precision)
-            r = conjugate.vector(len(one.force), ready.matrix[0])
-            r[:, :6] = one.force
-            z = np.full_like(r, np.nan)
-            answers.append((substitution.substitute(ready.incomplete, r, z), z[:, :6].copy()))
-        (product, z), (of_single, found) = answers
-        assert np.abs(found - z).max() <= 1e-5 * np.abs(z).max()
+        ready = with_incomplete(one, 9, np.float32)
+        r = conjugate.vector(len(one.force), ready.matrix[0])
+        r[:, :6] = one.force
+        found = np.full_like(r, np.nan)
+        of_single = substitution.substitute(ready.incomplete, r, found)
+        *rest, inverse, short = ready.incomplete
+        same = (*rest, inverse.astype(float), widened(short))
+        z = np.empty_like(one.force)
+        product = substitution.substitute(same, one.force, z)
+        assert np.abs(found[:, :6] - z).max() <= 1e-5 * np.abs(z).max()
         assert of_single == pytest.approx(product, rel=1e-5)
+
+
+def test_short_numbers_are_those_of_the_factor_in_double_rounded():
+    one = elastic_grid(2 * parts.LEAST // 60 + 10, 60)
+    one = replace(one, diagonal=one.diagonal + 1e6 * np.eye(6))
+    *_, inverse, scaled = with_incomplete(one, 9).incomplete
+    *_, single, short = with_incomplete(one, 9, np.float32).incomplete
+    assert np.abs(single - inverse).max() <= 1e-5 * np.abs(inverse).max()
+    size = np.abs(scaled).max((1, 2), keepdims=True)
+    assert (np.abs(widened(short) - scaled) <= np.abs(scaled) / 256.0 + 1e-5 * size).all()
 
 
 def test_what_is_solved_in_single_precision_starts_from_a_guess_that_is_kept():

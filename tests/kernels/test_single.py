@@ -65,6 +65,42 @@ def test_nothing_is_read_behind_a_block():
     assert list(out[0]) == [30.0, 31.0, 32.0, 33.0, 34.0, 35.0, 0.0, 0.0]
 
 
+@numba.njit
+def put_short(blocks, short):
+    for q in range(len(blocks)):
+        for a in range(6):
+            six.put_line(short, q, a, six.line(blocks, q, a))
+
+
+@numba.njit
+def read_short(short, by_lines, single_lines):
+    for q in range(len(short)):
+        k0, k1, k2, k3, k4, k5 = single.lines(short, q)
+        single.put_row(single_lines, 6 * q, k0)
+        single.put_row(single_lines, 6 * q + 1, k1)
+        single.put_row(single_lines, 6 * q + 2, k2)
+        single.put_row(single_lines, 6 * q + 3, k3)
+        single.put_row(single_lines, 6 * q + 4, k4)
+        single.put_row(single_lines, 6 * q + 5, k5)
+        for a in range(6):
+            six.put_line(by_lines, q, a, six.line(short, q, a))
+
+
+def test_short_numbers_are_the_nearest_of_eight_bits():
+    rng = np.random.default_rng(7)
+    blocks = rng.normal(size=(40, 6, 6)) * 10.0 ** rng.integers(-30, 30, (40, 6, 6))
+    blocks[0, 0] = [0.0, -0.0, 1.0, -2.0, 1.0 + 1.0 / 256.0, 1.0 + 3.0 / 256.0]  # ties: to even
+    short = np.empty(blocks.shape, np.uint16)
+    put_short(blocks, short)
+    by_lines, single_lines = np.empty_like(blocks), np.empty((240, 8), np.float32)
+    read_short(short, by_lines, single_lines)
+    assert list(by_lines[0, 0]) == [0.0, -0.0, 1.0, -2.0, 1.0, 1.0 + 4.0 / 256.0]
+    mantissa, exponent = np.frexp(blocks.astype(np.float32).astype(float))
+    wanted = np.ldexp(np.rint(mantissa * 256.0) / 256.0, exponent)
+    assert np.array_equal(by_lines, wanted)
+    assert np.array_equal(single_lines[:, :6].reshape(blocks.shape), wanted.astype(np.float32))
+
+
 def random_pairs(rng, count, number):
     """Return sorted pairs of different blocks."""
     drawn = np.sort(rng.integers(0, count, (number, 2)), axis=1)

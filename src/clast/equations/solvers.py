@@ -153,6 +153,8 @@ class WithLevels:
         return self.levels.matrix
 
 
+BREVITY: dict[Precision, type] = {np.float64: np.float32, np.float32: np.uint16}
+"""How L is kept beside a K in either precision: as single numbers or short ones."""
 NO_GUESS: Floats = np.zeros((0, 6))
 """What kernels/conjugate.py takes for a guess of zero."""
 
@@ -204,6 +206,7 @@ def with_incomplete(
         system.rows,
         system.centroid,
         np.empty(0, precision),
+        np.empty(0, BREVITY[precision]),
     )
     if bad >= 0:
         raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")

@@ -7,9 +7,10 @@ takes its place, so that the product is positive definite in any case.
 
 A factor is (order, begin, pairs, right, left, listed, inverse, scaled): the order and where strips
 begin, the coupled pairs by their places in it and the rows of these (kernels/block_rows.py), D^-1
-(n, 6, 6) and L^T above its diagonal (q, 6, 6).  L is kept in single precision: enough for what is
-an approximation anyway, and half as much to read in every iteration.  D^-1 is so only where K may
-be, for rounding must not leave it indefinite.
+(n, 6, 6) and L^T above its diagonal (q, 6, 6).  L is kept in single precision, or short where K is
+in single precision (kernels/six.py): enough for what is an approximation anyway, and half as much
+to read in every iteration.  D^-1 is single only where K may be, for rounding must not leave it
+indefinite.
 
 With it comes K itself, its blocks in the same order and without those that are zero, which is what
 an iteration multiplies with: it is read from one end to the other as the factor is.
@@ -155,7 +156,22 @@ def _eliminate_strips(begin, own, couplings, new, work, found, matrix, leaders, 
 
 
 @kernel()
-def _take_segment(low, high, begin, own, couplings, new, work, scaled, matrix, leading):
+def _leave(i, low, high, inverse, diagonal, upper, pairs, right):
+    """Take row i's part out of the rows ``low`` to ``high`` - 1, in place, if it has any.
+
+    Its row of L^T is found again: as it is kept it is rounded.
+    """
+    first, last = right[i], right[i + 1]
+    if pairs[last - 1, 1] < low:
+        return
+    of_row = np.empty((last - first, 6, 6))
+    for q in range(first, last):
+        _multiply_into(inverse, i, upper, q, of_row, q - first)
+    _pass_on(i, low, high, diagonal, upper, of_row, first, pairs, right)
+
+
+@kernel()
+def _take_segment(low, high, begin, own, couplings, new, work, inverse, matrix, leading):
     """Copy a segment of the seam and take out of it what the strips leave for it, in their order.
 
     A strip may be coupled to any segment, and a row to several.
@@ -166,14 +182,14 @@ def _take_segment(low, high, begin, own, couplings, new, work, scaled, matrix, l
     _take(low, high, own, couplings, new, work, matrix)
     for c in range(len(number)):
         for at in range(begin[c], begin[c] + number[c]):
-            _pass_on(leaders[at], low, high, diagonal, upper, scaled, 0, pairs, right)
+            _leave(leaders[at], low, high, inverse, diagonal, upper, pairs, right)
 
 
 @kernel(parallel=True)
-def _take_seam(begin, segments, own, couplings, new, work, scaled, matrix, leading):
+def _take_seam(begin, segments, own, couplings, new, work, inverse, matrix, leading):
     for c in prange(len(segments) - 1):
         low, high = segments[c], segments[c + 1]
-        _take_segment(low, high, begin, own, couplings, new, work, scaled, matrix, leading)
+        _take_segment(low, high, begin, own, couplings, new, work, inverse, matrix, leading)
 
 
 @kernel()
@@ -202,7 +218,7 @@ def _eliminate_seam(begin, segments, own, couplings, new, work, found, matrix, l
     order, _, pairs, right = new
     diagonal, upper = work
     inverse, scaled = found
-    _take_seam(begin, segments, own, couplings, new, work, scaled, matrix, leading)
+    _take_seam(begin, segments, own, couplings, new, work, inverse, matrix, leading)
     if is_parted(segments, pairs, right):
         _eliminate_segments(segments, own, new, work, found, bad)
     else:
@@ -211,20 +227,21 @@ def _eliminate_seam(begin, segments, own, couplings, new, work, found, matrix, l
 
 
 @kernel()
-def factor(own, couplings, coupled, pairs, rows, centroid, precision):
+def factor(own, couplings, coupled, pairs, rows, centroid, precision, brevity):
     """Return the factor of K, K in its order, and the first block without a pivot, or -1.
 
     ``own`` (n, 6, 6) are the diagonal blocks of K and ``couplings`` (kernels/couplings.py) what
     couples ``pairs`` (q, 2), whose right, left and listed are ``rows``; ``coupled`` (q,) says which
     of them are coupled at all, ``centroid`` (n, 2) where the blocks are.  K in the order of the
     factor is its diagonal blocks (n, 6, 6) and those of the coupled pairs, both in the precision of
-    the array ``precision``, as D^-1 is and what is being eliminated, pivots excepted.
+    the array ``precision``, as D^-1 is and what is being eliminated, pivots excepted; L is kept as
+    the array ``brevity`` is.
     """
     order, begin, segments = ordering(centroid, pairs, coupled)
     pairs, source, (right, left, listed) = renumbered(order, pairs, rows, coupled)
     kind = precision.dtype
     inverse, diagonal = np.empty(own.shape, kind), np.empty_like(own)
-    scaled = np.empty((len(pairs), 6, 6), np.float32)
+    scaled = np.empty((len(pairs), 6, 6), brevity.dtype)
     upper = np.empty((len(pairs), 6, 6), kind)
     bad = np.full(len(begin) - 2, -1)
     new, work = (order, source, pairs, right), (diagonal, upper)

@@ -2,7 +2,8 @@
 
 What kernels/six.py is for double precision: half of the bytes, and half of the instructions.  A
 value of type Eight is six numbers and two that do not count.  Vectors have rows of eight, (n, 8),
-whose last two numbers are zero; blocks are (n, 6, 6) as everywhere.
+whose last two numbers are zero; blocks are (n, 6, 6) as everywhere, of single or short numbers
+(kernels/six.py).
 
 Products are added without rounding in between where the processor can do so; sums keep the order
 in which they are written.
@@ -14,14 +15,25 @@ from llvmlite import ir
 from numba import extending
 from numba.core import cgutils, types
 
-from clast.kernels.six import BOTH, FOUR, INDEX, SIX, TWO, UNALIGNED, operation, shuffle
+from clast.kernels.six import (
+    BOTH,
+    FOUR,
+    INDEX,
+    SHORT,
+    SIX,
+    TWO,
+    UNALIGNED,
+    operation,
+    shuffle,
+    widened,
+)
 
 WIDTH = 8
 """Numbers in a row of a vector."""
 NUMBER = ir.FloatType()
 REGISTER = ir.VectorType(NUMBER, WIDTH)
-LINE = 16
-"""Numbers in a line of the cache."""
+LINE = 64
+"""Bytes in a line of the cache."""
 NOTHING = ir.Constant(REGISTER, [0.0] * WIDTH)
 
 
@@ -55,7 +67,14 @@ def _is_single(array):
     return array.dtype == types.float32
 
 
+def _is_single_or_short(array):
+    return array.dtype in (types.float32, types.uint16)
+
+
 def _load(builder, place):
+    if place.type.pointee == SHORT:
+        short = ir.VectorType(SHORT, WIDTH).as_pointer()
+        return widened(builder, builder.load(builder.bitcast(place, short), align=UNALIGNED))
     return builder.load(builder.bitcast(place, REGISTER.as_pointer()), align=UNALIGNED)
 
 
@@ -106,7 +125,7 @@ def lines(context, blocks, q):
     Eight numbers are read for each, the last two being the next line's; the last line is read from
     two numbers before it, and nothing behind the block.
     """
-    if not _is_single(blocks):
+    if not _is_single_or_short(blocks):
         return None
 
     def made(context, builder, signature, arguments):
@@ -124,7 +143,7 @@ def fetch(context, blocks, q, ahead):
 
     It may lie behind the last block or before the first: asking for it does nothing then.
     """
-    if not _is_single(blocks):
+    if not _is_single_or_short(blocks):
         return None
 
     def made(context, builder, signature, arguments):
@@ -134,7 +153,7 @@ def fetch(context, blocks, q, ahead):
         call = cgutils.get_or_insert_function(builder.module, form, "llvm.prefetch.p0i8")
         numbers = context.cast(builder, arguments[2], signature.args[2], types.int64)
         numbers = builder.mul(numbers, ir.IntType(64)(36))
-        for line in range(0, 36, LINE):
+        for line in range(0, 36, LINE // (signature.args[0].dtype.bitwidth // 8)):
             place = builder.gep(first, [builder.add(numbers, ir.IntType(64)(line))])
             to_read, kept, data = INDEX(0), INDEX(3), INDEX(1)
             builder.call(call, [builder.bitcast(place, byte), to_read, kept, data])
