@@ -38,7 +38,9 @@ SCENES = """\
 Made by `clast bench --output build/bench.json`: h = {step:g} s, p/E = {stiffness:g}, solver
 {solver}, on {machine}. *Product* is the matrix product of Newton's directions, as a share of a
 triad over as many bytes (which stay in the cache up to 10,000 blocks or so), and of the triad in
-main memory, which reaches {triad:.3g} GB/s.
+main memory, which reaches {triad:.3g} GB/s. *Solves* are the share of a step that systems of
+equations take, factors and couplings included: little where blocks rest or fall freely and there
+is next to nothing to solve.
 
 The first steps of a wall or a slope are the dearest: weight goes on at once, and waves run
 through blocks without any damping. Most of the growth from 1,000 to 10,000 blocks is in the
@@ -92,6 +94,7 @@ BENCH_HEADINGS = (
     "B/block",
     "B/contact",
     "peak, MiB",
+    "solves",
     "product",
     "product, main memory",
 )
@@ -152,6 +155,7 @@ def bench_cells(row: Mapping[str, Any], triad: float) -> Sequence[str]:
         f"{row['bytes_per_block']:.0f}",
         f"{row['bytes_per_contact']:.0f}",
         f"{row['peak_memory'] / 2**20:.0f}",
+        f"{100.0 * row['ms_per_step_by_stage'].get('solve', 0.0) / row['ms_per_step']:.0f} %",
         "-" if product is None else f"{100.0 * product['share']:.0f} %",
         "-" if product is None else f"{100.0 * product['rate'] / triad:.0f} %",
     )

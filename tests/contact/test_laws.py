@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from clast.contact.arrays import LOCK, OPEN, SLIDE
 from clast.contact.laws import AugmentedLagrangian, Penalty
+from clast.errors import CaseError
 from systems import box, contacts_of, system
 
 P, KS = 1e8, 4e7
@@ -157,6 +158,14 @@ def test_friction_stays_in_its_cone(seed):
     sliding = (found.mode == SLIDE) & (found.shear_force != 0.0)
     trial = some.shear_force - KS * slip
     assert np.all(np.sign(found.shear_force[sliding]) == np.sign(trial[sliding]))
+
+
+@pytest.mark.parametrize("law", [Penalty, AugmentedLagrangian])
+@pytest.mark.parametrize("value", [0.0, -1e9, float("nan")])
+@pytest.mark.parametrize("name", ["normal_stiffness", "shear_stiffness"])
+def test_stiffnesses_are_above_zero(law, name, value):
+    with pytest.raises(CaseError, match=f"{law.__name__}: {name} must be above 0, not"):
+        law(**{name: value})
 
 
 def test_evaluating_a_law_changes_nothing():

@@ -8,6 +8,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from clast.contact.arrays import ContactResponse, Contacts, SpringLimits
+from clast.errors import CaseError
 from clast.kernels import laws as kernel
 from clast.model import Floats
 
@@ -59,6 +60,17 @@ def limits_of_springs(
     )
 
 
+def check_stiffnesses(law: object, normal: float, shear: float | None) -> None:
+    """Raise CaseError for stiffnesses, N/m per m, that are not above 0."""
+    for name, value in (("normal_stiffness", normal), ("shear_stiffness", shear)):
+        if value is not None and not value > 0.0:
+            raise CaseError(
+                f"{name} must be above 0, not {value}",
+                where=type(law).__name__,
+                remedy="give the stiffness of the contact spring in N/m per m, e.g. 1e9",
+            )
+
+
 @dataclass(frozen=True)
 class Penalty:
     """Linear springs, N = max(0, -p d_n), with Coulomb friction, cohesion, tension cut-off."""
@@ -67,6 +79,9 @@ class Penalty:
     """p, N/m per m; "auto" picks it for the process chosen."""
     shear_stiffness: float | None = None
     """Stiffness of the shear spring, N/m per m; equal to ``normal_stiffness`` if not given."""
+
+    def __post_init__(self) -> None:
+        check_stiffnesses(self, self.normal_stiffness, self.shear_stiffness)
 
     def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
         """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
@@ -134,6 +149,9 @@ class AugmentedLagrangian:
     """Penetration at which the solves of a step end early, m."""
     multipliers: FirstMultiplier = field(default_factory=Reset)
     """Reset at each step (the paper) or carried over."""
+
+    def __post_init__(self) -> None:
+        check_stiffnesses(self, self.normal_stiffness, self.shear_stiffness)
 
     def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
         """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""

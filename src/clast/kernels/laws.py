@@ -52,7 +52,7 @@ def _resist(slip, k, joints, memory, normal, shear, works):
         trial = shear_force[c] - k * slip[c] if counts[c] else 0.0
         sign = 1.0 if trial > 0.0 else -1.0
         size = sign * trial
-        sticks = (size <= bound) & ((bound > 0.0) | (trial != 0.0))
+        sticks = (size <= bound) & (bound > 0.0)
         t = trial if sticks else sign * bound
         t_force[c] = t if bound > 0.0 else 0.0
         ks[c] = k if sticks else 0.0
