@@ -66,14 +66,12 @@ Apart from the runs above, on the machine named:
 - Numbered at random instead of course by course, walls of 1,011, 10,026 and 100,026 bricks take
   1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew
   (docs/decisions/0024).
-- `--threads 2`, steps of 10,000 blocks, each by one and by two threads in turns: 1.55 to 1.66
-  times as fast on a wall at 1 ms, 1.55 on one at 5 ms and 1.74 on a slope at 5 ms in a quiet
-  hour; 1.35 to 1.6, 1.3 to 1.45 and 1.3 to 1.75 in the hours after, 1.2 to 1.5 on a heap at 1.4
-  s and on towers at rest. A loop that needs no memory was 1.87 times as fast then; the triad in
-  main memory was not faster by two threads than by one, and what does not stay in a cache that
-  other machines share cannot be either. Walls and a heap of 100 take as long as by one (below
-  800 blocks one thread does all); the same results to the last bit (docs/decisions/0024, 0026,
-  0028).
+- `--threads 2`, steps of 10,000 blocks, each by one and by two threads in turns, four times: 1.43
+  to 1.60 times as fast on a wall at 1 ms, 1.35 to 1.52 on one at 5 ms, 1.58 to 1.72 on a slope at
+  5 ms, 1.27 to 1.35 on a heap at 1.4 s. A loop that needs no memory is 1.83 to 1.93 times as fast
+  there; what does not stay in a cache that other machines share gains less, and in some hours
+  nothing. Walls and a heap of 100 take as long as by one (below 800 blocks one thread does all);
+  the same results to the last bit (docs/decisions/0024, 0026, 0028, 0029).
 - Where Newton's directions have K in single precision the product reads each block once
   (docs/decisions/0027), 144 bytes instead of 288. For 100,026 bricks it takes 3.3 to 5.6 ms by one
   thread and 2.7 to 3.2 by two; in double precision, as `modified` and `open-close` have it, 7.5 to
