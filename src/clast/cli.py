@@ -444,13 +444,12 @@ WARMUPS = (
 WARMUP_SCENES = (
     ("wall", 1e-3, 1.0, 100),
     ("wall", 1e-3, 1.0, 0),
-    ("wall", 5e-2, 1.0, 0),
     ("wall", 1.0, 1.0, 0),
     ("slope", 1e-2, 1e3, 100),
 )
-"""Scene, step, s, p/E and iterations with the incomplete factor, which need, one after the other:
-this factor, levels with less and less of the matrix in single precision, and the interior point
-method.  With WARMUPS they reach the kernels of all processes and solvers."""
+"""Scene, step, s, p/E and iterations without a coarse system, which need, one after the other: no
+such system, one in single and one in double precision, and the interior point method.  With WARMUPS
+they reach the kernels of all processes and solvers."""
 
 
 def _check_target(path: Path) -> None:

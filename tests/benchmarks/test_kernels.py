@@ -15,12 +15,13 @@ import pytest
 
 from clast.contact.arrays import Contacts
 from clast.contact.detection import Reach, find_candidates, near_pairs
+from clast.equations.coarse import aggregates_of
 from clast.equations.frames import block_frames
-from clast.equations.multilevel import levels_of
+from clast.equations.solvers import with_aggregates
 from clast.equations.system import BlockSystem, graph_of, symmetric_system
 from clast.equations.terms import diagonal_terms
 from clast.interfaces import Method
-from clast.kernels import block_rows, multilevel
+from clast.kernels import block_rows
 from clast.model import Ints, Model
 from clast.state import State
 from clast.studies.bench.bandwidth import system_of_step
@@ -102,17 +103,19 @@ def test_matrix_product(benchmark, wall):
     assert np.isfinite(y).all()
 
 
-def test_levels(benchmark, wall):
-    found = benchmark(levels_of, wall.system)
-    assert found.last >= 1
+def test_aggregates(benchmark, wall):
+    found = benchmark(aggregates_of, wall.system)
+    assert len(found.rows[0]) > 2
+
+
+def test_coarse_system(benchmark, wall):
+    ready = benchmark(with_aggregates, wall.system, 400)
+    assert len(ready.coarse[1]) > 2
 
 
 def test_iteration(benchmark, wall):
-    found, force = levels_of(wall.system), wall.system.force
-    matrix, levels = found.matrix, (found.levels, found.last, found.inverse, found.work)
-    d, iterations, reduction = benchmark(
-        multilevel.solve, matrix, *levels, force, np.zeros_like(force), 1e-6, 400
-    )
+    ready, force = with_aggregates(wall.system, 400), wall.system.force
+    d, iterations, reduction = benchmark(ready, force, None, 1e-6)
     assert reduction <= 1e-6
     assert iterations < 100
     assert np.isfinite(d).all()

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from clast.equations import coarse as aggregated
 from clast.equations.cholesky import Cholesky
 from clast.equations.couplings import Precision
-from clast.equations.multilevel import Levels, levels_of
 from clast.equations.system import BlockSystem
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Factor, LinearSolver
-from clast.kernels import conjugate, incomplete, multilevel
+from clast.kernels import coarse, conjugate, incomplete
 from clast.model import Floats, Ints
 
 if TYPE_CHECKING:
@@ -102,71 +102,35 @@ class Direct:
         return Cholesky().factor(system) if system.symmetric else Scipy().factor(system)
 
 
-class Iteration(Protocol):
-    """A way to come nearer to the solution of one system, step by step."""
-
-    def __call__(
-        self, force: Floats, guess: Floats | None, tolerance: float
-    ) -> tuple[Floats, int, float]:
-        """Return d (n, 6), the iterations, and the share that is left of the guess's residual.
-
-        None is a guess of zero.
-        """
-        ...
-
-    @property
-    def by_rows(self) -> tuple[Any, ...]:
-        """K as it is multiplied with: what block_rows.multiply takes before x."""
-        ...
-
-
-@dataclass(frozen=True, kw_only=True)
-class WithLevels:
-    """Conjugate gradients with a cycle over levels of larger blocks."""
-
-    levels: Levels
-    """The levels."""
-    iterations: int
-    """Iterations at most."""
-
-    def __call__(
-        self, force: Floats, guess: Floats | None, tolerance: float
-    ) -> tuple[Floats, int, float]:
-        """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
-        at = self.levels
-        found: tuple[Floats, int, float] = multilevel.solve(
-            at.matrix,
-            at.levels,
-            at.last,
-            at.inverse,
-            at.work,
-            force,
-            np.zeros_like(force) if guess is None else guess,
-            tolerance,
-            self.iterations,
-        )
-        return found
-
-    @property
-    def by_rows(self) -> tuple[Any, ...]:
-        """K as it is multiplied with: what block_rows.multiply takes before x."""
-        return self.levels.matrix
-
-
 BREVITY: dict[Precision, type] = {np.float64: np.float32, np.float32: np.uint16}
 """How L is kept beside a K in either precision: as single numbers or short ones."""
+
+
+def no_aggregates(precision: Precision) -> tuple[Any, ...]:
+    """Return what kernels/conjugate.py takes for no coarse system."""
+    none, start = np.zeros(0, np.int64), np.zeros(1, np.int64)
+    rows = np.zeros(1, np.int32), np.zeros(1, np.int32), np.zeros(0, np.int32)
+    inverse, scaled = np.zeros((0, 6, 6), precision), np.zeros((0, 6, 6), np.float32)
+    factor = none, none, np.zeros((0, 2), np.int32), *rows, inverse, scaled
+    return none, start, none, np.zeros((0, 2)), factor
+
+
+NO_AGGREGATES = {kind: no_aggregates(kind) for kind in BREVITY}
+"""No coarse system beside a K in either precision."""
 NO_GUESS: Floats = np.zeros((0, 6))
 """What kernels/conjugate.py takes for a guess of zero."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class WithIncomplete:
-    """Conjugate gradients with an incomplete Cholesky factorisation."""
+    """Conjugate gradients with an incomplete Cholesky factorisation and a coarse system."""
 
     incomplete: tuple[Any, ...]
     """The factorisation (kernels/incomplete.py)."""
     matrix: tuple[Any, Any]
     """K in its order: the diagonal blocks, and those of coupled pairs."""
+    coarse: tuple[Any, ...]
+    """The coarse system (kernels/coarse.py), or one of NO_AGGREGATES."""
     iterations: int
     """Iterations at most."""
 
@@ -177,6 +141,7 @@ class WithIncomplete:
         found: tuple[Floats, int, float] = conjugate.solve(
             self.incomplete,
             self.matrix,
+            self.coarse,
             force,
             NO_GUESS if guess is None else guess,
             tolerance,
@@ -210,7 +175,21 @@ def with_incomplete(
     )
     if bad >= 0:
         raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
-    return WithIncomplete(incomplete=factor, matrix=matrix, iterations=iterations)
+    none = NO_AGGREGATES[precision]
+    return WithIncomplete(incomplete=factor, matrix=matrix, coarse=none, iterations=iterations)
+
+
+def with_aggregates(
+    system: BlockSystem, iterations: int, precision: Precision = np.float64
+) -> WithIncomplete:
+    """Return the same with a coarse system of aggregates added."""
+    plain = with_incomplete(system, iterations, precision)
+    found, definite = coarse.factor(
+        plain.incomplete, plain.matrix, aggregated.LAST.of(system).arrays
+    )
+    if not definite:
+        raise StepRejected(StepOutcome.SINGULAR, "the matrix is not positive definite")
+    return replace(plain, coarse=found)
 
 
 class IteratedMatrix:
@@ -221,7 +200,11 @@ class IteratedMatrix:
     """
 
     def __init__(
-        self, system: BlockSystem, iteration: Iteration, takes_over: LinearSolver, tolerance: float
+        self,
+        system: BlockSystem,
+        iteration: WithIncomplete,
+        takes_over: LinearSolver,
+        tolerance: float,
     ) -> None:
         self._system, self._iteration, self._takes_over = system, iteration, takes_over
         self.tolerance = tolerance
@@ -266,17 +249,17 @@ class IteratedMatrix:
 class PCG:
     """Conjugate gradients for symmetric systems, preconditioned as strongly as they need.
 
-    By an incomplete factorisation where inertia holds its own against the contacts, else by a
-    cycle over levels of larger blocks.  Systems on which that stalls, and unsymmetric ones
-    (friction solved inside the step), are factorised.
+    By an incomplete factorisation, and a coarse system of aggregates where inertia does not hold
+    its own against the contacts.  Systems on which that stalls, and unsymmetric ones (friction
+    solved inside the step), are factorised.
     """
 
     tolerance: float = 1e-8
     """Reduction of the residual, in the norm of the preconditioner, that ends the iteration."""
     iterations: int = 400
-    """Iterations with levels at most, before a factorisation takes over."""
+    """Iterations with a coarse system at most, before a factorisation takes over."""
     plain: int = 100
-    """Iterations with the incomplete factor at most, before levels take over; 0: none."""
+    """Iterations without a coarse system at most, before one is added; 0: none."""
 
     def inexact(self, tolerance: float) -> PCG:
         """Return the same solver ending at ``tolerance``, if that is earlier."""
@@ -291,9 +274,8 @@ class PCG:
         if self.plain > 0 and share > SOFT:
             iteration = with_incomplete(system, self.plain, precision)
             return IteratedMatrix(system, iteration, replace(self, plain=0), self.tolerance)
-        levels = levels_of(system, precision_of_cycle(least), precision)
-        cycled = WithLevels(levels=levels, iterations=self.iterations)
-        return IteratedMatrix(system, cycled, Direct(), self.tolerance)
+        iteration = with_aggregates(system, self.iterations, precision)
+        return IteratedMatrix(system, iteration, Direct(), self.tolerance)
 
 
 def inertia_shares(system: BlockSystem) -> tuple[float, float]:
@@ -307,7 +289,7 @@ def inertia_shares(system: BlockSystem) -> tuple[float, float]:
     return system.couplings.inertia_shares(system.diagonal, system.rows)
 
 
-SOFT = 0.005
+SOFT = 0.015
 """Share of inertia above which the incomplete factor suffices: one to twenty iterations."""
 ROUGH, LIGHT = 1e-5, 1e-6
 """Where the solution may be iterated in single precision, that is with a K rounded by 6e-8 of
@@ -328,11 +310,6 @@ def precision_for(system: BlockSystem, tolerance: float, least: float) -> Precis
     exact = len(system.pairs) < len(system.diagonal)
     enough = tolerance >= ROUGH and least * tolerance >= LIGHT * DIRECTION
     return np.float32 if enough and not exact else np.float64
-
-
-def precision_of_cycle(least: float) -> Precision:
-    """Return the precision of couplings for a cycle, ``least`` being the least share of any."""
-    return np.float32 if least >= LIGHT else np.float64
 
 
 @dataclass(frozen=True)
@@ -359,13 +336,17 @@ class Automatic:
         if share > SOFT and with_factor >= LEAST_ITERATIONS:
             precision = precision_for(system, self.tolerance, least)
             iteration = with_incomplete(system, with_factor, precision)
-            return IteratedMatrix(system, iteration, self._stiff(system), self.tolerance)
-        return self._stiff(system).factor(system)
+            return IteratedMatrix(system, iteration, self._stiff(system, least), self.tolerance)
+        return self._stiff(system, least).factor(system)
 
-    def _stiff(self, system: BlockSystem) -> LinearSolver:
-        """Return the solver for a system with little inertia: levels, if they can be quicker."""
-        limit = self._limit(system, LEVELS_ITERATION)
-        if limit < LEVELS_PER_DIGIT * -math.log10(self.tolerance):
+    def _stiff(self, system: BlockSystem, least: float) -> LinearSolver:
+        """Return the solver for a system with little inertia: PCG, if it can be quicker.
+
+        ``least`` is the least share of inertia of any block.
+        """
+        limit = self._limit(system, COARSE_ITERATION)
+        per_digit = COARSE_PER_DIGIT if least >= LIGHT else LIGHT_PER_DIGIT
+        if limit < per_digit * -math.log10(self.tolerance):
             return Direct()
         return PCG(tolerance=self.tolerance, iterations=limit, plain=0)
 
@@ -378,12 +359,15 @@ class Automatic:
 
 FACTOR_COST, FACTOR_POWER = 3.1e-7, 1.6
 """Seconds that a factorisation of n blocks takes: cost n^power (walls and slopes, 60 to 3,000)."""
-FACTOR_ITERATION, LEVELS_ITERATION = 2.8e-8, 9e-8
-"""Seconds that an iteration takes per block and per pair, with the incomplete factor or levels."""
-LEVELS_PER_DIGIT = 3.0
-"""Iterations with levels that a decimal of the solution takes at least."""
+FACTOR_ITERATION, COARSE_ITERATION = 2.8e-8, 3.5e-8
+"""Seconds that an iteration takes per block and per pair, without and with a coarse system."""
+COARSE_PER_DIGIT = 3.0
+"""Iterations with a coarse system that a decimal of the solution takes at least."""
+LIGHT_PER_DIGIT = 50.0
+"""The same where some block's share of inertia is below LIGHT: 100 to 140 for three decimals (walls
+with p = 1,000 E), of which Newton's method makes less than of exact ones."""
 LEAST_ITERATIONS, MOST_ITERATIONS = 20, 1000
-"""Iterations with the incomplete factor that are worth a try, and limit of any iterations."""
+"""Iterations without a coarse system that are worth a try, and limit of any iterations."""
 
 
 def inexact(solver: LinearSolver, tolerance: float) -> LinearSolver:

@@ -1,4 +1,4 @@
-"""Aggregates: neighbouring blocks that move as one block, the coarse level of the solver.
+"""Aggregates: neighbouring blocks that move as one block, the coarse system of the solver.
 
 A block whose centroid lies (x, y) off that of its aggregate takes part in the aggregate's
 translation, rotation and strain exactly as a material point and a piece of one larger DDA block do:
@@ -6,7 +6,7 @@ translation, rotation and strain exactly as a material point and a piece of one 
     u = U - y R + x EX + y/2 G,    v = V + x R + y EY + x/2 G,    r = R,    strains = those of A
 
 which is d_i = P_i d_A.  The coarse matrix P^T K P is that of a system of larger blocks, of the same
-form as K, so that levels follow each other until few blocks are left.
+form as K.
 """
 
 from __future__ import annotations
@@ -18,85 +18,68 @@ from clast.kernels.block_rows import CHUNK, SHARED, chunks
 from clast.kernels.compiled import kernel
 from clast.kernels.six import line, plus, plus_scaled, put_line, put_row, row, six, zeros
 
-WEAK = 1e-3
-"""Blocks coupled by less than this share of their own stiffness do not attract each other."""
 GROUP = 16
 """Aggregates that a thread takes at a time: as much work as a chunk of blocks."""
 
 
 @kernel()
-def strong_pairs(diagonal, pairs, upper):
-    """Return True for pairs whose coupling is not weak, shape (q,)."""
-    own = np.empty(len(diagonal))
-    for i in range(len(diagonal)):
-        own[i] = diagonal[i, 0, 0] + diagonal[i, 1, 1]
-    strong = np.empty(len(pairs), np.bool_)
-    for q in range(len(pairs)):
-        coupling = 0.0
-        for a in range(2):
-            for c in range(2):
-                coupling = max(coupling, abs(upper[q, a, c]))
-        strong[q] = coupling**2 > WEAK**2 * own[pairs[q, 0]] * own[pairs[q, 1]]
-    return strong
+def _select(order, place, low, middle, high):
+    """Sort order[low:high] so far that all before ``middle`` have no larger ``place``, in place.
 
-
-@kernel()
-def _neighbour(q, i, pairs):
-    """Return the other block of a pair."""
-    return pairs[q, 1] if pairs[q, 0] == i else pairs[q, 0]
-
-
-@kernel()
-def _around(i, right, left, listed, strong, of_pair):
-    """Write the strong pairs of block i into ``of_pair`` and return their number."""
-    found = 0
-    for at in range(left[i], left[i + 1]):
-        if strong[listed[at]]:
-            of_pair[found] = listed[at]
-            found += 1
-    for q in range(right[i], right[i + 1]):
-        if strong[q]:
-            of_pair[found] = q
-            found += 1
-    return found
-
-
-@kernel()
-def aggregate(count, pairs, right, left, listed, strong):
-    """Return the aggregate of each block (n,), -1 for those that stay alone, and their number.
-
-    First every block all of whose neighbours are free gathers them around itself; those left join
-    the aggregate of a neighbour (Vanek, Mandel and Brezina 1996).
+    Hoare's selection: what is not to be told apart may be on either side.
     """
-    most = 0
-    for i in range(count):
-        most = max(most, right[i + 1] - right[i] + left[i + 1] - left[i])
-    near = np.empty(most, np.int64)
-    parent = np.full(count, -2, np.int64)
-    found = 0
-    for i in range(count):
-        number = _around(i, right, left, listed, strong, near)
-        if number == 0:
-            parent[i] = -1
-        free = parent[i] == -2
-        for k in range(number):
-            free = free and parent[_neighbour(near[k], i, pairs)] < 0
-        if free:
-            parent[i] = found
-            for k in range(number):
-                parent[_neighbour(near[k], i, pairs)] = found
-            found += 1
-    seeded = parent.copy()
-    for i in range(count):
-        if parent[i] != -2:
-            continue
-        number = _around(i, right, left, listed, strong, near)
-        for k in range(number):
-            at = seeded[_neighbour(near[k], i, pairs)]
-            if at >= 0:
-                parent[i] = at
-                break
-    return parent, found
+    first, last = low, high - 1
+    while first < last:
+        pivot = place[order[middle]]
+        i, j = first, last
+        while i <= j:
+            while place[order[i]] < pivot:
+                i += 1
+            while pivot < place[order[j]]:
+                j -= 1
+            if i <= j:
+                order[i], order[j] = order[j], order[i]
+                i, j = i + 1, j - 1
+        if j < middle:
+            first = i
+        if middle < i:
+            last = j
+
+
+@kernel()
+def _longer_side(order, centroid, low, high):
+    """Return 0 or 1: along x or y the blocks order[low:high] reach farther."""
+    reach = np.zeros(2)
+    for k in range(2):
+        least = most = centroid[order[low], k]
+        for at in range(low, high):
+            least, most = min(least, centroid[order[at], k]), max(most, centroid[order[at], k])
+        reach[k] = most - least
+    return 0 if reach[0] >= reach[1] else 1
+
+
+@kernel()
+def bisected(centroid, number):
+    """Return the aggregate (n,) of each block: 0 to ``number`` - 1, which is a power of two.
+
+    Blocks are halved across the longer side of what they fill, and halved again; ``centroid``
+    (n, 2), m, says where they are.  There are at least as many blocks as aggregates.
+    """
+    count = len(centroid)
+    along = centroid[:, 0].copy(), centroid[:, 1].copy()
+    order = np.arange(count)
+    found = 1
+    while found < number:
+        for k in range(found):
+            low, high = k * count // found, (k + 1) * count // found
+            middle = (2 * k + 1) * count // (2 * found)
+            _select(order, along[_longer_side(order, centroid, low, high)], low, middle, high)
+        found *= 2
+    aggregate = np.empty(count, np.int64)
+    for k in range(number):
+        for at in range(k * count // number, (k + 1) * count // number):
+            aggregate[order[at]] = k
+    return aggregate
 
 
 @kernel()
@@ -188,6 +171,14 @@ def _add_projected(blocks, q, transposed, xi, yi, xj, yj, work, target, t):
 
 
 @kernel()
+def _add_both(half, target, t):
+    """Add the block ``half`` (1, 6, 6) and its transpose to block t of ``target``."""
+    for a in range(6):
+        for c in range(6):
+            target[t, a, c] += half[0, a, c] + half[0, c, a]
+
+
+@kernel()
 def _first_of(k, coarse):
     """Return the first of the sorted pairs ``coarse`` (Q, 2) that begins with k or more."""
     low, high = 0, len(coarse)
@@ -202,14 +193,17 @@ def _first_of(k, coarse):
 
 @kernel()
 def _coarse_rows(first, last, matrix, rows, aggregates, coarse, own, coupling):
-    """Write the rows of aggregates ``first`` to ``last`` - 1 of P^T K P."""
+    """Write the rows of aggregates ``first`` to ``last`` - 1 of P^T K P.
+
+    Pairs within an aggregate are taken once: what the other side adds is the transpose.
+    """
     diagonal, upper = matrix
     pairs, right, left, listed = rows
     parent, start, members, offset = aggregates
-    work = np.empty((1, 6, 6))
+    work, half = np.empty((1, 6, 6)), np.empty((1, 6, 6))
     behind = _first_of(first, coarse)
     for k in range(first, last):
-        own[k] = 0.0
+        own[k], half[0] = 0.0, 0.0
         at_pair = behind
         while behind < len(coarse) and coarse[behind, 0] == k:
             coupling[behind] = 0.0
@@ -225,13 +219,14 @@ def _coarse_rows(first, last, matrix, rows, aggregates, coarse, own, coupling):
                     j = pairs[q, side]
                     other = parent[j]
                     xj, yj = offset[j, 0], offset[j, 1]
-                    if other == k:
-                        _add_projected(upper, q, side == 0, xi, yi, xj, yj, work, own, k)
+                    if other == k and side == 1:
+                        _add_projected(upper, q, False, xi, yi, xj, yj, work, half, 0)
                     elif other > k:
                         t = at_pair
                         while coarse[t, 1] != other:
                             t += 1
                         _add_projected(upper, q, side == 0, xi, yi, xj, yj, work, coupling, t)
+        _add_both(half, own, k)
 
 
 @kernel(parallel=True)

@@ -19,7 +19,7 @@ PANEL = 24
 
 
 @kernel()
-def _tree(start, neighbour, place, order):
+def tree(start, neighbour, place, order):
     """Return the parent of each column in the elimination tree (Liu 1990), -1 for roots."""
     count = len(order)
     parent = np.full(count, -1, np.int64)
@@ -81,7 +81,7 @@ def _sort(rows, low, high):
 
 
 @kernel()
-def _structures(start, neighbour, place, order, parent):
+def structures(start, neighbour, place, order, parent):
     """Return row starts (n + 1,) and rows below the diagonal of every column of the factor."""
     count = len(order)
     row_start = np.zeros(count + 1, np.int64)
@@ -224,7 +224,7 @@ def _entries(pairs, coupled, place, front_of, first, start, front_rows):
 
 
 @kernel()
-def _inverse(order):
+def inverse_of(order):
     """Return the place of each block in the order."""
     place = np.empty(len(order), np.int64)
     for column in range(len(order)):
@@ -283,11 +283,11 @@ def analyse(count, pairs, coupled):
     :func:`sizes` returns.
     """
     start, neighbour, order = nested_dissection(count, pairs, coupled)
-    parent = _tree(start, neighbour, _inverse(order), order)
+    parent = tree(start, neighbour, inverse_of(order), order)
     order = order[_postorder(parent)]
-    place = _inverse(order)
-    parent = _tree(start, neighbour, place, order)
-    row_start, rows = _structures(start, neighbour, place, order, parent)
+    place = inverse_of(order)
+    parent = tree(start, neighbour, place, order)
+    row_start, rows = structures(start, neighbour, place, order, parent)
     first = _fronts(parent, row_start)
     front_start, front_rows = _front_rows(first, row_start, rows)
     above, relative, front_of = _relations(first, front_start, front_rows, count)

@@ -2,6 +2,7 @@
 
 Where inertia holds its own against the contacts, p h2/m of a few units, one to ten iterations are
 enough; each costs a product and as much again for the substitutions (kernels/incomplete.py).
+Where it does not, a coarse system is added, which costs an eighth more (kernels/coarse.py).
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
+from clast.kernels.aggregates import prolong, restrict
 from clast.kernels.block_rows import CHUNK, SHARED, chunks, multiply
 from clast.kernels.compiled import kernel
 from clast.kernels.single import WIDTH
@@ -164,24 +166,40 @@ def _gone(order, guess, x):
 
 
 @kernel()
-def solve(incomplete, matrix, force, guess, tolerance, limit):
-    """Return d (n, 6) of K d = F, the iterations and the reduction of r.M^-1 r reached.
+def _precondition(incomplete, coarse, r, z, work):
+    """Write B r into z and return r.z; ``work`` is two vectors of the coarse system."""
+    product = substitute(incomplete, r, z)
+    aggregate, start, members, offset, factor = coarse
+    if len(start) > 1:
+        of_coarse, found = work
+        restrict(start, members, offset, r, of_coarse)
+        product += substitute(factor, of_coarse, found)
+        prolong(aggregate, offset, found, z)
+    return product
 
-    Starts from ``guess`` (n, 6), or from zero where that is (0, 6), and stops where r.M^-1 r has
+
+@kernel()
+def solve(incomplete, matrix, coarse, force, guess, tolerance, limit):
+    """Return d (n, 6) of K d = F, the iterations and the reduction of r.B r reached.
+
+    Starts from ``guess`` (n, 6), or from zero where that is (0, 6), and stops where r.B r has
     fallen to tolerance^2 of its start and no longer falls by leaps, after ``limit`` iterations, or
     as soon as far more than that seem needed.  ``incomplete`` is the factor M and ``matrix`` is K
-    in its order, as kernels/incomplete.py returns them; all but ``force``, ``guess`` and d has the
+    in its order, as kernels/incomplete.py returns them; ``coarse`` is what kernels/coarse.py does,
+    without any aggregates where B is to be M^-1.  All but ``force``, ``guess`` and d has the
     precision of K.
     """
     order, _, pairs, right, left, listed, _, _ = incomplete
     own, couplings = matrix
     x, r, z, kp = _empty(own), _empty(own), _empty(own), _empty(own)
+    number = len(coarse[1]) - 1
+    work = vector(number, own), vector(number, own)
     _in_order(order, force, r, x)
     if _in_order(order, guess, z, kp):
         multiply(own, couplings, pairs, right, left, listed, z, kp)
         turn(r, -1.0, kp)
         r, kp = kp, r
-    start = rz = substitute(incomplete, r, z)
+    start = rz = _precondition(incomplete, coarse, r, z, work)
     if start == 0.0:
         return _gone(order, guess, x), 0, 0.0
     p = _copied(z)
@@ -192,7 +210,7 @@ def solve(incomplete, matrix, force, guess, tolerance, limit):
             return _gone(order, guess, x), iterations, np.inf
         advance(rz / curvature, p, kp, x, r)
         iterations += 1
-        following = substitute(incomplete, r, z)
+        following = _precondition(incomplete, coarse, r, z, work)
         beta = following / rz
         leaps = following < LEAP**2 * rz
         wanted = min(tolerance, EXACT if leaps else tolerance) ** 2 * start

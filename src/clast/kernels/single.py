@@ -85,12 +85,6 @@ def _add_product(builder, y, u, v):
     return builder.call(call, [u, v, y])
 
 
-def _filled(builder, number):
-    """Return a register filled with a number."""
-    given = builder.insert_element(NOTHING, number, INDEX(0))
-    return shuffle(builder, given, given, [0] * WIDTH)
-
-
 @operation
 def row(context, x, i):
     """Return row i of x (n, 8)."""
@@ -182,16 +176,6 @@ def spread(context, u):
         return context.make_tuple(builder, signature.return_type, found)
 
     return types.UniTuple(EIGHT, 6)(u), made
-
-
-@operation
-def filled(context, number):
-    """Return a register filled with a number."""
-
-    def made(context, builder, signature, arguments):
-        return _filled(builder, arguments[0])
-
-    return EIGHT(types.float32), made
 
 
 @operation

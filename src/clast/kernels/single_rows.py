@@ -177,21 +177,3 @@ def multiply(shared, diagonal, upper, pairs, right, left, listed, x, y):
     for part in parts:
         product += part
     return product
-
-
-@kernel()
-def relax(first, last, damping, inverse, b, kx, x):
-    """Add damping x inverse_i (b_i - kx_i) to x_i, in place, for rows ``first`` to ``last`` - 1."""
-    share = single.filled(np.float32(damping))
-    for i in range(first, last):
-        step = times(inverse, i, single.minus(single.row(b, i), single.row(kx, i)))
-        single.put_row(x, i, single.plus_product(single.row(x, i), share, step))
-
-
-@kernel()
-def jacobi(first, last, damping, inverse, b, x):
-    """Write damping x inverse_i b_i into x_i for rows ``first`` to ``last`` - 1."""
-    share = single.filled(np.float32(damping))
-    for i in range(first, last):
-        step = times(inverse, i, single.row(b, i))
-        single.put_row(x, i, single.plus_product(single.zeros(), share, step))
