@@ -7,11 +7,11 @@ from clast.equations.cholesky import CholeskyFactor
 from clast.equations.solvers import (
     LIGHT,
     PCG,
-    SOFT,
     Automatic,
     Direct,
     IteratedMatrix,
     inertia_shares,
+    inertia_suffices,
     inexact,
 )
 from clast.studies.bench.bandwidth import system_of_step
@@ -54,7 +54,7 @@ def test_the_way_suits_size_and_stiffness(model, step, exact, rough):
     system = system_of(model, 1.0, step)
     solver = Automatic()
     print(f"{model.title}: share of inertia {inertia_shares(system)[0]:.4f}")
-    heavy = inertia_shares(system)[0] > SOFT
+    heavy = inertia_suffices(*inertia_shares(system))
     assert heavy or "incomplete" not in (exact, rough)
     assert not heavy or "aggregates" not in (exact, rough)
     assert way_of(solver.factor(system)) == exact
@@ -67,6 +67,19 @@ def test_next_to_no_inertia_is_left_to_a_factorisation():
     assert inertia_shares(system)[1] < LIGHT
     for tolerance in (1e-8, 1e-3):
         assert way_of(inexact(Automatic(), tolerance).factor(system)) == "factorised"
+
+
+@pytest.mark.parametrize(
+    ("share", "least", "enough"),
+    [
+        (0.02, 0.01, True),
+        (0.02, 1e-5, False),  # held by what is fixed, not by inertia
+        (0.5, 1e-9, True),  # a light block among heavy ones
+        (0.005, 0.005, False),
+    ],
+)
+def test_inertia_suffices_where_most_blocks_have_some(share, least, enough):
+    assert inertia_suffices(share, least) == enough
 
 
 @pytest.mark.parametrize(("share", "step"), [(1.0, 1e-3), (50.0, 1e-3), (50.0, 0.05)])

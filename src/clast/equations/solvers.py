@@ -271,7 +271,7 @@ class PCG:
             return Scipy().factor(system)
         share, least = inertia_shares(system)
         precision = precision_for(system, self.tolerance, least)
-        if self.plain > 0 and share > SOFT:
+        if self.plain > 0 and inertia_suffices(share, least):
             iteration = with_incomplete(system, self.plain, precision)
             return IteratedMatrix(system, iteration, replace(self, plain=0), self.tolerance)
         iteration = with_aggregates(system, self.iterations, precision)
@@ -289,8 +289,20 @@ def inertia_shares(system: BlockSystem) -> tuple[float, float]:
     return system.couplings.inertia_shares(system.diagonal, system.rows)
 
 
-SOFT = 0.015
-"""Share of inertia above which the incomplete factor suffices: one to twenty iterations."""
+def inertia_suffices(share: float, least: float) -> bool:
+    """Return whether the incomplete factor alone takes few iterations: six to thirty.
+
+    ``share`` and ``least`` are those of :func:`inertia_shares`.  Springs to fixed blocks count as
+    inertia there, so that a share may be large although most blocks have next to none; a small
+    least one may be that of a single light block, and is of no account beside a large share.
+    """
+    return share > HEAVY or (share > SOFT and least > WEAK)
+
+
+SOFT, HEAVY = 0.01, 0.1
+"""Shares of inertia below which the incomplete factor does not suffice, and above which it does."""
+WEAK = 5e-4
+"""Least share of inertia of any block below which it does not suffice in between."""
 ROUGH, LIGHT = 1e-5, 1e-6
 """Where the solution may be iterated in single precision, that is with a K rounded by 6e-8 of
 itself: where the residual need not fall below ROUGH, and no block's share of inertia is below
@@ -333,7 +345,7 @@ class Automatic:
             return Direct().factor(system)
         with_factor = self._limit(system, FACTOR_ITERATION)
         share, least = inertia_shares(system)
-        if share > SOFT and with_factor >= LEAST_ITERATIONS:
+        if inertia_suffices(share, least) and with_factor >= LEAST_ITERATIONS:
             precision = precision_for(system, self.tolerance, least)
             iteration = with_incomplete(system, with_factor, precision)
             return IteratedMatrix(system, iteration, self._stiff(system, least), self.tolerance)
