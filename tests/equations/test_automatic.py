@@ -7,15 +7,16 @@ from clast.equations.cholesky import CholeskyFactor
 from clast.equations.solvers import (
     LIGHT,
     PCG,
+    SOFT,
     Automatic,
     Direct,
     IteratedMatrix,
     inertia_shares,
-    inertia_suffices,
     inexact,
+    suffices_alone,
 )
 from clast.studies.bench.bandwidth import system_of_step
-from clast.studies.bench.scenes import SCENES
+from clast.studies.bench.scenes import SCENES, stack
 from clast.studies.bench.scenes import wall as wall_of
 from systems import at_start, by_convex, open_ledger
 
@@ -54,7 +55,7 @@ def test_the_way_suits_size_and_stiffness(model, step, exact, rough):
     system = system_of(model, 1.0, step)
     solver = Automatic()
     print(f"{model.title}: share of inertia {inertia_shares(system)[0]:.4f}")
-    heavy = inertia_suffices(*inertia_shares(system))
+    heavy = suffices_alone(system, *inertia_shares(system))
     assert heavy or "incomplete" not in (exact, rough)
     assert not heavy or "aggregates" not in (exact, rough)
     assert way_of(solver.factor(system)) == exact
@@ -79,7 +80,18 @@ def test_next_to_no_inertia_is_left_to_a_factorisation():
     ],
 )
 def test_inertia_suffices_where_most_blocks_have_some(share, least, enough):
-    assert inertia_suffices(share, least) == enough
+    system = system_of(wall(100), 1.0, 1e-3)
+    assert suffices_alone(system, share, least) == enough
+
+
+def test_chains_need_no_coarse_system_whatever_their_inertia():
+    system = system_of(stack(60, 3), 1.0, 0.05)
+    assert inertia_shares(system)[0] < SOFT
+    matrix = Automatic().factor(system)
+    assert way_of(matrix) == "incomplete"
+    wanted = Direct().factor(system).solve(system.force)
+    assert np.abs(matrix.solve(system.force) - wanted).max() < 1e-6 * np.abs(wanted).max()
+    assert matrix.iterated <= 3
 
 
 @pytest.mark.parametrize(("share", "step"), [(1.0, 1e-3), (50.0, 1e-3), (50.0, 0.05)])

@@ -271,7 +271,7 @@ class PCG:
             return Scipy().factor(system)
         share, least = inertia_shares(system)
         precision = precision_for(system, self.tolerance, least)
-        if self.plain > 0 and inertia_suffices(share, least):
+        if self.plain > 0 and suffices_alone(system, share, least):
             iteration = with_incomplete(system, self.plain, precision)
             return IteratedMatrix(system, iteration, replace(self, plain=0), self.tolerance)
         iteration = with_aggregates(system, self.iterations, precision)
@@ -289,14 +289,20 @@ def inertia_shares(system: BlockSystem) -> tuple[float, float]:
     return system.couplings.inertia_shares(system.diagonal, system.rows)
 
 
-def inertia_suffices(share: float, least: float) -> bool:
-    """Return whether the incomplete factor alone takes few iterations: six to thirty.
+def is_chain(system: BlockSystem) -> bool:
+    """Return whether there are fewer pairs than blocks: chains and trees for the most part."""
+    return len(system.pairs) < len(system.diagonal)
 
-    ``share`` and ``least`` are those of :func:`inertia_shares`.  Springs to fixed blocks count as
-    inertia there, so that a share may be large although most blocks have next to none; a small
-    least one may be that of a single light block, and is of no account beside a large share.
+
+def suffices_alone(system: BlockSystem, share: float, least: float) -> bool:
+    """Return whether the incomplete factor alone takes few iterations: thirty at most.
+
+    Of chains it is exact.  ``share`` and ``least`` are the :func:`inertia_shares` of the system.
+    Springs to fixed blocks count as inertia there, so that a share may be large although most
+    blocks have next to none; a small least one may be that of a single light block, and is of no
+    account beside a large share.
     """
-    return share > HEAVY or (share > SOFT and least > WEAK)
+    return is_chain(system) or share > HEAVY or (share > SOFT and least > WEAK)
 
 
 SOFT, HEAVY = 0.01, 0.1
@@ -316,12 +322,11 @@ LIGHT was measured with it (docs/decisions/0027)."""
 def precision_for(system: BlockSystem, tolerance: float, least: float) -> Precision:
     """Return the precision of K for a solution to ``tolerance``, ``least`` being any's share.
 
-    Blocks with fewer pairs than blocks are chains and trees for the most part, of which the factor
-    is exact: one iteration then solves them to 1e-8, which ends Newton's in one as well.
+    Of chains the incomplete factor is exact: one iteration then solves them to 1e-8, which ends
+    Newton's in one as well.
     """
-    exact = len(system.pairs) < len(system.diagonal)
     enough = tolerance >= ROUGH and least * tolerance >= LIGHT * DIRECTION
-    return np.float32 if enough and not exact else np.float64
+    return np.float32 if enough and not is_chain(system) else np.float64
 
 
 @dataclass(frozen=True)
@@ -345,7 +350,7 @@ class Automatic:
             return Direct().factor(system)
         with_factor = self._limit(system, FACTOR_ITERATION)
         share, least = inertia_shares(system)
-        if inertia_suffices(share, least) and with_factor >= LEAST_ITERATIONS:
+        if suffices_alone(system, share, least) and with_factor >= LEAST_ITERATIONS:
             precision = precision_for(system, self.tolerance, least)
             iteration = with_incomplete(system, with_factor, precision)
             return IteratedMatrix(system, iteration, self._stiff(system, least), self.tolerance)
