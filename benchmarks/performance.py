@@ -66,12 +66,13 @@ Apart from the runs above, on the machine named:
 - Numbered at random instead of course by course, walls of 1,011, 10,026 and 100,026 bricks take
   1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew
   (docs/decisions/0024).
-- `--threads 2`, steps of 10,000 blocks, each by one and by two threads in turns, four times: 1.43
-  to 1.60 times as fast on a wall at 1 ms, 1.35 to 1.52 on one at 5 ms, 1.58 to 1.72 on a slope at
-  5 ms, 1.27 to 1.35 on a heap at 1.4 s. A loop that needs no memory is 1.83 to 1.93 times as fast
-  there; what does not stay in a cache that other machines share gains less, and in some hours
-  nothing. Walls and a heap of 100 take as long as by one (below 800 blocks one thread does all);
-  the same results to the last bit (docs/decisions/0024, 0026, 0028, 0029).
+- `--threads 2`, steps of 10,000 blocks, each by one and by two threads in turns (medians of 24 to
+  48 pairs, and quartiles): 1.63 times as fast (1.44 to 1.76) on a wall at 1 ms, 1.47 (1.31 to
+  1.62) on one at 5 ms, 1.54 (1.44 to 1.68) on a slope at 5 ms; 1.69, 1.55 and 1.57 where a loop
+  without memory, run before and after, was more than 1.8 times as fast: for a third of the time the
+  machine does not have two cores to give. In another hour a heap at 1.4 s was 1.27 to 1.35 times as
+  fast. Walls and a heap of 100 take as long as by one (below 800 blocks one thread does all); the
+  same results to the last bit (docs/decisions/0024, 0026, 0028 to 0030).
 - Where Newton's directions have K in single precision the product reads each block once
   (docs/decisions/0027), 144 bytes instead of 288. For 100,026 bricks it takes 3.3 to 5.6 ms by one
   thread and 2.7 to 3.2 by two; in double precision, as `modified` and `open-close` have it, 7.5 to

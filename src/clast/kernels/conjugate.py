@@ -2,7 +2,7 @@
 
 Where inertia holds its own against the contacts, p h2/m of a few units, one to ten iterations are
 enough; each costs a product and as much again for the substitutions (kernels/incomplete.py).
-Where it does not, a coarse system is added, which costs an eighth more (kernels/coarse.py).
+Where it does not, a coarse system is added, which costs a fifth more (kernels/coarse.py).
 """
 
 from __future__ import annotations
