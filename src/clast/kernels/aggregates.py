@@ -16,6 +16,7 @@ from numba import prange
 
 from clast.kernels.block_rows import CHUNK, SHARED, chunks
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.six import line, plus, plus_scaled, put_line, put_row, row, six, zeros
 
 GROUP = 16
@@ -231,9 +232,11 @@ def _coarse_rows(first, last, matrix, rows, aggregates, coarse, own, coupling):
 
 @kernel(parallel=True)
 def _coarse_shared(matrix, rows, aggregates, coarse, own, coupling):
-    for c in prange((len(own) + GROUP - 1) // GROUP):
-        last = min((c + 1) * GROUP, len(own))
-        _coarse_rows(c * GROUP, last, matrix, rows, aggregates, coarse, own, coupling)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, (len(own) + GROUP - 1) // GROUP):
+            last = min((c + 1) * GROUP, len(own))
+            _coarse_rows(c * GROUP, last, matrix, rows, aggregates, coarse, own, coupling)
 
 
 @kernel()
@@ -270,9 +273,11 @@ def _restrict_rows(first, last, start, members, offset, r, coarse):
 
 @kernel(parallel=True)
 def _restrict_shared(start, members, offset, r, coarse):
-    for c in prange((len(coarse) + GROUP - 1) // GROUP):
-        last = min((c + 1) * GROUP, len(coarse))
-        _restrict_rows(c * GROUP, last, start, members, offset, r, coarse)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, (len(coarse) + GROUP - 1) // GROUP):
+            last = min((c + 1) * GROUP, len(coarse))
+            _restrict_rows(c * GROUP, last, start, members, offset, r, coarse)
 
 
 @kernel()
@@ -301,9 +306,11 @@ def _prolong_rows(first, last, parent, offset, coarse, x):
 
 @kernel(parallel=True)
 def _prolong_shared(parent, offset, coarse, x):
-    for c in prange(chunks(len(x))):
-        last = min((c + 1) * CHUNK, len(x))
-        _prolong_rows(c * CHUNK, last, parent, offset, coarse, x)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(x))):
+            last = min((c + 1) * CHUNK, len(x))
+            _prolong_rows(c * CHUNK, last, parent, offset, coarse, x)
 
 
 @kernel()

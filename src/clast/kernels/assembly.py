@@ -15,6 +15,7 @@ from clast.kernels.levers import (
     normal_of,
     relative_motion,
 )
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import MANY, PART, parts
 from clast.kernels.six import (
     line,
@@ -118,9 +119,11 @@ def _find_stiff(first, last, fixed, pairs, start, kn, ks, stiff):
 
 @kernel(parallel=True)
 def _find_stiff_shared(fixed, pairs, start, kn, ks, stiff):
-    for part in prange(parts(len(pairs))):
-        last = min((part + 1) * PART, len(pairs))
-        _find_stiff(part * PART, last, fixed, pairs, start, kn, ks, stiff)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(pairs))):
+            last = min((part + 1) * PART, len(pairs))
+            _find_stiff(part * PART, last, fixed, pairs, start, kn, ks, stiff)
 
 
 @kernel()
@@ -201,11 +204,13 @@ def _own_rows(low, high, base, fixed, pairs, stiff, graph, vertex_block, levers,
 @kernel(parallel=True)
 def _own_shared(base, fixed, pairs, stiff, graph, vertex_block, levers, kn, ks, own):
     found = np.empty((chunks(len(base)), 3))
-    for c in prange(len(found)):
-        last = min((c + 1) * CHUNK, len(base))
-        found[c, 0], found[c, 1], found[c, 2] = _own_rows(
-            c * CHUNK, last, base, fixed, pairs, stiff, graph, vertex_block, levers, kn, ks, own
-        )
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(found)):
+            last = min((c + 1) * CHUNK, len(base))
+            found[c, 0], found[c, 1], found[c, 2] = _own_rows(
+                c * CHUNK, last, base, fixed, pairs, stiff, graph, vertex_block, levers, kn, ks, own
+            )
     return found
 
 
@@ -250,9 +255,11 @@ def _couple_rows(low, high, stiff, graph, vertex_block, levers, kn, ks, upper):
 @kernel(parallel=True)
 def _couple_shared(stiff, graph, vertex_block, levers, kn, ks, upper):
     count = len(graph[1]) - 1
-    for c in prange(chunks(count)):
-        last = min((c + 1) * CHUNK, count)
-        _couple_rows(c * CHUNK, last, stiff, graph, vertex_block, levers, kn, ks, upper)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(count)):
+            last = min((c + 1) * CHUNK, count)
+            _couple_rows(c * CHUNK, last, stiff, graph, vertex_block, levers, kn, ks, upper)
 
 
 @kernel()
@@ -298,9 +305,13 @@ def _motions(first, last, vertex_block, edge_block, levers, displacement, normal
 @kernel(parallel=True)
 def _motions_shared(vertex_block, edge_block, levers, displacement, normal, tangent):
     count = len(normal)
-    for part in prange(parts(count)):
-        last = min((part + 1) * PART, count)
-        _motions(part * PART, last, vertex_block, edge_block, levers, displacement, normal, tangent)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(count)):
+            last = min((part + 1) * PART, count)
+            _motions(
+                part * PART, last, vertex_block, edge_block, levers, displacement, normal, tangent
+            )
 
 
 @kernel()
@@ -350,11 +361,14 @@ def _balance_rows(low, high, base, d, load, fixed, graph, vertex_block, levers, 
 
 @kernel(parallel=True)
 def _balance_shared(base, d, load, fixed, graph, vertex_block, levers, normal, shear, out):
-    for c in prange(chunks(len(d))):
-        last = min((c + 1) * CHUNK, len(d))
-        _balance_rows(
-            c * CHUNK, last, base, d, load, fixed, graph, vertex_block, levers, normal, shear, out
-        )
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(d))):
+            last = min((c + 1) * CHUNK, len(d))
+            low = c * CHUNK
+            _balance_rows(
+                low, last, base, d, load, fixed, graph, vertex_block, levers, normal, shear, out
+            )
 
 
 @kernel()
@@ -383,9 +397,13 @@ def _load_rows(low, high, load, fixed, graph, vertex_block, levers, normal, shea
 
 @kernel(parallel=True)
 def _load_shared(load, fixed, graph, vertex_block, levers, normal, shear, out):
-    for c in prange(chunks(len(load))):
-        last = min((c + 1) * CHUNK, len(load))
-        _load_rows(c * CHUNK, last, load, fixed, graph, vertex_block, levers, normal, shear, out)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(load))):
+            last = min((c + 1) * CHUNK, len(load))
+            _load_rows(
+                c * CHUNK, last, load, fixed, graph, vertex_block, levers, normal, shear, out
+            )
 
 
 @kernel()
@@ -409,8 +427,10 @@ def _form_rows(first, last, blocks, d):
 
 @kernel(parallel=True)
 def _form_shared(blocks, d, products):
-    for c in prange(len(products)):
-        products[c] = _form_rows(c * CHUNK, min((c + 1) * CHUNK, len(d)), blocks, d)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(products)):
+            products[c] = _form_rows(c * CHUNK, min((c + 1) * CHUNK, len(d)), blocks, d)
 
 
 @kernel()

@@ -13,7 +13,8 @@ from numba import prange, types
 from numba.extending import overload
 
 from clast.kernels import single_rows
-from clast.kernels.compiled import kernel, start_threads
+from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.six import (
     line,
     plus,
@@ -27,8 +28,6 @@ from clast.kernels.six import (
     with_number,
     zeros,
 )
-
-start_threads()
 
 CHUNK = 128
 """Rows that a thread takes at a time, and that are summed up by themselves."""
@@ -152,11 +151,13 @@ def _multiply_rows(first, last, diagonal, upper, pairs, right, left, listed, x, 
 @kernel(parallel=True)
 def _multiply_shared(diagonal, upper, pairs, right, left, listed, x, y):
     parts = np.empty(chunks(len(x)))
-    for c in prange(len(parts)):
-        last = min((c + 1) * CHUNK, len(x))
-        parts[c] = _multiply_rows(
-            c * CHUNK, last, diagonal, upper, pairs, right, left, listed, x, y
-        )
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(parts)):
+            last = min((c + 1) * CHUNK, len(x))
+            parts[c] = _multiply_rows(
+                c * CHUNK, last, diagonal, upper, pairs, right, left, listed, x, y
+            )
     return parts
 
 
@@ -211,8 +212,10 @@ def _products(first, last, blocks, x, y):
 
 @kernel(parallel=True)
 def _products_shared(blocks, x, y):
-    for c in prange(chunks(len(x))):
-        _products(c * CHUNK, min((c + 1) * CHUNK, len(x)), blocks, x, y)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(x))):
+            _products(c * CHUNK, min((c + 1) * CHUNK, len(x)), blocks, x, y)
 
 
 @kernel()
@@ -238,8 +241,10 @@ def _dot_rows(first, last, a, b):
 @kernel(parallel=True)
 def _dot_shared(a, b):
     parts = np.empty(chunks(len(a)))
-    for c in prange(len(parts)):
-        parts[c] = _dot_rows(c * CHUNK, min((c + 1) * CHUNK, len(a)), a, b)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(parts)):
+            parts[c] = _dot_rows(c * CHUNK, min((c + 1) * CHUNK, len(a)), a, b)
     return parts
 
 
@@ -290,9 +295,11 @@ def _invert_rows(first, last, diagonal, inverse):
 
 @kernel(parallel=True)
 def _invert_shared(diagonal, inverse, bad):
-    for c in prange(len(bad)):
-        last = min((c + 1) * CHUNK, len(diagonal))
-        bad[c] = _invert_rows(c * CHUNK, last, diagonal, inverse)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(bad)):
+            last = min((c + 1) * CHUNK, len(diagonal))
+            bad[c] = _invert_rows(c * CHUNK, last, diagonal, inverse)
 
 
 @kernel()
@@ -341,11 +348,13 @@ def _left_over(first, last, diagonal, upper, right, left, listed):
 @kernel(parallel=True)
 def _left_over_shared(diagonal, upper, right, left, listed):
     found = np.empty((chunks(len(diagonal)), 3))
-    for c in prange(len(found)):
-        last = min((c + 1) * CHUNK, len(diagonal))
-        found[c, 0], found[c, 1], found[c, 2] = _left_over(
-            c * CHUNK, last, diagonal, upper, right, left, listed
-        )
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(found)):
+            last = min((c + 1) * CHUNK, len(diagonal))
+            found[c, 0], found[c, 1], found[c, 2] = _left_over(
+                c * CHUNK, last, diagonal, upper, right, left, listed
+            )
     return found
 
 

@@ -13,6 +13,7 @@ from numba import prange
 
 from clast.kernels.compiled import kernel
 from clast.kernels.polygon import boxes
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import PART, parts
 
 LEVELS = 48
@@ -145,9 +146,11 @@ def _collect(first, last, filed, slots, origin, occupied, pairs):
 
 @kernel(parallel=True)
 def _collect_parts(filed, slots, origin, occupied, room, found):
-    for part in prange(len(found)):
-        last = min((part + 1) * PART, len(filed[0]))
-        found[part] = _collect(part * PART, last, filed, slots, origin, occupied, room[part])
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, len(found)):
+            last = min((part + 1) * PART, len(filed[0]))
+            found[part] = _collect(part * PART, last, filed, slots, origin, occupied, room[part])
 
 
 @kernel()

@@ -13,6 +13,7 @@ from numba import prange
 from clast.kernels.aggregates import prolong, restrict
 from clast.kernels.block_rows import CHUNK, SHARED, chunks, multiply
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.single import WIDTH
 from clast.kernels.six import plus, plus_product, plus_scaled, put_row, row, total, zeros
 from clast.kernels.substitution import substitute
@@ -42,10 +43,12 @@ def _turn_rows(first, last, z, beta, p):
 
 @kernel(parallel=True)
 def _advance_shared(alpha, p, kp, x, r):
-    for c in prange(chunks(len(p))):
-        last = min((c + 1) * CHUNK, len(p))
-        _add_rows(c * CHUNK, last, alpha, p, x)
-        _add_rows(c * CHUNK, last, -alpha, kp, r)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(p))):
+            last = min((c + 1) * CHUNK, len(p))
+            _add_rows(c * CHUNK, last, alpha, p, x)
+            _add_rows(c * CHUNK, last, -alpha, kp, r)
 
 
 @kernel()
@@ -60,8 +63,10 @@ def advance(alpha, p, kp, x, r):
 
 @kernel(parallel=True)
 def _turn_shared(z, beta, p):
-    for c in prange(chunks(len(p))):
-        _turn_rows(c * CHUNK, min((c + 1) * CHUNK, len(p)), z, beta, p)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(p))):
+            _turn_rows(c * CHUNK, min((c + 1) * CHUNK, len(p)), z, beta, p)
 
 
 @kernel()
@@ -107,9 +112,11 @@ def _order_rows(first, last, order, given, ordered, cleared):
 
 @kernel(parallel=True)
 def _in_order_shared(order, given, ordered, cleared, squares):
-    for c in prange(len(squares)):
-        last = min((c + 1) * CHUNK, len(order))
-        squares[c] = _order_rows(c * CHUNK, last, order, given, ordered, cleared)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(squares)):
+            last = min((c + 1) * CHUNK, len(order))
+            squares[c] = _order_rows(c * CHUNK, last, order, given, ordered, cleared)
 
 
 @kernel()
@@ -124,9 +131,11 @@ def _in_order(order, given, ordered, cleared):
 
 @kernel(parallel=True)
 def _copy_shared(given, taken):
-    for c in prange(chunks(len(given))):
-        last = min((c + 1) * CHUNK, len(given))
-        taken[c * CHUNK : last] = given[c * CHUNK : last]
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(given))):
+            last = min((c + 1) * CHUNK, len(given))
+            taken[c * CHUNK : last] = given[c * CHUNK : last]
 
 
 @kernel()
@@ -150,8 +159,10 @@ def _return_rows(first, last, order, guess, x, result):
 
 @kernel(parallel=True)
 def _gone_shared(order, guess, x, result):
-    for c in prange(chunks(len(order))):
-        _return_rows(c * CHUNK, min((c + 1) * CHUNK, len(order)), order, guess, x, result)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(order))):
+            _return_rows(c * CHUNK, min((c + 1) * CHUNK, len(order)), order, guess, x, result)
 
 
 @kernel()

@@ -7,6 +7,7 @@ from numba import prange
 
 from clast.kernels.compiled import kernel
 from clast.kernels.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import PART, parts
 
 
@@ -288,14 +289,16 @@ def _next_pair(g, group_start, pair):
 @kernel(parallel=True)
 def _exits_of_parts(found, outlines, critdis, known, keep):
     group_start, _, _, pair, _, _, remembered = found
-    for part in prange(parts(len(remembered))):
-        first = _next_pair(part * PART, group_start, pair)
-        last = _next_pair((part + 1) * PART, group_start, pair)
-        low, high = group_start[first], group_start[last]
-        _bisect(first, last, found, outlines, critdis, keep)
-        _drop_not_entered(low, high, found, outlines, keep)
-        _are_known(first, last, group_start, remembered, known)
-        _drop_deeper_corners(low, high, found, outlines, known, keep)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(remembered))):
+            first = _next_pair(part * PART, group_start, pair)
+            last = _next_pair((part + 1) * PART, group_start, pair)
+            low, high = group_start[first], group_start[last]
+            _bisect(first, last, found, outlines, critdis, keep)
+            _drop_not_entered(low, high, found, outlines, keep)
+            _are_known(first, last, group_start, remembered, known)
+            _drop_deeper_corners(low, high, found, outlines, known, keep)
 
 
 @kernel()

@@ -7,12 +7,12 @@ van der Vorst 1977).  For want of that a pivot may be next to singular, and a fe
 diagonal (Manteuffel 1980).  Where a pivot still is not positive definite the diagonal block of K
 takes its place, so that the product is positive definite in any case.
 
-A factor is (order, begin, pairs, right, left, listed, inverse, scaled): the order and where strips
-begin, the coupled pairs by their places in it and the rows of these (kernels/block_rows.py), D^-1
-(n, 6, 6) and L^T above its diagonal (q, 6, 6).  L is kept in single precision, or short where K is
-in single precision (kernels/six.py): enough for what is an approximation anyway, and half as much
-to read in every iteration.  D^-1 is single only where K may be, for rounding must not leave it
-indefinite.
+A factor is (order, begin, pairs, right, left, listed, inverse, scaled): the order and where its
+strips and then the segments of the seam begin, the coupled pairs by their places in it and the rows
+of these (kernels/block_rows.py), D^-1 (n, 6, 6) and L^T above its diagonal (q, 6, 6).  L is kept in
+single precision, or short where K is in single precision (kernels/six.py): enough for what is an
+approximation anyway, and half as much to read in every iteration.  D^-1 is single only where K may
+be, for rounding must not leave it indefinite.
 
 With it comes K itself, its blocks in the same order and without those that are zero, which is what
 an iteration multiplies with: it is read from one end to the other as the factor is.
@@ -27,6 +27,7 @@ from clast.kernels.block_rows import invert, lines
 from clast.kernels.compiled import kernel
 from clast.kernels.couplings import put_coupling
 from clast.kernels.parts import ordering, renumbered
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.six import line, plus, plus_scaled, put_line, zeros
 
 SHIFT = 0.006
@@ -159,11 +160,13 @@ def _eliminate_strip(low, high, seam, own, couplings, new, work, found, matrix, 
 
 @kernel(parallel=True)
 def _eliminate_strips(begin, own, couplings, new, work, found, matrix, leaders, number, bad):
-    for c in prange(len(bad)):
-        low, high = begin[c], begin[c + 1]
-        number[c], bad[c] = _eliminate_strip(
-            low, high, begin[-2], own, couplings, new, work, found, matrix, leaders
-        )
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(bad)):
+            low, high = begin[c], begin[c + 1]
+            number[c], bad[c] = _eliminate_strip(
+                low, high, begin[len(bad)], own, couplings, new, work, found, matrix, leaders
+            )
 
 
 @kernel()
@@ -197,44 +200,50 @@ def _take_segment(low, high, begin, own, couplings, new, work, inverse, matrix, 
 
 
 @kernel(parallel=True)
-def _take_seam(begin, segments, own, couplings, new, work, inverse, matrix, leading):
-    for c in prange(len(segments) - 1):
-        low, high = segments[c], segments[c + 1]
-        _take_segment(low, high, begin, own, couplings, new, work, inverse, matrix, leading)
+def _take_seam(begin, own, couplings, new, work, inverse, matrix, leading):
+    strips = len(begin) // 2
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, strips):
+            low, high = begin[strips + c], begin[strips + c + 1]
+            _take_segment(low, high, begin, own, couplings, new, work, inverse, matrix, leading)
 
 
 @kernel()
-def is_parted(segments, pairs, right):
+def is_parted(begin, pairs, right):
     """Return whether no segment of the seam is coupled to another one."""
-    for c in range(len(segments) - 1):
-        for i in range(segments[c], segments[c + 1]):
-            if right[i + 1] > right[i] and pairs[right[i + 1] - 1, 1] >= segments[c + 1]:
+    strips = len(begin) // 2
+    for c in range(strips, 2 * strips):
+        for i in range(begin[c], begin[c + 1]):
+            if right[i + 1] > right[i] and pairs[right[i + 1] - 1, 1] >= begin[c + 1]:
                 return False
     return True
 
 
 @kernel(parallel=True)
-def _eliminate_segments(segments, own, new, work, found, bad):
+def _eliminate_segments(begin, own, new, work, found, bad):
     order, _, pairs, right = new
     diagonal, upper = work
     inverse, scaled = found
-    for c in prange(len(bad)):
-        low, high = segments[c], segments[c + 1]
-        bad[c] = eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, scaled)
+    strips = len(bad)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(bad)):
+            low, high = begin[strips + c], begin[strips + c + 1]
+            bad[c] = eliminate(
+                low, high, own, order, diagonal, upper, pairs, right, inverse, scaled
+            )
 
 
 @kernel()
-def _eliminate_seam(begin, segments, own, couplings, new, work, found, matrix, leading, bad):
-    """Eliminate the seam: by segments, unless these are coupled, as where strips are thin."""
-    order, _, pairs, right = new
-    diagonal, upper = work
-    inverse, scaled = found
-    _take_seam(begin, segments, own, couplings, new, work, inverse, matrix, leading)
-    if is_parted(segments, pairs, right):
-        _eliminate_segments(segments, own, new, work, found, bad)
-    else:
-        low, high = begin[-2], begin[-1]
-        bad[0] = eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, scaled)
+def _eliminate_seam(begin, own, couplings, new, work, found, matrix, leading, bad):
+    """Eliminate the seam by segments, which become one where they are coupled (strips are thin)."""
+    _, _, pairs, right = new
+    inverse, _ = found
+    _take_seam(begin, own, couplings, new, work, inverse, matrix, leading)
+    if not is_parted(begin, pairs, right):
+        begin[len(bad) + 1 :] = begin[-1]
+    _eliminate_segments(begin, own, new, work, found, bad)
 
 
 @kernel()
@@ -248,13 +257,13 @@ def factor(own, couplings, coupled, pairs, rows, centroid, precision, brevity):
     the array ``precision``, as D^-1 is and what is being eliminated, pivots excepted; L is kept as
     the array ``brevity`` is.
     """
-    order, begin, segments = ordering(centroid, pairs, coupled)
+    order, begin = ordering(centroid, pairs, coupled)
     pairs, source, (right, left, listed) = renumbered(order, pairs, rows, coupled)
     kind = precision.dtype
     inverse, diagonal = np.empty(own.shape, kind), np.empty_like(own)
     scaled = np.empty((len(pairs), 6, 6), brevity.dtype)
     upper = np.empty((len(pairs), 6, 6), kind)
-    bad = np.full(len(begin) - 2, -1)
+    bad = np.full(len(begin) // 2, -1)
     new, work = (order, source, pairs, right), (diagonal, upper)
     matrix = (np.empty(own.shape, kind), np.empty((len(pairs), 6, 6), kind))
     leading = np.empty(len(own), np.int64), np.zeros(len(bad), np.int64)
@@ -262,7 +271,7 @@ def factor(own, couplings, coupled, pairs, rows, centroid, precision, brevity):
         done = inverse, scaled
         _eliminate_strips(begin, own, couplings, new, work, done, matrix, *leading, bad)
         if bad.max() < 0:
-            _eliminate_seam(begin, segments, own, couplings, new, work, done, matrix, leading, bad)
+            _eliminate_seam(begin, own, couplings, new, work, done, matrix, leading, bad)
     else:
         _take(0, len(own), own, couplings, new, work, matrix)
         bad[0] = eliminate(0, len(own), own, order, diagonal, upper, pairs, right, inverse, scaled)

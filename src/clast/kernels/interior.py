@@ -17,6 +17,7 @@ import numpy as np
 from numba import prange
 
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import MANY, bounds, in_part, parts, sum_of
 
 NEARLY = 1.0 - 1e-9
@@ -96,10 +97,12 @@ def _centre(first, last, gaps, rounding, springs, state):
 
 @kernel(parallel=True)
 def _centre_shared(gaps, rounding, springs, state, errors, stiffnesses, totals):
-    for part in prange(len(totals)):
-        first, last = bounds(part, state.shape[1])
-        _centre(first, last, gaps, rounding, springs, state)
-        totals[part] = _linearise(first, last, gaps, springs, state, errors, stiffnesses)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, len(totals)):
+            first, last = bounds(part, state.shape[1])
+            _centre(first, last, gaps, rounding, springs, state)
+            totals[part] = _linearise(first, last, gaps, springs, state, errors, stiffnesses)
 
 
 @kernel()
@@ -170,9 +173,11 @@ def _aim(first, last, state, target, before, errors, stiffnesses, tension, force
 
 @kernel(parallel=True)
 def _aim_shared(state, target, before, errors, stiffnesses, tension, forces):
-    for part in prange(parts(len(tension))):
-        first, last = bounds(part, len(tension))
-        _aim(first, last, state, target, before, errors, stiffnesses, tension, forces)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(tension))):
+            first, last = bounds(part, len(tension))
+            _aim(first, last, state, target, before, errors, stiffnesses, tension, forces)
 
 
 @kernel()
@@ -246,11 +251,13 @@ def _go(first, last, state, target, before, errors, stiffnesses, changes, p, way
 
 @kernel(parallel=True)
 def _go_shared(state, target, before, errors, stiffnesses, changes, p, way, found):
-    for part in prange(len(found)):
-        first, last = bounds(part, way.shape[1])
-        found[part, 0], found[part, 1], found[part, 2] = _go(
-            first, last, state, target, before, errors, stiffnesses, changes, p, way
-        )
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, len(found)):
+            first, last = bounds(part, way.shape[1])
+            found[part, 0], found[part, 1], found[part, 2] = _go(
+                first, last, state, target, before, errors, stiffnesses, changes, p, way
+            )
 
 
 @kernel()
@@ -304,10 +311,12 @@ def _advance(first, last, old, gaps, way, changes, share, new, state):
 def _advance_shared(
     old, gaps, way, changes, share, springs, new, state, errors, stiffnesses, totals
 ):
-    for part in prange(len(totals)):
-        first, last = bounds(part, old.shape[1])
-        _advance(first, last, old, gaps, way, changes, share, new, state)
-        totals[part] = _linearise(first, last, new, springs, state, errors, stiffnesses)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, len(totals)):
+            first, last = bounds(part, old.shape[1])
+            _advance(first, last, old, gaps, way, changes, share, new, state)
+            totals[part] = _linearise(first, last, new, springs, state, errors, stiffnesses)
 
 
 @kernel()

@@ -6,6 +6,7 @@ import numpy as np
 from numba import prange
 
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import MANY, bounds, in_part, parts
 
 
@@ -107,9 +108,13 @@ def _penalty(first, last, gap, slip, springs, joints, memory, forces, stiffnesse
 
 @kernel(parallel=True)
 def _penalty_shared(gap, slip, springs, joints, memory, forces, stiffnesses, ends, works):
-    for part in prange(parts(len(gap))):
-        first, last = bounds(part, len(gap))
-        _penalty(first, last, gap, slip, springs, joints, memory, forces, stiffnesses, ends, works)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(gap))):
+            first, last = bounds(part, len(gap))
+            _penalty(
+                first, last, gap, slip, springs, joints, memory, forces, stiffnesses, ends, works
+            )
 
 
 @kernel()

@@ -10,6 +10,7 @@ import numpy as np
 from numba import prange
 
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import MANY, bounds, in_part, parts, sum_of
 
 NOTHING = 1e-14
@@ -95,8 +96,10 @@ def _work_of_part(part, length, done, only, region, line, springs, terms, sums):
 
 @kernel(parallel=True)
 def _work_of_parts(length, done, only, region, line, springs, terms, sums):
-    for part in prange(len(only)):
-        _work_of_part(part, length, done, only, region, line, springs, terms, sums)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, len(only)):
+            _work_of_part(part, length, done, only, region, line, springs, terms, sums)
 
 
 @kernel()
@@ -227,9 +230,11 @@ def _answer(first, last, region, length, line, springs, found):
 
 @kernel(parallel=True)
 def _answer_parts(region, length, line, springs, found):
-    for part in prange(parts(len(region))):
-        first, last = bounds(part, len(region))
-        _answer(first, last, region, length, line, springs, found)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(region))):
+            first, last = bounds(part, len(region))
+            _answer(first, last, region, length, line, springs, found)
 
 
 @kernel()

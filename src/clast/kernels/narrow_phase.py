@@ -11,6 +11,7 @@ from numba import prange
 
 from clast.kernels.compiled import kernel
 from clast.kernels.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import PART, parts
 
 
@@ -298,30 +299,34 @@ def _part_of(room, first, last):
 
 @kernel(parallel=True)
 def _of_parts(outlines, blocks, pairs, pair_depth, travel, reach, room, most, found):
-    for part in prange(len(found)):
-        low, high = part * PART, min((part + 1) * PART, len(pairs))
-        begin = part * (most + 1)
-        own = _part_of(room, begin, begin + most)
-        found[part, 0], found[part, 1] = _of_pairs(
-            low, high, outlines, blocks, pairs, pair_depth, travel, reach, own
-        )
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, len(found)):
+            low, high = part * PART, min((part + 1) * PART, len(pairs))
+            begin = part * (most + 1)
+            own = _part_of(room, begin, begin + most)
+            found[part, 0], found[part, 1] = _of_pairs(
+                low, high, outlines, blocks, pairs, pair_depth, travel, reach, own
+            )
 
 
 @kernel(parallel=True)
 def _join(room, most, found, joined):
     """Copy what the parts have found, one behind the other."""
-    for part in prange(len(found)):
-        at, group = found[:part, 0].sum(), found[:part, 1].sum()
-        begin = part * (most + 1)
-        count, groups = found[part]
-        for k in range(groups):
-            joined[0][group + k + 1] = at + room[0][begin + k + 1]
-        for k in range(count):
-            joined[1][at + k] = room[1][begin + k]
-            joined[2][at + k] = room[2][begin + k]
-            joined[3][at + k] = room[3][begin + k]
-            joined[4][at + k] = room[4][begin + k]
-            joined[5][at + k] = room[5][begin + k]
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, len(found)):
+            at, group = found[:part, 0].sum(), found[:part, 1].sum()
+            begin = part * (most + 1)
+            count, groups = found[part]
+            for k in range(groups):
+                joined[0][group + k + 1] = at + room[0][begin + k + 1]
+            for k in range(count):
+                joined[1][at + k] = room[1][begin + k]
+                joined[2][at + k] = room[2][begin + k]
+                joined[3][at + k] = room[3][begin + k]
+                joined[4][at + k] = room[4][begin + k]
+                joined[5][at + k] = room[5][begin + k]
 
 
 @kernel()
@@ -418,9 +423,11 @@ def _lengths(low, high, contacts, vertices, block_start, direction, length, crit
 
 @kernel(parallel=True)
 def _lengths_of_parts(contacts, vertices, block_start, direction, length, critdis, result):
-    for part in prange(parts(len(result))):
-        low, high = part * PART, min((part + 1) * PART, len(result))
-        _lengths(low, high, contacts, vertices, block_start, direction, length, critdis, result)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(result))):
+            low, high = part * PART, min((part + 1) * PART, len(result))
+            _lengths(low, high, contacts, vertices, block_start, direction, length, critdis, result)
 
 
 @kernel()
@@ -479,11 +486,13 @@ def _deepest(low, high, vertices, block_start, box, pairs, pair_depth):
 
 @kernel(parallel=True)
 def _deepest_of_parts(vertices, block_start, box, pairs, pair_depth, depth, which):
-    for part in prange(len(depth)):
-        low, high = part * PART, min((part + 1) * PART, len(pairs))
-        depth[part], which[part, 0], which[part, 1] = _deepest(
-            low, high, vertices, block_start, box, pairs, pair_depth
-        )
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, len(depth)):
+            low, high = part * PART, min((part + 1) * PART, len(pairs))
+            depth[part], which[part, 0], which[part, 1] = _deepest(
+                low, high, vertices, block_start, box, pairs, pair_depth
+            )
 
 
 @kernel()

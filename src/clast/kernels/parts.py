@@ -15,9 +15,10 @@ from numba import prange
 
 from clast.kernels.block_rows import CHUNK, SHARED, chunks
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import PART, parts
 
-LEAST, MOST = 800, 16
+LEAST, MOST = 600, 16
 """Blocks from which there are two strips, four times as many having twice as many strips, and
 number of strips at most."""
 SLOTS = 8192
@@ -92,9 +93,11 @@ def _is_coupled(blocks, q):
 
 @kernel(parallel=True)
 def _coupled_shared(upper, coupled):
-    for part in prange(parts(len(upper))):
-        for q in range(part * PART, min((part + 1) * PART, len(upper))):
-            coupled[q] = _is_coupled(upper, q)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(upper))):
+            for q in range(part * PART, min((part + 1) * PART, len(upper))):
+                coupled[q] = _is_coupled(upper, q)
 
 
 @kernel()
@@ -113,8 +116,7 @@ def coupled_pairs(upper):
 def ordering(centroid, pairs, coupled):
     """Return the blocks strip by strip, the seam last (n,), and where all begins.
 
-    Where the strips and the seam begin (strips + 2,), the last being n; and where the segments of
-    the seam do (strips + 1,).
+    First the strips and then the segments of the seam, as many, (2 strips + 1,); the last is n.
     """
     count = len(centroid)
     part, number = strips(centroid)
@@ -135,9 +137,7 @@ def ordering(centroid, pairs, coupled):
     for i in range(count):
         order[at[part[i]]] = i
         at[part[i]] += 1
-    segments = begin[number:].copy()
-    begin[number + 1] = count
-    return order, begin[: number + 2].copy(), segments
+    return order, begin
 
 
 @kernel()
@@ -159,9 +159,11 @@ def _rows_of(low, high, order, place, pairs, rows, coupled, right, left):
 
 @kernel(parallel=True)
 def _rows_of_shared(order, place, pairs, rows, coupled, right, left):
-    for c in prange(chunks(len(order))):
-        last = min((c + 1) * CHUNK, len(order))
-        _rows_of(c * CHUNK, last, order, place, pairs, rows, coupled, right, left)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(order))):
+            last = min((c + 1) * CHUNK, len(order))
+            _rows_of(c * CHUNK, last, order, place, pairs, rows, coupled, right, left)
 
 
 @kernel()
@@ -194,9 +196,11 @@ def _fill_rows(low, high, order, place, pairs, rows, coupled, start, new, source
 
 @kernel(parallel=True)
 def _fill_rows_shared(order, place, pairs, rows, coupled, start, new, source):
-    for c in prange(chunks(len(order))):
-        last = min((c + 1) * CHUNK, len(order))
-        _fill_rows(c * CHUNK, last, order, place, pairs, rows, coupled, start, new, source)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(order))):
+            last = min((c + 1) * CHUNK, len(order))
+            _fill_rows(c * CHUNK, last, order, place, pairs, rows, coupled, start, new, source)
 
 
 @kernel()

@@ -12,6 +12,7 @@ from numba import prange
 
 from clast.kernels.block_rows import CHUNK, SHARED, chunks, times
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import MANY, PART, parts
 from clast.kernels.six import plus_product, plus_scaled, put_row, row, total, zeros
 
@@ -37,8 +38,10 @@ def _add_forms(first, last, blocks, d, region, sums):
 
 @kernel(parallel=True)
 def _add_forms_shared(blocks, d, region, sums):
-    for c in prange(len(sums)):
-        _add_forms(c * CHUNK, min((c + 1) * CHUNK, len(d)), blocks, d, region, sums[c])
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(sums)):
+            _add_forms(c * CHUNK, min((c + 1) * CHUNK, len(d)), blocks, d, region, sums[c])
 
 
 @kernel()
@@ -62,8 +65,10 @@ def _add_products(first, last, a, b, region, sums):
 
 @kernel(parallel=True)
 def _add_products_shared(a, b, region, sums):
-    for c in prange(len(sums)):
-        _add_products(c * CHUNK, min((c + 1) * CHUNK, len(a)), a, b, region, sums[c])
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(sums)):
+            _add_products(c * CHUNK, min((c + 1) * CHUNK, len(a)), a, b, region, sums[c])
 
 
 @kernel()
@@ -87,9 +92,11 @@ def _add_works(first, last, normal, opening, shear, slip, region, sums):
 
 @kernel(parallel=True)
 def _add_works_shared(normal, opening, shear, slip, region, sums):
-    for part in prange(len(sums)):
-        last = min((part + 1) * PART, len(region))
-        _add_works(part * PART, last, normal, opening, shear, slip, region, sums[part])
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, len(sums)):
+            last = min((part + 1) * PART, len(region))
+            _add_works(part * PART, last, normal, opening, shear, slip, region, sums[part])
 
 
 @kernel()
@@ -112,9 +119,11 @@ def _advance(first, last, unknowns, direction, length, region, result):
 
 @kernel(parallel=True)
 def _advance_shared(unknowns, direction, length, region, result):
-    for c in prange(chunks(len(result))):
-        last = min((c + 1) * CHUNK, len(result))
-        _advance(c * CHUNK, last, unknowns, direction, length, region, result)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(result))):
+            last = min((c + 1) * CHUNK, len(result))
+            _advance(c * CHUNK, last, unknowns, direction, length, region, result)
 
 
 @kernel()

@@ -13,8 +13,9 @@ from numba import prange
 
 from clast.kernels import single, six
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 
-STRETCHES, SHORTEST = 8, 256
+STRETCHES, SHORTEST = 16, 256
 """Stretches of rows that threads share, and rows of one at least."""
 AHEAD = 24
 """Blocks that are asked for before they are needed: memory is read page by page otherwise."""
@@ -153,11 +154,13 @@ def _multiply_stretch(first, last, diagonal, upper, pairs, right, left, listed, 
 @kernel(parallel=True)
 def _multiply_shared(parts, diagonal, upper, pairs, right, left, listed, x, y):
     length = stretch(len(x))
-    for c in prange(len(parts)):
-        last = min((c + 1) * length, len(x))
-        parts[c] = _multiply_stretch(
-            c * length, last, diagonal, upper, pairs, right, left, listed, x, y
-        )
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(parts)):
+            last = min((c + 1) * length, len(x))
+            parts[c] = _multiply_stretch(
+                c * length, last, diagonal, upper, pairs, right, left, listed, x, y
+            )
 
 
 @kernel()

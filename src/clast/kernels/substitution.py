@@ -1,7 +1,7 @@
 """Substitutions with an incomplete factor, (L D L^T)^-1 r, strip by strip.
 
-Upwards, L z = r, the seam comes last, and downwards, D L^T z = z, first.  A factor is what
-kernels/incomplete.py returns.
+Upwards, L z = r, the seam comes last, and downwards, D L^T z = z, first.  Strips are solved at the
+same time, and so are the segments of the seam.  A factor is what kernels/incomplete.py returns.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from numba.extending import overload
 from clast.kernels import single, single_rows
 from clast.kernels.block_rows import left_of, right_of, times
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.six import plus_product, plus_scaled, put_row, row, total, zeros
 
 
@@ -41,32 +42,45 @@ def _come_down(low, high, incomplete, r, z):
 @kernel(parallel=True)
 def _go_up_shared(incomplete, r, z):
     begin = incomplete[1]
-    for c in prange(len(begin) - 2):
-        _go_up(begin[c], begin[c + 1], incomplete, r, z)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(begin) // 2):
+            _go_up(begin[c], begin[c + 1], incomplete, r, z)
 
 
 @kernel(parallel=True)
 def _come_down_shared(incomplete, r, z, products):
     begin = incomplete[1]
-    for c in prange(len(begin) - 2):
-        products[c] = _come_down(begin[c], begin[c + 1], incomplete, r, z)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(begin) // 2):
+            products[c] = _come_down(begin[c], begin[c + 1], incomplete, r, z)
+
+
+@kernel(parallel=True)
+def _turn_round_shared(incomplete, r, z, products):
+    begin = incomplete[1]
+    strips = len(products)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, strips):
+            low, high = begin[strips + c], begin[strips + c + 1]
+            _go_up(low, high, incomplete, r, z)
+            products[c] = _come_down(low, high, incomplete, r, z)
 
 
 @kernel()
 def _substitute_double(incomplete, r, z):
     begin = incomplete[1]
-    strips, seam = len(begin) - 2, begin[-2]
+    strips = len(begin) // 2
     if strips == 1:
-        _go_up(0, seam, incomplete, r, z)
-        return _come_down(0, seam, incomplete, r, z)
+        _go_up(0, begin[1], incomplete, r, z)
+        return _come_down(0, begin[1], incomplete, r, z)
+    products = np.empty((2, strips))
     _go_up_shared(incomplete, r, z)
-    _go_up(seam, begin[-1], incomplete, r, z)
-    product = _come_down(seam, begin[-1], incomplete, r, z)
-    products = np.empty(strips)
-    _come_down_shared(incomplete, r, z, products)
-    for part in products:
-        product += part
-    return product
+    _turn_round_shared(incomplete, r, z, products[0])
+    _come_down_shared(incomplete, r, z, products[1])
+    return products.sum()
 
 
 @kernel(forceinline=True)
@@ -117,32 +131,46 @@ def _come_down_single(low, high, incomplete, r, z):
 @kernel(parallel=True)
 def _go_up_single_shared(incomplete, r, z):
     begin = incomplete[1]
-    for c in prange(len(begin) - 2):
-        _go_up_single(begin[c], begin[c + 1], 0, incomplete, r, z)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(begin) // 2):
+            _go_up_single(begin[c], begin[c + 1], 0, incomplete, r, z)
 
 
 @kernel(parallel=True)
 def _come_down_single_shared(incomplete, r, z, products):
     begin = incomplete[1]
-    for c in prange(len(begin) - 2):
-        products[c] = _come_down_single(begin[c], begin[c + 1], incomplete, r, z)
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(begin) // 2):
+            products[c] = _come_down_single(begin[c], begin[c + 1], incomplete, r, z)
+
+
+@kernel(parallel=True)
+def _turn_round_single_shared(incomplete, r, z, products):
+    _, begin, _, right, _, _, _, _ = incomplete
+    strips = len(products)
+    before = right[begin[strips]]
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, strips):
+            low, high = begin[strips + c], begin[strips + c + 1]
+            _go_up_single(low, high, before, incomplete, r, z)
+            products[c] = _come_down_single(low, high, incomplete, r, z)
 
 
 @kernel()
 def _substitute_single(incomplete, r, z):
     begin = incomplete[1]
-    strips, seam = len(begin) - 2, begin[-2]
+    strips = len(begin) // 2
     if strips == 1:
-        _go_up_single(0, seam, 0, incomplete, r, z)
-        return _come_down_single(0, seam, incomplete, r, z)
+        _go_up_single(0, begin[1], 0, incomplete, r, z)
+        return _come_down_single(0, begin[1], incomplete, r, z)
+    products = np.empty((2, strips))
     _go_up_single_shared(incomplete, r, z)
-    _go_up_single(seam, begin[-1], incomplete[3][seam], incomplete, r, z)
-    product = _come_down_single(seam, begin[-1], incomplete, r, z)
-    products = np.empty(strips)
-    _come_down_single_shared(incomplete, r, z, products)
-    for part in products:
-        product += part
-    return product
+    _turn_round_single_shared(incomplete, r, z, products[0])
+    _come_down_single_shared(incomplete, r, z, products[1])
+    return products.sum()
 
 
 def _substitute(incomplete, r, z):
