@@ -68,6 +68,6 @@ def test_blocks_in_one_place_are_one_strip():
 
 def test_four_times_as_many_blocks_have_twice_as_many_strips():
     """Whatever the threads: the sums depend on it."""
-    found = {count: parts.number_of_strips(count) for count in (100, 599, 600, 2399, 2400, 9600)}
-    assert found == {100: 1, 599: 1, 600: 2, 2399: 2, 2400: 4, 9600: 8}
+    found = {count: parts.number_of_strips(count) for count in (100, 799, 800, 3199, 3200, 12800)}
+    assert found == {100: 1, 799: 1, 800: 2, 3199: 2, 3200: 4, 12800: 8}
     assert parts.number_of_strips(10_000_000) == parts.MOST

@@ -138,7 +138,7 @@ def test_stretches_cross_rows():
     assert block_rows.SHARED <= 3000
     for count in range(2, 6000, 37):
         length = single_rows.stretch(count)
-        assert -(-count // length) in (1, 2, 4, 8, 16)
+        assert -(-count // length) in (1, 2, 4, 8)
         assert length == count or length >= single_rows.SHORTEST
 
 

@@ -18,7 +18,7 @@ from clast.kernels.compiled import kernel
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import PART, parts
 
-LEAST, MOST = 600, 16
+LEAST, MOST = 800, 16
 """Blocks from which there are two strips, four times as many having twice as many strips, and
 number of strips at most."""
 SLOTS = 8192

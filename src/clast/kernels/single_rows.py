@@ -15,7 +15,7 @@ from clast.kernels import single, six
 from clast.kernels.compiled import kernel
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 
-STRETCHES, SHORTEST = 16, 256
+STRETCHES, SHORTEST = 8, 256
 """Stretches of rows that threads share, and rows of one at least."""
 AHEAD = 24
 """Blocks that are asked for before they are needed: memory is read page by page otherwise."""
