@@ -117,13 +117,14 @@ def test_what_is_preconditioned_with_is_symmetric_and_positive(precision):
     number = len(ready.coarse[1]) - 1
     assert number > 1
     r = conjugate.vector(count, ready.matrix[0])
-    z, *work = np.empty_like(r), *(conjugate.vector(number, r) for _ in range(2))
+    z, p, of_coarse = np.empty_like(r), r.copy(), tuple(conjugate.vector(number, r) for _ in "12")
     columns = []
     for k in range(6 * count):
         r[:, :6] = np.eye(6 * count)[k].reshape(count, 6)
-        product = conjugate._precondition(ready.incomplete, ready.coarse, r, z, tuple(work))
-        assert product == pytest.approx(z[k // 6, k % 6], rel=1e-5)
-        columns.append(z[:, :6].astype(float).ravel())
+        product = conjugate._precondition(ready.incomplete, ready.coarse, r, z, of_coarse)
+        conjugate._turn_to(ready.coarse, z, of_coarse, 0.0, p)
+        assert product == pytest.approx(p[k // 6, k % 6], rel=1e-5)
+        columns.append(p[:, :6].astype(float).ravel())
     matrix = np.array(columns)
     near = {np.float64: 1e-10, np.float32: 1e-5}[precision]
     assert np.abs(matrix - matrix.T).max() <= near * np.abs(matrix).max()

@@ -120,3 +120,19 @@ def test_going_on_with_unfinished_regions_alone_gives_the_same_steps(monkeypatch
     here, there = apart[-1].state.vertices, together[-1].state.vertices
     assert np.abs(here - apart[0].state.vertices).max() > 0.5
     assert np.abs(here - there).max() < 1e-6
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_what_is_left_alone_is_as_many_regions_as_may_be(seed):
+    """One after the other from the nearest to its minimum, as long as all together are enough."""
+    rng = np.random.default_rng(seed)
+    distances = rng.choice([0.0, 1e-9, 1e-3], 30) * rng.random(30)
+    for enough in (1e-12, 1e-8, 1e-2, 1.0):
+        left, allowed = 0.0, newton.FINISHED * enough
+        finished = np.zeros(30, bool)
+        for region in np.argsort(distances, kind="stable"):
+            left += distances[region]
+            finished[region] = left <= allowed
+        assert np.array_equal(newton.unfinished(distances, enough), ~finished)
+    distances[3] = np.nan
+    assert newton.unfinished(distances, 1e9)[3]

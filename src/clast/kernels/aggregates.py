@@ -147,28 +147,44 @@ def coarse_pairs(pairs, right, left, listed, parent, start, members):
 
 
 @kernel(forceinline=True)
-def _add_projected(blocks, q, transposed, xi, yi, xj, yj, work, target, t):
-    """Add P_i^T B P_j to block t of ``target``, B being block q of ``blocks`` or its transpose.
+def _add_right(blocks, q, share, x, y, product):
+    """Add share x B P to ``product`` (1, 6, 6), B being block q of ``blocks``.
 
     P is one but for two lines, (0, 0, -y, x, 0, y/2) and (0, 0, x, 0, y, x/2), which say how much
     of the aggregate's rotation and strains is translation of the block.
     """
-    u, v = six(0.0, 0.0, -yj, xj, 0.0, 0.5 * yj), six(0.0, 0.0, xj, 0.0, yj, 0.5 * xj)
+    u, v = six(0.0, 0.0, -y, x, 0.0, 0.5 * y), six(0.0, 0.0, x, 0.0, y, 0.5 * x)
     for a in range(6):
-        if transposed:
-            for c in range(6):
-                work[0, a, c] = blocks[q, c, a]
-        else:
-            put_line(work, 0, a, line(blocks, q, a))
+        b = plus_scaled(plus_scaled(line(blocks, q, a), blocks[q, a, 0], u), blocks[q, a, 1], v)
+        put_line(product, 0, a, plus_scaled(line(product, 0, a), share, b))
+
+
+@kernel(forceinline=True)
+def _add_left(product, x, y, target, t):
+    """Add P^T ``product`` to block t of ``target``."""
     for a in range(6):
-        b = plus_scaled(plus_scaled(line(work, 0, a), work[0, a, 0], u), work[0, a, 1], v)
-        put_line(work, 0, a, b)
-        put_line(target, t, a, plus(line(target, t, a), b))
-    b, c = line(work, 0, 0), line(work, 0, 1)
-    put_line(target, t, 2, plus_scaled(plus_scaled(line(target, t, 2), -yi, b), xi, c))
-    put_line(target, t, 3, plus_scaled(line(target, t, 3), xi, b))
-    put_line(target, t, 4, plus_scaled(line(target, t, 4), yi, c))
-    put_line(target, t, 5, plus_scaled(plus_scaled(line(target, t, 5), 0.5 * yi, b), 0.5 * xi, c))
+        put_line(target, t, a, plus(line(target, t, a), line(product, 0, a)))
+    b, c = line(product, 0, 0), line(product, 0, 1)
+    put_line(target, t, 2, plus_scaled(plus_scaled(line(target, t, 2), -y, b), x, c))
+    put_line(target, t, 3, plus_scaled(line(target, t, 3), x, b))
+    put_line(target, t, 4, plus_scaled(line(target, t, 4), y, c))
+    put_line(target, t, 5, plus_scaled(plus_scaled(line(target, t, 5), 0.5 * y, b), 0.5 * x, c))
+
+
+@kernel(forceinline=True)
+def _turn_over(blocks, q, turned):
+    """Write the transpose of block q of ``blocks`` into ``turned`` (1, 6, 6)."""
+    for a in range(6):
+        for c in range(6):
+            turned[0, a, c] = blocks[q, c, a]
+
+
+@kernel(forceinline=True)
+def _add_coupling(blocks, q, offset, i, j, product, coupling, t):
+    """Add P_i^T B P_j to block t of ``coupling``, B being block q of ``blocks``."""
+    product[0] = 0.0
+    _add_right(blocks, q, 1.0, offset[j, 0], offset[j, 1], product)
+    _add_left(product, offset[i, 0], offset[i, 1], coupling, t)
 
 
 @kernel()
@@ -193,40 +209,50 @@ def _first_of(k, coarse):
 
 
 @kernel()
+def _find_pair(t, other, coarse):
+    """Return the pair of ``coarse`` (Q, 2) from t on that ends with ``other``."""
+    while coarse[t, 1] != other:
+        t += 1
+    return t
+
+
+@kernel()
 def _coarse_rows(first, last, matrix, rows, aggregates, coarse, own, coupling):
     """Write the rows of aggregates ``first`` to ``last`` - 1 of P^T K P.
 
-    Pairs within an aggregate are taken once: what the other side adds is the transpose.
+    Pairs within an aggregate are taken once, and half of the diagonal blocks: what the other side
+    adds is the transpose.
     """
     diagonal, upper = matrix
     pairs, right, left, listed = rows
     parent, start, members, offset = aggregates
-    work, half = np.empty((1, 6, 6)), np.empty((1, 6, 6))
+    half, turned = np.empty((1, 6, 6)), np.empty((1, 6, 6))
+    within, across = np.empty((1, 6, 6)), np.empty((1, 6, 6))
     behind = _first_of(first, coarse)
     for k in range(first, last):
         own[k], half[0] = 0.0, 0.0
-        at_pair = behind
+        begin = behind
         while behind < len(coarse) and coarse[behind, 0] == k:
             coupling[behind] = 0.0
             behind += 1
         for at in range(start[k], start[k + 1]):
             i = members[at]
-            xi, yi = offset[i, 0], offset[i, 1]
-            _add_projected(diagonal, i, False, xi, yi, xi, yi, work, own, k)
-            for side in range(2):
-                low, high = (left[i], left[i + 1]) if side == 0 else (right[i], right[i + 1])
-                for e in range(low, high):
-                    q = listed[e] if side == 0 else e
-                    j = pairs[q, side]
-                    other = parent[j]
-                    xj, yj = offset[j, 0], offset[j, 1]
-                    if other == k and side == 1:
-                        _add_projected(upper, q, False, xi, yi, xj, yj, work, half, 0)
-                    elif other > k:
-                        t = at_pair
-                        while coarse[t, 1] != other:
-                            t += 1
-                        _add_projected(upper, q, side == 0, xi, yi, xj, yj, work, coupling, t)
+            within[0] = 0.0
+            _add_right(diagonal, i, 0.5, offset[i, 0], offset[i, 1], within)
+            for q in range(right[i], right[i + 1]):
+                j = pairs[q, 1]
+                if parent[j] == k:
+                    _add_right(upper, q, 1.0, offset[j, 0], offset[j, 1], within)
+                elif parent[j] > k:
+                    t = _find_pair(begin, parent[j], coarse)
+                    _add_coupling(upper, q, offset, i, j, across, coupling, t)
+            for e in range(left[i], left[i + 1]):
+                j = pairs[listed[e], 0]
+                if parent[j] > k:
+                    _turn_over(upper, listed[e], turned)
+                    t = _find_pair(begin, parent[j], coarse)
+                    _add_coupling(turned, 0, offset, i, j, across, coupling, t)
+            _add_left(within, offset[i, 0], offset[i, 1], half, 0)
         _add_both(half, own, k)
 
 
@@ -290,33 +316,34 @@ def restrict(start, members, offset, r, coarse):
 
 
 @kernel()
-def _prolong_rows(first, last, parent, offset, coarse, x):
-    """Add rows ``first`` to ``last`` - 1 of P ``coarse`` to x."""
+def _turn_rows(first, last, parent, offset, coarse, z, beta, p):
+    """Write z + P ``coarse`` + beta p into rows ``first`` to ``last`` - 1 of p."""
     for i in range(first, last):
+        turned = plus_scaled(row(z, i), beta, row(p, i))
         k = parent[i]
-        if k < 0:
-            continue
-        dx, dy = offset[i, 0], offset[i, 1]
-        turn, shear = coarse[k, 2], 0.5 * coarse[k, 5]
-        u = -dy * turn + dx * coarse[k, 3] + dy * shear
-        v = dx * turn + dy * coarse[k, 4] + dx * shear
-        moved = plus(row(coarse, k), six(u, v, 0.0, 0.0, 0.0, 0.0))
-        put_row(x, i, plus(row(x, i), moved))
+        if k >= 0:
+            dx, dy = offset[i, 0], offset[i, 1]
+            turn, shear = coarse[k, 2], 0.5 * coarse[k, 5]
+            u = -dy * turn + dx * coarse[k, 3] + dy * shear
+            v = dx * turn + dy * coarse[k, 4] + dx * shear
+            moved = plus(row(coarse, k), six(u, v, 0.0, 0.0, 0.0, 0.0))
+            turned = plus(turned, moved)
+        put_row(p, i, turned)
 
 
 @kernel(parallel=True)
-def _prolong_shared(parent, offset, coarse, x):
+def _turn_shared(parent, offset, coarse, z, beta, p):
     progress = nothing_done()
     for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(x))):
-            last = min((c + 1) * CHUNK, len(x))
-            _prolong_rows(c * CHUNK, last, parent, offset, coarse, x)
+        for c in to_do(thread, progress, chunks(len(p))):
+            last = min((c + 1) * CHUNK, len(p))
+            _turn_rows(c * CHUNK, last, parent, offset, coarse, z, beta, p)
 
 
 @kernel()
-def prolong(parent, offset, coarse, x):
-    """Add P ``coarse`` to x (n, 6), in place."""
-    if len(x) >= SHARED:
-        _prolong_shared(parent, offset, coarse, x)
+def turn_with(parent, offset, coarse, z, beta, p):
+    """Turn the direction, in place: p = z + P ``coarse`` + beta p."""
+    if len(p) >= SHARED:
+        _turn_shared(parent, offset, coarse, z, beta, p)
     else:
-        _prolong_rows(0, len(x), parent, offset, coarse, x)
+        _turn_rows(0, len(p), parent, offset, coarse, z, beta, p)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from clast.kernels.aggregates import prolong, restrict
+from clast.kernels.aggregates import restrict, turn_with
 from clast.kernels.block_rows import CHUNK, SHARED, chunks, multiply
 from clast.kernels.compiled import kernel
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
@@ -129,26 +129,6 @@ def _in_order(order, given, ordered, cleared):
     return squares.max() > 0.0
 
 
-@kernel(parallel=True)
-def _copy_shared(given, taken):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(given))):
-            last = min((c + 1) * CHUNK, len(given))
-            taken[c * CHUNK : last] = given[c * CHUNK : last]
-
-
-@kernel()
-def _copied(given):
-    """Return a copy of a vector."""
-    taken = np.empty_like(given)
-    if len(given) < SHARED:
-        taken[:] = given
-    else:
-        _copy_shared(given, taken)
-    return taken
-
-
 @kernel()
 def _return_rows(first, last, order, guess, x, result):
     """Write ``guess`` plus x where places ``first`` to ``last`` - 1 belong."""
@@ -177,16 +157,27 @@ def _gone(order, guess, x):
 
 
 @kernel()
-def _precondition(incomplete, coarse, r, z, work):
-    """Write B r into z and return r.z; ``work`` is two vectors of the coarse system."""
+def _precondition(incomplete, coarse, r, z, of_coarse):
+    """Write the incomplete factor's part of B r into z; return r.B r.
+
+    What the coarse system finds is the second of ``of_coarse``, two vectors of it.
+    """
     product = substitute(incomplete, r, z)
-    aggregate, start, members, offset, factor = coarse
+    _, start, members, offset, factor = coarse
     if len(start) > 1:
-        of_coarse, found = work
-        restrict(start, members, offset, r, of_coarse)
-        product += substitute(factor, of_coarse, found)
-        prolong(aggregate, offset, found, z)
+        restrict(start, members, offset, r, of_coarse[0])
+        product += substitute(factor, *of_coarse)
     return product
+
+
+@kernel()
+def _turn_to(coarse, z, of_coarse, beta, p):
+    """Turn the direction, in place: p = B r + beta p, with what was found of B r."""
+    aggregate, start, _, offset, _ = coarse
+    if len(start) > 1:
+        turn_with(aggregate, offset, of_coarse[1], z, beta, p)
+    else:
+        turn(z, beta, p)
 
 
 @kernel()
@@ -204,16 +195,17 @@ def solve(incomplete, matrix, coarse, force, guess, tolerance, limit):
     own, couplings = matrix
     x, r, z, kp = _empty(own), _empty(own), _empty(own), _empty(own)
     number = len(coarse[1]) - 1
-    work = vector(number, own), vector(number, own)
+    of_coarse = vector(number, own), vector(number, own)
     _in_order(order, force, r, x)
     if _in_order(order, guess, z, kp):
         multiply(own, couplings, pairs, right, left, listed, z, kp)
         turn(r, -1.0, kp)
         r, kp = kp, r
-    start = rz = _precondition(incomplete, coarse, r, z, work)
+    start = rz = _precondition(incomplete, coarse, r, z, of_coarse)
     if start == 0.0:
         return _gone(order, guess, x), 0, 0.0
-    p = _copied(z)
+    p = vector(len(own), own)
+    _turn_to(coarse, z, of_coarse, 0.0, p)
     iterations, wanted = 0, tolerance**2 * start
     while iterations < limit and rz > wanted:
         curvature = multiply(own, couplings, pairs, right, left, listed, p, kp)
@@ -221,7 +213,7 @@ def solve(incomplete, matrix, coarse, force, guess, tolerance, limit):
             return _gone(order, guess, x), iterations, np.inf
         advance(rz / curvature, p, kp, x, r)
         iterations += 1
-        following = _precondition(incomplete, coarse, r, z, work)
+        following = _precondition(incomplete, coarse, r, z, of_coarse)
         beta = following / rz
         leaps = following < LEAP**2 * rz
         wanted = min(tolerance, EXACT if leaps else tolerance) ** 2 * start
@@ -231,5 +223,5 @@ def solve(incomplete, matrix, coarse, force, guess, tolerance, limit):
             gained = np.log(start / rz)
             if -2.0 * np.log(tolerance) * iterations > HOPE * limit * gained:
                 break
-        turn(z, beta, p)
+        _turn_to(coarse, z, of_coarse, beta, p)
     return _gone(order, guess, x), iterations, np.sqrt(rz / start)

@@ -152,10 +152,12 @@ def descend_within(
 
 def unfinished(distances: Floats, enough: float) -> Bools:
     """Return True for the regions (r,) without which the distance would still be too large."""
-    order = np.argsort(distances, kind="stable")
-    finished = np.cumsum(distances[order]) <= FINISHED * enough
-    wanted = np.ones(len(distances), np.bool_)
-    wanted[order[finished]] = False
+    together = FINISHED * enough
+    wanted: Bools = ~(distances <= together)  # what is not finite is not finished
+    others = np.flatnonzero(~wanted)
+    if float(distances[others].sum()) > together:
+        others = others[np.argsort(distances[others], kind="stable")]
+        wanted[others[np.cumsum(distances[others]) > together]] = True
     return wanted
 
 

@@ -81,4 +81,5 @@ def closes_unseen(seen: Contacts, contacts: Contacts, displacement: Floats) -> b
     closed = gap_at_end(contacts, displacement) < 0.0
     width = int(max(seen.edge.max(initial=0), contacts.edge.max(initial=0))) + 1
     known = seen.vertex * width + seen.edge
-    return not np.isin(contacts.vertex[closed] * width + contacts.edge[closed], known).all()
+    wanted = contacts.vertex[closed] * width + contacts.edge[closed]
+    return not np.isin(wanted, known, assume_unique=True).all()
