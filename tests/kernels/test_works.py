@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from clast.kernels import block_terms, tensors, works
-from clast.kernels.block_rows import CHUNK
+from clast.kernels.block_rows import CHUNK, SHARED
 from clast.kernels.shares import PART
 
 
@@ -55,8 +55,9 @@ def test_works_of_contacts(count):
     assert found == pytest.approx([work, energy.sum(), loss.sum()], rel=1e-12, abs=1e-10)
 
 
-def test_terms_of_blocks():
-    rng, count = np.random.default_rng(2), 7
+@pytest.mark.parametrize("count", [7, SHARED + 5])
+def test_terms_of_blocks(count):
+    rng = np.random.default_rng(2)
     mass_matrix, elasticity = definite(rng, count, 6), definite(rng, count, 3)
     of_mass, of_momentum, area, mass = rng.uniform(1.0, 2.0, (4, count))
     velocity, stress = rng.normal(size=(count, 6)), rng.normal(size=(count, 3))

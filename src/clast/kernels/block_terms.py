@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
-from clast.kernels.block_rows import times
+from clast.kernels.block_rows import CHUNK, SHARED, chunks, times
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.six import line, plus_scaled, put_line, put_row, row, zeros
 
 
@@ -39,17 +41,12 @@ def _weight(b, mass, acceleration, force):
 
 
 @kernel()
-def terms(inertia, velocity, elastic, stress, mass, acceleration):
-    """Return K (n, 6, 6), F and its part that is momentum, M v/(theta h), (n, 6) each.
-
-    ``inertia``: mass matrix (n, 6, 6), 1/(theta h2) and 1/(theta h), (n,) each.  ``elastic``: area
-    (n,) and E' (n, 3, 3).  ``stress`` (n, 3) in Pa, ``acceleration`` (2,) of every mass, m/s2.
-    """
-    mass_matrix, mass_factor, momentum_factor = inertia
+def _of_blocks(first, last, inertia, elastic, stress, mass, acceleration, found):
+    """Write the terms of blocks ``first`` to ``last`` - 1."""
+    mass_matrix, mass_factor, velocity, momentum_factor = inertia
     area, elasticity = elastic
-    matrix, force = np.empty_like(mass_matrix), np.empty_like(velocity)
-    momentum = np.empty_like(velocity)
-    for b in range(len(mass)):
+    matrix, force, momentum = found
+    for b in range(first, last):
         _inertia(b, mass_matrix, mass_factor, matrix)
         _elasticity(b, area, elasticity, matrix)
         mv = times(mass_matrix, b, velocity, b)
@@ -57,4 +54,29 @@ def terms(inertia, velocity, elastic, stress, mass, acceleration):
         put_row(force, b, row(momentum, b))
         _stress(b, area, stress, force)
         _weight(b, mass, acceleration, force)
-    return matrix, force, momentum
+
+
+@kernel(parallel=True)
+def _of_blocks_shared(inertia, elastic, stress, mass, acceleration, found):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(mass))):
+            last = min((c + 1) * CHUNK, len(mass))
+            _of_blocks(c * CHUNK, last, inertia, elastic, stress, mass, acceleration, found)
+
+
+@kernel()
+def terms(inertia, velocity, elastic, stress, mass, acceleration):
+    """Return K (n, 6, 6), F and its part that is momentum, M v/(theta h), (n, 6) each.
+
+    ``inertia``: mass matrix (n, 6, 6), 1/(theta h2) and 1/(theta h), (n,) each.  ``elastic``: area
+    (n,) and E' (n, 3, 3).  ``stress`` (n, 3) in Pa, ``acceleration`` (2,) of every mass, m/s2.
+    """
+    mass_matrix, mass_factor, momentum_factor = inertia
+    moving = mass_matrix, mass_factor, velocity, momentum_factor
+    found = np.empty_like(mass_matrix), np.empty_like(velocity), np.empty_like(velocity)
+    if len(mass) >= SHARED:
+        _of_blocks_shared(moving, elastic, stress, mass, acceleration, found)
+    else:
+        _of_blocks(0, len(mass), moving, elastic, stress, mass, acceleration, found)
+    return found

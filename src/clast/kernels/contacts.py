@@ -3,8 +3,59 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
+from clast.kernels.shares import MANY, bounds, parts
+
+
+@kernel()
+def _kept(keep, pair, pairs):
+    """Return the candidates that are kept, their pairs numbered anew, and these pairs, (q, 2)."""
+    count = 0
+    for c in range(len(keep)):
+        count += keep[c]
+    kept, number = np.empty(count, np.int64), np.empty(count, np.int64)
+    touching = np.empty((min(count, len(pairs)), 2), np.int64)
+    at, q, last = 0, -1, -1
+    for c in range(len(keep)):
+        if not keep[c]:
+            continue
+        if pair[c] != last:
+            last = pair[c]
+            q += 1
+            touching[q, 0], touching[q, 1] = pairs[last, 0], pairs[last, 1]
+        kept[at], number[at] = c, q
+        at += 1
+    return kept, number, touching[: q + 1]
+
+
+@kernel()
+def _describe(first, last, kept, found, outlines, centroid, names, gaps, foot, levers):
+    """Write down where contacts ``first`` to ``last`` - 1 are."""
+    vertex, edge, gap = found
+    vertices, direction, vertex_block = outlines
+    points, edges, i, j = names
+    for at in range(first, last):
+        c = kept[at]
+        p, e = vertex[c], edge[c]
+        points[at], edges[at], gaps[at] = p, e, gap[c]
+        i[at], j[at] = vertex_block[p], vertex_block[e]
+        levers[at, 0], levers[at, 1] = direction[e, 1], -direction[e, 0]
+        for x in range(2):
+            foot[at, x] = vertices[p, x] - gap[c] * levers[at, x]
+            levers[at, 2 + x] = vertices[p, x] - centroid[i[at], x]
+            levers[at, 4 + x] = foot[at, x] - centroid[j[at], x]
+
+
+@kernel(parallel=True)
+def _describe_shared(kept, found, outlines, centroid, names, gaps, foot, levers):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(kept))):
+            first, last = bounds(part, len(kept))
+            _describe(first, last, kept, found, outlines, centroid, names, gaps, foot, levers)
 
 
 @kernel()
@@ -19,33 +70,48 @@ def chosen(keep, found, pairs, outlines, centroid):
     ``outlines`` the vertices, directions of the edges and block of each vertex.
     """
     vertex, edge, pair, gap = found
-    vertices, direction, vertex_block = outlines
-    count = 0
-    for c in range(len(keep)):
-        count += keep[c]
+    kept, number, touching = _kept(keep, pair, pairs)
+    count = len(kept)
     points, edges = np.empty(count, np.int64), np.empty(count, np.int64)
     i, j = np.empty(count, np.int64), np.empty(count, np.int64)
-    number, gaps = np.empty(count, np.int64), np.empty(count)
-    foot, levers = np.empty((count, 2)), np.empty((count, 6))
-    touching = np.empty((min(count, len(pairs)), 2), np.int64)
-    at, q, last = 0, -1, -1
-    for c in range(len(keep)):
-        if not keep[c]:
-            continue
-        if pair[c] != last:
-            last = pair[c]
-            q += 1
-            touching[q, 0], touching[q, 1] = pairs[last, 0], pairs[last, 1]
-        p, e = vertex[c], edge[c]
-        points[at], edges[at], gaps[at], number[at] = p, e, gap[c], q
-        i[at], j[at] = vertex_block[p], vertex_block[e]
-        levers[at, 0], levers[at, 1] = direction[e, 1], -direction[e, 0]
-        for x in range(2):
-            foot[at, x] = vertices[p, x] - gap[c] * levers[at, x]
-            levers[at, 2 + x] = vertices[p, x] - centroid[i[at], x]
-            levers[at, 4 + x] = foot[at, x] - centroid[j[at], x]
-        at += 1
-    return points, edges, i, j, number, gaps, foot, levers, touching[: q + 1]
+    gaps, foot, levers = np.empty(count), np.empty((count, 2)), np.empty((count, 6))
+    names, found = (points, edges, i, j), (vertex, edge, gap)
+    if count >= MANY:
+        _describe_shared(kept, found, outlines, centroid, names, gaps, foot, levers)
+    else:
+        _describe(0, count, kept, found, outlines, centroid, names, gaps, foot, levers)
+    return points, edges, i, j, number, gaps, foot, levers, touching
+
+
+@kernel()
+def _carry(first, last, row, gap, bond_reach, memory, pair, joint, strengths, old, new):
+    """Write down what contacts ``first`` to ``last`` - 1 remember, and their strength."""
+    bonded, shear_force, normal_force, multiplier, mode = memory
+    tangent, cohesion, tensile_strength = strengths
+    known, intact, shear, normal, lagrange, modes = old
+    friction, c_left, t_left = new
+    for c in range(first, last):
+        r = row[c]
+        known[c] = r >= 0
+        if known[c]:
+            intact[c], modes[c] = bonded[r], mode[r]
+            shear[c], normal[c], lagrange[c] = shear_force[r], normal_force[r], multiplier[r]
+        else:
+            intact[c], modes[c] = abs(gap[c]) <= bond_reach, 0
+            shear[c], normal[c], lagrange[c] = 0.0, 0.0, 0.0
+        one = joint[pair[c]]
+        friction[c] = tangent[one]
+        c_left[c] = cohesion[one] if intact[c] else 0.0
+        t_left[c] = tensile_strength[one] if intact[c] else 0.0
+
+
+@kernel(parallel=True)
+def _carry_shared(row, gap, bond_reach, memory, pair, joint, strengths, old, new):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(row))):
+            first, last = bounds(part, len(row))
+            _carry(first, last, row, gap, bond_reach, memory, pair, joint, strengths, old, new)
 
 
 @kernel()
@@ -60,23 +126,13 @@ def carried(row, gap, bond_reach, memory, pair, joint, strengths):
     ``bond_reach``, m.  ``joint`` (q,) is the joint of each pair of blocks, ``strengths`` tan(phi),
     cohesion and tensile strength of the joints.
     """
-    bonded, shear_force, normal_force, multiplier, mode = memory
-    tangent, cohesion, tensile_strength = strengths
     count = len(row)
     known, intact = np.empty(count, np.bool_), np.empty(count, np.bool_)
-    shear, normal, lagrange = np.zeros(count), np.zeros(count), np.zeros(count)
-    modes, friction = np.zeros(count, np.int64), np.empty(count)
-    c_left, t_left = np.zeros(count), np.zeros(count)
-    for c in range(count):
-        r = row[c]
-        known[c] = r >= 0
-        if known[c]:
-            intact[c], modes[c] = bonded[r], mode[r]
-            shear[c], normal[c], lagrange[c] = shear_force[r], normal_force[r], multiplier[r]
-        else:
-            intact[c] = abs(gap[c]) <= bond_reach
-        one = joint[pair[c]]
-        friction[c] = tangent[one]
-        if intact[c]:
-            c_left[c], t_left[c] = cohesion[one], tensile_strength[one]
-    return known, intact, shear, normal, lagrange, modes, friction, c_left, t_left
+    shear, normal, lagrange = np.empty(count), np.empty(count), np.empty(count)
+    old = known, intact, shear, normal, lagrange, np.empty(count, np.int64)
+    new = np.empty(count), np.empty(count), np.empty(count)
+    if count >= MANY:
+        _carry_shared(row, gap, bond_reach, memory, pair, joint, strengths, old, new)
+    else:
+        _carry(0, count, row, gap, bond_reach, memory, pair, joint, strengths, old, new)
+    return *old, *new

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
+from clast.kernels.shares import MANY, bounds, parts
 
 
 @kernel()
@@ -54,24 +57,29 @@ def remembered_edges(
 
 
 @kernel()
-def rows_of(vertex, block, edge, memory_vertex, memory_block, memory_edge):
-    """Return the memory row of each contact, or -1, shape (m,).
+def _same_group(c, vertex, block):
+    """Return True if contact c is of the same vertex and block as the one before it."""
+    return c > 0 and vertex[c] == vertex[c - 1] and block[c] == block[c - 1]
 
-    The same edge first; else a row of the same (vertex, block) whose edge is no longer in
-    contact: the vertex has slid round to the next edge and takes its memory along.  Contacts of
-    one (vertex, block) stand together; no row is given twice.
+
+@kernel()
+def _find_rows(low, high, contacts, by_vertex, memory_block, memory_edge, taken, rows):
+    """Find the rows of contacts whose (vertex, block) begins with one of ``low`` to ``high`` - 1.
+
+    ``taken`` are the rows that are given away: of one (vertex, block), whose contacts are found by
+    one thread.
     """
-    count = len(vertex)
-    by_vertex = rows_by_vertex(memory_vertex, max(_count_of(vertex), _count_of(memory_vertex)))
-    taken = np.zeros(len(memory_vertex), np.bool_)
-    rows = np.full(count, -1, np.int64)
-    start = 0
-    while start < count:
+    vertex, block, edge = contacts
+    start = low
+    while start < high and _same_group(start, vertex, block):
+        start += 1
+    while start < high:
         stop = start + 1
-        while stop < count and vertex[stop] == vertex[start] and block[stop] == block[start]:
+        while stop < len(vertex) and _same_group(stop, vertex, block):
             stop += 1
         first, last = rows_of_key(vertex[start], block[start], by_vertex, memory_block)
         for c in range(start, stop):
+            rows[c] = -1
             for row in range(first, last):
                 if memory_edge[row] == edge[c]:
                     rows[c] = row
@@ -85,6 +93,32 @@ def rows_of(vertex, block, edge, memory_vertex, memory_block, memory_edge):
                     taken[row] = True
                     break
         start = stop
+
+
+@kernel(parallel=True)
+def _find_rows_shared(contacts, by_vertex, memory_block, memory_edge, taken, rows):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(rows))):
+            low, high = bounds(part, len(rows))
+            _find_rows(low, high, contacts, by_vertex, memory_block, memory_edge, taken, rows)
+
+
+@kernel()
+def rows_of(vertex, block, edge, memory_vertex, memory_block, memory_edge):
+    """Return the memory row of each contact, or -1, shape (m,).
+
+    The same edge first; else a row of the same (vertex, block) whose edge is no longer in
+    contact: the vertex has slid round to the next edge and takes its memory along.  Contacts of
+    one (vertex, block) stand together; no row is given twice.
+    """
+    count, contacts = len(vertex), (vertex, block, edge)
+    by_vertex = rows_by_vertex(memory_vertex, max(_count_of(vertex), _count_of(memory_vertex)))
+    taken, rows = np.zeros(len(memory_vertex), np.bool_), np.empty(count, np.int64)
+    if count >= MANY:
+        _find_rows_shared(contacts, by_vertex, memory_block, memory_edge, taken, rows)
+    else:
+        _find_rows(0, count, contacts, by_vertex, memory_block, memory_edge, taken, rows)
     return rows
 
 
@@ -131,6 +165,32 @@ def deepest_by_pair(pairs, vertex_block, block_count, memory_vertex, memory_bloc
 
 
 @kernel()
+def _renew(first, last, order, keys, state, forces, critdis, names, ends, results):
+    """Write rows ``first`` to ``last`` - 1 of the new memory."""
+    vertex, block, edge = keys
+    mode, bonded = state
+    gap, normal, shear, multiplier = forces
+    vertices, blocks, edges = names
+    modes, intact = ends
+    gaps, normals, shears, multipliers = results
+    for row in range(first, last):
+        c = order[row]
+        vertices[row], blocks[row], edges[row], modes[row] = vertex[c], block[c], edge[c], mode[c]
+        gaps[row], normals[row], multipliers[row] = gap[c], normal[c], multiplier[c]
+        shears[row] = shear[c] if mode[c] != 0 else 0.0
+        intact[row] = bonded[c] and gap[c] <= critdis
+
+
+@kernel(parallel=True)
+def _renew_shared(order, keys, state, forces, critdis, names, ends, results):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(order))):
+            first, last = bounds(part, len(order))
+            _renew(first, last, order, keys, state, forces, critdis, names, ends, results)
+
+
+@kernel()
 def renewed(vertex, block, edge, gap, normal, shear, multiplier, mode, bonded, critdis):
     """Return the columns of the memory (k,), sorted by vertex, block and edge.
 
@@ -138,14 +198,12 @@ def renewed(vertex, block, edge, gap, normal, shear, multiplier, mode, bonded, c
     its bond.
     """
     count, order = len(vertex), _order(vertex, block, edge)
-    vertices, blocks = np.empty(count, np.int64), np.empty(count, np.int64)
-    edges, modes = np.empty(count, np.int64), np.empty(count, np.int64)
-    gaps, normals, shears = np.empty(count), np.empty(count), np.empty(count)
-    multipliers, intact = np.empty(count), np.empty(count, np.bool_)
-    for row in range(count):
-        c = order[row]
-        vertices[row], blocks[row], edges[row], modes[row] = vertex[c], block[c], edge[c], mode[c]
-        gaps[row], normals[row], multipliers[row] = gap[c], normal[c], multiplier[c]
-        shears[row] = shear[c] if mode[c] != 0 else 0.0
-        intact[row] = bonded[c] and gap[c] <= critdis
-    return vertices, blocks, edges, gaps, normals, shears, multipliers, modes, intact
+    keys, state, forces = (vertex, block, edge), (mode, bonded), (gap, normal, shear, multiplier)
+    names = np.empty(count, np.int64), np.empty(count, np.int64), np.empty(count, np.int64)
+    ends = np.empty(count, np.int64), np.empty(count, np.bool_)
+    results = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    if count >= MANY:
+        _renew_shared(order, keys, state, forces, critdis, names, ends, results)
+    else:
+        _renew(0, count, order, keys, state, forces, critdis, names, ends, results)
+    return *names, *results, *ends

@@ -3,8 +3,49 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
+from clast.kernels.shares import MANY, bounds, parts
+
+
+@kernel()
+def _measure(b, vertices, block_start, area, centroid, second):
+    """Write down area, centroid and central second moments of block b."""
+    first, last = block_start[b], block_start[b + 1]
+    x0, y0 = vertices[first, 0], vertices[first, 1]
+    a, sx, sy = 0.0, 0.0, 0.0
+    for k in range(first + 1, last - 1):
+        x1, y1 = vertices[k, 0] - x0, vertices[k, 1] - y0
+        x2, y2 = vertices[k + 1, 0] - x0, vertices[k + 1, 1] - y0
+        triangle = 0.5 * (x1 * y2 - x2 * y1)
+        a += triangle
+        sx += triangle * (x1 + x2) / 3.0
+        sy += triangle * (y1 + y2) / 3.0
+    cx, cy = sx / a, sy / a
+    area[b] = a
+    centroid[b, 0], centroid[b, 1] = x0 + cx, y0 + cy
+    sxx, syy, sxy = 0.0, 0.0, 0.0
+    for k in range(first, last):
+        following = k + 1 if k + 1 < last else first
+        x1, y1 = (vertices[k, 0] - x0) - cx, (vertices[k, 1] - y0) - cy
+        x2, y2 = (vertices[following, 0] - x0) - cx, (vertices[following, 1] - y0) - cy
+        cross = x1 * y2 - x2 * y1
+        sxx += cross * (x1 * x1 + x1 * x2 + x2 * x2) / 12.0
+        syy += cross * (y1 * y1 + y1 * y2 + y2 * y2) / 12.0
+        sxy += cross * (2.0 * x1 * y1 + x1 * y2 + x2 * y1 + 2.0 * x2 * y2) / 24.0
+    second[b, 0], second[b, 1], second[b, 2] = sxx, syy, sxy
+
+
+@kernel(parallel=True)
+def _measure_shared(vertices, block_start, area, centroid, second):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(area))):
+            first, last = bounds(part, len(area))
+            for b in range(first, last):
+                _measure(b, vertices, block_start, area, centroid, second)
 
 
 @kernel()
@@ -16,33 +57,12 @@ def moments(vertices, block_start):
     gathered about the centroid in a second sweep for the same reason.
     """
     count = len(block_start) - 1
-    area = np.zeros(count)
-    centroid = np.zeros((count, 2))
-    second = np.zeros((count, 3))
-    for b in range(count):
-        first, last = block_start[b], block_start[b + 1]
-        x0, y0 = vertices[first, 0], vertices[first, 1]
-        a, sx, sy = 0.0, 0.0, 0.0
-        for k in range(first + 1, last - 1):
-            x1, y1 = vertices[k, 0] - x0, vertices[k, 1] - y0
-            x2, y2 = vertices[k + 1, 0] - x0, vertices[k + 1, 1] - y0
-            triangle = 0.5 * (x1 * y2 - x2 * y1)
-            a += triangle
-            sx += triangle * (x1 + x2) / 3.0
-            sy += triangle * (y1 + y2) / 3.0
-        cx, cy = sx / a, sy / a
-        area[b] = a
-        centroid[b, 0], centroid[b, 1] = x0 + cx, y0 + cy
-        sxx, syy, sxy = 0.0, 0.0, 0.0
-        for k in range(first, last):
-            following = k + 1 if k + 1 < last else first
-            x1, y1 = (vertices[k, 0] - x0) - cx, (vertices[k, 1] - y0) - cy
-            x2, y2 = (vertices[following, 0] - x0) - cx, (vertices[following, 1] - y0) - cy
-            cross = x1 * y2 - x2 * y1
-            sxx += cross * (x1 * x1 + x1 * x2 + x2 * x2) / 12.0
-            syy += cross * (y1 * y1 + y1 * y2 + y2 * y2) / 12.0
-            sxy += cross * (2.0 * x1 * y1 + x1 * y2 + x2 * y1 + 2.0 * x2 * y2) / 24.0
-        second[b, 0], second[b, 1], second[b, 2] = sxx, syy, sxy
+    area, centroid, second = np.zeros(count), np.zeros((count, 2)), np.zeros((count, 3))
+    if count >= MANY:
+        _measure_shared(vertices, block_start, area, centroid, second)
+    else:
+        for b in range(count):
+            _measure(b, vertices, block_start, area, centroid, second)
     return area, centroid, second
 
 

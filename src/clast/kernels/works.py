@@ -6,9 +6,11 @@ Sums of many numbers keep their digits where parts of them are summed up first.
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
 from clast.kernels.block_rows import CHUNK, chunks, times
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import PART, parts
 from clast.kernels.six import plus_product, row, total, zeros
 
@@ -30,25 +32,15 @@ def _strain_energy(b, area, compliance, stress):
 
 
 @kernel()
-def of_blocks(motion, inertia, stresses, elastic, weights):
-    """Return energies and works of the blocks in a step, J/m, shape (8,).
-
-    Kinetic energy that entered and that left, work on inertia; elastic energy before and after,
-    work on the elastic terms; work of gravity, work of the inertial force.
-
-    ``motion``: d and the velocities that entered and left, (n, 6) each.  ``inertia``: mass matrix
-    (n, 6, 6), theta (n,) and h.  ``stresses``: before and after the step, unturned, Pa, (n, 3)
-    each.  ``elastic``: area (n,) and compliance (n, 3, 3).  ``weights``: mass (n,), gravity and the
-    acceleration of the inertial force, m/s2, (2,) each.
-    """
+def _of_chunk(first, last, motion, inertia, stresses, elastic, mass, accelerations, s):
+    """Add up the energies and works of blocks ``first`` to ``last`` - 1 in s (8,)."""
     d, entering, leaving = motion
     mass_matrix, theta, step = inertia
     before, after = stresses
     area, compliance = elastic
-    mass, gravity, inertial = weights
-    sums, force = np.zeros((chunks(len(d)), 8)), np.empty((1, 6))
-    for b in range(len(d)):
-        s = sums[b // CHUNK]
+    gravity, inertial = accelerations
+    force = np.empty((1, 6))
+    for b in range(first, last):
         s[0] += _kinetic(b, mass_matrix, entering)
         s[1] += _kinetic(b, mass_matrix, leaving)
         for k in range(6):
@@ -60,6 +52,34 @@ def of_blocks(motion, inertia, stresses, elastic, weights):
             s[5] -= area[b] * after[b, k] * d[b, 3 + k]
         s[6] += mass[b] * (gravity[0] * d[b, 0] + gravity[1] * d[b, 1])
         s[7] += mass[b] * (inertial[0] * d[b, 0] + inertial[1] * d[b, 1])
+
+
+@kernel(parallel=True)
+def _of_chunks(motion, inertia, stresses, elastic, mass, accelerations, sums):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, len(sums)):
+            last = min((c + 1) * CHUNK, len(mass))
+            _of_chunk(
+                c * CHUNK, last, motion, inertia, stresses, elastic, mass, accelerations, sums[c]
+            )
+
+
+@kernel()
+def of_blocks(motion, inertia, stresses, elastic, weights):
+    """Return energies and works of the blocks in a step, J/m, shape (8,).
+
+    Kinetic energy that entered and that left, work on inertia; elastic energy before and after,
+    work on the elastic terms; work of gravity, work of the inertial force.
+
+    ``motion``: d and the velocities that entered and left, (n, 6) each.  ``inertia``: mass matrix
+    (n, 6, 6), theta (n,) and h.  ``stresses``: before and after the step, unturned, Pa, (n, 3)
+    each.  ``elastic``: area (n,) and compliance (n, 3, 3).  ``weights``: mass (n,), gravity and the
+    acceleration of the inertial force, m/s2, (2,) each.
+    """
+    mass, gravity, inertial = weights
+    sums = np.zeros((chunks(len(mass)), 8))
+    _of_chunks(motion, inertia, stresses, elastic, mass, (gravity, inertial), sums)
     result = np.zeros(8)
     for part in sums:
         result += part
