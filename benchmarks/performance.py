@@ -52,12 +52,12 @@ LARGE = """\
 Apart from the runs above, on the machine named:
 
 - `clast bench heap --size 1000000 --step 2.5e-3 --steps 100 --results build`: a million falling
-  squares are built in 8 s and take 2.1 µs per block and step, 3.5 minutes with first and last
-  state saved (0.7 GB), and 2.8 GB of memory at most.
+  squares are built in 9 s and take 1.7 µs per block and step, 3 minutes with first and last state
+  saved (0.7 GB), and 2.5 GiB of memory at most.
 - `clast bench stack --size 1000000 --steps 100 --threads 2 --results build`: 20,000 towers of 50
-  squares at rest on 3,960,000 contacts, h = 1 ms, take 4.9 µs per block and step, 8.2 minutes with
-  first and last state saved (0.9 GB), and 9.5 GB of memory at most; the matrix product reached
-  24 GB/s there, 104 % of the triad by as many threads.
+  squares at rest on 3,960,000 contacts, h = 1 ms, take 3.7 µs per block and step, 6.5 minutes with
+  first and last state saved (1 GB), and 8.4 GiB of memory at most; the matrix product reached
+  27 GB/s there, 108 % of the triad by as many threads.
 - Of one height cost per block hardly depends on the number of blocks: in their first ten steps
   walls of 50 courses with 1,026, 10,026 and 100,026 bricks take 107, 110 and 128 µs per block and
   step at 1 ms, with 35 to 43 iterations a step; towers of 50 storeys with 1,001, 10,001 and 100,001

@@ -17,8 +17,9 @@ from clast.stepping.stages import Stages
 
 WINDOW = 4
 """Iterations from which the rate of convergence is taken."""
-INTERIOR = 30
-"""Iterations that are worth a change to the interior point method, which needs some 20."""
+INTERIOR = 60
+"""Iterations that are worth a change to the interior point method, which needs 20 to 30: Newton's
+last iterations gain far more than those from which their number is foretold."""
 FINISHED = 0.25
 """Share of what is enough that regions may hold together which are not gone on with."""
 HALF = 0.5
