@@ -58,11 +58,11 @@ Apart from the runs above, on the machine named:
   squares at rest on 3,960,000 contacts, h = 1 ms, take 3.7 µs per block and step, 6.5 minutes with
   first and last state saved (1 GB), and 8.4 GiB of memory at most; the matrix product reached
   27 GB/s there, 108 % of the triad by as many threads.
-- Of one height cost per block hardly depends on the number of blocks: in their first ten steps
-  walls of 50 courses with 1,026, 10,026 and 100,026 bricks take 107, 110 and 128 µs per block and
-  step at 1 ms, with 35 to 43 iterations a step; towers of 50 storeys with 1,001, 10,001 and 100,001
-  squares 12, 11 and 14 µs at 5 ms, with 3.5 to 4.3. In the table above what grows is the height:
-  scenes of 1,000 blocks are 32 storeys or 45 courses high.
+- Of one height cost per block grows slowly with the number of blocks: in their first ten steps
+  walls of 50 courses with 1,026, 10,026 and 100,026 bricks take 48, 68 and 87 µs per block and
+  step at 1 ms, for they take 28, 35 and 42 iterations a step; towers of 50 storeys with 1,001,
+  10,001 and 100,001 squares 7.5, 7.8 and 8.2 µs at 5 ms, with 3.6 to 4.4. In the table above what
+  grows is the height: scenes of 1,000 blocks are 32 storeys or 45 courses high.
 - Numbered at random instead of course by course, walls of 1,011, 10,026 and 100,026 bricks take
   1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew
   (docs/decisions/0024).
