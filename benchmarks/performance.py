@@ -67,12 +67,12 @@ Apart from the runs above, on the machine named:
   1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew
   (docs/decisions/0024).
 - `--threads 2`, first steps of 10,000 blocks, whole runs each in a process of its own, in random
-  order over an hour and a half, 40 by one and 67 by two threads: by the medians 1.71 times as
-  fast on a wall at 5 ms, 1.65 on one at 1 ms, 1.68 on a slope at 5 ms, and 1.53 on a stack at
-  rest; by the fastest of each 1.80, 1.78, 1.87 and 1.57. In the busiest half hour of it walls and
-  slopes gained 1.4 to 1.6. A heap at 1.4 s was 1.34 to 1.49 times as fast. Walls and a heap of
-  100 take as long as by one (below 800 blocks one thread does all); the same results to the last
-  bit (docs/decisions/0024, 0026, 0028 to 0031).
+  order over an hour and a half, 40 by one thread and 40 by two: by the medians 1.63 times as fast
+  on a wall at 5 ms, 1.57 on one at 1 ms, 1.58 on a slope at 5 ms, and 1.49 on a stack at rest; by
+  the means 1.62, 1.68, 1.64 and 1.49, by the fastest of each 1.80, 1.78, 1.87 and 1.57. A heap at
+  1.4 s was 1.34 to 1.49 times as fast. Walls and a heap of 100 take as long as by one (below 800
+  blocks one thread does all); the same results to the last bit (docs/decisions/0024, 0026, 0028 to
+  0031).
 - Where Newton's directions have K in single precision the product reads each block once
   (docs/decisions/0027), 144 bytes instead of 288. For 100,026 bricks it takes 3.3 to 5.6 ms by one
   thread and 2.7 to 3.2 by two; in double precision, as `modified` and `open-close` have it, 7.5 to
