@@ -532,6 +532,7 @@ def _counts_text(report: Report) -> str:
 COUNTED = {
     "line_search": "steps of the line search",
     "interior": "minimisations by the interior point method",
+    "local": "iterations of few blocks by themselves",
 }
 """What a count of the report is called."""
 

@@ -9,6 +9,7 @@ from test_interior import caught
 from clast.equations.reuse import FactorOfStep
 from clast.kernels import regions as kernel
 from clast.stepping import numbering
+from clast.stepping.parts import renumbered
 from clast.stepping.stages import Stages
 from clast.studies.bench.scenes import GRAVITY, box, outlines_of_wall
 from systems import at_start, by_convex, heap, open_ledger, system
@@ -66,7 +67,7 @@ def test_the_potential_is_the_same_with_other_numbers(monkeypatch):
     rng = np.random.default_rng(3)
     for one in caught(monkeypatch, heap(40, 10), 5e8, 5e-3, 0.3)[10::7]:
         order = rng.permutation(len(one.fixed))
-        part = one.renumbered(order)
+        part = renumbered(one, order)
         assert np.array_equal(part.blocks, order)
         pairs = part.potential.contacts.pairs
         assert np.array_equal(pairs, pairs[np.lexsort(pairs.T[::-1])])
@@ -120,7 +121,7 @@ def test_the_factor_of_a_step_is_not_that_of_other_numbers(monkeypatch):
     rng = np.random.default_rng(4)
     point = one.at(1e-4 * rng.normal(size=(len(one.fixed), 6)) * ~one.fixed[:, None])
     order = rng.permutation(len(one.fixed))
-    other = one.renumbered(order).potential
+    other = renumbered(one, order).potential
     there = other.at(point.unknowns[order])
     all_alike = np.full_like(point.response.normal_stiffness, 5e8)
     alike = [

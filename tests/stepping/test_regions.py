@@ -10,7 +10,8 @@ from scipy.sparse.csgraph import connected_components
 from test_interior import caught
 
 from clast.kernels import regions as kernel
-from clast.stepping import newton
+from clast.stepping import unfinished
+from clast.stepping.parts import part_of
 from systems import by_convex, heap, march, wall
 
 
@@ -95,7 +96,7 @@ def test_a_part_is_what_the_whole_is_there(monkeypatch):
         whole = one.at(unknowns)
         wanted = rng.random(one.regions.count) < 0.5
         wanted[-1] = False  # fixed blocks do not move
-        part = one.part(wanted)
+        part = part_of(one, wanted[one.regions.of_blocks] & ~one.fixed)
         inside = ~part.potential.fixed
         assert np.array_equal(
             np.sort(part.blocks[inside]), np.flatnonzero(wanted[one.regions.of_blocks])
@@ -112,7 +113,7 @@ def test_going_on_with_unfinished_regions_alone_gives_the_same_steps(monkeypatch
     how = replace(by_convex(share * 5e9), max_displacement=0.05)
 
     def run(small):
-        monkeypatch.setattr(newton, "SMALL", small)
+        monkeypatch.setattr(unfinished, "SMALL", small)
         return march(heap(30, 10), how, 5e-3, 0.5)
 
     apart, together = run(0), run(10**9)
@@ -128,11 +129,11 @@ def test_what_is_left_alone_is_as_many_regions_as_may_be(seed):
     rng = np.random.default_rng(seed)
     distances = rng.choice([0.0, 1e-9, 1e-3], 30) * rng.random(30)
     for enough in (1e-12, 1e-8, 1e-2, 1.0):
-        left, allowed = 0.0, newton.FINISHED * enough
+        left, allowed = 0.0, unfinished.FINISHED * enough
         finished = np.zeros(30, bool)
         for region in np.argsort(distances, kind="stable"):
             left += distances[region]
             finished[region] = left <= allowed
-        assert np.array_equal(newton.unfinished(distances, enough), ~finished)
+        assert np.array_equal(unfinished.unfinished(distances, enough), ~finished)
     distances[3] = np.nan
-    assert newton.unfinished(distances, 1e9)[3]
+    assert unfinished.unfinished(distances, 1e9)[3]

@@ -71,10 +71,10 @@ class Contacts:
         return rows_of(self.levers)
 
 
-def of_pairs(contacts: Contacts, wanted: Bools, number: Ints) -> Contacts:
-    """Return the contacts of the pairs ``wanted`` (q,), with blocks renumbered by ``number`` (n,).
+def of_pairs(contacts: Contacts, wanted: Bools, number: Ints) -> tuple[Contacts, Ints]:
+    """Return the contacts of the pairs ``wanted`` (q,), and which they are among all.
 
-    ``number`` must keep the order of the blocks.
+    Blocks are renumbered by ``number`` (n,), which must keep their order.
     """
     kept = np.flatnonzero(wanted[contacts.pair])
     columns = ((name, value) for name, value in vars(contacts).items() if name != "pairs")
@@ -82,12 +82,13 @@ def of_pairs(contacts: Contacts, wanted: Bools, number: Ints) -> Contacts:
     values["pair"] = (np.cumsum(wanted) - 1)[values["pair"]]
     for end in ("vertex_block", "edge_block"):
         values[end] = number[values[end]]
-    return Contacts(pairs=number[contacts.pairs[wanted]], **values)
+    return Contacts(pairs=number[contacts.pairs[wanted]], **values), kept
 
 
-def reordered(contacts: Contacts, number: Ints) -> Contacts:
+def reordered(contacts: Contacts, number: Ints) -> tuple[Contacts, Ints]:
     """Return the contacts of blocks that have other numbers now, ``number`` (n,), by their pairs.
 
+    And their places in ``contacts``.
     The contacts of a pair keep their order; vertices and edges keep their numbers.
     """
     ends = np.sort(number[contacts.pairs], axis=1)
@@ -101,7 +102,7 @@ def reordered(contacts: Contacts, number: Ints) -> Contacts:
     values["pair"] = pair[order]
     for end in ("vertex_block", "edge_block"):
         values[end] = number[values[end]]
-    return Contacts(pairs=ends[by_ends], **values)
+    return Contacts(pairs=ends[by_ends], **values), order
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,8 +9,9 @@ converges from anywhere.  Each iteration solves one assembled, symmetric positiv
 Where it takes long the interior point method takes over (stepping/interior.py).
 
 What is not convex is taken out of the minimisation and repeated around it: the friction bound
-follows the normal force (``friction_updates``), and bonds that reach their strength are broken
-before the minimum is sought again; bonds only break, so this ends.  Multipliers, where the law has
+follows the normal force (``friction_updates``) of a minimum that need only be as near as that asks
+for (stepping/rough.py), and bonds that reach their strength are broken before the minimum is sought
+again; bonds only break, so this ends.  Multipliers, where the law has
 them, are renewed after convergence.
 """
 
@@ -33,7 +34,7 @@ from clast.model import Floats, Model
 from clast.state import State
 from clast.stepping.conclude import Solved, conclude
 from clast.stepping.impact import theta_by_block
-from clast.stepping.newton import minimise
+from clast.stepping.newton import best_of, minimise
 from clast.stepping.potential import Point, Potential, regions_of
 from clast.stepping.reach import (
     closes_unseen,
@@ -43,6 +44,7 @@ from clast.stepping.reach import (
     travel_expected,
     travel_of,
 )
+from clast.stepping.rough import bound_by, with_new_bounds
 from clast.stepping.stages import Stages
 
 AT_REST = 1.0
@@ -183,31 +185,39 @@ class Convex:
         """
         law = method.contact_law
         factor = FactorOfStep(inexact(method.solver, DIRECTION))
-        contacts = multipliers.begin(law, potential.contacts)
-        updates, solves = 0, 0
+        enough = self.tolerance**2 * potential.yardstick()
+
+        def minimum(potential: Potential, point: Point, enough: float) -> Point:
+            return minimise(potential, point, factor, enough, self.iterations, counts, stages)
+
+        with stages("law"):
+            contacts = multipliers.begin(law, potential.contacts)
+            potential = bound_by(replace(potential, contacts=contacts), base)
+            point = best_of(potential, starts)
         # new multipliers shift the normal forces: their solve has its own friction to find
-        wanted = self.friction_updates + int(multipliers.has_multipliers(law))
+        updates = self.friction_updates + int(multipliers.has_multipliers(law))
+        solves = 0
         while True:
-            potential = replace(potential, contacts=replace(contacts, friction_base=base))
-            point = minimise(
-                potential, starts, factor, self.tolerance, self.iterations, counts, stages
-            )
-            starts, base = (point.unknowns,), point.response.normal_force
-            updates += 1
-            if updates <= wanted:
-                continue
-            updates, solves = 0, solves + 1
+            for _ in range(updates):
+                potential, point = with_new_bounds(minimum, potential, point, enough, stages)
+            point = minimum(potential, point, enough)
+            solves += 1
+            contacts, response = potential.contacts, point.response
             if not multipliers.enough(law, solves, point.gap):
-                contacts = multipliers.renew(law, contacts, point.response)
-                continue
-            # only the last solve has the forces by which bonds are judged
-            broken = contacts.bonded & ~point.response.bonded
-            if not broken.any():
-                counts["factorisations"] += factor.factorised
-                counts["pcg"] += factor.iterations
-                contacts = multipliers.renew(law, contacts, point.response)
-                return replace(potential, contacts=contacts), point
-            contacts, solves = without_bonds(contacts, broken), solves - 1
+                contacts = multipliers.renew(law, contacts, response)
+            else:
+                # only the last solve has the forces by which bonds are judged
+                broken = contacts.bonded & ~response.bonded
+                if not broken.any():
+                    break
+                contacts, solves = without_bonds(contacts, broken), solves - 1
+            potential = bound_by(replace(potential, contacts=contacts), response.normal_force)
+            with stages("law"):
+                point = potential.at(point.unknowns)
+        counts["factorisations"] += factor.factorised
+        counts["pcg"] += factor.iterations
+        contacts = multipliers.renew(law, potential.contacts, point.response)
+        return replace(potential, contacts=contacts), point
 
 
 def first_friction_base(begun: Begun, potential: Potential) -> Floats:

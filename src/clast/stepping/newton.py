@@ -8,24 +8,21 @@ import numpy as np
 
 from clast.equations.reuse import FactorOfStep
 from clast.errors import StepOutcome, StepRejected
-from clast.kernels.block_rows import dot
-from clast.model import Bools, Floats
+from clast.model import Floats
 from clast.stepping.interior import minimise_inside
+from clast.stepping.iteration import iterate
 from clast.stepping.numbering import order_of
-from clast.stepping.potential import Part, Point, Potential
+from clast.stepping.parts import Part, renumbered
+from clast.stepping.potential import Point, Potential
 from clast.stepping.stages import Stages
+from clast.stepping.unfinished import few_are_unfinished, unfinished_part
+from clast.stepping.worst_first import LARGE, worst_first
 
 WINDOW = 4
 """Iterations from which the rate of convergence is taken."""
 INTERIOR = 60
 """Iterations that are worth a change to the interior point method, which needs 20 to 30: Newton's
 last iterations gain far more than those from which their number is foretold."""
-FINISHED = 0.25
-"""Share of what is enough that regions may hold together which are not gone on with."""
-HALF = 0.5
-"""Where less than this share of the blocks is unfinished they go on by themselves."""
-SMALL = 50
-"""Blocks up to which all go on together: parting them would cost as much."""
 
 
 class Ending(Enum):
@@ -38,22 +35,20 @@ class Ending(Enum):
 
 def minimise(
     potential: Potential,
-    starts: tuple[Floats, ...],
+    point: Point,
     factor: FactorOfStep,
-    tolerance: float,
+    enough: float,
     iterations: int,
     counts: dict[str, int],
     stages: Stages,
 ) -> Point:
-    """Return the minimum of the potential, each region from the best of ``starts``, (n, 6) each.
+    """Return the minimum of the potential, from ``point`` on.
 
-    Done where the potential is within tolerance^2 x yardstick of its minimum: by the bound
+    Done where twice the potential is within ``enough``, J/m, of its minimum: by the bound
     without a system, or by the Newton decrement r.dd.  ``counts`` is added to.
     Raises StepRejected where some region needs more than ``iterations``.
     """
     with stages("law"):
-        point = best_of(potential, starts)
-        enough = tolerance**2 * potential.yardstick()
         if potential.distance(point) <= enough:
             return point
         contacts = potential.contacts
@@ -62,14 +57,14 @@ def minimise(
         unknowns = descend(potential, point, factor, enough, iterations, counts, stages)
     else:
         with stages("law"):
-            part = potential.renumbered(order)
+            part = renumbered(potential, order)
         unknowns = descend_within(part, point, factor, enough, iterations, counts, stages)
     with stages("law"):
         return potential.at(unknowns)
 
 
 def best_of(potential: Potential, starts: tuple[Floats, ...]) -> Point:
-    """Return the point of which each region is where it is nearest to its minimum."""
+    """Return the point that each region has from the best of ``starts``, (n, 6) each."""
     points = [potential.at(start) for start in starts]
     choice = np.argmin([potential.distances(point) for point in points], axis=0)
     if np.all(choice == choice[0]):
@@ -125,10 +120,7 @@ def descend_in_part(
 ) -> Floats:
     """Return unknowns (n, 6) within ``enough``, J/m, of the minimum: unfinished regions move."""
     with stages("law"):
-        distances = potential.distances(point)
-        wanted = unfinished(distances, enough)
-        part = potential.part(wanted)
-    left = enough - float(distances[~wanted].sum())
+        part, left = unfinished_part(potential, potential.distances(point), enough)
     return descend_within(part, point, factor, left, iterations, counts, stages)
 
 
@@ -143,23 +135,12 @@ def descend_within(
 ) -> Floats:
     """Return unknowns (n, 6) of the whole of which a part is within ``enough`` of its minimum."""
     with stages("law"):
-        start = part.potential.at(point.unknowns[part.blocks])
+        start = part.within(point)
     unknowns = point.unknowns.copy()
     unknowns[part.blocks] = descend(
         part.potential, start, factor, enough, iterations, counts, stages
     )
     return unknowns
-
-
-def unfinished(distances: Floats, enough: float) -> Bools:
-    """Return True for the regions (r,) without which the distance would still be too large."""
-    together = FINISHED * enough
-    wanted: Bools = ~(distances <= together)  # what is not finite is not finished
-    others = np.flatnonzero(~wanted)
-    if float(distances[others].sum()) > together:
-        others = others[np.argsort(distances[others], kind="stable")]
-        wanted[others[np.cumsum(distances[others]) > together]] = True
-    return wanted
 
 
 def newton(
@@ -178,33 +159,26 @@ def newton(
     and where only a part of the blocks is still of any account.
     """
     distances: list[float] = []
-    size = blocks_in(potential, np.ones(potential.regions.count, np.bool_))
+    size = int(np.count_nonzero(~potential.fixed))
     for _ in range(iterations):
         by_region = potential.distances(point)
         distances.append(float(by_region.sum()))
         if distances[-1] <= enough:
             return point, Ending.DONE
-        if size > SMALL and blocks_in(potential, unfinished(by_region, enough)) < HALF * size:
+        if few_are_unfinished(potential, by_region, enough):
             return point, Ending.FEW
         if remaining(distances, enough) > patience:
             return point, Ending.SLOW
-        direction = potential.direction(point, factor, stages)
+        if size > LARGE:
+            point = worst_first(potential, point, factor, enough, counts, stages)
+            if potential.distance(point) <= enough:
+                return point, Ending.DONE
+        point, decrement = iterate(potential, point, factor, counts, stages)
         counts["passes"] += 1
-        decrement = float(dot(point.residual, direction))
-        with stages("line search"):
-            line, evaluations = potential.line_search(point, direction)
-            counts["line_search"] += evaluations
-        with stages("law"):
-            point = potential.moved(point, line)
         if decrement <= enough:
             return point, Ending.DONE
     near = potential.distance(point) <= enough
     return point, Ending.DONE if near else Ending.SLOW
-
-
-def blocks_in(potential: Potential, wanted: Bools) -> int:
-    """Return how many blocks the regions ``wanted`` (r,) have; fixed ones do not count."""
-    return int(np.count_nonzero(wanted[potential.regions.of_blocks] & ~potential.fixed))
 
 
 def remaining(distances: list[float], enough: float) -> float:

@@ -7,21 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
-from clast.contact.arrays import (
-    ContactResponse,
-    Contacts,
-    SpringLimits,
-    of_pairs,
-    reordered,
-)
+from clast.contact.arrays import ContactResponse, Contacts, SpringLimits
 from clast.contact.springs import limits_of
 from clast.equations.couplings import Graph
 from clast.equations.reuse import FactorOfStep
-from clast.equations.system import (
-    contact_motions,
-    graph_of,
-    symmetric_system,
-)
+from clast.equations.system import contact_motions, symmetric_system
 from clast.equations.terms import DiagonalTerms
 from clast.interfaces import ContactLaw
 from clast.kernels import assembly, block_rows, line_search, region_sums, regions
@@ -159,43 +149,6 @@ class Potential:
         momentum = self.base.momentum
         return half(self.base.force - momentum) + MOMENTUM_SHARE * half(momentum)
 
-    def part(self, wanted: Bools) -> Part:
-        """Return the potential of the regions ``wanted`` (regions.count,) alone."""
-        of_blocks = wanted[self.regions.of_blocks]
-        pairs = self.contacts.pairs
-        touching: Bools = of_blocks[pairs[:, 0]] | of_blocks[pairs[:, 1]]
-        needed = of_blocks.copy()
-        needed[pairs[touching].ravel()] = True  # with the fixed blocks that they touch
-        blocks = np.flatnonzero(needed)
-        return self._with(blocks, of_pairs(self.contacts, touching, np.cumsum(needed) - 1))
-
-    def renumbered(self, order: Ints) -> Part:
-        """Return the same potential with the blocks in another ``order`` (n,)."""
-        number = np.empty(len(order), np.int64)
-        number[order] = np.arange(len(order))
-        return self._with(order, reordered(self.contacts, number))
-
-    def _with(self, blocks: Ints, contacts: Contacts) -> Part:
-        """Return the potential of some ``blocks`` (k,) and their ``contacts``."""
-        fixed = self.fixed[blocks]
-        return Part(
-            blocks=blocks,
-            potential=replace(
-                self,
-                base=DiagonalTerms(
-                    diagonal=self.base.diagonal[blocks],
-                    force=self.base.force[blocks],
-                    momentum=self.base.momentum[blocks],
-                    centroid=self.base.centroid[blocks],
-                ),
-                inverse=self.inverse[blocks],
-                contacts=contacts,
-                fixed=fixed,
-                graph=graph_of(contacts, len(blocks)),
-                regions=regions_of(contacts, fixed),
-            ),
-        )
-
     def largest_force(self) -> float:
         """Return the sum of all forces on the blocks, N/m: more than any contact can bear."""
         held = np.where(self.fixed[:, None], 0.0, self.base.force)
@@ -319,16 +272,6 @@ class Potential:
             inside = low < trial < high
             length = trial if inside else 0.5 * (low + min(high, 2.0 * low + 1.0))
         return length, LINE_SEARCH_LIMIT
-
-
-@dataclass(frozen=True, kw_only=True)
-class Part:
-    """The potential of some regions, or of all blocks in another order."""
-
-    potential: Potential
-    """Their potential."""
-    blocks: Ints
-    """Their blocks, and fixed ones that they touch, among those of the whole."""
 
 
 MOMENTUM_SHARE = 1e-4

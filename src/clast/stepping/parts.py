@@ -1,0 +1,116 @@
+"""Parts of a potential: some blocks while the others stand still, or all in another order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from clast.contact.arrays import Contacts, of_pairs, reordered
+from clast.equations.system import graph_of
+from clast.equations.terms import DiagonalTerms
+from clast.model import Bools, Floats, Ints
+from clast.stepping.potential import Point, Potential, regions_of
+
+ANSWERS = ("normal_force", "shear_force", "normal_stiffness", "shear_stiffness")
+"""What Newton's method needs of what a law of springs with bounds answers."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """A potential of some blocks, or of all in another order, and where they are in the whole."""
+
+    potential: Potential
+    """Their potential; blocks that stand still are fixed in it."""
+    blocks: Ints
+    """Its blocks among those of the whole."""
+    contacts: Ints
+    """Its contacts among those of the whole."""
+
+    def within(self, point: Point) -> Point:
+        """Return the whole's ``point`` as the part has it."""
+        potential, own = self.potential, self.contacts
+        unknowns = point.unknowns[self.blocks]
+        if potential.limits is None:
+            return potential.at(unknowns)
+        residual = point.residual[self.blocks]
+        residual[potential.fixed] = 0.0
+        answers = {name: getattr(point.response, name).take(own) for name in ANSWERS}
+        return Point(
+            unknowns=unknowns,
+            gap=point.gap.take(own),
+            slip=point.slip.take(own),
+            response=replace(potential.at_rest, **answers),
+            residual=residual,
+        )
+
+
+def part_of(potential: Potential, wanted: Bools) -> Part:
+    """Return the potential of the free blocks ``wanted`` (n,) while all others stand still.
+
+    Those that they touch are there too, with the displacements that they have.
+    """
+    pairs = potential.contacts.pairs
+    touching: Bools = wanted[pairs[:, 0]] | wanted[pairs[:, 1]]
+    needed = wanted.copy()
+    needed[pairs[touching].ravel()] = True
+    blocks = np.flatnonzero(needed)
+    contacts, kept = of_pairs(potential.contacts, touching, np.cumsum(needed) - 1)
+    own = _potential_of(potential, blocks, contacts, ~wanted[blocks])
+    return Part(potential=own, blocks=blocks, contacts=kept)
+
+
+def renumbered(potential: Potential, order: Ints) -> Part:
+    """Return the same potential with the blocks in another ``order`` (n,)."""
+    number = np.empty(len(order), np.int64)
+    number[order] = np.arange(len(order))
+    contacts, places = reordered(potential.contacts, number)
+    own = _potential_of(potential, order, contacts, potential.fixed[order])
+    return Part(potential=own, blocks=order, contacts=places)
+
+
+def with_part(potential: Potential, point: Point, part: Part, moved: Point) -> Point:
+    """Return ``point`` with the blocks and contacts of a part where they ``moved`` to."""
+    unknowns = _put(moved.unknowns, part.blocks, point.unknowns)
+    if potential.limits is None:
+        return potential.at(unknowns)
+    before, after = point.response, moved.response
+    answers: dict[str, Any] = {
+        name: _put(getattr(after, name), part.contacts, getattr(before, name)) for name in ANSWERS
+    }
+    return Point(
+        unknowns=unknowns,
+        gap=_put(moved.gap, part.contacts, point.gap),
+        slip=_put(moved.slip, part.contacts, point.slip),
+        response=replace(potential.at_rest, **answers),
+        residual=potential.unbalanced(unknowns, answers["normal_force"], answers["shear_force"]),
+    )
+
+
+def _put(values: Floats, where: Ints, among: Floats) -> Floats:
+    """Return a copy of ``among`` with ``values`` at the places ``where``."""
+    result = among.copy()
+    result[where] = values
+    return result
+
+
+def _potential_of(
+    potential: Potential, blocks: Ints, contacts: Contacts, fixed: Bools
+) -> Potential:
+    """Return the potential of ``blocks`` (k,), some ``fixed`` (k,), and their ``contacts``."""
+    base = potential.base
+    return replace(
+        potential,
+        base=DiagonalTerms(
+            diagonal=base.diagonal[blocks],
+            force=base.force[blocks],
+            momentum=base.momentum[blocks],
+            centroid=base.centroid[blocks],
+        ),
+        inverse=potential.inverse[blocks],
+        contacts=contacts,
+        fixed=fixed,
+        graph=graph_of(contacts, len(blocks)),
+        regions=regions_of(contacts, fixed),
+    )

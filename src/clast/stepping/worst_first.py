@@ -1,0 +1,114 @@
+"""The blocks that are farthest from rest go first, while the others stand still.
+
+Newton's method goes along its direction as far as the contacts allow that open, close, stick and
+slide on the way: all blocks together no farther than suits those few of them that have most to
+settle, and the more blocks there are the more of those.  Yet nearly all that is left to the minimum
+lies with few blocks.  So before a direction for all, these few and their neighbours are minimised
+by themselves.  Each place where they are has a length of its own along the direction, and costs
+what it has blocks.  The potential falls in either case, so that Newton's method converges as
+before (a nonlinear elimination; Cai and Li 2011).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.equations.reuse import FactorOfStep
+from clast.kernels import region_sums
+from clast.model import Bools, Floats, Ints
+from clast.stepping.iteration import iterate
+from clast.stepping.parts import Part, part_of, with_part
+from clast.stepping.potential import Point, Potential
+from clast.stepping.stages import Stages
+from clast.stepping.unfinished import few_are_unfinished, unfinished_part
+
+LARGE = 1500
+"""Blocks from which the worst go first: among fewer it costs as much as it saves."""
+WORST = 0.8
+"""Share of what is left to the minimum that the worst blocks have together."""
+FEW = 0.2
+"""Where they and their neighbours are a larger share of the blocks all go on together."""
+LEFT = 1e-2
+"""Share of what is left to the minimum at which the worst blocks are done."""
+NEARLY = 0.25
+"""Share of what is enough at which they are done in any case."""
+ITERATIONS = 6
+"""Iterations of theirs; where more are needed the others need to move as well."""
+
+
+def worst_first(
+    potential: Potential,
+    point: Point,
+    factor: FactorOfStep,
+    enough: float,
+    counts: dict[str, int],
+    stages: Stages,
+) -> Point:
+    """Return a lower point: the worst blocks are at their minimum, where they are few."""
+    with stages("law"):
+        distances = distances_of_blocks(potential, point)
+        total = float(distances.sum())
+        wanted = with_neighbours(worst(distances, total), potential.contacts.pairs)
+        wanted &= ~potential.fixed
+        if np.count_nonzero(wanted) > FEW * np.count_nonzero(~potential.fixed):
+            return point
+        part = part_of(potential, wanted)
+    left = max(LEFT * total, NEARLY * enough)
+    return settled(potential, point, part, factor, left, ITERATIONS, counts, stages)
+
+
+def settled(
+    potential: Potential,
+    point: Point,
+    part: Part,
+    factor: FactorOfStep,
+    left: float,
+    iterations: int,
+    counts: dict[str, int],
+    stages: Stages,
+) -> Point:
+    """Return a lower point: a part is at ``left``, J/m, from its minimum, or nearer than it was.
+
+    Regions of the part that are done are left alone, as in Newton's method for all.
+    """
+    with stages("law"):
+        inner = part.within(point)
+    for done in range(iterations):
+        distances = part.potential.distances(inner)
+        if distances.sum() <= left:
+            break
+        if few_are_unfinished(part.potential, distances, left):
+            with stages("law"):
+                rest, own = unfinished_part(part.potential, distances, left)
+            fewer = iterations - done
+            inner = settled(part.potential, inner, rest, factor, own, fewer, counts, stages)
+            break
+        inner, _ = iterate(part.potential, inner, factor, counts, stages)
+        counts["local"] = counts.get("local", 0) + 1
+    with stages("law"):
+        return with_part(potential, point, part, inner)
+
+
+def distances_of_blocks(potential: Potential, point: Point) -> Floats:
+    """Return what each block has of the distance to the minimum, J/m, shape (n,)."""
+    count = len(potential.fixed)
+    each = np.arange(count)
+    return np.asarray(region_sums.forms(potential.inverse, point.residual, each, count))
+
+
+def worst(distances: Floats, total: float) -> Bools:
+    """Return True for the blocks, by powers of two of their ``distances`` (n,), that have WORST."""
+    _, power = np.frexp(distances)
+    lowest = int(power.min())
+    by_power = np.bincount(power - lowest, weights=distances)
+    others = np.cumsum(by_power) < (1.0 - WORST) * total
+    found: Bools = ~others[power - lowest] & (distances != 0.0)  # frexp gives 0 for 0 and for 1/2
+    return found
+
+
+def with_neighbours(chosen: Bools, pairs: Ints) -> Bools:
+    """Return True for blocks ``chosen`` (n,) and for those with which they have contacts."""
+    touching = chosen[pairs[:, 0]] | chosen[pairs[:, 1]]
+    grown = chosen.copy()
+    grown[pairs[touching].ravel()] = True
+    return grown
