@@ -43,13 +43,29 @@ equations take, factors and couplings included: little where blocks rest or fall
 is next to nothing to solve.
 
 The first steps of a wall or a slope are the dearest: weight goes on at once, and waves run
-through blocks without any damping. Most of the growth from 1,000 to 10,000 blocks is in the
-number of iterations, and that is in the height of the scenes (see below).
+through blocks without any damping. What grows from 1,000 to 10,000 blocks is also the height of
+the scenes (see below).
 """
 LARGE = """\
 ## A million blocks, height, order, and threads
 
 Apart from the runs above, on the machine named:
+
+- Of one height cost per block does not grow with the number of blocks at 1 ms: in their first ten
+  steps walls of 50 courses with 1,026, 10,026 and 100,026 bricks take 56 to 64, 51 to 59 and 51 µs
+  per block and step, with 22, 13 and 11 iterations of all blocks a step; those that have most to
+  settle go first by themselves (docs/decisions/0034). At 5 ms it is 29 to 34 and 47 µs for 1,026
+  and 100,026 bricks, with 6.6 and 7.2. In the table above what grows is the height: scenes of
+  1,000 blocks are 32 storeys or 45 courses high.
+- `--threads 2` with 10,000 blocks, runs in processes of their own that took turns:
+  first steps 1.4 times as fast as by one on a wall at 5 and at 1 ms and on a slope at 5 ms, 1.5 on
+  a slope at 1 ms and on a stack, 1.3 on a heap; 60 steps of 10 ms of a wall 1.5 times, 100 of 2 ms
+  1.8 times.
+  Few blocks by themselves are little to share: without that two threads were 1.5 to 2.1 times as
+  fast as one, and no quicker than with it (docs/decisions/0034). Below 800 blocks one thread does
+  all; the results are the same to the last bit.
+
+Before docs/decisions/0033 and 0034, on an AMD EPYC with 2 cores and 23.5 GiB:
 
 - `clast bench heap --size 1000000 --step 2.5e-3 --steps 100 --results build`: a million falling
   squares are built in 9 s and take 1.7 µs per block and step, 3 minutes with first and last state
@@ -58,21 +74,13 @@ Apart from the runs above, on the machine named:
   squares at rest on 3,960,000 contacts, h = 1 ms, take 3.7 µs per block and step, 6.5 minutes with
   first and last state saved (1 GB), and 8.4 GiB of memory at most; the matrix product reached
   27 GB/s there, 108 % of the triad by as many threads.
-- Of one height cost per block grows slowly with the number of blocks: in their first ten steps
-  walls of 50 courses with 1,026, 10,026 and 100,026 bricks take 48, 68 and 87 µs per block and
-  step at 1 ms, for they take 28, 35 and 42 iterations a step; towers of 50 storeys with 1,001,
-  10,001 and 100,001 squares 7.5, 7.8 and 8.2 µs at 5 ms, with 3.6 to 4.4. In the table above what
-  grows is the height: scenes of 1,000 blocks are 32 storeys or 45 courses high.
+- Towers of 50 storeys with 1,001, 10,001 and 100,001 squares take 7.5, 7.8 and 8.2 µs per block
+  and step at 5 ms.
+- A heap of 10,000 at 1.4 s was 1.34 to 1.49 times as fast by two threads. Walls and a heap of 100
+  take as long as by one.
 - Numbered at random instead of course by course, walls of 1,011, 10,026 and 100,026 bricks take
   1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew
   (docs/decisions/0024).
-- `--threads 2`, first steps of 10,000 blocks, whole runs each in a process of its own, in random
-  order over an hour and a half, 40 by one thread and 40 by two: by the medians 1.63 times as fast
-  on a wall at 5 ms, 1.57 on one at 1 ms, 1.58 on a slope at 5 ms, and 1.49 on a stack at rest; by
-  the means 1.62, 1.68, 1.64 and 1.49, by the fastest of each 1.80, 1.78, 1.87 and 1.57. A heap at
-  1.4 s was 1.34 to 1.49 times as fast. Walls and a heap of 100 take as long as by one (below 800
-  blocks one thread does all); the same results to the last bit (docs/decisions/0024, 0026, 0028 to
-  0031).
 - Where Newton's directions have K in single precision the product reads each block once
   (docs/decisions/0027), 144 bytes instead of 288. For 100,026 bricks it takes 3.3 to 5.6 ms by one
   thread and 2.7 to 3.2 by two; in double precision, as `modified` and `open-close` have it, 7.5 to
