@@ -10,7 +10,7 @@ from clast.equations.system import BlockSystem
 from clast.kernels import aggregates, coarse
 from clast.model import Floats, Ints
 
-THOUSAND, TENFOLD = 6.0, 1.6
+THOUSAND, TENFOLD = 6.0, 2.4
 """Of 1,000 blocks 2^THOUSAND aggregates are made, of ten times as many 2^TENFOLD times as many:
 more would need fewer iterations, and cost more to factorise than those."""
 

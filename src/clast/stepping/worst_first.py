@@ -17,10 +17,9 @@ from clast.equations.reuse import FactorOfStep
 from clast.kernels import region_sums
 from clast.model import Bools, Floats, Ints
 from clast.stepping.iteration import iterate
-from clast.stepping.parts import Part, part_of, with_part
+from clast.stepping.parts import part_of, with_part
 from clast.stepping.potential import Point, Potential
 from clast.stepping.stages import Stages
-from clast.stepping.unfinished import few_are_unfinished, unfinished_part
 
 LARGE = 1500
 """Blocks from which the worst go first: among fewer it costs as much as it saves."""
@@ -53,35 +52,10 @@ def worst_first(
         if np.count_nonzero(wanted) > FEW * np.count_nonzero(~potential.fixed):
             return point
         part = part_of(potential, wanted)
-    left = max(LEFT * total, NEARLY * enough)
-    return settled(potential, point, part, factor, left, ITERATIONS, counts, stages)
-
-
-def settled(
-    potential: Potential,
-    point: Point,
-    part: Part,
-    factor: FactorOfStep,
-    left: float,
-    iterations: int,
-    counts: dict[str, int],
-    stages: Stages,
-) -> Point:
-    """Return a lower point: a part is at ``left``, J/m, from its minimum, or nearer than it was.
-
-    Regions of the part that are done are left alone, as in Newton's method for all.
-    """
-    with stages("law"):
         inner = part.within(point)
-    for done in range(iterations):
-        distances = part.potential.distances(inner)
-        if distances.sum() <= left:
-            break
-        if few_are_unfinished(part.potential, distances, left):
-            with stages("law"):
-                rest, own = unfinished_part(part.potential, distances, left)
-            fewer = iterations - done
-            inner = settled(part.potential, inner, rest, factor, own, fewer, counts, stages)
+    left = max(LEFT * total, NEARLY * enough)
+    for _ in range(ITERATIONS):
+        if part.potential.distance(inner) <= left:
             break
         inner, _ = iterate(part.potential, inner, factor, counts, stages)
         counts["local"] = counts.get("local", 0) + 1
