@@ -40,10 +40,10 @@ def by_newton(monkeypatch, potential, enough):
     counts = {"passes": 0, "line_search": 0}
     with monkeypatch.context() as alone:
         alone.setattr(newton, "INTERIOR", np.inf)
-        unknowns = newton.descend(
+        found = newton.descend(
             potential, point, FactorOfStep(Direct()), enough, 500, counts, Stages()
         )
-    return potential.at(unknowns)
+    return potential.at(found.unknowns)
 
 
 def inside(potential, enough):

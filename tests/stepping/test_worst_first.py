@@ -8,6 +8,8 @@ from test_interior import TOLERANCE, by_newton, caught, strengthened
 
 from clast.equations.reuse import FactorOfStep
 from clast.equations.solvers import Direct
+from clast.kernels import block_rows
+from clast.kernels.neighbours import with_neighbours
 from clast.stepping import newton, worst_first
 from clast.stepping.parts import part_of, with_part
 from clast.stepping.stages import Stages
@@ -93,6 +95,8 @@ def test_a_part_has_what_the_whole_has_and_gives_it_back(potentials):
         assert np.array_equal(back.unknowns, there.unknowns)
         assert np.array_equal(back.gap, there.gap)
         assert np.array_equal(back.residual, there.residual)
+        assert np.array_equal(back.left, there.left)
+        assert inner.left == pytest.approx(alone.left, rel=1e-6)
         for name in ("normal_force", "shear_force", "normal_stiffness", "shear_stiffness"):
             assert np.array_equal(getattr(back.response, name), getattr(there.response, name))
 
@@ -107,10 +111,12 @@ def test_the_others_stand_still_and_the_potential_falls(potentials, monkeypatch)
         after = worst_first.worst_first(
             one, before, FactorOfStep(Direct()), enough, counts, Stages()
         )
-        distances = worst_first.distances_of_blocks(one, before)
-        assert distances.sum() == pytest.approx(one.distance(before), rel=1e-12)
+        distances = before.left
+        held = block_rows.products(one.inverse, before.residual)
+        assert distances == pytest.approx(np.sum(held * before.residual, axis=1), rel=1e-9)
+        assert one.distance(before) == pytest.approx(distances.sum(), rel=1e-12)
         chosen = worst_first.worst(distances, distances.sum())
-        near = worst_first.with_neighbours(chosen, one.contacts.pairs) & ~one.fixed
+        near = with_neighbours(chosen, one.contacts.pairs) & ~one.fixed
         assert not after.unknowns[~near].any()
         lowered = energy(one, after)
         assert lowered <= 0.0
@@ -135,10 +141,10 @@ def test_the_minimum_is_the_same(potentials, monkeypatch, odd):
             always.setattr(worst_first, "FEW", 0.7)
             always.setattr(newton, "INTERIOR", np.inf)
             counts = none()
-            unknowns = newton.descend(
+            found = newton.descend(
                 one, start(one), FactorOfStep(Direct()), enough, 500, counts, Stages()
             )
-        found = one.at(unknowns)
+        found = one.at(found.unknowns)
         local += counts.get("local", 0)
         assert one.distance(found) <= 1e3 * enough  # the decrement may end it, not this bound
         force = np.abs(wanted.response.normal_force).max()

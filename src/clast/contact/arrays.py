@@ -71,18 +71,17 @@ class Contacts:
         return rows_of(self.levers)
 
 
-def of_pairs(contacts: Contacts, wanted: Bools, number: Ints) -> tuple[Contacts, Ints]:
-    """Return the contacts of the pairs ``wanted`` (q,), and which they are among all.
+def of_pairs(contacts: Contacts, pairs: Ints, kept: Ints, pair: Ints, number: Ints) -> Contacts:
+    """Return the contacts ``kept`` (c,), which are those of some ``pairs`` (k,).
 
-    Blocks are renumbered by ``number`` (n,), which must keep their order.
+    ``pair`` (c,) says of which of them each is.  Blocks are renumbered by ``number`` (n,), which
+    must keep their order.
     """
-    kept = np.flatnonzero(wanted[contacts.pair])
     columns = ((name, value) for name, value in vars(contacts).items() if name != "pairs")
-    values = {name: value.take(kept, axis=0) for name, value in columns}
-    values["pair"] = (np.cumsum(wanted) - 1)[values["pair"]]
+    values = {name: value.take(kept, axis=0) for name, value in columns if name != "pair"}
     for end in ("vertex_block", "edge_block"):
         values[end] = number[values[end]]
-    return Contacts(pairs=number[contacts.pairs[wanted]], **values), kept
+    return Contacts(pairs=number[contacts.pairs[pairs]], pair=pair, **values)
 
 
 def reordered(contacts: Contacts, number: Ints) -> tuple[Contacts, Ints]:

@@ -9,6 +9,9 @@ the impulse h F whatever its theta, so blocks with different theta still exchang
 
 from __future__ import annotations
 
+import numpy as np
+
+from clast.kernels import block_terms
 from clast.model import Floats
 
 
@@ -24,5 +27,4 @@ def velocity_factor(theta: Floats, step: float) -> Floats:
 
 def end_velocity(theta: Floats, displacement: Floats, velocity: Floats, step: float) -> Floats:
     """Return v+ = (d/h - (1 - theta) v)/theta of each block, shape (n, 6)."""
-    share = theta[:, None]
-    return (displacement / step - (1.0 - share) * velocity) / share
+    return np.asarray(block_terms.end_velocities(theta, displacement, velocity, step))

@@ -10,7 +10,7 @@ from clast.contact.arrays import ContactResponse, Contacts
 from clast.equations.couplings import Blocks, Couplings, Graph, Rows, Springs
 from clast.equations.terms import DiagonalTerms
 from clast.errors import StepOutcome, StepRejected
-from clast.kernels import assembly, block_rows
+from clast.kernels import assembly, balance, block_rows
 from clast.model import Bools, Floats, Ints
 
 
@@ -89,7 +89,7 @@ def with_contact_forces(
     shear: Floats,
 ) -> Floats:
     """Return ``force`` (n, 6) plus N n + T t of forces (m,), N/m; 0 for fixed blocks."""
-    return assembly.loaded(
+    return balance.loaded(
         force, fixed, graph, contacts.vertex_block, contacts.levers, normal, shear
     )
 

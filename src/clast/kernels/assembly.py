@@ -10,7 +10,6 @@ from clast.kernels.compiled import kernel
 from clast.kernels.levers import (
     couple,
     finish_own,
-    force_on,
     gather_own,
     normal_of,
     relative_motion,
@@ -19,11 +18,8 @@ from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import MANY, PART, parts
 from clast.kernels.six import (
     line,
-    plus,
     plus_product,
-    plus_scaled,
     put_line,
-    put_row,
     row,
     total,
     with_number,
@@ -324,97 +320,6 @@ def contact_motions(vertex_block, edge_block, levers, displacement):
     else:
         _motions(0, count, vertex_block, edge_block, levers, displacement, normal, tangent)
     return normal, tangent
-
-
-@kernel(forceinline=True)
-def _forces_on(i, first, last, vertex_block, levers, normal, shear):
-    """Return the sum of N n + T t on block i of contacts ``first`` to ``last`` - 1."""
-    s = zeros()
-    for c in range(first, last):
-        if normal[c] != 0.0 or shear[c] != 0.0:
-            s = plus(s, force_on(levers, c, vertex_block[c] == i, normal[c], shear[c]))
-    return s
-
-
-@kernel(forceinline=True)
-def _plus_forces(s, i, graph, vertex_block, levers, normal, shear):
-    """Return s plus the sum of N n + T t on block i."""
-    start, right, left, listed = graph
-    for at in range(left[i], left[i + 1]):
-        q = listed[at]
-        s = plus(s, _forces_on(i, start[q], start[q + 1], vertex_block, levers, normal, shear))
-    # the pairs that begin with a block follow each other, and so do their contacts
-    first, last = start[right[i]], start[right[i + 1]]
-    return plus(s, _forces_on(i, first, last, vertex_block, levers, normal, shear))
-
-
-@kernel()
-def _balance_rows(low, high, base, d, load, fixed, graph, vertex_block, levers, normal, shear, out):
-    """Write load - B d + sum of N n + T t of blocks ``low`` to ``high`` - 1; 0 where fixed."""
-    for i in range(low, high):
-        if fixed[i]:
-            put_row(out, i, zeros())
-        else:
-            s = plus_scaled(row(load, i), -1.0, times(base, i, d, i))
-            put_row(out, i, _plus_forces(s, i, graph, vertex_block, levers, normal, shear))
-
-
-@kernel(parallel=True)
-def _balance_shared(base, d, load, fixed, graph, vertex_block, levers, normal, shear, out):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(d))):
-            last = min((c + 1) * CHUNK, len(d))
-            low = c * CHUNK
-            _balance_rows(
-                low, last, base, d, load, fixed, graph, vertex_block, levers, normal, shear, out
-            )
-
-
-@kernel()
-def unbalanced(base, d, load, fixed, graph, vertex_block, levers, normal, shear):
-    """Return load - B d + sum of N n + T t (n, 6): what is out of balance; 0 for fixed blocks."""
-    out = np.empty_like(d)
-    if len(d) >= SHARED:
-        _balance_shared(base, d, load, fixed, graph, vertex_block, levers, normal, shear, out)
-    else:
-        _balance_rows(
-            0, len(d), base, d, load, fixed, graph, vertex_block, levers, normal, shear, out
-        )
-    return out
-
-
-@kernel()
-def _load_rows(low, high, load, fixed, graph, vertex_block, levers, normal, shear, out):
-    """Write load + sum of N n + T t of blocks ``low`` to ``high`` - 1; 0 where fixed."""
-    for i in range(low, high):
-        if fixed[i]:
-            put_row(out, i, zeros())
-        else:
-            s = _plus_forces(row(load, i), i, graph, vertex_block, levers, normal, shear)
-            put_row(out, i, s)
-
-
-@kernel(parallel=True)
-def _load_shared(load, fixed, graph, vertex_block, levers, normal, shear, out):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(load))):
-            last = min((c + 1) * CHUNK, len(load))
-            _load_rows(
-                c * CHUNK, last, load, fixed, graph, vertex_block, levers, normal, shear, out
-            )
-
-
-@kernel()
-def loaded(load, fixed, graph, vertex_block, levers, normal, shear):
-    """Return load + sum of N n + T t (n, 6): forces with those of contacts; 0 for fixed blocks."""
-    out = np.empty_like(load)
-    if len(load) >= SHARED:
-        _load_shared(load, fixed, graph, vertex_block, levers, normal, shear, out)
-    else:
-        _load_rows(0, len(load), load, fixed, graph, vertex_block, levers, normal, shear, out)
-    return out
 
 
 @kernel()

@@ -80,3 +80,31 @@ def terms(inertia, velocity, elastic, stress, mass, acceleration):
     else:
         _of_blocks(0, len(mass), moving, elastic, stress, mass, acceleration, found)
     return found
+
+
+@kernel()
+def _end_velocities(first, last, theta, displacement, velocity, step, result):
+    for b in range(first, last):
+        for a in range(6):
+            before = (1.0 - theta[b]) * velocity[b, a]
+            result[b, a] = (displacement[b, a] / step - before) / theta[b]
+
+
+@kernel(parallel=True)
+def _end_velocities_shared(theta, displacement, velocity, step, result):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(theta))):
+            last = min((c + 1) * CHUNK, len(theta))
+            _end_velocities(c * CHUNK, last, theta, displacement, velocity, step, result)
+
+
+@kernel()
+def end_velocities(theta, displacement, velocity, step):
+    """Return (d/h - (1 - theta) v)/theta (n, 6) of d and v (n, 6), theta (n,) and a step h, s."""
+    result = np.empty_like(displacement)
+    if len(theta) >= SHARED:
+        _end_velocities_shared(theta, displacement, velocity, step, result)
+    else:
+        _end_velocities(0, len(theta), theta, displacement, velocity, step, result)
+    return result

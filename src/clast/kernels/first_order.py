@@ -3,18 +3,38 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import prange
 
 from clast.kernels.compiled import kernel
+from clast.kernels.shared_loops import nothing_done, threads_of, to_do
+from clast.kernels.shares import MANY, bounds, parts
+
+
+@kernel()
+def _displace(first, last, offset, unknowns, block, result):
+    for k in range(first, last):
+        x, y, d = offset[k, 0], offset[k, 1], unknowns[block[k]]
+        result[k, 0] = d[0] - y * d[2] + x * d[3] + 0.5 * y * d[5]
+        result[k, 1] = d[1] + x * d[2] + y * d[4] + 0.5 * x * d[5]
+
+
+@kernel(parallel=True)
+def _displace_shared(offset, unknowns, block, result):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(offset))):
+            first, last = bounds(part, len(offset))
+            _displace(first, last, offset, unknowns, block, result)
 
 
 @kernel()
 def displacements(offset, unknowns, block):
     """Return T d, m, (k, 2) at offsets (k, 2), m, from d (n, 6) of their blocks (k,)."""
     result = np.empty_like(offset)
-    for k in range(len(offset)):
-        x, y, d = offset[k, 0], offset[k, 1], unknowns[block[k]]
-        result[k, 0] = d[0] - y * d[2] + x * d[3] + 0.5 * y * d[5]
-        result[k, 1] = d[1] + x * d[2] + y * d[4] + 0.5 * x * d[5]
+    if len(offset) >= MANY:
+        _displace_shared(offset, unknowns, block, result)
+    else:
+        _displace(0, len(offset), offset, unknowns, block, result)
     return result
 
 
@@ -58,10 +78,9 @@ def contact_rows(levers):
 
 
 @kernel()
-def mass_matrices(mass, moments):
-    """Return int T^T T dm (n, 6, 6) from mass (n,), kg/m, and moments (n, 3), kg m2/m."""
-    m = np.zeros((len(mass), 6, 6))
-    for b in range(len(mass)):
+def _mass_matrices(first, last, mass, moments, m):
+    m[first:last] = 0.0
+    for b in range(first, last):
         sxx, syy, sxy = moments[b, 0], moments[b, 1], moments[b, 2]
         m[b, 0, 0] = m[b, 1, 1] = mass[b]
         m[b, 2, 2] = sxx + syy
@@ -73,4 +92,23 @@ def mass_matrices(mass, moments):
         m[b, 4, 4] = syy
         m[b, 4, 5] = m[b, 5, 4] = 0.5 * sxy
         m[b, 5, 5] = 0.25 * (sxx + syy)
+
+
+@kernel(parallel=True)
+def _mass_matrices_shared(mass, moments, m):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(mass))):
+            first, last = bounds(part, len(mass))
+            _mass_matrices(first, last, mass, moments, m)
+
+
+@kernel()
+def mass_matrices(mass, moments):
+    """Return int T^T T dm (n, 6, 6) from mass (n,), kg/m, and moments (n, 3), kg m2/m."""
+    m = np.empty((len(mass), 6, 6))
+    if len(mass) >= MANY:
+        _mass_matrices_shared(mass, moments, m)
+    else:
+        _mass_matrices(0, len(mass), mass, moments, m)
     return m

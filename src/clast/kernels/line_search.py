@@ -249,5 +249,8 @@ def answers(region, length, line, springs):
         np.empty(count),
         np.empty(count),
     )
-    _answer_parts(region, length, line, springs, found)
+    if count >= MANY:
+        _answer_parts(region, length, line, springs, found)
+    else:
+        _answer(0, count, region, length, line, springs, found)
     return found

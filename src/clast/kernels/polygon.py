@@ -67,12 +67,29 @@ def moments(vertices, block_start):
 
 
 @kernel()
+def _offsets(first, last, positions, block, centroid, result):
+    for k in range(first, last):
+        result[k, 0] = positions[k, 0] - centroid[block[k], 0]
+        result[k, 1] = positions[k, 1] - centroid[block[k], 1]
+
+
+@kernel(parallel=True)
+def _offsets_shared(positions, block, centroid, result):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(positions))):
+            first, last = bounds(part, len(positions))
+            _offsets(first, last, positions, block, centroid, result)
+
+
+@kernel()
 def offsets(positions, block, centroid):
     """Return where points (k, 2) of blocks (k,) are beside the centroids (n, 2), m, (k, 2)."""
     result = np.empty_like(positions)
-    for k in range(len(positions)):
-        result[k, 0] = positions[k, 0] - centroid[block[k], 0]
-        result[k, 1] = positions[k, 1] - centroid[block[k], 1]
+    if len(positions) >= MANY:
+        _offsets_shared(positions, block, centroid, result)
+    else:
+        _offsets(0, len(positions), positions, block, centroid, result)
     return result
 
 

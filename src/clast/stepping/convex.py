@@ -201,6 +201,8 @@ class Convex:
             for _ in range(updates):
                 potential, point = with_new_bounds(minimum, potential, point, enough, stages)
             point = minimum(potential, point, enough)
+            with stages("law"):
+                point = potential.at(point.unknowns)
             solves += 1
             contacts, response = potential.contacts, point.response
             if not multipliers.enough(law, solves, point.gap):

@@ -179,7 +179,7 @@ class Linearised:
         about = at.state, target, None if before is None else before.contacts, at.errors
         with stages("law"):
             forces = kernel.aimed(*about, at.stiffnesses, limits.tension)
-            load = potential.unbalanced(at.unknowns, *forces)
+            load, _ = potential.unbalanced(at.unknowns, *forces)
         with stages("solve"):
             guess = None if before is None else before.unknowns
             system = replace(self.system, force=load)

@@ -12,7 +12,7 @@ from clast.model import Floats
 from clast.stepping.interior import minimise_inside
 from clast.stepping.iteration import iterate
 from clast.stepping.numbering import order_of
-from clast.stepping.parts import Part, renumbered
+from clast.stepping.parts import Part, renumbered, with_part
 from clast.stepping.potential import Point, Potential
 from clast.stepping.stages import Stages
 from clast.stepping.unfinished import few_are_unfinished, unfinished_part
@@ -45,7 +45,8 @@ def minimise(
     """Return the minimum of the potential, from ``point`` on.
 
     Done where twice the potential is within ``enough``, J/m, of its minimum: by the bound
-    without a system, or by the Newton decrement r.dd.  ``counts`` is added to.
+    without a system, or by the Newton decrement r.dd.  Of a law of springs with bounds the answer
+    is what Newton's method needs (Potential.moved).  ``counts`` is added to.
     Raises StepRejected where some region needs more than ``iterations``.
     """
     with stages("law"):
@@ -54,13 +55,10 @@ def minimise(
         contacts = potential.contacts
         order = order_of(potential.base.centroid, contacts.pairs, potential.fixed)
     if order is None:
-        unknowns = descend(potential, point, factor, enough, iterations, counts, stages)
-    else:
-        with stages("law"):
-            part = renumbered(potential, order)
-        unknowns = descend_within(part, point, factor, enough, iterations, counts, stages)
+        return descend(potential, point, factor, enough, iterations, counts, stages)
     with stages("law"):
-        return potential.at(unknowns)
+        part = renumbered(potential, order)
+    return descend_within(potential, part, point, factor, enough, iterations, counts, stages)
 
 
 def best_of(potential: Potential, starts: tuple[Floats, ...]) -> Point:
@@ -81,8 +79,8 @@ def descend(
     iterations: int,
     counts: dict[str, int],
     stages: Stages,
-) -> Floats:
-    """Return unknowns (n, 6) within ``enough``, J/m, of the minimum.
+) -> Point:
+    """Return a point within ``enough``, J/m, of the minimum.
 
     A law of springs with bounds is handed to the interior point method where Newton's takes long;
     where most blocks are done, the others go on by themselves.  Raises StepRejected after
@@ -95,7 +93,7 @@ def descend(
             potential, point, factor, enough, iterations, patience, counts, stages
         )
         if ending is Ending.DONE:
-            return point.unknowns
+            return point
         if ending is Ending.FEW:
             return descend_in_part(potential, point, factor, enough, iterations, counts, stages)
         if limits is None or patience == np.inf:
@@ -117,14 +115,15 @@ def descend_in_part(
     iterations: int,
     counts: dict[str, int],
     stages: Stages,
-) -> Floats:
-    """Return unknowns (n, 6) within ``enough``, J/m, of the minimum: unfinished regions move."""
+) -> Point:
+    """Return a point within ``enough``, J/m, of the minimum: unfinished regions move."""
     with stages("law"):
         part, left = unfinished_part(potential, potential.distances(point), enough)
-    return descend_within(part, point, factor, left, iterations, counts, stages)
+    return descend_within(potential, part, point, factor, left, iterations, counts, stages)
 
 
 def descend_within(
+    potential: Potential,
     part: Part,
     point: Point,
     factor: FactorOfStep,
@@ -132,15 +131,13 @@ def descend_within(
     iterations: int,
     counts: dict[str, int],
     stages: Stages,
-) -> Floats:
-    """Return unknowns (n, 6) of the whole of which a part is within ``enough`` of its minimum."""
+) -> Point:
+    """Return the whole's point of which a part is within ``enough`` of its minimum."""
     with stages("law"):
         start = part.within(point)
-    unknowns = point.unknowns.copy()
-    unknowns[part.blocks] = descend(
-        part.potential, start, factor, enough, iterations, counts, stages
-    )
-    return unknowns
+    moved = descend(part.potential, start, factor, enough, iterations, counts, stages)
+    with stages("law"):
+        return with_part(potential, point, part, moved)
 
 
 def newton(

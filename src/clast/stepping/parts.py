@@ -10,6 +10,7 @@ import numpy as np
 from clast.contact.arrays import Contacts, of_pairs, reordered
 from clast.equations.system import graph_of
 from clast.equations.terms import DiagonalTerms
+from clast.kernels.neighbours import touching
 from clast.model import Bools, Floats, Ints
 from clast.stepping.potential import Point, Potential, regions_of
 
@@ -34,8 +35,8 @@ class Part:
         unknowns = point.unknowns[self.blocks]
         if potential.limits is None:
             return potential.at(unknowns)
-        residual = point.residual[self.blocks]
-        residual[potential.fixed] = 0.0
+        residual, left = point.residual[self.blocks], point.left[self.blocks]
+        residual[potential.fixed], left[potential.fixed] = 0.0, 0.0
         answers = {name: getattr(point.response, name).take(own) for name in ANSWERS}
         return Point(
             unknowns=unknowns,
@@ -43,6 +44,7 @@ class Part:
             slip=point.slip.take(own),
             response=replace(potential.at_rest, **answers),
             residual=residual,
+            left=left,
         )
 
 
@@ -51,14 +53,14 @@ def part_of(potential: Potential, wanted: Bools) -> Part:
 
     Those that they touch are there too, with the displacements that they have.
     """
-    pairs = potential.contacts.pairs
-    touching: Bools = wanted[pairs[:, 0]] | wanted[pairs[:, 1]]
+    contacts = potential.contacts
+    pairs, kept, pair = touching(wanted, contacts.pairs, potential.graph[0])
     needed = wanted.copy()
-    needed[pairs[touching].ravel()] = True
+    needed[contacts.pairs[pairs].ravel()] = True
     blocks = np.flatnonzero(needed)
-    contacts, kept = of_pairs(potential.contacts, touching, np.cumsum(needed) - 1)
-    own = _potential_of(potential, blocks, contacts, ~wanted[blocks])
-    return Part(potential=own, blocks=blocks, contacts=kept)
+    own = of_pairs(contacts, pairs, kept, pair, np.cumsum(needed) - 1)
+    part = _potential_of(potential, blocks, own, ~wanted[blocks])
+    return Part(potential=part, blocks=blocks, contacts=kept)
 
 
 def renumbered(potential: Potential, order: Ints) -> Part:
@@ -79,13 +81,16 @@ def with_part(potential: Potential, point: Point, part: Part, moved: Point) -> P
     answers: dict[str, Any] = {
         name: _put(getattr(after, name), part.contacts, getattr(before, name)) for name in ANSWERS
     }
-    return Point(
+    found = Point(
         unknowns=unknowns,
         gap=_put(moved.gap, part.contacts, point.gap),
         slip=_put(moved.slip, part.contacts, point.slip),
         response=replace(potential.at_rest, **answers),
-        residual=potential.unbalanced(unknowns, answers["normal_force"], answers["shear_force"]),
+        residual=point.residual.copy(),
+        left=point.left.copy(),
     )
+    potential.balance_again(part.blocks, found)
+    return found
 
 
 def _put(values: Floats, where: Ints, among: Floats) -> Floats:

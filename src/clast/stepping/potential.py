@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from clast.equations.reuse import FactorOfStep
 from clast.equations.system import contact_motions, symmetric_system
 from clast.equations.terms import DiagonalTerms
 from clast.interfaces import ContactLaw
-from clast.kernels import assembly, block_rows, line_search, region_sums, regions
+from clast.kernels import assembly, balance, block_rows, line_search, region_sums, regions
 from clast.model import Bools, Floats, Ints
 from clast.stepping.stages import Stages
 
@@ -33,6 +34,8 @@ class Point:
     """Answer of the law."""
     residual: Floats
     """F - K d + contact forces, minus the gradient of the potential, shape (n, 6)."""
+    left: Floats
+    """What each block has of the distance to the minimum, J/m: r.K^-1 r, shape (n,)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,40 +103,53 @@ class Potential:
         opening, slip = contact_motions(self.contacts, unknowns)
         gap = self.contacts.gap + opening
         response = self.law.respond(self.contacts, gap, slip)
-        residual = self.unbalanced(unknowns, response.normal_force, response.shear_force)
-        return Point(unknowns=unknowns, gap=gap, slip=slip, response=response, residual=residual)
+        residual, left = self.unbalanced(unknowns, response.normal_force, response.shear_force)
+        return Point(
+            unknowns=unknowns,
+            gap=gap,
+            slip=slip,
+            response=response,
+            residual=residual,
+            left=left,
+        )
 
     def untouched(self) -> Floats:
         """Return the unknowns (n, 6) of blocks without contacts, K^-1 F; 0 for fixed blocks."""
         free = block_rows.products(self.inverse, self.base.force)
         return np.where(self.fixed[:, None], 0.0, free)
 
-    def unbalanced(self, unknowns: Floats, normal: Floats, shear: Floats) -> Floats:
-        """Return F - K d + sum of N n + T t (n, 6) for forces (m,); 0 for fixed blocks."""
-        return assembly.unbalanced(
-            self.base.diagonal,
-            unknowns,
-            self.base.force,
-            self.fixed,
-            self.graph,
-            self.contacts.vertex_block,
-            self.contacts.levers,
-            normal,
-            shear,
-        )
+    def unbalanced(self, unknowns: Floats, normal: Floats, shear: Floats) -> tuple[Floats, Floats]:
+        """Return r = F - K d + sum of N n + T t (n, 6) for forces (m,), and r.K^-1 r (n,), J/m.
+
+        Both are 0 for fixed blocks.
+        """
+        residual, left = balance.unbalanced(*self._as_kernels_take_it, unknowns, normal, shear)
+        return residual, left
+
+    def balance_again(self, blocks: Ints, point: Point) -> None:
+        """Write what is out of balance at a point, in place, where ``blocks`` (k,) have changed."""
+        forces = point.response.normal_force, point.response.shear_force
+        found = point.residual, point.left
+        balance.balance_again(blocks, *self._as_kernels_take_it, point.unknowns, *forces, found)
+
+    @property
+    def _as_kernels_take_it(self) -> tuple[Any, Graph, Any]:
+        """What is known of the blocks, which contacts they have, and what is known of those."""
+        of_blocks = self.base.diagonal, self.inverse, self.base.force, self.fixed
+        return of_blocks, self.graph, (self.contacts.vertex_block, self.contacts.levers)
 
     def distance(self, point: Point) -> float:
         """Return a bound on twice the potential above its minimum, J/m.
 
         Contacts only add curvature to K, so r.H^-1 r <= r.K^-1 r, which costs no system.
         """
-        return float(assembly.form(self.inverse, point.residual))
+        return float(point.left.sum())
 
     def distances(self, point: Point) -> Floats:
         """Return the part of the distance that each region has, J/m, shape (regions.count,)."""
         at = self.regions
-        found = region_sums.forms(self.inverse, point.residual, at.of_blocks, at.count)
-        return np.asarray(found)
+        found = np.bincount(at.of_blocks, weights=point.left, minlength=at.count)
+        return found.astype(np.float64, copy=False)
 
     def yardstick(self) -> float:
         """Return the energy, J/m, that tolerances refer to: 1/2 f.K^-1 f of the step's forces.
@@ -219,6 +235,7 @@ class Potential:
         gap, slip, normal, shear, kn, ks = line_search.answers(
             of_contacts, line.lengths, line.motions, self.springs(self.limits)
         )
+        residual, left = self.unbalanced(unknowns, normal, shear)
         return Point(
             unknowns=unknowns,
             gap=gap,
@@ -230,7 +247,8 @@ class Potential:
                 normal_stiffness=kn,
                 shear_stiffness=ks,
             ),
-            residual=self.unbalanced(unknowns, normal, shear),
+            residual=residual,
+            left=left,
         )
 
     @cached_property

@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from clast.equations.reuse import FactorOfStep
-from clast.kernels import region_sums
-from clast.model import Bools, Floats, Ints
+from clast.kernels.neighbours import with_neighbours
+from clast.model import Bools, Floats
 from clast.stepping.iteration import iterate
 from clast.stepping.parts import part_of, with_part
 from clast.stepping.potential import Point, Potential
@@ -45,9 +45,8 @@ def worst_first(
 ) -> Point:
     """Return a lower point: the worst blocks are at their minimum, where they are few."""
     with stages("law"):
-        distances = distances_of_blocks(potential, point)
-        total = float(distances.sum())
-        wanted = with_neighbours(worst(distances, total), potential.contacts.pairs)
+        total = potential.distance(point)
+        wanted = with_neighbours(worst(point.left, total), potential.contacts.pairs)
         wanted &= ~potential.fixed
         if np.count_nonzero(wanted) > FEW * np.count_nonzero(~potential.fixed):
             return point
@@ -63,13 +62,6 @@ def worst_first(
         return with_part(potential, point, part, inner)
 
 
-def distances_of_blocks(potential: Potential, point: Point) -> Floats:
-    """Return what each block has of the distance to the minimum, J/m, shape (n,)."""
-    count = len(potential.fixed)
-    each = np.arange(count)
-    return np.asarray(region_sums.forms(potential.inverse, point.residual, each, count))
-
-
 def worst(distances: Floats, total: float) -> Bools:
     """Return True for the blocks, by powers of two of their ``distances`` (n,), that have WORST."""
     _, power = np.frexp(distances)
@@ -78,11 +70,3 @@ def worst(distances: Floats, total: float) -> Bools:
     others = np.cumsum(by_power) < (1.0 - WORST) * total
     found: Bools = ~others[power - lowest] & (distances != 0.0)  # frexp gives 0 for 0 and for 1/2
     return found
-
-
-def with_neighbours(chosen: Bools, pairs: Ints) -> Bools:
-    """Return True for blocks ``chosen`` (n,) and for those with which they have contacts."""
-    touching = chosen[pairs[:, 0]] | chosen[pairs[:, 1]]
-    grown = chosen.copy()
-    grown[pairs[touching].ravel()] = True
-    return grown
