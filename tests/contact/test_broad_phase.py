@@ -100,9 +100,12 @@ def test_more_pairs_than_room_was_made_for():
 
 def looked_at(box):
     """Return how many boxes stand in the cells that are searched: the work of the broad phase."""
-    level, smallest = broad_phase._levels(box)
-    low = box[:, :2].min(axis=0)
-    cell = broad_phase._cells(box, level, smallest, *low)
+    count, low = len(box), box[:, :2].min(axis=0)
+    size = (box[:, 2:] - box[:, :2]).max(axis=1)
+    smallest, *_ = origin = broad_phase._origin(box, size)
+    assert origin[1:] == tuple(low)
+    level, cell = np.empty(count, np.int64), np.empty((count, 2), np.int64)
+    broad_phase._cells(0, count, box, size, origin, level, cell)
     total = 0
     for k in np.unique(level):
         size = smallest * 2.0**k

@@ -5,11 +5,10 @@ import pytest
 
 from clast.kernels import region_sums
 from clast.kernels.block_rows import SHARED
-from clast.kernels.region_sums import FEW
 from clast.kernels.shares import MANY
 
 
-@pytest.mark.parametrize("regions", [1, 5, FEW, FEW + 1, 500])
+@pytest.mark.parametrize("regions", [1, 5, 500])
 @pytest.mark.parametrize("blocks", [30, SHARED - 1, SHARED, 5 * SHARED + 17])
 def test_sums_of_blocks(regions, blocks):
     rng = np.random.default_rng(blocks + regions)
@@ -17,6 +16,9 @@ def test_sums_of_blocks(regions, blocks):
     a, b = rng.normal(size=(2, blocks, 6))
     matrices = rng.normal(size=(blocks, 6, 6))
     matrices += matrices.transpose(0, 2, 1)
+
+    if blocks % 2:
+        region.sort()  # runs as long as can be
 
     def total(values):
         return np.bincount(region, values, regions)
@@ -35,12 +37,17 @@ def test_sums_of_blocks(regions, blocks):
     )
 
 
-@pytest.mark.parametrize("regions", [1, FEW, FEW + 1])
+@pytest.mark.parametrize("regions", [1, 3, 70])
 @pytest.mark.parametrize("contacts", [0, 10, MANY, 3 * MANY + 5])
 def test_works_of_contacts(regions, contacts):
     rng = np.random.default_rng(contacts + regions)
     region = rng.integers(0, regions, contacts)
     normal, opening, shear, slip = rng.normal(size=(4, contacts))
+    if contacts % 2:
+        region.sort()
     wanted = np.bincount(region, normal * opening + shear * slip, regions)
     found = region_sums.works(normal, opening, shear, slip, region, regions)
     assert found == pytest.approx(wanted, abs=1e-12 * (contacts + 1))
+    assert region_sums.sums(normal, region, regions) == pytest.approx(
+        np.bincount(region, normal, regions), abs=1e-12 * (contacts + 1)
+    )

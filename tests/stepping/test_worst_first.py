@@ -166,12 +166,17 @@ def test_a_law_of_any_kind_can_have_the_worst_go_first(monkeypatch):
     assert here[-1].state.vertices == pytest.approx(there[-1].state.vertices, abs=5e-11)
 
 
-def test_a_large_wall_takes_far_fewer_iterations(monkeypatch):
-    """2,026 bricks that gravity comes upon: half of the iterations are saved."""
-    model, how = wall(50, 40), replace(by_convex(5e9), max_displacement=0.05)
-    passes = []
-    for large in (10**9, worst_first.LARGE):
-        monkeypatch.setattr(newton, "LARGE", large)
-        steps = march(model, how, 1e-3, 4e-3)
-        passes.append(sum(step.counts["passes"] for step in steps))
-    assert passes[1] < 0.6 * passes[0]
+def test_large_walls_take_far_fewer_iterations(monkeypatch):
+    """2,026 and 2,226 bricks that gravity comes upon: a third to half of the iterations are saved.
+
+    How many depends on rounding: 55 to 80 without, 35 to 42 with the worst blocks first, for walls
+    of 1,600 to 3,000 bricks.
+    """
+    passes = {10**9: 0, worst_first.LARGE: 0}
+    for columns in (40, 44):
+        model, how = wall(50, columns), replace(by_convex(5e9), max_displacement=0.05)
+        for large in passes:
+            monkeypatch.setattr(newton, "LARGE", large)
+            steps = march(model, how, 1e-3, 4e-3)
+            passes[large] += sum(step.counts["passes"] for step in steps)
+    assert passes[worst_first.LARGE] < 0.75 * passes[10**9]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -77,11 +78,8 @@ def of_pairs(contacts: Contacts, pairs: Ints, kept: Ints, pair: Ints, number: In
     ``pair`` (c,) says of which of them each is.  Blocks are renumbered by ``number`` (n,), which
     must keep their order.
     """
-    columns = ((name, value) for name, value in vars(contacts).items() if name != "pairs")
-    values = {name: value.take(kept, axis=0) for name, value in columns if name != "pair"}
-    for end in ("vertex_block", "edge_block"):
-        values[end] = number[values[end]]
-    return Contacts(pairs=number[contacts.pairs[pairs]], pair=pair, **values)
+    values = _columns(contacts, kept, number)
+    return Contacts(pairs=number[contacts.pairs.take(pairs, axis=0)], pair=pair, **values)
 
 
 def reordered(contacts: Contacts, number: Ints) -> tuple[Contacts, Ints]:
@@ -96,12 +94,21 @@ def reordered(contacts: Contacts, number: Ints) -> tuple[Contacts, Ints]:
     place[by_ends] = np.arange(len(by_ends))
     pair = place[contacts.pair]
     order = np.argsort(pair, kind="stable")
-    columns = ((name, value) for name, value in vars(contacts).items() if name != "pairs")
-    values = {name: value.take(order, axis=0) for name, value in columns}
-    values["pair"] = pair[order]
+    values = _columns(contacts, order, number)
+    return Contacts(pairs=ends[by_ends], pair=pair[order], **values), order
+
+
+def _columns(contacts: Contacts, which: Ints, number: Ints) -> dict[str, Any]:
+    """Return all but the pairs of the contacts ``which`` (c,), of blocks with a new ``number``."""
+    values = {
+        # take copies an array whole that is part of another one, as the normals are
+        name: value.take(which, axis=0) if value.flags.c_contiguous else value[which]
+        for name, value in vars(contacts).items()
+        if name not in ("pair", "pairs")
+    }
     for end in ("vertex_block", "edge_block"):
-        values[end] = number[values[end]]
-    return Contacts(pairs=ends[by_ends], **values), order
+        values[end] = number.take(values[end])
+    return values
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -51,12 +51,15 @@ def limits_of_springs(
     contacts: Contacts, normal_stiffness: float, shear_stiffness: float | None
 ) -> SpringLimits:
     """Return the bounds of ``springs`` for contacts whose friction bound is given."""
-    strength = contacts.friction_base * contacts.friction + contacts.cohesion * contacts.length
+    tension, strength = kernel.most(
+        (contacts.friction, contacts.cohesion, contacts.tensile_strength, contacts.length),
+        contacts.friction_base,
+    )
     return SpringLimits(
         normal_stiffness=normal_stiffness,
         shear_stiffness=normal_stiffness if shear_stiffness is None else shear_stiffness,
-        tension=contacts.tensile_strength * contacts.length,
-        strength=np.maximum(0.0, strength),
+        tension=tension,
+        strength=strength,
     )
 
 

@@ -230,6 +230,32 @@ def products(blocks, x):
 
 
 @kernel()
+def _take(first, last, blocks, which, found):
+    for k in range(first, last):
+        for a in range(6):
+            put_line(found, k, a, line(blocks, which[k], a))
+
+
+@kernel(parallel=True)
+def _take_shared(blocks, which, found):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(which))):
+            _take(c * CHUNK, min((c + 1) * CHUNK, len(which)), blocks, which, found)
+
+
+@kernel()
+def taken(blocks, which):
+    """Return the blocks ``which`` (k,) of blocks (n, 6, 6)."""
+    found = np.empty((len(which), 6, 6))
+    if len(which) >= SHARED:
+        _take_shared(blocks, which, found)
+    else:
+        _take(0, len(which), blocks, which, found)
+    return found
+
+
+@kernel()
 def _dot_rows(first, last, a, b):
     """Return the part of a.b of rows ``first`` to ``last`` - 1."""
     s = zeros()

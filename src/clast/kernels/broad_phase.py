@@ -14,52 +14,62 @@ from numba import prange
 from clast.kernels.compiled import kernel
 from clast.kernels.polygon import boxes
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
-from clast.kernels.shares import PART, parts
+from clast.kernels.shares import MANY, PART, bounds, parts
 
 LEVELS = 48
 """Cell sizes differ by 2 from level to level; 48 levels span a ratio of 1e14."""
 
 
 @kernel()
-def _levels(box):
-    """Return the level of each box (n,) and the cell size of level 0, larger than its boxes."""
-    count = len(box)
-    size = np.empty(count)
-    smallest = np.inf
-    for b in range(count):
+def _sizes(first, last, box, half, size):
+    """Widen boxes ``first`` to ``last`` - 1 by ``half`` (n,), m, and write their larger sides."""
+    for b in range(first, last):
+        box[b, 0], box[b, 1] = box[b, 0] - half[b], box[b, 1] - half[b]
+        box[b, 2], box[b, 3] = box[b, 2] + half[b], box[b, 3] + half[b]
         size[b] = max(box[b, 2] - box[b, 0], box[b, 3] - box[b, 1])
-        if size[b] < smallest:
-            smallest = size[b]
-    smallest *= 1.001  # so that round-off cannot let a box reach two cells further
-    level = np.empty(count, np.int64)
-    for b in range(count):
+
+
+@kernel(parallel=True)
+def _sizes_shared(box, half, size):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(box))):
+            first, last = bounds(part, len(box))
+            _sizes(first, last, box, half, size)
+
+
+@kernel()
+def _origin(box, size):
+    """Return the cell size of level 0, larger than its boxes, and where the cells begin, m."""
+    smallest, xmin, ymin = np.inf, np.inf, np.inf
+    for b in range(len(box)):
+        smallest = min(smallest, size[b])
+        xmin, ymin = min(xmin, box[b, 0]), min(ymin, box[b, 1])
+    return smallest * 1.001, xmin, ymin  # so that round-off cannot let a box reach two cells on
+
+
+@kernel()
+def _cells(first, last, box, size, origin, level, cell):
+    """Write the level of each box and the cell of its lower left corner there, (n, 2)."""
+    smallest, xmin, ymin = origin
+    for b in range(first, last):
         step = 0
-        cell = smallest
-        while cell < size[b] and step < LEVELS - 1:
-            cell *= 2.0
+        side = smallest
+        while side < size[b] and step < LEVELS - 1:
+            side *= 2.0
             step += 1
         level[b] = step
-    return level, smallest
+        cell[b, 0] = int(np.floor((box[b, 0] - xmin) / side))
+        cell[b, 1] = int(np.floor((box[b, 1] - ymin) / side))
 
 
-@kernel()
-def _lowest(box):
-    """Return the least x and y of all boxes, m."""
-    xmin, ymin = np.inf, np.inf
-    for b in range(len(box)):
-        xmin, ymin = min(xmin, box[b, 0]), min(ymin, box[b, 1])
-    return xmin, ymin
-
-
-@kernel()
-def _cells(box, level, smallest, xmin, ymin):
-    """Return the cell (n, 2) of each box's lower left corner on its own level."""
-    cell = np.empty((len(box), 2), np.int64)
-    for b in range(len(box)):
-        size = smallest * 2.0 ** level[b]
-        cell[b, 0] = int(np.floor((box[b, 0] - xmin) / size))
-        cell[b, 1] = int(np.floor((box[b, 1] - ymin) / size))
-    return cell
+@kernel(parallel=True)
+def _cells_shared(box, size, origin, level, cell):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(box))):
+            first, last = bounds(part, len(box))
+            _cells(first, last, box, size, origin, level, cell)
 
 
 @kernel()
@@ -200,17 +210,57 @@ def _sort_by(pairs, side, count):
 
 
 @kernel()
-def _in_order(order, box, fixed, level, cell):
-    """Return boxes, which are fixed, levels and cells in the order given (n,)."""
-    boxes, held = np.empty_like(box), np.empty_like(fixed)
-    levels, cells = np.empty_like(level), np.empty_like(cell)
-    for position in range(len(order)):
+def _put_in_order(low, high, order, blocks, filed):
+    box, fixed, level, cell = blocks
+    boxes, held, levels, cells = filed
+    for position in range(low, high):
         b = order[position]
         held[position], levels[position] = fixed[b], level[b]
         cells[position, 0], cells[position, 1] = cell[b, 0], cell[b, 1]
         for side in range(4):
             boxes[position, side] = box[b, side]
-    return boxes, held, levels, cells
+
+
+@kernel(parallel=True)
+def _put_in_order_shared(order, blocks, filed):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(order))):
+            low, high = bounds(part, len(order))
+            _put_in_order(low, high, order, blocks, filed)
+
+
+@kernel()
+def _in_order(order, box, fixed, level, cell):
+    """Return boxes, which are fixed, levels and cells in the order given (n,)."""
+    blocks = box, fixed, level, cell
+    filed = np.empty_like(box), np.empty_like(fixed), np.empty_like(level), np.empty_like(cell)
+    if len(order) >= MANY:
+        _put_in_order_shared(order, blocks, filed)
+    else:
+        _put_in_order(0, len(order), order, blocks, filed)
+    return filed
+
+
+@kernel()
+def _pairs(box, half, fixed):
+    """Return the pairs of boxes that overlap once they are widened, in place, by ``half`` (n,)."""
+    count = len(box)
+    if count < 2:
+        return np.zeros((0, 2), np.int64)
+    size, level, cell = np.empty(count), np.empty(count, np.int64), np.empty((count, 2), np.int64)
+    if count >= MANY:
+        _sizes_shared(box, half, size)
+        origin = _origin(box, size)
+        _cells_shared(box, size, origin, level, cell)
+    else:
+        _sizes(0, count, box, half, size)
+        origin = _origin(box, size)
+        _cells(0, count, box, size, origin, level, cell)
+    slots, order = _file(level, cell)
+    filed = (*_in_order(order, box, fixed, level, cell), order)
+    pairs = _collected(filed, slots, origin)
+    return _sort_by(_sort_by(pairs, 1, count), 0, count)
 
 
 @kernel()
@@ -220,25 +270,10 @@ def overlapping_pairs(box, fixed):
     ``box`` (n, 4) holds (xmin, ymin, xmax, ymax) in m, already widened by the reach; pairs of two
     blocks that are ``fixed`` (n,) are left out.  O(n).
     """
-    count = len(box)
-    if count < 2:
-        return np.zeros((0, 2), np.int64)
-    level, smallest = _levels(box)
-    xmin, ymin = _lowest(box)
-    cell = _cells(box, level, smallest, xmin, ymin)
-    slots, order = _file(level, cell)
-    filed = (*_in_order(order, box, fixed, level, cell), order)
-    pairs = _collected(filed, slots, (smallest, xmin, ymin))
-    return _sort_by(_sort_by(pairs, 1, count), 0, count)
+    return _pairs(box.copy(), np.zeros(len(box)), fixed)
 
 
 @kernel()
 def near_pairs(vertices, block_start, half, fixed):
     """Return the same for blocks by their boxes, widened by ``half`` (n,), m, on all sides."""
-    box = boxes(vertices, block_start)
-    for b in range(len(box)):
-        box[b, 0] -= half[b]
-        box[b, 1] -= half[b]
-        box[b, 2] += half[b]
-        box[b, 3] += half[b]
-    return overlapping_pairs(box, fixed)
+    return _pairs(boxes(vertices, block_start), half, fixed)

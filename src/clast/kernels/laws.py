@@ -138,3 +138,38 @@ def penalty(gap, slip, springs, joints, memory):
                 first, last, gap, slip, springs, joints, memory, forces, stiffnesses, ends, works
             )
     return *forces, *stiffnesses, *ends, *works
+
+
+@kernel()
+def _bounds(first, last, joints, base, tension, strength):
+    friction, cohesion, tensile_strength, length = _of_four(joints, first, last)
+    tension, strength = in_part((tension, strength), first, last)
+    base = base[first:last]
+    for c in range(len(base)):
+        bound = base[c] * friction[c] + cohesion[c] * length[c]
+        strength[c] = 0.0 if bound < 0.0 else bound  # what is no number stays none
+        tension[c] = tensile_strength[c] * length[c]
+
+
+@kernel(parallel=True)
+def _bounds_shared(joints, base, tension, strength):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(base))):
+            first, last = bounds(part, len(base))
+            _bounds(first, last, joints, base, tension, strength)
+
+
+@kernel()
+def most(joints, base):
+    """Return the tension and the shear force that contacts bear at most, N/m, (m,) each.
+
+    ``joints`` are friction, cohesion, tensile strength and length (m,), ``base`` (m,) the normal
+    forces that bound friction, N/m.
+    """
+    tension, strength = np.empty(len(base)), np.empty(len(base))
+    if len(base) >= MANY:
+        _bounds_shared(joints, base, tension, strength)
+    else:
+        _bounds(0, len(base), joints, base, tension, strength)
+    return tension, strength

@@ -11,7 +11,7 @@ from numba import prange
 
 from clast.kernels.compiled import kernel
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
-from clast.kernels.shares import MANY, bounds, in_part, parts, sum_of
+from clast.kernels.shares import MANY, PART, bounds, in_part, only_region, parts, sum_of
 
 NOTHING = 1e-14
 """Slope that does not count, as a share of the sum of all slopes."""
@@ -34,21 +34,12 @@ def _shear(slip, shear_force, k, bound):
 
 
 @kernel()
-def _only_region(region):
-    """Return the region that all contacts are in (m,), or -1."""
-    same = True
-    for c in range(len(region)):
-        same &= region[c] == region[0]
-    return region[0] if same else -1
-
-
-@kernel()
 def _only_regions(region):
     """Return the region that all contacts of each part are in, or -1."""
     only = np.empty(parts(len(region)), np.int64)
     for part in range(len(only)):
         first, last = bounds(part, len(region))
-        only[part] = _only_region(region[first:last])
+        only[part] = only_region(region[first:last])
     return only
 
 
@@ -81,66 +72,61 @@ def _work(first, last, at, line, springs, works, bends):
 
 
 @kernel()
-def _work_of_part(part, length, done, only, region, line, springs, terms, sums):
-    """Write the terms of a part's contacts, or, where all are in one region, their sums."""
-    first, last = bounds(part, len(region))
-    if only[part] < 0:
-        at = _lengths(length, region[first:last], -1)
-        _work(first, last, at, line, springs, terms[0, first:last], terms[1, first:last])
-    elif not done[only[part]]:
-        at = _lengths(length, region[first:last], only[part])
-        works, bends = np.empty(last - first), np.empty(last - first)
-        _work(first, last, at, line, springs, works, bends)
-        sums[part, 0], sums[part, 1] = sum_of(works), sum_of(bends)
+def _add_up(region, done, works, bends, of_run):
+    """Add up the terms of contacts (m,) that follow each other in a region, in their place.
 
-
-@kernel(parallel=True)
-def _work_of_parts(length, done, only, region, line, springs, terms, sums):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for part in to_do(thread, progress, len(only)):
-            _work_of_part(part, length, done, only, region, line, springs, terms, sums)
-
-
-@kernel()
-def _add_terms(region, done, works, bends, work, bend):
-    """Add the terms of contacts (m,) to the sums of their regions.
-
-    Contacts of one region mostly follow each other: their sums stay in registers.
+    Return how many such runs there are; regions that are done have none.
     """
-    c = 0
+    c, runs = 0, 0
     while c < len(region):
         r, here, how = region[c], 0.0, 0.0
-        if done[r]:
-            while c < len(region) and region[c] == r:
-                c += 1
-            continue
         while c < len(region) and region[c] == r:
             here += works[c]
             how += bends[c]
             c += 1
-        work[r] += here
-        bend[r] += how
+        if not done[r]:
+            works[runs], bends[runs], of_run[runs] = here, how, r
+            runs += 1
+    return runs
 
 
 @kernel()
-def _works_along(length, done, only, region, line, springs, terms):
+def _work_of_part(part, length, done, only, region, line, springs, terms, of_run, runs):
+    """Write the sums of the terms of a part's contacts, run by run."""
+    first, last = bounds(part, len(region))
+    works, bends = in_part((terms[0], terms[1]), first, last)
+    r, runs[part] = only[part], 0
+    if r < 0 or not done[r]:
+        at = _lengths(length, region[first:last], r)
+        _work(first, last, at, line, springs, works, bends)
+        if r >= 0:
+            works[0], bends[0], of_run[first], runs[part] = sum_of(works), sum_of(bends), r, 1
+        else:
+            runs[part] = _add_up(region[first:last], done, works, bends, of_run[first:last])
+
+
+@kernel(parallel=True)
+def _work_of_parts(length, done, only, region, line, springs, terms, of_run, runs):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, len(only)):
+            _work_of_part(part, length, done, only, region, line, springs, terms, of_run, runs)
+
+
+@kernel()
+def _works_along(length, done, only, region, line, springs, room):
     """Return the work of all contacts in each region (r,) along the line, and how it bends."""
-    sums = np.zeros((len(only), 2))
+    terms, of_run, runs = room
     if len(region) >= MANY:
-        _work_of_parts(length, done, only, region, line, springs, terms, sums)
+        _work_of_parts(length, done, only, region, line, springs, terms, of_run, runs)
     else:
         for part in range(len(only)):
-            _work_of_part(part, length, done, only, region, line, springs, terms, sums)
+            _work_of_part(part, length, done, only, region, line, springs, terms, of_run, runs)
     work, bend = np.zeros(len(length)), np.zeros(len(length))
     for part in range(len(only)):
-        if only[part] >= 0:
-            work[only[part]] += sums[part, 0]
-            bend[only[part]] += sums[part, 1]
-        else:
-            low, high = bounds(part, len(region))
-            works, bends = in_part((terms[0], terms[1]), low, high)
-            _add_terms(region[low:high], done, works, bends, work, bend)
+        for at in range(part * PART, part * PART + runs[part]):
+            work[of_run[at]] += terms[0, at]
+            bend[of_run[at]] += terms[1, at]
     return work, bend
 
 
@@ -183,7 +169,8 @@ def lengths_along(region, line, springs, smooth, curvature, start, tolerance, li
     nothing beside those of all regions.
     """
     count = len(start)
-    only, terms = _only_regions(region), np.empty((2, len(region)))
+    only = _only_regions(region)
+    room = np.empty((2, len(region))), np.empty(len(region), np.int64), np.empty_like(only)
     enough = tolerance * np.abs(start) + NOTHING * np.abs(start).sum()
     done = start == 0.0
     length = np.ones(count)
@@ -191,7 +178,7 @@ def lengths_along(region, line, springs, smooth, curvature, start, tolerance, li
     left, evaluations = count - int(done.sum()), 0
     while left > 0 and evaluations < limit:
         evaluations += 1
-        work, bend = _works_along(length, done, only, region, line, springs, terms)
+        work, bend = _works_along(length, done, only, region, line, springs, room)
         left = _narrow(search, smooth + length * curvature - work, curvature + bend, enough)
     return length, evaluations
 

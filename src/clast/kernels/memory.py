@@ -43,16 +43,35 @@ def rows_of_key(vertex, block, start, memory_block):
 
 
 @kernel()
+def _remember(low, high, groups, edge_block, start, memory_block, memory_edge, remembered):
+    group_start, vertex, edge = groups
+    for g in range(low, high):
+        c = group_start[g]
+        first, last = rows_of_key(vertex[c], edge_block[edge[c]], start, memory_block)
+        remembered[g] = memory_edge[first] if first < last else -1
+
+
+@kernel(parallel=True)
+def _remember_shared(groups, edge_block, start, memory_block, memory_edge, remembered):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(remembered))):
+            low, high = bounds(part, len(remembered))
+            _remember(low, high, groups, edge_block, start, memory_block, memory_edge, remembered)
+
+
+@kernel()
 def remembered_edges(
     group_start, vertex, edge, edge_block, memory_vertex, memory_block, memory_edge
 ):
     """Return the entrance edge of each group in the last step, or -1, shape (groups,)."""
     start = rows_by_vertex(memory_vertex, len(edge_block))
-    remembered = np.empty(len(group_start) - 1, np.int64)
-    for g in range(len(remembered)):
-        c = group_start[g]
-        first, last = rows_of_key(vertex[c], edge_block[edge[c]], start, memory_block)
-        remembered[g] = memory_edge[first] if first < last else -1
+    count, groups = len(group_start) - 1, (group_start, vertex, edge)
+    remembered = np.empty(count, np.int64)
+    if count >= MANY:
+        _remember_shared(groups, edge_block, start, memory_block, memory_edge, remembered)
+    else:
+        _remember(0, count, groups, edge_block, start, memory_block, memory_edge, remembered)
     return remembered
 
 
@@ -145,22 +164,45 @@ def _order(vertex, block, edge):
 
 
 @kernel()
+def _find_pairs(low, high, pairs, start, vertex_block, memory_vertex, memory_block, found):
+    """Write the pair of blocks of the rows ``low`` to ``high`` - 1 of the memory, or -1."""
+    for row in range(low, high):
+        own, other = vertex_block[memory_vertex[row]], memory_block[row]
+        lower, higher = min(own, other), max(own, other)
+        first, last = start[lower], start[lower + 1]
+        while first < last:
+            middle = (first + last) // 2
+            if pairs[middle, 1] < higher:
+                first = middle + 1
+            else:
+                last = middle
+        there = first < start[lower + 1] and pairs[first, 1] == higher
+        found[row] = first if there else -1
+
+
+@kernel(parallel=True)
+def _find_pairs_shared(pairs, start, vertex_block, memory_vertex, memory_block, found):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(found))):
+            low, high = bounds(part, len(found))
+            _find_pairs(low, high, pairs, start, vertex_block, memory_vertex, memory_block, found)
+
+
+@kernel()
 def deepest_by_pair(pairs, vertex_block, block_count, memory_vertex, memory_block, memory_gap):
     """Return the largest remembered penetration of each sorted pair of blocks, m, (q,)."""
     start = rows_by_vertex(pairs[:, 0], block_count)
+    count = len(memory_vertex)
+    found = np.empty(count, np.int64)
+    if count >= MANY:
+        _find_pairs_shared(pairs, start, vertex_block, memory_vertex, memory_block, found)
+    else:
+        _find_pairs(0, count, pairs, start, vertex_block, memory_vertex, memory_block, found)
     depth = np.zeros(len(pairs))
-    for row in range(len(memory_vertex)):
-        own, other = vertex_block[memory_vertex[row]], memory_block[row]
-        lower, higher = min(own, other), max(own, other)
-        low, high = start[lower], start[lower + 1]
-        while low < high:
-            middle = (low + high) // 2
-            if pairs[middle, 1] < higher:
-                low = middle + 1
-            else:
-                high = middle
-        if low < start[lower + 1] and pairs[low, 1] == higher:
-            depth[low] = max(depth[low], -memory_gap[row])
+    for row in range(count):
+        if found[row] >= 0:
+            depth[found[row]] = max(depth[found[row]], -memory_gap[row])
     return depth
 
 

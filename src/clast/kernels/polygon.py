@@ -104,26 +104,39 @@ def owners(block_start):
 
 
 @kernel()
-def boxes(vertices, block_start):
-    """Return the bounding box (xmin, ymin, xmax, ymax) of each block, m, shape (n, 4)."""
-    count = len(block_start) - 1
-    box = np.empty((count, 4))
-    for b in range(count):
+def _boxes(first, last, vertices, block_start, box):
+    for b in range(first, last):
         xmin, ymin, xmax, ymax = np.inf, np.inf, -np.inf, -np.inf
         for k in range(block_start[b], block_start[b + 1]):
             x, y = vertices[k, 0], vertices[k, 1]
             xmin, ymin = min(xmin, x), min(ymin, y)
             xmax, ymax = max(xmax, x), max(ymax, y)
         box[b, 0], box[b, 1], box[b, 2], box[b, 3] = xmin, ymin, xmax, ymax
+
+
+@kernel(parallel=True)
+def _boxes_shared(vertices, block_start, box):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(box))):
+            first, last = bounds(part, len(box))
+            _boxes(first, last, vertices, block_start, box)
+
+
+@kernel()
+def boxes(vertices, block_start):
+    """Return the bounding box (xmin, ymin, xmax, ymax) of each block, m, shape (n, 4)."""
+    box = np.empty((len(block_start) - 1, 4))
+    if len(box) >= MANY:
+        _boxes_shared(vertices, block_start, box)
+    else:
+        _boxes(0, len(box), vertices, block_start, box)
     return box
 
 
 @kernel()
-def edges(vertices, block_start):
-    """Return unit direction (nv, 2) and length (nv,) of the edge that starts at each vertex."""
-    direction = np.empty((len(vertices), 2))
-    length = np.empty(len(vertices))
-    for b in range(len(block_start) - 1):
+def _edges(low, high, vertices, block_start, direction, length):
+    for b in range(low, high):
         first, last = block_start[b], block_start[b + 1]
         for k in range(first, last):
             following = k + 1 if k + 1 < last else first
@@ -132,6 +145,26 @@ def edges(vertices, block_start):
             size = np.sqrt(dx * dx + dy * dy)
             length[k] = size
             direction[k, 0], direction[k, 1] = dx / size, dy / size
+
+
+@kernel(parallel=True)
+def _edges_shared(vertices, block_start, direction, length):
+    count = len(block_start) - 1
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(count)):
+            low, high = bounds(part, count)
+            _edges(low, high, vertices, block_start, direction, length)
+
+
+@kernel()
+def edges(vertices, block_start):
+    """Return unit direction (nv, 2) and length (nv,) of the edge that starts at each vertex."""
+    direction, length = np.empty((len(vertices), 2)), np.empty(len(vertices))
+    if len(block_start) > MANY:
+        _edges_shared(vertices, block_start, direction, length)
+    else:
+        _edges(0, len(block_start) - 1, vertices, block_start, direction, length)
     return direction, length
 
 

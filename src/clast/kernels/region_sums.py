@@ -1,8 +1,7 @@
-"""Sums over regions: of forms and products block by block, of works contact by contact.
+"""Sums over regions: of what blocks have, of forms and products, of works contact by contact.
 
-Threads share the work.  Where there are few regions each chunk of blocks or part of the contacts
-has sums of its own, which are added up in their order; where there are many, every block or contact
-has, and one thread adds them up.
+Threads share the work.  Each chunk of blocks or part of the contacts adds up what follows each
+other of the same region, a run, and one thread adds up the runs in their order.
 """
 
 from __future__ import annotations
@@ -13,119 +12,174 @@ from numba import prange
 from clast.kernels.block_rows import CHUNK, SHARED, chunks, times
 from clast.kernels.compiled import kernel
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
-from clast.kernels.shares import MANY, PART, parts
+from clast.kernels.shares import MANY, PART, bounds, only_region, parts, sum_of
 from clast.kernels.six import plus_product, plus_scaled, put_row, row, total, zeros
 
-FEW = 64
-"""Regions up to which every chunk or part has sums of all of them."""
+
+@kernel()
+def _room_for(pieces, count):
+    """Return room for ``count`` terms, the regions of their runs, and the runs of each piece."""
+    return np.empty(count), np.empty(count, np.int64), np.empty(pieces, np.int64)
 
 
 @kernel()
-def room_for(pieces, region, count):
-    """Return in which sum every term (m,) belongs, and sums: of regions piece by piece, or of one.
-
-    Pieces take one row of sums after the other, or all the only one.
-    """
-    if count <= FEW:
-        return region, np.zeros((pieces, count))
-    return np.arange(len(region)), np.zeros((1, len(region)))
+def _add_up(piece, first, last, region, room):
+    """Write the runs of the terms ``first`` to ``last`` - 1 in their place."""
+    terms, of_run, runs = room
+    only = only_region(region[first:last])
+    if only >= 0:
+        terms[first], of_run[first], runs[piece] = sum_of(terms[first:last]), only, 1
+        return
+    at, current, added = first, region[first], 0.0
+    for i in range(first, last):
+        if region[i] != current:
+            terms[at], of_run[at] = added, current
+            at, current, added = at + 1, region[i], 0.0
+        added += terms[i]
+    terms[at], of_run[at], runs[piece] = added, current, at + 1 - first
 
 
 @kernel()
-def added(sums, region, count):
-    """Return the sums of ``count`` regions, of what :func:`room_for` gave room for."""
+def _added(size, room, count):
+    """Return the sums of ``count`` regions, of the runs of pieces of ``size`` terms."""
+    terms, of_run, runs = room
     result = np.zeros(count)
-    if count <= FEW:
-        for part in sums:
-            result += part
-    else:
-        for i in range(len(region)):
-            result[region[i]] += sums[0, i]
+    for piece in range(len(runs)):
+        for at in range(piece * size, piece * size + runs[piece]):
+            result[of_run[at]] += terms[at]
     return result
 
 
 @kernel()
-def _add_forms(first, last, blocks, d, region, sums):
-    """Add d_i.B_i d_i of blocks ``first`` to ``last`` - 1 to the sums of their regions."""
+def _forms(first, last, blocks, d, terms):
+    """Write d_i.B_i d_i of blocks ``first`` to ``last`` - 1."""
     for i in range(first, last):
-        sums[region[i]] += total(plus_product(zeros(), times(blocks, i, d, i), row(d, i)))
+        terms[i] = total(plus_product(zeros(), times(blocks, i, d, i), row(d, i)))
 
 
 @kernel(parallel=True)
-def _add_forms_shared(blocks, d, region, sums):
+def _forms_shared(blocks, d, region, room):
     progress = nothing_done()
     for thread in prange(threads_of(progress)):
         for c in to_do(thread, progress, chunks(len(d))):
-            own, last = sums[c % len(sums)], min((c + 1) * CHUNK, len(d))
-            _add_forms(c * CHUNK, last, blocks, d, region, own)
+            first, last = c * CHUNK, min((c + 1) * CHUNK, len(d))
+            _forms(first, last, blocks, d, room[0])
+            _add_up(c, first, last, region, room)
 
 
 @kernel()
 def forms(blocks, d, region, count):
     """Return the sum of d_i.B_i d_i over each of ``count`` regions, B (n, 6, 6), d (n, 6)."""
-    if len(d) < SHARED:
-        result = np.zeros(count)
-        _add_forms(0, len(d), blocks, d, region, result)
-        return result
-    at, sums = room_for(chunks(len(d)), region, count)
-    _add_forms_shared(blocks, d, at, sums)
-    return added(sums, region, count)
+    room = _room_for(chunks(len(d)), len(d))
+    if len(d) >= SHARED:
+        _forms_shared(blocks, d, region, room)
+    else:
+        for c in range(chunks(len(d))):
+            first, last = c * CHUNK, min((c + 1) * CHUNK, len(d))
+            _forms(first, last, blocks, d, room[0])
+            _add_up(c, first, last, region, room)
+    return _added(CHUNK, room, count)
 
 
 @kernel()
-def _add_products(first, last, a, b, region, sums):
-    """Add a_i.b_i of blocks ``first`` to ``last`` - 1 to the sums of their regions."""
+def _products(first, last, a, b, terms):
+    """Write a_i.b_i of blocks ``first`` to ``last`` - 1."""
     for i in range(first, last):
-        sums[region[i]] += total(plus_product(zeros(), row(a, i), row(b, i)))
+        terms[i] = total(plus_product(zeros(), row(a, i), row(b, i)))
 
 
 @kernel(parallel=True)
-def _add_products_shared(a, b, region, sums):
+def _products_shared(a, b, region, room):
     progress = nothing_done()
     for thread in prange(threads_of(progress)):
         for c in to_do(thread, progress, chunks(len(a))):
-            own, last = sums[c % len(sums)], min((c + 1) * CHUNK, len(a))
-            _add_products(c * CHUNK, last, a, b, region, own)
+            first, last = c * CHUNK, min((c + 1) * CHUNK, len(a))
+            _products(first, last, a, b, room[0])
+            _add_up(c, first, last, region, room)
 
 
 @kernel()
 def products(a, b, region, count):
     """Return a.b of two vectors (n, 6) over each of ``count`` regions."""
-    if len(a) < SHARED:
-        result = np.zeros(count)
-        _add_products(0, len(a), a, b, region, result)
-        return result
-    at, sums = room_for(chunks(len(a)), region, count)
-    _add_products_shared(a, b, at, sums)
-    return added(sums, region, count)
+    room = _room_for(chunks(len(a)), len(a))
+    if len(a) >= SHARED:
+        _products_shared(a, b, region, room)
+    else:
+        for c in range(chunks(len(a))):
+            first, last = c * CHUNK, min((c + 1) * CHUNK, len(a))
+            _products(first, last, a, b, room[0])
+            _add_up(c, first, last, region, room)
+    return _added(CHUNK, room, count)
 
 
 @kernel()
-def _add_works(first, last, normal, opening, shear, slip, region, sums):
-    """Add N x opening + T x slip of contacts ``first`` to ``last`` - 1 to their regions' sums."""
-    for c in range(first, last):
-        sums[region[c]] += normal[c] * opening[c] + shear[c] * slip[c]
+def _take(first, last, values, terms):
+    for i in range(first, last):
+        terms[i] = values[i]
 
 
 @kernel(parallel=True)
-def _add_works_shared(normal, opening, shear, slip, region, sums):
+def _sums_shared(values, region, room):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, parts(len(values))):
+            first, last = bounds(part, len(values))
+            _take(first, last, values, room[0])
+            _add_up(part, first, last, region, room)
+
+
+@kernel()
+def sums(values, region, count):
+    """Return the sum of values (m,) over each of ``count`` regions."""
+    room = _room_for(parts(len(values)), len(values))
+    if len(values) >= MANY:
+        _sums_shared(values, region, room)
+    else:
+        for part in range(parts(len(values))):
+            first, last = bounds(part, len(values))
+            _take(first, last, values, room[0])
+            _add_up(part, first, last, region, room)
+    return _added(PART, room, count)
+
+
+@kernel()
+def _works(normal, opening, shear, slip, terms):
+    for c in range(len(terms)):
+        terms[c] = normal[c] * opening[c] + shear[c] * slip[c]
+
+
+@kernel()
+def _works_of_part(part, normal, opening, shear, slip, region, room):
+    """Add up N x opening + T x slip of one part of the contacts."""
+    first, last = bounds(part, len(region))
+    _works(
+        normal[first:last],
+        opening[first:last],
+        shear[first:last],
+        slip[first:last],
+        room[0][first:last],
+    )
+    _add_up(part, first, last, region, room)
+
+
+@kernel(parallel=True)
+def _works_shared(normal, opening, shear, slip, region, room):
     progress = nothing_done()
     for thread in prange(threads_of(progress)):
         for part in to_do(thread, progress, parts(len(region))):
-            own, last = sums[part % len(sums)], min((part + 1) * PART, len(region))
-            _add_works(part * PART, last, normal, opening, shear, slip, region, own)
+            _works_of_part(part, normal, opening, shear, slip, region, room)
 
 
 @kernel()
 def works(normal, opening, shear, slip, region, count):
     """Return the work of contact forces N and T (m,) on motions (m,) in each region, (count,)."""
-    if len(region) < MANY:
-        result = np.zeros(count)
-        _add_works(0, len(region), normal, opening, shear, slip, region, result)
-        return result
-    at, sums = room_for(parts(len(region)), region, count)
-    _add_works_shared(normal, opening, shear, slip, at, sums)
-    return added(sums, region, count)
+    room = _room_for(parts(len(region)), len(region))
+    if len(region) >= MANY:
+        _works_shared(normal, opening, shear, slip, region, room)
+    else:
+        for part in range(parts(len(region))):
+            _works_of_part(part, normal, opening, shear, slip, region, room)
+    return _added(PART, room, count)
 
 
 @kernel()

@@ -50,6 +50,15 @@ def sum_of(values):
 
 
 @kernel()
+def only_region(region):
+    """Return the region that all contacts are in (m,), or -1."""
+    same = True
+    for c in range(len(region)):
+        same &= region[c] == region[0]
+    return region[0] if same else -1
+
+
+@kernel()
 def alike(one, other):
     """Return whether two arrays (m,) hold the same numbers, up to the first that differs."""
     if len(one) != len(other):

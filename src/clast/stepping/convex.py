@@ -18,6 +18,7 @@ them, are renewed after convergence.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -30,6 +31,7 @@ from clast.equations.solvers import DIRECTION, inexact
 from clast.equations.system import contact_motions, graph_of, inverse_of_blocks
 from clast.equations.terms import diagonal_terms
 from clast.interfaces import Method, StepResult
+from clast.kernels import approach
 from clast.model import Floats, Model
 from clast.state import State
 from clast.stepping.conclude import Solved, conclude
@@ -66,7 +68,7 @@ class Begun:
     step: float
     """h, s."""
 
-    @property
+    @cached_property
     def drift(self) -> Floats:
         """Displacement that the velocities would bring, shape (n, 6)."""
         return self.step * self.velocity
@@ -231,14 +233,19 @@ def first_friction_base(begun: Begun, potential: Potential) -> Floats:
     slides in beside another block's face.  Since when it has been known plays no part.
     """
     contacts, step = potential.contacts, begun.step
-    opening_rate, slip_rate = contact_motions(contacts, begun.velocity)
     speed = float(np.hypot(*begun.model.gravity)) * step
-    slow = np.abs(slip_rate) <= AT_REST * speed
-    landing = (opening_rate < -LANDING * speed) & (contacts.gap + step * opening_rate < 0.0)
-    holding = slow & (landing | (begun.state.time == 0.0))
-    new = np.where(holding, potential.largest_force(), 0.0)
-    bearing = contacts.normal_force > 0.0
-    return np.where(bearing, contacts.normal_force, new)
+    return np.asarray(
+        approach.first_bases(
+            contacts.normal_force,
+            contacts.gap,
+            contact_motions(contacts, begun.velocity),
+            AT_REST * speed,
+            LANDING * speed,
+            step,
+            begun.state.time == 0.0,
+            potential.largest_force(),
+        )
+    )
 
 
 def without_bonds(contacts: Contacts, broken: np.ndarray) -> Contacts:

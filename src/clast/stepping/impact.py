@@ -16,6 +16,7 @@ from clast.contact.arrays import Contacts
 from clast.contact.multipliers import has_multipliers
 from clast.equations.system import gap_rate
 from clast.interfaces import ContactLaw, Method
+from clast.kernels import approach
 from clast.model import Floats, Model
 
 THRESHOLD = 1e-6
@@ -49,9 +50,8 @@ def theta_by_block(
     """
     rate = gap_rate(contacts, velocity)
     threshold = threshold_of(method.contact_law) * float(np.hypot(*model.gravity)) * step
-    colliding = (rate < -threshold) & (contacts.gap + step * rate < 0.0)
     theta = np.full(model.block_count, method.integrator.theta)
     stopped = max(method.integrator.theta, 1.0 / (1.0 + restitution))
-    theta[contacts.vertex_block[colliding]] = stopped
-    theta[contacts.edge_block[colliding]] = stopped
+    ends = contacts.vertex_block, contacts.edge_block
+    approach.collide(contacts.gap, rate, threshold, step, ends, stopped, theta)
     return theta

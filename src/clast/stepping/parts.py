@@ -10,6 +10,7 @@ import numpy as np
 from clast.contact.arrays import Contacts, of_pairs, reordered
 from clast.equations.system import graph_of
 from clast.equations.terms import DiagonalTerms
+from clast.kernels import block_rows
 from clast.kernels.neighbours import touching
 from clast.model import Bools, Floats, Ints
 from clast.stepping.potential import Point, Potential, regions_of
@@ -32,10 +33,10 @@ class Part:
     def within(self, point: Point) -> Point:
         """Return the whole's ``point`` as the part has it."""
         potential, own = self.potential, self.contacts
-        unknowns = point.unknowns[self.blocks]
+        unknowns = point.unknowns.take(self.blocks, axis=0)
         if potential.limits is None:
             return potential.at(unknowns)
-        residual, left = point.residual[self.blocks], point.left[self.blocks]
+        residual, left = point.residual.take(self.blocks, axis=0), point.left.take(self.blocks)
         residual[potential.fixed], left[potential.fixed] = 0.0, 0.0
         answers = {name: getattr(point.response, name).take(own) for name in ANSWERS}
         return Point(
@@ -108,12 +109,12 @@ def _potential_of(
     return replace(
         potential,
         base=DiagonalTerms(
-            diagonal=base.diagonal[blocks],
-            force=base.force[blocks],
-            momentum=base.momentum[blocks],
-            centroid=base.centroid[blocks],
+            diagonal=block_rows.taken(base.diagonal, blocks),
+            force=base.force.take(blocks, axis=0),
+            momentum=base.momentum.take(blocks, axis=0),
+            centroid=base.centroid.take(blocks, axis=0),
         ),
-        inverse=potential.inverse[blocks],
+        inverse=block_rows.taken(potential.inverse, blocks),
         contacts=contacts,
         fixed=fixed,
         graph=graph_of(contacts, len(blocks)),

@@ -15,7 +15,15 @@ from clast.equations.reuse import FactorOfStep
 from clast.equations.system import contact_motions, symmetric_system
 from clast.equations.terms import DiagonalTerms
 from clast.interfaces import ContactLaw
-from clast.kernels import assembly, balance, block_rows, line_search, region_sums, regions
+from clast.kernels import (
+    assembly,
+    balance,
+    block_rows,
+    line_search,
+    region_sums,
+    regions,
+    yardsticks,
+)
 from clast.model import Bools, Floats, Ints
 from clast.stepping.stages import Stages
 
@@ -115,8 +123,9 @@ class Potential:
 
     def untouched(self) -> Floats:
         """Return the unknowns (n, 6) of blocks without contacts, K^-1 F; 0 for fixed blocks."""
-        free = block_rows.products(self.inverse, self.base.force)
-        return np.where(self.fixed[:, None], 0.0, free)
+        free: Floats = block_rows.products(self.inverse, self.base.force)
+        free[self.fixed] = 0.0
+        return free
 
     def unbalanced(self, unknowns: Floats, normal: Floats, shear: Floats) -> tuple[Floats, Floats]:
         """Return r = F - K d + sum of N n + T t (n, 6) for forces (m,), and r.K^-1 r (n,), J/m.
@@ -148,8 +157,15 @@ class Potential:
     def distances(self, point: Point) -> Floats:
         """Return the part of the distance that each region has, J/m, shape (regions.count,)."""
         at = self.regions
-        found = np.bincount(at.of_blocks, weights=point.left, minlength=at.count)
-        return found.astype(np.float64, copy=False)
+        return np.asarray(region_sums.sums(point.left, at.of_blocks, at.count))
+
+    @cached_property
+    def _forces(self) -> tuple[float, float, float]:
+        """Half of f.K^-1 f without and of momentum alone, J/m, and the sum of all forces, N/m."""
+        base = self.base
+        found = yardsticks.of_forces(self.inverse, base.force, base.momentum, self.fixed)
+        weight, motion, forces = map(float, found)
+        return weight, motion, forces
 
     def yardstick(self) -> float:
         """Return the energy, J/m, that tolerances refer to: 1/2 f.K^-1 f of the step's forces.
@@ -157,18 +173,11 @@ class Potential:
         f are weight, loads and stress; momentum counts with MOMENTUM_SHARE of its energy, so that
         fast blocks are not solved more coarsely than those at rest.
         """
-
-        def half(force: Floats) -> float:
-            held = np.where(self.fixed[:, None], 0.0, force)
-            return 0.5 * float(assembly.form(self.inverse, held))
-
-        momentum = self.base.momentum
-        return half(self.base.force - momentum) + MOMENTUM_SHARE * half(momentum)
+        return self._forces[0] + MOMENTUM_SHARE * self._forces[1]
 
     def largest_force(self) -> float:
         """Return the sum of all forces on the blocks, N/m: more than any contact can bear."""
-        held = np.where(self.fixed[:, None], 0.0, self.base.force)
-        return float(np.hypot(held[:, 0], held[:, 1]).sum())
+        return self._forces[2]
 
     def direction(self, point: Point, factor: FactorOfStep, stages: Stages) -> Floats:
         """Return the Newton direction (n, 6): H dd = residual."""

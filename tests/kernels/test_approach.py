@@ -1,0 +1,38 @@
+"""Which contacts collide and which hold at first, against the same as conditions on arrays."""
+
+import numpy as np
+import pytest
+
+from clast.kernels import approach
+
+
+def some(count, seed):
+    """Return gaps, opening rates, slip rates and normal forces of both signs and none, (m,)."""
+    rng = np.random.default_rng(seed)
+    gap, opening, slip, normal = rng.normal(size=(4, count)) * rng.integers(0, 2, (4, count))
+    return gap, opening, slip, np.maximum(0.0, normal)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_blocks_that_collide(seed):
+    gap, rate, _, _ = some(200, seed)
+    ends = np.random.default_rng(seed).integers(0, 60, (2, 200))
+    threshold, step = 0.1, 0.5
+    of_blocks = np.full(60, 0.5)
+    approach.collide(gap, rate, threshold, step, tuple(ends), 1.0, of_blocks)
+    colliding = (rate < -threshold) & (gap + step * rate < 0.0)
+    expected = np.full(60, 0.5)
+    expected[ends[:, colliding]] = 1.0
+    assert 0 < colliding.sum() < 200
+    assert np.array_equal(of_blocks, expected)
+
+
+@pytest.mark.parametrize("begins", [True, False])
+def test_contacts_that_hold_at_first(begins):
+    gap, opening, slip, normal = some(500, 7)
+    slow, landing, step, largest = 0.5, 0.1, 0.5, 1e6
+    found = approach.first_bases(normal, gap, (opening, slip), slow, landing, step, begins, largest)
+    lands = (opening < -landing) & (gap + step * opening < 0.0)
+    holds = (np.abs(slip) <= slow) & (lands | begins)
+    assert np.array_equal(found, np.where(normal > 0.0, normal, np.where(holds, largest, 0.0)))
+    assert set(found[normal == 0.0]) == {0.0, largest}
