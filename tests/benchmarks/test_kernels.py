@@ -21,7 +21,7 @@ from clast.equations.solvers import with_aggregates
 from clast.equations.system import BlockSystem, graph_of, symmetric_system
 from clast.equations.terms import diagonal_terms
 from clast.interfaces import Method
-from clast.kernels import block_rows
+from clast.kernels import block_rows, broad_phase, polygon
 from clast.model import Ints, Model
 from clast.state import State
 from clast.studies.bench.bandwidth import system_of_step
@@ -65,6 +65,13 @@ def wall() -> Standing:
 
 
 def test_broad_phase(benchmark, wall):
+    box = polygon.boxes(wall.state.vertices, wall.model.block_start)
+    broad_phase.widen(box, np.full(len(box), wall.reach.front))
+    pairs = benchmark(broad_phase.overlapping_pairs, box, wall.model.fixed)
+    assert len(pairs) > 2 * wall.model.block_count
+
+
+def test_near_pairs_that_are_known(benchmark, wall):
     pairs = benchmark(lambda: wall.pairs)
     assert len(pairs) > 2 * wall.model.block_count
 

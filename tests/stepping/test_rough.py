@@ -67,8 +67,10 @@ def test_each_region_is_nearer_than_its_new_bounds_can_tell(potentials):
         # Newton's method sums up gaps on its way: what its point bears differs by
         # rounding, 4e-14 of the largest at most
         bound, bears = renewed.contacts.friction_base, here.response.normal_force
-        assert bound == pytest.approx(bears, rel=0.0, abs=1e-12 * bears.max(initial=1.0))
-        assert np.array_equal(point.residual, renewed.at(point.unknowns).residual)
+        rounding = 1e-12 * bears.max(initial=1.0)
+        assert bound == pytest.approx(bears, rel=0.0, abs=rounding)
+        there = renewed.at(point.unknowns)
+        assert point.residual == pytest.approx(there.residual, rel=0.0, abs=rounding)
         own, new = one.distances(here), renewed.distances(point)
         assert asked[-1] == enough or own[own > rough.SHARE * new].sum() <= enough
     assert coarser > len(potentials) / 4

@@ -11,13 +11,14 @@ from functools import lru_cache
 
 import numpy as np
 
+from clast.contact import neighbourhood
 from clast.contact.arrays import Contacts
 from clast.contact.memory import recall
 from clast.contact.rows import levers_of, movement
 from clast.interfaces import CornerRule, DisplacementFunction
-from clast.kernels import broad_phase, narrow_phase, polygon
 from clast.kernels import contacts as kernel
 from clast.kernels import memory as memory_kernel
+from clast.kernels import narrow_phase, polygon
 from clast.model import Bools, Floats, Ints, Joint, JointTable, Model
 from clast.state import ContactMemory, State
 
@@ -85,7 +86,7 @@ def near_pairs(
     """
     half = np.empty(len(block_start) - 1)
     half[:] = 0.5 * distance + np.asarray(travel)
-    return np.asarray(broad_phase.near_pairs(vertices, block_start, half, fixed))
+    return neighbourhood.LAST.near_pairs(vertices, block_start, half, fixed)
 
 
 def pair_penetration(block_start: Ints, pairs: Ints, memory: ContactMemory) -> Floats:

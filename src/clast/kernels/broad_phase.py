@@ -12,7 +12,6 @@ import numpy as np
 from numba import prange
 
 from clast.kernels.compiled import kernel
-from clast.kernels.polygon import boxes
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import MANY, PART, bounds, parts
 
@@ -21,21 +20,12 @@ LEVELS = 48
 
 
 @kernel()
-def _sizes(first, last, box, half, size):
-    """Widen boxes ``first`` to ``last`` - 1 by ``half`` (n,), m, and write their larger sides."""
-    for b in range(first, last):
-        box[b, 0], box[b, 1] = box[b, 0] - half[b], box[b, 1] - half[b]
-        box[b, 2], box[b, 3] = box[b, 2] + half[b], box[b, 3] + half[b]
+def _sizes(box):
+    """Return the larger side of each box (n,)."""
+    size = np.empty(len(box))
+    for b in range(len(box)):
         size[b] = max(box[b, 2] - box[b, 0], box[b, 3] - box[b, 1])
-
-
-@kernel(parallel=True)
-def _sizes_shared(box, half, size):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for part in to_do(thread, progress, parts(len(box))):
-            first, last = bounds(part, len(box))
-            _sizes(first, last, box, half, size)
+    return size
 
 
 @kernel()
@@ -243,19 +233,20 @@ def _in_order(order, box, fixed, level, cell):
 
 
 @kernel()
-def _pairs(box, half, fixed):
-    """Return the pairs of boxes that overlap once they are widened, in place, by ``half`` (n,)."""
+def overlapping_pairs(box, fixed):
+    """Return pairs (lower, higher) of overlapping boxes, sorted, shape (m, 2).
+
+    ``box`` (n, 4) holds (xmin, ymin, xmax, ymax) in m, already widened by the reach; pairs of two
+    blocks that are ``fixed`` (n,) are left out.  O(n).
+    """
     count = len(box)
     if count < 2:
         return np.zeros((0, 2), np.int64)
-    size, level, cell = np.empty(count), np.empty(count, np.int64), np.empty((count, 2), np.int64)
+    size, level, cell = _sizes(box), np.empty(count, np.int64), np.empty((count, 2), np.int64)
+    origin = _origin(box, size)
     if count >= MANY:
-        _sizes_shared(box, half, size)
-        origin = _origin(box, size)
         _cells_shared(box, size, origin, level, cell)
     else:
-        _sizes(0, count, box, half, size)
-        origin = _origin(box, size)
         _cells(0, count, box, size, origin, level, cell)
     slots, order = _file(level, cell)
     filed = (*_in_order(order, box, fixed, level, cell), order)
@@ -264,16 +255,63 @@ def _pairs(box, half, fixed):
 
 
 @kernel()
-def overlapping_pairs(box, fixed):
-    """Return pairs (lower, higher) of overlapping boxes, sorted, shape (m, 2).
-
-    ``box`` (n, 4) holds (xmin, ymin, xmax, ymax) in m, already widened by the reach; pairs of two
-    blocks that are ``fixed`` (n,) are left out.  O(n).
-    """
-    return _pairs(box.copy(), np.zeros(len(box)), fixed)
+def widen(box, half):
+    """Widen boxes (n, 4) by ``half`` (n,), m, on all sides, in place."""
+    for b in range(len(box)):
+        box[b, 0], box[b, 1] = box[b, 0] - half[b], box[b, 1] - half[b]
+        box[b, 2], box[b, 3] = box[b, 2] + half[b], box[b, 3] + half[b]
 
 
 @kernel()
-def near_pairs(vertices, block_start, half, fixed):
-    """Return the same for blocks by their boxes, widened by ``half`` (n,), m, on all sides."""
-    return _pairs(boxes(vertices, block_start), half, fixed)
+def all_within(box, wide):
+    """Return whether each box (n, 4) lies within the wide one of the same number."""
+    for b in range(len(box)):
+        if not (
+            box[b, 0] >= wide[b, 0]
+            and box[b, 1] >= wide[b, 1]
+            and box[b, 2] <= wide[b, 2]
+            and box[b, 3] <= wide[b, 3]
+        ):
+            return False
+    return True
+
+
+@kernel()
+def _overlapping(first, last, pairs, box, kept):
+    """Write the overlapping pairs of ``first`` to ``last`` - 1 from ``first`` on; return how many.
+
+    Each is written, and written over where it does not overlap: nothing is to be foretold.
+    """
+    at = first
+    for q in range(first, last):
+        a, b = pairs[q, 0], pairs[q, 1]
+        kept[at, 0], kept[at, 1] = a, b
+        at += _overlap(box, a, b)
+    return at - first
+
+
+@kernel(parallel=True)
+def _overlapping_shared(pairs, box, kept, found):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, len(found)):
+            first, last = bounds(part, len(pairs))
+            found[part] = _overlapping(first, last, pairs, box, kept)
+
+
+@kernel()
+def overlapping_of(pairs, box):
+    """Return which of the ``pairs`` (q, 2) of boxes (n, 4) overlap, in their order."""
+    kept, found = np.empty_like(pairs), np.empty(parts(len(pairs)), np.int64)
+    if len(pairs) >= MANY:
+        _overlapping_shared(pairs, box, kept, found)
+    else:
+        for part in range(len(found)):
+            first, last = bounds(part, len(pairs))
+            found[part] = _overlapping(first, last, pairs, box, kept)
+    result, at = np.empty((found.sum(), 2), np.int64), 0
+    for part in range(len(found)):
+        for q in range(part * PART, part * PART + found[part]):
+            result[at, 0], result[at, 1] = kept[q, 0], kept[q, 1]
+            at += 1
+    return result

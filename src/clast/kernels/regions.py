@@ -75,3 +75,17 @@ def region_of_contacts(region, count, vertex_block, edge_block):
         own = region[vertex_block[c]]
         result[c] = own if own != count - 1 else region[edge_block[c]]
     return result
+
+
+@kernel()
+def free_blocks(wanted, region, fixed):
+    """Return which free blocks (n,) are in regions ``wanted`` (r,), their number, and that of all.
+
+    ``region`` (n,) is that of each block; those that are ``fixed`` (n,) are not free.
+    """
+    found, count, free = np.empty(len(region), np.bool_), 0, 0
+    for i in range(len(region)):
+        found[i] = wanted[region[i]] & (not fixed[i])
+        count += found[i]
+        free += not fixed[i]
+    return found, count, free

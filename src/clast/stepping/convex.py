@@ -204,7 +204,7 @@ class Convex:
                 potential, point = with_new_bounds(minimum, potential, point, enough, stages)
             point = minimum(potential, point, enough)
             with stages("law"):
-                point = potential.at(point.unknowns)
+                point = potential.answered(point)
             solves += 1
             contacts, response = potential.contacts, point.response
             if not multipliers.enough(law, solves, point.gap):
@@ -217,7 +217,7 @@ class Convex:
                 contacts, solves = without_bonds(contacts, broken), solves - 1
             potential = bound_by(replace(potential, contacts=contacts), response.normal_force)
             with stages("law"):
-                point = potential.at(point.unknowns)
+                point = potential.again(point)
         counts["factorisations"] += factor.factorised
         counts["pcg"] += factor.iterations
         contacts = multipliers.renew(law, potential.contacts, point.response)

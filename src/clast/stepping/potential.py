@@ -109,7 +109,18 @@ class Potential:
     def at(self, unknowns: Floats) -> Point:
         """Return the derivatives at ``unknowns`` (n, 6)."""
         opening, slip = contact_motions(self.contacts, unknowns)
-        gap = self.contacts.gap + opening
+        return self._where(unknowns, self.contacts.gap + opening, slip)
+
+    def again(self, point: Point) -> Point:
+        """Return a point of the same contacts under another law or with other bounds."""
+        return self._where(point.unknowns, point.gap, point.slip)
+
+    def answered(self, point: Point) -> Point:
+        """Return a point with all that the law answers there (see :meth:`moved`)."""
+        return replace(point, response=self.law.respond(self.contacts, point.gap, point.slip))
+
+    def _where(self, unknowns: Floats, gap: Floats, slip: Floats) -> Point:
+        """Return the derivatives at ``unknowns`` (n, 6), with the contacts' gap and slip (m,)."""
         response = self.law.respond(self.contacts, gap, slip)
         residual, left = self.unbalanced(unknowns, response.normal_force, response.shear_force)
         return Point(
@@ -233,7 +244,7 @@ class Potential:
         """Return the point at the end of a line from ``point``.
 
         Of a law of springs with bounds the answer is what Newton's method needs: forces and
-        stiffnesses, but neither energies nor modes (:meth:`at` has all).
+        stiffnesses, but neither energies nor modes (:meth:`answered` has all).
         """
         of_blocks, of_contacts = self.regions.of_blocks, self.regions.of_contacts
         unknowns: Floats = region_sums.advanced(

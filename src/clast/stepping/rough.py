@@ -39,7 +39,7 @@ def with_new_bounds(
         point = minimise(potential, point, asked)
         with stages("law"):
             renewed = bound_by(potential, point.response.normal_force)
-            moved = renewed.at(point.unknowns)
+            moved = renewed.again(point)
             left, tolerated = potential.distances(point), SHARE * renewed.distances(moved)
         if asked <= enough or float(left[~(left <= tolerated)].sum()) <= enough:
             return renewed, moved

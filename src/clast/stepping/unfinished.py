@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from clast.kernels import regions
 from clast.model import Bools, Floats
 from clast.stepping.parts import Part, part_of
 from clast.stepping.potential import Potential
@@ -20,25 +21,30 @@ def unfinished(distances: Floats, enough: float) -> Bools:
     """Return True for the regions (r,) without which the distance would still be too large."""
     together = FINISHED * enough
     wanted: Bools = ~(distances <= together)  # what is not finite is not finished
-    others = np.flatnonzero(~wanted)
-    if float(distances[others].sum()) > together:
-        others = others[np.argsort(distances[others], kind="stable")]
-        wanted[others[np.cumsum(distances[others]) > together]] = True
+    others = np.flatnonzero(~wanted & (distances > 0.0))
+    left = distances.take(others)
+    if float(left.sum()) > together:
+        order = np.argsort(left, kind="stable")
+        wanted[others[order][np.cumsum(left[order]) > together]] = True
     return wanted
 
 
 def few_are_unfinished(potential: Potential, distances: Floats, enough: float) -> bool:
     """Return True where few blocks have what is too much of the ``distances`` of regions (r,)."""
-    free = ~potential.fixed
-    size = np.count_nonzero(free)
-    if size <= SMALL:
+    if len(potential.fixed) <= SMALL:
         return False
-    wanted = unfinished(distances, enough)
-    return bool(np.count_nonzero(wanted[potential.regions.of_blocks] & free) < HALF * size)
+    _, count, free = _blocks_of(potential, unfinished(distances, enough))
+    return free > SMALL and count < HALF * free
 
 
 def unfinished_part(potential: Potential, distances: Floats, enough: float) -> tuple[Part, float]:
     """Return the regions that must come nearer, and what is enough for them, J/m."""
     wanted = unfinished(distances, enough)
-    part = part_of(potential, wanted[potential.regions.of_blocks] & ~potential.fixed)
-    return part, enough - float(distances[~wanted].sum())
+    blocks, _, _ = _blocks_of(potential, wanted)
+    return part_of(potential, blocks), enough - float(distances[~wanted].sum())
+
+
+def _blocks_of(potential: Potential, wanted: Bools) -> tuple[Bools, int, int]:
+    """Return the free blocks (n,) of the regions ``wanted`` (r,), their number, and that of all."""
+    blocks, count, free = regions.free_blocks(wanted, potential.regions.of_blocks, potential.fixed)
+    return blocks, int(count), int(free)
