@@ -102,6 +102,47 @@ def balance_again(blocks, system, graph, contacts, d, normal, shear, found):
 
 
 @kernel()
+def _left_rows(low, high, system, graph, contacts, starts, normal, shear, left):
+    """Write r.B^-1 r of blocks ``low`` to ``high`` - 1 at each start: B is read once for all."""
+    base, inverse, load, fixed = system
+    vertex_block, levers = contacts
+    residual = np.empty((1, 6))
+    for i in range(low, high):
+        for k in range(len(starts)):
+            if fixed[i]:
+                left[k, i] = 0.0
+                continue
+            s = plus_scaled(row(load, i), -1.0, times(base, i, starts[k], i))
+            s = _plus_forces(s, i, graph, vertex_block, levers, normal[k], shear[k])
+            put_row(residual, 0, s)
+            own = times(inverse, i, residual, 0)
+            left[k, i] = total(plus_product(zeros(), own, row(residual, 0)))
+
+
+@kernel(parallel=True)
+def _left_shared(system, graph, contacts, starts, normal, shear, left):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(left.shape[1])):
+            last = min((c + 1) * CHUNK, left.shape[1])
+            _left_rows(c * CHUNK, last, system, graph, contacts, starts, normal, shear, left)
+
+
+@kernel()
+def left_at(system, graph, contacts, starts, normal, shear):
+    """Return r.B^-1 r of each block (k, n), as :func:`unbalanced` does, at k starts at once.
+
+    ``starts`` (k, n, 6) are the unknowns, ``normal`` and ``shear`` (k, m) N and T there.
+    """
+    left = np.empty(starts.shape[:2])
+    if left.shape[1] >= SHARED:
+        _left_shared(system, graph, contacts, starts, normal, shear, left)
+    else:
+        _left_rows(0, left.shape[1], system, graph, contacts, starts, normal, shear, left)
+    return left
+
+
+@kernel()
 def _load_rows(low, high, load, fixed, graph, vertex_block, levers, normal, shear, out):
     """Write load + sum of N n + T t of blocks ``low`` to ``high`` - 1; 0 where fixed."""
     for i in range(low, high):

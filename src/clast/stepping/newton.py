@@ -63,12 +63,12 @@ def minimise(
 
 def best_of(potential: Potential, starts: tuple[Floats, ...]) -> Point:
     """Return the point that each region has from the best of ``starts``, (n, 6) each."""
-    points = [potential.at(start) for start in starts]
-    choice = np.argmin([potential.distances(point) for point in points], axis=0)
+    every = np.stack(starts)
+    choice = np.argmin(potential.distances_at(every), axis=0)
     if np.all(choice == choice[0]):
-        return points[choice[0]]
+        return potential.at(starts[choice[0]])
     of_blocks = choice[potential.regions.of_blocks]
-    return potential.at(np.stack(starts)[of_blocks, np.arange(len(of_blocks))])
+    return potential.at(every[of_blocks, np.arange(len(of_blocks))])
 
 
 def descend(

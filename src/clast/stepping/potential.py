@@ -132,6 +132,17 @@ class Potential:
             left=left,
         )
 
+    def distances_at(self, starts: Floats) -> Floats:
+        """Return the :meth:`distances` (k, regions.count), J/m, at ``starts`` (k, n, 6)."""
+        forces = np.empty((2, len(starts), len(self.contacts)))
+        for k, unknowns in enumerate(starts):
+            opening, slip = contact_motions(self.contacts, unknowns)
+            response = self.law.respond(self.contacts, self.contacts.gap + opening, slip)
+            forces[0, k], forces[1, k] = response.normal_force, response.shear_force
+        left = balance.left_at(*self._as_kernels_take_it, starts, *forces)
+        at = self.regions
+        return np.stack([region_sums.sums(one, at.of_blocks, at.count) for one in left])
+
     def untouched(self) -> Floats:
         """Return the unknowns (n, 6) of blocks without contacts, K^-1 F; 0 for fixed blocks."""
         free: Floats = block_rows.products(self.inverse, self.base.force)
