@@ -51,33 +51,30 @@ LARGE = """\
 
 Apart from the runs above, on the machine named:
 
-- Of one height cost per block does not grow with the number of blocks at 1 ms: in their first ten
-  steps walls of 50 courses with 1,026, 10,026 and 100,026 bricks take 56 to 64, 51 to 59 and 51 µs
-  per block and step, with 22, 13 and 11 iterations of all blocks a step; those that have most to
-  settle go first by themselves (docs/decisions/0034). At 5 ms it is 29 to 34 and 47 µs for 1,026
-  and 100,026 bricks, with 6.6 and 7.2. In the table above what grows is the height: scenes of
-  1,000 blocks are 32 storeys or 45 courses high.
-- `--threads 2` with 10,000 blocks, runs in processes of their own that took turns:
-  first steps 1.4 times as fast as by one on a wall at 5 and at 1 ms and on a slope at 5 ms, 1.5 on
-  a slope at 1 ms and on a stack, 1.3 on a heap; 60 steps of 10 ms of a wall 1.5 times, 100 of 2 ms
-  1.8 times.
-  Few blocks by themselves are little to share: without that two threads were 1.5 to 2.1 times as
-  fast as one, and no quicker than with it (docs/decisions/0034). Below 800 blocks one thread does
-  all; the results are the same to the last bit.
-
-Before docs/decisions/0033 and 0034, on an AMD EPYC with 2 cores and 23.5 GiB:
-
+- Of one height cost per block hardly grows with the number of blocks: in their first ten steps
+  walls of 50 courses with 1,026, 10,026 and 100,026 bricks take 41 to 50, 32 and 29 µs per block
+  and step at 1 ms, where those that have most to settle go first by themselves
+  (docs/decisions/0034), and 17 to 19, 25 and 26 to 29 µs at 5 ms, where the largest need 16
+  iterations of conjugate gradients for a direction instead of 10; towers of 50 storeys with 1,001,
+  10,001 and 100,001 squares 4.9, 3.5 and 3.7 µs at 5 ms. In the table above what grows is the
+  height: scenes of 1,000 blocks are 32 storeys or 45 courses high.
+- `--threads 2` with 10,000 blocks, runs in processes of their own that took turns, median of six
+  (fastest): first steps of a wall at 5 ms 1.66 (1.66) times as fast as by one, at 1 ms 1.56 (1.72),
+  40 steps of 10 ms 1.73 (1.72), a slope at 5 ms 1.84 (1.79), at 1 ms 1.54 (1.66), towers 1.31
+  (1.52), a heap at 1.4 s 1.24 (1.43). While the second core has nothing else to do at all: 1.6 to
+  1.8 on walls, slopes and towers, 1.4 to 1.5 on heaps (docs/decisions/0035). Below 800 blocks one
+  thread does all; 100 blocks take as long with `--threads 2` as without (0.99 to 1.01). The results
+  are the same to the last bit.
 - `clast bench heap --size 1000000 --step 2.5e-3 --steps 100 --results build`: a million falling
-  squares are built in 9 s and take 1.7 µs per block and step, 3 minutes with first and last state
-  saved (0.7 GB), and 2.5 GiB of memory at most.
+  squares are built in 6 s and take 1.6 µs per block and step, 3 minutes with first and last state
+  saved (0.7 GB), and 2.6 GiB of memory at most.
 - `clast bench stack --size 1000000 --steps 100 --threads 2 --results build`: 20,000 towers of 50
-  squares at rest on 3,960,000 contacts, h = 1 ms, take 3.7 µs per block and step, 6.5 minutes with
-  first and last state saved (1 GB), and 8.4 GiB of memory at most; the matrix product reached
-  27 GB/s there, 108 % of the triad by as many threads.
-- Towers of 50 storeys with 1,001, 10,001 and 100,001 squares take 7.5, 7.8 and 8.2 µs per block
-  and step at 5 ms.
-- A heap of 10,000 at 1.4 s was 1.34 to 1.49 times as fast by two threads. Walls and a heap of 100
-  take as long as by one.
+  squares at rest on 3,960,000 contacts, h = 1 ms, take 2.9 µs per block and step, 5 minutes with
+  first and last state saved (1 GB), and 8.2 GiB of memory at most; the matrix product reached
+  28 GB/s there, 93 % of the triad over as many bytes by as many threads.
+
+Before docs/decisions/0033 to 0035, on an AMD EPYC with 2 cores and 23.5 GiB as well:
+
 - Numbered at random instead of course by course, walls of 1,011, 10,026 and 100,026 bricks take
   1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew
   (docs/decisions/0024).
