@@ -23,7 +23,7 @@ from functools import cached_property
 import numpy as np
 
 from clast.contact import multipliers
-from clast.contact.arrays import Contacts
+from clast.contact.arrays import ContactResponse, Contacts
 from clast.contact.detection import detect
 from clast.equations.frames import BlockFrames, block_frames
 from clast.equations.reuse import FactorOfStep
@@ -48,6 +48,7 @@ from clast.stepping.reach import (
 )
 from clast.stepping.rough import bound_by, with_new_bounds
 from clast.stepping.stages import Stages
+from clast.stepping.touched import as_numbered, touched_part, with_flight
 
 AT_REST = 1.0
 """Slip rate below which a new contact is taken to hold at first, in units of g h."""
@@ -146,7 +147,7 @@ class Convex:
             theta = theta_by_block(model, method, contacts, velocity, self.restitution, step)
         with stages("base system"):
             base = diagonal_terms(model, method, frames, begun.state, velocity, theta, step)
-            potential = Potential(
+            whole = Potential(
                 base=base,
                 inverse=inverse_of_blocks(base.diagonal),
                 law=method.contact_law,
@@ -155,39 +156,68 @@ class Convex:
                 graph=graph_of(contacts, model.block_count),
                 regions=regions_of(contacts, model.fixed),
             )
-        base_force = first_friction_base(begun, potential)
         # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
-        starts = (*starts, potential.untouched())
-        potential, point = self._minimum(potential, starts, base_force, method, counts, stages)
-        response = point.response
+        starts = (*starts, whole.untouched())
+        base_force = first_friction_base(begun, whole)
+        unknowns, contacts, response = self._found(
+            whole, starts, base_force, method, counts, stages
+        )
         return Solved(
             frames=frames,
             velocity=velocity,
             theta=theta,
-            unknowns=point.unknowns,
-            contacts=potential.contacts,
+            unknowns=unknowns,
+            contacts=contacts,
             response=response,
             applied=(response.normal_force, response.shear_force),
             depth=depth_within_step(method),
             counts=counts,
         )
 
+    def _found(
+        self,
+        whole: Potential,
+        starts: tuple[Floats, ...],
+        base: Floats,
+        method: Method,
+        counts: dict[str, int],
+        stages: Stages,
+    ) -> tuple[Floats, Contacts, ContactResponse]:
+        """Return d (n, 6), the contacts and what the law answers, at the minimum.
+
+        The last of the ``starts`` is that of blocks that nothing touches; where these are many
+        only the others are minimised.  ``base`` (m,) bounds friction to begin with, N/m.
+        """
+        enough = self.tolerance**2 * whole.yardstick()
+        with stages("law"):
+            part = touched_part(whole)
+        if part is None:
+            potential, point = self._minimum(whole, starts, base, enough, method, counts, stages)
+            return point.unknowns, potential.contacts, point.response
+        inside = tuple(start.take(part.blocks, axis=0) for start in starts)
+        potential, point = self._minimum(
+            part.potential, inside, base, enough, method, counts, stages
+        )
+        unknowns = with_flight(part, starts[-1], point.unknowns)
+        return unknowns, as_numbered(potential.contacts, whole.contacts), point.response
+
     def _minimum(
         self,
         potential: Potential,
         starts: tuple[Floats, ...],
         base: Floats,
+        enough: float,
         method: Method,
         counts: dict[str, int],
         stages: Stages,
     ) -> tuple[Potential, Point]:
         """Return the minimum with friction bounds, bonds and multipliers in accord with it.
 
-        ``base`` (m,) are the normal forces that bound friction to begin with, N/m.
+        ``base`` (m,) are the normal forces that bound friction to begin with, N/m; the minimum is
+        found to within ``enough``, J/m.
         """
         law = method.contact_law
         factor = FactorOfStep(inexact(method.solver, DIRECTION))
-        enough = self.tolerance**2 * potential.yardstick()
 
         def minimum(potential: Potential, point: Point, enough: float) -> Point:
             return minimise(potential, point, factor, enough, self.iterations, counts, stages)
