@@ -60,14 +60,14 @@ Apart from the runs above, on the machine named:
   height: scenes of 1,000 blocks are 32 storeys or 45 courses high.
 - `--threads 2` with 10,000 blocks, runs in processes of their own that took turns, median of six
   (fastest): first steps of a wall at 5 ms 1.66 (1.66) times as fast as by one, at 1 ms 1.56 (1.72),
-  40 steps of 10 ms 1.73 (1.72), a slope at 5 ms 1.84 (1.79), at 1 ms 1.54 (1.66), towers 1.31
-  (1.52), a heap at 1.4 s 1.24 (1.43). While the second core has nothing else to do at all: 1.6 to
-  1.8 on walls, slopes and towers, 1.4 to 1.5 on heaps (docs/decisions/0035). Below 800 blocks one
-  thread does all; 100 blocks take as long with `--threads 2` as without (0.99 to 1.01). The results
-  are the same to the last bit.
+  40 steps of 10 ms 1.73 (1.72), a slope at 5 ms 1.84 (1.79), at 1 ms 1.54 (1.66); of four towers
+  1.57 (1.65), a heap at 0.8 s 1.24 (1.38), at 1.4 s 1.35 (1.46). While the second core has nothing
+  else to do at all: 1.6 to 1.8 on walls, slopes and towers, 1.3 to 1.5 on heaps
+  (docs/decisions/0035). Below 800 blocks one thread does all; 100 blocks take as long with
+  `--threads 2` as without (0.99 to 1.01). The results are the same to the last bit.
 - `clast bench heap --size 1000000 --step 2.5e-3 --steps 100 --results build`: a million falling
-  squares are built in 6 s and take 1.6 µs per block and step, 3 minutes with first and last state
-  saved (0.7 GB), and 2.6 GiB of memory at most.
+  squares are built in 5 s and take 0.8 µs per block and step, 1.4 minutes with first and last
+  state saved (0.7 GB), and 2.7 GiB of memory at most.
 - `clast bench stack --size 1000000 --steps 100 --threads 2 --results build`: 20,000 towers of 50
   squares at rest on 3,960,000 contacts, h = 1 ms, take 2.9 µs per block and step, 5 minutes with
   first and last state saved (1 GB), and 8.2 GiB of memory at most; the matrix product reached
