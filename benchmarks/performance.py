@@ -60,7 +60,7 @@ Apart from the runs above, on the machine named:
   height: scenes of 1,000 blocks are 32 storeys or 45 courses high.
 - `--threads 2` with 10,000 blocks, runs in processes of their own that took turns, median of six
   (fastest): first steps of a wall at 5 ms 1.66 (1.66) times as fast as by one, at 1 ms 1.56 (1.72),
-  40 steps of 10 ms 1.73 (1.72), a slope at 5 ms 1.84 (1.79), at 1 ms 1.54 (1.66); of four towers
+  40 steps of 10 ms 1.73 (1.72), a slope at 5 ms 1.84 (1.79), at 1 ms 1.54 (1.66); of four: towers
   1.57 (1.65), a heap at 0.8 s 1.24 (1.38), at 1.4 s 1.35 (1.46). While the second core has nothing
   else to do at all: 1.6 to 1.8 on walls, slopes and towers, 1.3 to 1.5 on heaps
   (docs/decisions/0035). Below 800 blocks one thread does all; 100 blocks take as long with
