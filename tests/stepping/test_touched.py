@@ -77,7 +77,7 @@ def test_the_same_as_with_all_blocks(monkeypatch, build, multipliers):
         assert one.contacts.edge_block.tolist() == other.contacts.edge_block.tolist()
 
 
-def test_blocks_in_flight_fall_exactly(monkeypatch):
+def test_blocks_in_flight_fall_exactly():
     """To the bit as by themselves: no iteration has touched them."""
     last = march(falling(), by_convex(5e8), 2.5e-3, 0.05)[-1]
     alone = sliding([box(-1.0, -1.0, 40.0, 1.0), *[box(1.5 * k, 5.0 + (k % 3)) for k in range(60)]])

@@ -11,7 +11,7 @@ from clast.contact.arrays import Contacts, of_pairs, reordered
 from clast.equations.system import graph_of
 from clast.equations.terms import DiagonalTerms
 from clast.kernels import block_rows
-from clast.kernels.neighbours import touching
+from clast.kernels.neighbours import touching, with_neighbours
 from clast.model import Bools, Floats, Ints
 from clast.stepping.potential import Point, Potential, regions_of
 
@@ -56,8 +56,7 @@ def part_of(potential: Potential, wanted: Bools) -> Part:
     """
     contacts = potential.contacts
     pairs, kept, pair = touching(wanted, contacts.pairs, potential.graph[0])
-    needed = wanted.copy()
-    needed[contacts.pairs[pairs].ravel()] = True
+    needed = with_neighbours(wanted, contacts.pairs)
     blocks = np.flatnonzero(needed)
     own = of_pairs(contacts, pairs, kept, pair, np.cumsum(needed) - 1)
     part = _potential_of(potential, blocks, own, ~wanted[blocks])

@@ -13,11 +13,10 @@ from clast.contact.arrays import Contacts
 from clast.model import Floats
 from clast.stepping.parts import Part, part_of
 from clast.stepping.potential import Potential
+from clast.stepping.unfinished import SMALL
 
 MOST = 0.9
 """Share of the blocks up to which those that are touched are minimised by themselves."""
-SMALL = 50
-"""Blocks up to which all are minimised: parting them would cost as much."""
 
 
 def touched_part(potential: Potential) -> Part | None:
