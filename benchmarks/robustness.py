@@ -261,8 +261,8 @@ their feet; they stand because a corner that is flush with the face beside it do
 (docs/decisions/0020): before that 990 bricks at p = E, h = 0.2 ms swayed by 0.16 mm and drifted by
 0.05 mm. Softer walls bounce by millimetres and drift more. *Failed* counts steps that did not
 converge or let a vertex through, *cut* those in which something moved or turned too far for one
-step. Wall times are of a machine with two cores that were both busy, sometimes with three programs;
-large columns down to h = 1 ms and up to 10 E were made with a slower preconditioner.
+step. Wall times are of one thread beside other programs, and those of the first runs hold the time
+in which kernels are compiled.
 """
 
 TAIL = """## Heaps

@@ -9,7 +9,7 @@ from test_cholesky import PATTERNS, dense, grid, random_pairs, random_system
 from test_coarse import elastic_grid
 
 from clast.equations.cholesky import Cholesky
-from clast.equations.solvers import with_incomplete
+from clast.equations.solvers import SHIFT, with_incomplete
 from clast.errors import StepOutcome, StepRejected
 from clast.kernels import conjugate, incomplete, parts, substitution
 
@@ -139,7 +139,7 @@ def test_the_seam_is_eliminated_as_if_one_block_came_after_the_other(parted):
     _, found, pairs, right, _, _, inverse, scaled = with_incomplete(one, 1).incomplete
     assert incomplete.is_parted(begin, pairs, right) == parted
     assert np.array_equal(found, begin) == parted
-    larger = replace(one, diagonal=(1.0 + incomplete.SHIFT) * one.diagonal)
+    larger = replace(one, diagonal=(1.0 + SHIFT) * one.diagonal)
     wanted, of_pairs = eliminated(larger, order)
     assert np.abs(inverse - wanted).max() <= 1e-9 * np.abs(wanted).max()
     wanted = np.array([of_pairs[tuple(pair)] for pair in pairs])

@@ -141,6 +141,34 @@ def test_what_is_far_out_of_balance_does_not_creep(monkeypatch, share, step):
     assert max(needed) <= 32
 
 
+class Inaccurate(FactorOfStep):
+    """Stops short of the solution, as an iteration may that is told to end early."""
+
+    def nearer(self, system, response, guess, tolerance):
+        """Return the guess and all but ``tolerance`` of what it lacks."""
+        begun = np.zeros_like(system.force) if guess is None else guess
+        return begun + (1.0 - tolerance) * (self.solve(system, response) - begun)
+
+
+def test_ways_that_lead_nowhere_are_found_more_accurately(monkeypatch):
+    """As of stiff slopes of 3,000 blocks, where products fell by 3 % an iteration."""
+    model = SCENES["slope"].build(100)
+    potential = caught(monkeypatch, model, 2.5e11, 1e-2, 1e-2)[-1]
+    enough = TOLERANCE**2 * potential.yardstick()
+    limits = limits_of(potential.law, potential.contacts)
+    point = potential.at(np.zeros((len(potential.fixed), 6)))
+
+    def left(fine):
+        monkeypatch.setattr("clast.stepping.interior.ROUGH", 0.9)
+        monkeypatch.setattr("clast.stepping.interior.FINE", fine)
+        factor, counts = Inaccurate(Direct()), {"passes": 0}
+        found = minimise_inside(potential, limits, point, factor, enough, counts, Stages())
+        return potential.distance(found) / enough
+
+    assert left(0.9) > 1e3
+    assert left(0.01) <= 1.0
+
+
 def test_blocks_without_weight_collide():
     """Momentum is the only force then: the kinks are rounded by its measure."""
     model = SCENES["slope"].build(300)

@@ -119,6 +119,12 @@ NO_AGGREGATES = {kind: no_aggregates(kind) for kind in BREVITY}
 """No coarse system beside a K in either precision."""
 NO_GUESS: Floats = np.zeros((0, 6))
 """What kernels/conjugate.py takes for a guess of zero."""
+SHIFT, SAFE_SHIFT = 0.006, 0.02
+"""Share by which diagonal blocks are larger in what is eliminated incompletely than they are in K,
+and where pivots were next to singular all the same: there 15 to 40 iterations then do what took 50
+to 900, or ended in numbers that are none; elsewhere it costs up to half as many more."""
+TRIED = 8
+"""Iterations after which the rate of convergence is judged."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,6 +139,8 @@ class WithIncomplete:
     """The coarse system (kernels/coarse.py), or one of NO_AGGREGATES."""
     iterations: int
     """Iterations at most."""
+    trial: int = TRIED
+    """Iterations after which it is given up where far more than that seem needed."""
 
     def __call__(
         self, force: Floats, guess: Floats | None, tolerance: float
@@ -146,6 +154,7 @@ class WithIncomplete:
             NO_GUESS if guess is None else guess,
             tolerance,
             self.iterations,
+            self.trial,
         )
         return found
 
@@ -157,11 +166,14 @@ class WithIncomplete:
 
 
 def with_incomplete(
-    system: BlockSystem, iterations: int, precision: Precision = np.float64
+    system: BlockSystem,
+    iterations: int,
+    precision: Precision = np.float64,
+    shift: float = SHIFT,
 ) -> WithIncomplete:
     """Return the iteration for a symmetric system; raises StepRejected where it is singular.
 
-    K is read with ``precision`` in every iteration.
+    K is read with ``precision`` in every iteration; ``shift`` is that of what is eliminated.
     """
     factor, matrix, bad = incomplete.factor(
         system.diagonal,
@@ -170,6 +182,7 @@ def with_incomplete(
         system.pairs,
         system.rows,
         system.centroid,
+        shift,
         np.empty(0, precision),
         np.empty(0, BREVITY[precision]),
     )
@@ -180,10 +193,13 @@ def with_incomplete(
 
 
 def with_aggregates(
-    system: BlockSystem, iterations: int, precision: Precision = np.float64
+    system: BlockSystem,
+    iterations: int,
+    precision: Precision = np.float64,
+    shift: float = SHIFT,
 ) -> WithIncomplete:
     """Return the same with a coarse system of aggregates added."""
-    plain = with_incomplete(system, iterations, precision)
+    plain = with_incomplete(system, iterations, precision, shift)
     found, definite = coarse.factor(
         plain.incomplete, plain.matrix, aggregated.LAST.of(system).arrays
     )
@@ -250,8 +266,9 @@ class PCG:
     """Conjugate gradients for symmetric systems, preconditioned as strongly as they need.
 
     By an incomplete factorisation, and a coarse system of aggregates where inertia does not hold
-    its own against the contacts.  Systems on which that stalls, and unsymmetric ones (friction
-    solved inside the step), are factorised.
+    its own against the contacts.  Where that stalls a safer incomplete factorisation is made, and
+    where that stalls, too, the system is factorised, as unsymmetric ones (friction solved inside
+    the step) are.
     """
 
     tolerance: float = 1e-8
@@ -274,8 +291,34 @@ class PCG:
         if self.plain > 0 and suffices_alone(system, share, least):
             iteration = with_incomplete(system, self.plain, precision)
             return IteratedMatrix(system, iteration, replace(self, plain=0), self.tolerance)
-        iteration = with_aggregates(system, self.iterations, precision)
+        iteration = with_aggregates(system, self.iterations, precision, SHIFT)
+        safer = Shifted(self.tolerance, self.iterations)
+        return IteratedMatrix(system, iteration, safer, self.tolerance)
+
+
+@dataclass(frozen=True)
+class Shifted:
+    """Conjugate gradients after others have stalled, with pivots kept away from being singular."""
+
+    tolerance: float
+    """Reduction of the residual that ends the iteration."""
+    iterations: int
+    """Iterations at most, as many as take as long as a factorisation."""
+
+    def factor(self, system: BlockSystem) -> Factor:
+        """Return the matrix made ready; raises StepRejected where it is singular."""
+        _, least = inertia_shares(system)
+        precision = precision_for(system, self.tolerance, least)
+        iteration = replace(
+            with_aggregates(system, self.iterations, precision, SAFE_SHIFT),
+            trial=max(TRIED, self.iterations // TENTH),
+        )
         return IteratedMatrix(system, iteration, Direct(), self.tolerance)
+
+
+TENTH = 10
+"""One in so many iterations has been made before the last ones are judged: the first may gain
+nothing, and what comes after them is a factorisation."""
 
 
 def inertia_shares(system: BlockSystem) -> tuple[float, float]:

@@ -18,11 +18,14 @@ from clast.kernels.single import WIDTH
 from clast.kernels.six import plus, plus_product, plus_scaled, put_row, row, total, zeros
 from clast.kernels.substitution import substitute
 
-TRIED = 8
-"""Iterations after which the rate of convergence is judged."""
 LEAP, EXACT = 1e-2, 1e-8
 """An iteration that leaves less than LEAP is followed by another, until EXACT is left: where the
 factor is nearly exact, as for a column of blocks, that is cheaper than another matrix."""
+SHORTEST = 0.01
+"""Length of a step along a direction below which the preconditioner is none: it is 1 where B K is
+one, and was 0.1 and more wherever B was sound.  Where pivots of the factor are next to singular it
+was between 6e-3 and 1e-23, and what is left by the measure of r.B r tells nothing: 1e-6 after two
+steps, with nothing solved."""
 HOPE = 1.5
 """Iterations, as a share of the limit, that may seem needed then: the rate improves."""
 
@@ -181,13 +184,14 @@ def _turn_to(coarse, z, of_coarse, beta, p):
 
 
 @kernel()
-def solve(incomplete, matrix, coarse, force, guess, tolerance, limit):
+def solve(incomplete, matrix, coarse, force, guess, tolerance, limit, trial):
     """Return d (n, 6) of K d = F, the iterations and the reduction of r.B r reached.
 
     Starts from ``guess`` (n, 6), or from zero where that is (0, 6), and stops where r.B r has
-    fallen to tolerance^2 of its start and no longer falls by leaps, after ``limit`` iterations, or
-    as soon as far more than that seem needed.  ``incomplete`` is the factor M and ``matrix`` is K
-    in its order, as kernels/incomplete.py returns them; ``coarse`` is what kernels/coarse.py does,
+    fallen to tolerance^2 of its start and no longer falls by leaps, after ``limit`` iterations,
+    where far more than that seem needed after the first ``trial``, or where B is no preconditioner,
+    which is said by a reduction of infinity.  ``incomplete`` is the factor M and ``matrix`` is K in
+    its order, as kernels/incomplete.py returns them; ``coarse`` is what kernels/coarse.py does,
     without any aggregates where B is to be M^-1.  All but ``force``, ``guess`` and d has the
     precision of K.
     """
@@ -209,7 +213,7 @@ def solve(incomplete, matrix, coarse, force, guess, tolerance, limit):
     iterations, wanted = 0, tolerance**2 * start
     while iterations < limit and rz > wanted:
         curvature = multiply(own, couplings, pairs, right, left, listed, p, kp)
-        if not curvature > 0.0:
+        if not (curvature > 0.0 and rz >= SHORTEST * curvature):
             return _gone(order, guess, x), iterations, np.inf
         advance(rz / curvature, p, kp, x, r)
         iterations += 1
@@ -218,7 +222,7 @@ def solve(incomplete, matrix, coarse, force, guess, tolerance, limit):
         leaps = following < LEAP**2 * rz
         wanted = min(tolerance, EXACT if leaps else tolerance) ** 2 * start
         rz = following
-        if iterations == TRIED and rz > wanted:
+        if iterations == trial and rz > wanted:
             # needed / iterations = log(tolerance^2) / log(rz / start), for what is gained so far
             gained = np.log(start / rz)
             if -2.0 * np.log(tolerance) * iterations > HOPE * limit * gained:

@@ -30,9 +30,6 @@ from clast.kernels.parts import ordering, renumbered
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.six import line, plus, plus_scaled, put_line, zeros
 
-SHIFT = 0.006
-"""Share by which the diagonal blocks are larger in what is eliminated than they are in K."""
-
 
 @kernel(forceinline=True)
 def _subtract_product(left, q, right, f, target, t):
@@ -118,13 +115,11 @@ def eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, sca
 def _take(low, high, own, couplings, new, work, matrix):
     """Write the blocks of rows ``low`` to ``high`` - 1 in their new order, twice.
 
-    In what is to be eliminated those on the diagonal are larger by SHIFT, unless there are too few
-    pairs for anything to be left out: chains and trees are factorised as they are.
+    In what is to be eliminated those on the diagonal are ``larger``.
     """
-    order, source, pairs, right = new
-    diagonal, upper = work
+    order, source, _, right = new
+    diagonal, upper, larger = work
     kept_own, kept = matrix
-    larger = 1.0 + SHIFT if len(pairs) >= len(own) else 1.0
     for i in range(low, high):
         for a in range(6):
             of_block = line(own, order[i], a)
@@ -151,7 +146,7 @@ def _find_leaders(low, high, seam, pairs, right, leaders):
 def _eliminate_strip(low, high, seam, own, couplings, new, work, found, matrix, leaders):
     """Copy and eliminate a strip; return how many rows lead to the seam, and what is singular."""
     order, _, pairs, right = new
-    diagonal, upper = work
+    diagonal, upper, _ = work
     inverse, scaled = found
     _take(low, high, own, couplings, new, work, matrix)
     bad = eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, scaled)
@@ -191,7 +186,7 @@ def _take_segment(low, high, begin, own, couplings, new, work, inverse, matrix, 
     A strip may be coupled to any segment, and a row to several.
     """
     _, _, pairs, right = new
-    diagonal, upper = work
+    diagonal, upper, _ = work
     leaders, number = leading
     _take(low, high, own, couplings, new, work, matrix)
     for c in range(len(number)):
@@ -223,7 +218,7 @@ def is_parted(begin, pairs, right):
 @kernel(parallel=True)
 def _eliminate_segments(begin, own, new, work, found, bad):
     order, _, pairs, right = new
-    diagonal, upper = work
+    diagonal, upper, _ = work
     inverse, scaled = found
     strips = len(bad)
     progress = nothing_done()
@@ -247,15 +242,17 @@ def _eliminate_seam(begin, own, couplings, new, work, found, matrix, leading, ba
 
 
 @kernel()
-def factor(own, couplings, coupled, pairs, rows, centroid, precision, brevity):
+def factor(own, couplings, coupled, pairs, rows, centroid, shift, precision, brevity):
     """Return the factor of K, K in its order, and the first block without a pivot, or -1.
 
     ``own`` (n, 6, 6) are the diagonal blocks of K and ``couplings`` (kernels/couplings.py) what
     couples ``pairs`` (q, 2), whose right, left and listed are ``rows``; ``coupled`` (q,) says which
-    of them are coupled at all, ``centroid`` (n, 2) where the blocks are.  K in the order of the
-    factor is its diagonal blocks (n, 6, 6) and those of the coupled pairs, both in the precision of
-    the array ``precision``, as D^-1 is and what is being eliminated, pivots excepted; L is kept as
-    the array ``brevity`` is.
+    of them are coupled at all, ``centroid`` (n, 2) where the blocks are.  What is eliminated has
+    diagonal blocks larger by ``shift``, unless there are too few pairs for anything to be left out:
+    chains and trees are factorised as they are.  K in the order of the factor is its diagonal
+    blocks (n, 6, 6) and those of the coupled pairs, both in the precision of the array
+    ``precision``, as D^-1 is and what is being eliminated, pivots excepted; L is kept as the array
+    ``brevity`` is.
     """
     order, begin = ordering(centroid, pairs, coupled)
     pairs, source, (right, left, listed) = renumbered(order, pairs, rows, coupled)
@@ -264,7 +261,8 @@ def factor(own, couplings, coupled, pairs, rows, centroid, precision, brevity):
     scaled = np.empty((len(pairs), 6, 6), brevity.dtype)
     upper = np.empty((len(pairs), 6, 6), kind)
     bad = np.full(len(begin) // 2, -1)
-    new, work = (order, source, pairs, right), (diagonal, upper)
+    larger = 1.0 + shift if len(pairs) >= len(own) else 1.0
+    new, work = (order, source, pairs, right), (diagonal, upper, larger)
     matrix = (np.empty(own.shape, kind), np.empty((len(pairs), 6, 6), kind))
     leading = np.empty(len(own), np.int64), np.zeros(len(bad), np.int64)
     if len(bad) > 1:
