@@ -23,7 +23,7 @@ LEAP, EXACT = 1e-2, 1e-8
 factor is nearly exact, as for a column of blocks, that is cheaper than another matrix."""
 SHORTEST = 0.01
 """Length of a step along a direction below which the preconditioner is none: it is 1 where B K is
-one, and was 0.1 and more wherever B was sound.  Where pivots of the factor are next to singular it
+one, and was 0.03 and more wherever B was sound.  Where pivots of the factor are next to singular it
 was between 6e-3 and 1e-23, and what is left by the measure of r.B r tells nothing: 1e-6 after two
 steps, with nothing solved."""
 HOPE = 1.5
