@@ -13,7 +13,8 @@
     /report        how the run went; only in a file that was finished
 
 A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after its data have
-reached the file; a process killed at any moment leaves all frames before readable.
+reached the file; a process killed at any moment leaves all frames before readable.  Behind the
+end of the file there may then be a journal (:mod:`clast.results.journal`), which clast completes.
 Tables are HDF5 compound datasets: ``file["energy"]["kinetic"]``.
 """
 

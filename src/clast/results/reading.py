@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model import Bools, Floats, Ints
+from clast.results.journal import complete_journal
 from clast.results.layout import FORMAT, history_path
 from clast.results.run import (
     PointHistory,
@@ -246,6 +247,7 @@ def _opened(path: Path) -> Iterator[Any]:
             "there is no such file", where=where, remedy="clast run CASE -o FILE writes one"
         )
     try:
+        complete_journal(path)
         # Viewers and a run that still writes may have the file open: no lock is asked for.
         with h5py.File(path, "r", locking=False) as file:
             yield file

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import errno
 import json
-import math
 import os
 import platform
-from collections.abc import Iterable, Iterator, Mapping
+import weakref
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -19,6 +18,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from clast.errors import CaseError
 from clast.model import Floats, Model
+from clast.results.journal import JournalledFile
 from clast.results.layout import (
     ABOUT,
     CELL_ARRAYS,
@@ -34,17 +34,18 @@ from clast.results.tables import CONTACT_ROW, ENERGY_ROW, POINT_ROW, STEP_ROW, T
 
 # Newer formats mark a file as being written, and nothing opens it after the process was killed.
 FILE_FORMAT = ("v108", "v108")
+# What a kill cuts in two it cuts at a page: headers that change, 268 to 374 bytes, lie within one.
+IN_ONE_PAGE = {"alignment_threshold": 128, "alignment_interval": 512}
 CHUNK_ROWS = 512
 """Rows that small things share a chunk of the file with."""
-ROOM_FOR_INDEXES = 2**18
-"""More than HDF5 needs in one frame to find its chunks again, bytes."""
 
 
 class ResultFile:
     """The result file of one run.
 
     The first frame is written beside ``path`` and then takes its name, so that an earlier result
-    is there until a new one is.  The file stays open without a lock: viewers may read along.
+    is there until a new one is.  The file stays open without a lock: viewers may read along.  The
+    frames after it take effect one by one, whole or not at all, through a journal.
     """
 
     def __init__(self, path: Path, model: Model, case_text: str) -> None:
@@ -52,6 +53,7 @@ class ResultFile:
         self._model = model
         self._case_text = case_text
         self._file: Any = None
+        self._storage: JournalledFile | None = None
         self._columns: dict[str, _Column] = {}
         self._frames = 0
         self._saved = {"energy": 0, "steps": 0, "history": 0}
@@ -77,7 +79,10 @@ class ResultFile:
                 os.replace(part, self.path)
             finally:
                 part.unlink(missing_ok=True)
-            self._open(h5py.File(self.path, "r+", libver=FILE_FORMAT, locking=False))
+            self._storage = JournalledFile(self.path)
+            self._open(h5py.File(self._storage, "r+", libver=FILE_FORMAT))
+            # HDF5 must not be left to close it when Python, which it writes through, is gone.
+            weakref.finalize(self, _close, self._file, self._storage)
 
     def finish(self, report: Report, tables: Mapping[str, Table]) -> None:
         """Write what is left and the report, and close the file."""
@@ -89,15 +94,18 @@ class ResultFile:
             for name, value in plain.items():
                 if isinstance(value, bool | int | float | str):
                     group.attrs[name] = value
-            self._file.flush()
-            end = self._file.id.get_filesize()
             self._file.close()
-            # What was reserved and not used.
-            os.truncate(self.path, end)
+            self._commit()
+            _close(self._file, self._storage)
 
     def _open(self, file: Any) -> None:
         self._file = file
         self._columns = {name: _Column(file[name]) for name in _column_names(self._model)}
+
+    def _commit(self) -> None:
+        """Let what was written take effect; the first frame's file has no name until it does."""
+        if self._storage is not None:
+            self._storage.commit()
 
     @contextmanager
     def _guarded(self) -> Iterator[None]:
@@ -112,23 +120,6 @@ class ResultFile:
                 remedy="make room or choose another place; frames written before are kept",
             ) from error
 
-    def _reserve(self, rows: Iterable[NDArray[Any]]) -> None:
-        """Lengthen the file by more than a frame can take, or raise OSError while all is well.
-
-        HDF5 writes where the file ends before it has written that far, and refuses a file that is
-        shorter: neither a full disk nor a kill may come in between.
-        """
-        if not self._frames or not hasattr(os, "posix_fallocate"):
-            return
-        chunks = sum(column.chunk_bytes for column in self._columns.values())
-        room = chunks + sum(row.nbytes for row in rows) + ROOM_FOR_INDEXES
-        try:
-            end = self._file.id.get_filesize()
-            os.posix_fallocate(self._file.id.get_vfd_handle(), end, room)
-        except OSError as error:
-            if error.errno not in (errno.EINVAL, errno.EOPNOTSUPP):
-                raise
-
     def _put_frame(
         self,
         time: float,
@@ -139,7 +130,6 @@ class ResultFile:
         """Put a frame behind the last one that was completed; it may be tried again."""
         number, contact_end = self._frames, self._contacts + len(contacts)
         new = self._new_rows(tables)
-        self._reserve([*arrays.values(), contacts, *new.values()])
         for name, rows in arrays.items():
             self._columns[f"VTKHDF/{name}"].put(number * len(rows), rows)
         for name, offset in _step_offsets(self._model, number).items():
@@ -148,13 +138,14 @@ class ResultFile:
         self._put_tables(new)
         ends = (time, len(tables["steps"]), len(tables["energy"]), contact_end)
         self._columns["frames"].put(number, np.array([ends], FRAME_ROW))
-        # The process may be killed at any moment: a frame counts when all of it is in the file.
+        # Viewers read along: for them a frame counts when all of it is in the file.
         self._file.flush()
         self._file["VTKHDF/Steps"].attrs.modify("NSteps", np.int64(number + 1))
         self._file.flush()
         # Last of all, for VTK 9.7 crashes on more values than NSteps; one too few reads as 0.
         self._columns["VTKHDF/Steps/Values"].put(number, np.array([time]))
         self._file.flush()
+        self._commit()
         self._frames, self._contacts = number + 1, contact_end
         self._saved = {name: len(table) for name, table in tables.items()}
 
@@ -178,7 +169,6 @@ class _Column:
         self._length, *self._tail = dataset.shape
         self._type = h5py.h5t.py_create(dataset.dtype, logical=True)
         self._dtype = dataset.dtype
-        self.chunk_bytes = math.prod(dataset.chunks) * dataset.dtype.itemsize
 
     def put(self, first: int, rows: NDArray[Any]) -> None:
         """Write rows from row ``first`` on; the dataset grows as far as needed."""
@@ -192,6 +182,13 @@ class _Column:
         place = self._id.get_space()
         place.select_hyperslab((first, *(0 for _ in self._tail)), shape)
         self._id.write(h5py.h5s.create_simple(shape), place, rows, self._type)
+
+
+def _close(file: Any, storage: JournalledFile | None) -> None:
+    """Close the file as it was when changes last took effect."""
+    file.close()
+    if storage is not None:
+        storage.close()
 
 
 def check_output(path: Path) -> Path:
@@ -249,7 +246,7 @@ def _step_offsets(model: Model, frame: int) -> dict[str, NDArray[Any]]:
 
 def _new_file(path: Path, model: Model, case_text: str) -> Any:
     """Create a result file without frames and return it open."""
-    file = h5py.File(path, "w", libver=FILE_FORMAT, locking=False)
+    file = h5py.File(path, "w", libver=FILE_FORMAT, locking=False, **IN_ONE_PAGE)
     _write_grid(file.create_group("VTKHDF"), model)
     _write_model(file.create_group("model"), model, case_text)
     _growing(file, "frames", dtype=FRAME_ROW)
