@@ -78,7 +78,9 @@ def of_pairs(contacts: Contacts, pairs: Ints, kept: Ints, pair: Ints, number: In
     ``pair`` (c,) says of which of them each is.  Blocks are renumbered by ``number`` (n,), which
     must keep their order.
     """
-    values = _columns(contacts, kept, number)
+    # contacts are in order of their pairs: where all are kept nothing needs to be copied
+    which = kept if len(kept) < len(contacts) else slice(None)
+    values = _columns(contacts, which, number)
     return Contacts(pairs=number[contacts.pairs.take(pairs, axis=0)], pair=pair, **values)
 
 
@@ -98,17 +100,24 @@ def reordered(contacts: Contacts, number: Ints) -> tuple[Contacts, Ints]:
     return Contacts(pairs=ends[by_ends], pair=pair[order], **values), order
 
 
-def _columns(contacts: Contacts, which: Ints, number: Ints) -> dict[str, Any]:
+def _columns(contacts: Contacts, which: Ints | slice, number: Ints) -> dict[str, Any]:
     """Return all but the pairs of the contacts ``which`` (c,), of blocks with a new ``number``."""
     values = {
-        # take copies an array whole that is part of another one, as the normals are
-        name: value.take(which, axis=0) if value.flags.c_contiguous else value[which]
+        name: _rows(value, which)
         for name, value in vars(contacts).items()
         if name not in ("pair", "pairs")
     }
     for end in ("vertex_block", "edge_block"):
         values[end] = number.take(values[end])
     return values
+
+
+def _rows(values: Any, which: Ints | slice) -> Any:
+    """Return the rows ``which`` of an array."""
+    # take is quicker, but copies an array whole that is part of another one, as the normals are
+    if isinstance(which, slice) or not values.flags.c_contiguous:
+        return values[which]
+    return values.take(which, axis=0)
 
 
 @dataclass(frozen=True, kw_only=True)
