@@ -51,24 +51,38 @@ def energy(potential, point):
 
 
 @pytest.mark.parametrize("seed", range(30))
-def test_the_worst_have_their_share_and_no_more_than_they_must(seed):
+def test_the_worst_are_those_that_gain_most_for_their_price(seed):
+    """Every power of two is tried as the lowest of theirs."""
     rng = np.random.default_rng(seed)
     distances = rng.lognormal(rng.choice([-30.0, 0.0, 30.0]), 6.0, 50) * rng.choice(
         [0.0, 1.0], 50, p=[0.2, 0.8]
     )
-    found = worst_first.worst(distances, distances.sum())
-    assert distances[found].sum() >= worst_first.WORST * distances.sum()
-    _, power = np.frexp(distances)
+    found, others = worst_first.worst(distances)
+    power = np.frexp(distances)[1]
+    value = {}
+    for least in set(power[distances > 0.0]):
+        chosen = (power >= least) & (distances > 0.0)
+        left = distances[~chosen].sum() / distances.sum()
+        price = worst_first.ALL_THE_SAME + np.mean(chosen)
+        value[least] = -np.log(max(left, worst_first.LEAST)) / price
     least = power[found].min()
     assert np.array_equal(found, (power >= least) & (distances > 0.0))
-    fewer = (power > least) & (distances > 0.0)
-    assert distances[fewer].sum() < worst_first.WORST * distances.sum()
+    assert value[least] == pytest.approx(max(value.values()), rel=1e-9)
+    assert others == pytest.approx(distances[~found].sum(), rel=1e-9)
 
 
-def test_what_is_not_finite_is_among_the_worst():
+def test_the_worst_are_few_where_few_have_nearly_all():
+    distances = np.full(1000, 1e-3)
+    distances[:20] = 1e3
+    found, others = worst_first.worst(distances)
+    assert np.array_equal(np.flatnonzero(found), np.arange(20))
+    assert others == pytest.approx(0.98)
+
+
+def test_none_are_the_worst_where_a_distance_is_not_finite_or_none_is_left():
     for odd in (np.nan, np.inf):
-        distances = np.array([1.0, odd, 2.0])
-        assert worst_first.worst(distances, distances.sum())[1]
+        assert not worst_first.worst(np.array([1.0, odd, 2.0]))[0].any()
+    assert not worst_first.worst(np.zeros(3))[0].any()
 
 
 def test_a_part_has_what_the_whole_has_and_gives_it_back(potentials):
@@ -115,7 +129,7 @@ def test_the_others_stand_still_and_the_potential_falls(potentials, monkeypatch)
         held = block_rows.products(one.inverse, before.residual)
         assert distances == pytest.approx(np.sum(held * before.residual, axis=1), rel=1e-9)
         assert one.distance(before) == pytest.approx(distances.sum(), rel=1e-12)
-        chosen = worst_first.worst(distances, distances.sum())
+        chosen, others = worst_first.worst(distances)
         near = with_neighbours(chosen, one.contacts.pairs) & ~one.fixed
         assert not after.unknowns[~near].any()
         lowered = energy(one, after)
@@ -124,7 +138,7 @@ def test_the_others_stand_still_and_the_potential_falls(potentials, monkeypatch)
         if counts["local"] < worst_first.ITERATIONS:
             inner = part_of(one, near).potential
             left = inner.distance(part_of(one, near).within(after))
-            assert left <= 1.001 * max(worst_first.LEFT * distances.sum(), enough)
+            assert left <= 1.001 * max(others, enough)
     assert moved > len(potentials) / 2
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from clast.equations.reuse import FactorOfStep
 from clast.kernels.neighbours import with_neighbours
+from clast.kernels.powers import LOWEST, by_power
 from clast.model import Bools, Floats
 from clast.stepping.iteration import iterate
 from clast.stepping.parts import part_of, with_part
@@ -23,12 +24,12 @@ from clast.stepping.stages import Stages
 
 LARGE = 1500
 """Blocks from which the worst go first: among fewer it costs as much as it saves."""
-WORST = 0.8
-"""Share of what is left to the minimum that the worst blocks have together."""
-FEW = 0.2
+ALL_THE_SAME = 0.05
+"""What an iteration of few blocks costs in any case, as a share of one of all blocks."""
+LEAST = 1e-4
+"""Share of what is left that the iterations of few blocks come to at best."""
+FEW = 0.4
 """Where they and their neighbours are a larger share of the blocks all go on together."""
-LEFT = 1e-2
-"""Share of what is left to the minimum at which the worst blocks are done."""
 NEARLY = 0.25
 """Share of what is enough at which they are done in any case."""
 ITERATIONS = 6
@@ -43,16 +44,19 @@ def worst_first(
     counts: dict[str, int],
     stages: Stages,
 ) -> Point:
-    """Return a lower point: the worst blocks are at their minimum, where they are few."""
+    """Return a lower point: the worst blocks are near their minimum, where they are few.
+
+    They are done where they have no more left to it than all others together.
+    """
     with stages("law"):
-        total = potential.distance(point)
-        wanted = with_neighbours(worst(point.left, total), potential.contacts.pairs)
+        found, others = worst(point.left)
+        wanted = with_neighbours(found, potential.contacts.pairs)
         wanted &= ~potential.fixed
-        if np.count_nonzero(wanted) > FEW * np.count_nonzero(~potential.fixed):
+        if not 0 < np.count_nonzero(wanted) <= FEW * np.count_nonzero(~potential.fixed):
             return point
         part = part_of(potential, wanted)
         inner = part.within(point)
-    left = max(LEFT * total, NEARLY * enough)
+    left = max(others, NEARLY * enough)
     for _ in range(ITERATIONS):
         if part.potential.distance(inner) <= left:
             break
@@ -62,11 +66,20 @@ def worst_first(
         return with_part(potential, point, part, inner)
 
 
-def worst(distances: Floats, total: float) -> Bools:
-    """Return True for the blocks, by powers of two of their ``distances`` (n,), that have WORST."""
-    _, power = np.frexp(distances)
-    lowest = int(power.min())
-    by_power = np.bincount(power - lowest, weights=distances)
-    others = np.cumsum(by_power) < (1.0 - WORST) * total
-    found: Bools = ~others[power - lowest] & (distances != 0.0)  # frexp gives 0 for 0 and for 1/2
-    return found
+def worst(distances: Floats) -> tuple[Bools, float]:
+    """Return True for the blocks that are worth going first, and what the others have left, J/m.
+
+    They are those whose ``distances`` (n,), J/m, are of some power of two or a higher one: of the
+    one with which most is gained, as a logarithm of what is left, for the price of an iteration.
+    There are none where a distance is not finite.
+    """
+    total = float(distances.sum())
+    if not 0.0 < total < np.inf:
+        return np.zeros(len(distances), bool), total
+    power, together, count = by_power(distances)
+    others = np.concatenate([[0.0], np.cumsum(together)[:-1]])
+    gained = -np.log(np.maximum(others / total, LEAST))
+    price = ALL_THE_SAME + np.cumsum(count[::-1])[::-1] / len(distances)
+    best = int(np.argmax(gained / price))
+    found: Bools = power >= best + LOWEST
+    return found, float(others[best])
