@@ -15,7 +15,6 @@ import numpy as np
 
 from clast.equations.reuse import FactorOfStep
 from clast.kernels.neighbours import with_neighbours
-from clast.kernels.powers import LOWEST, by_power
 from clast.model import Bools, Floats
 from clast.stepping.iteration import iterate
 from clast.stepping.parts import part_of, with_part
@@ -76,10 +75,13 @@ def worst(distances: Floats) -> tuple[Bools, float]:
     total = float(distances.sum())
     if not 0.0 < total < np.inf:
         return np.zeros(len(distances), bool), total
-    power, together, count = by_power(distances)
+    _, power = np.frexp(distances)
+    place = power - int(power.min())
+    together = np.bincount(place, weights=distances)
+    number = np.bincount(place, weights=distances != 0.0)  # frexp gives 0 for 0 and for 1/2
     others = np.concatenate([[0.0], np.cumsum(together)[:-1]])
     gained = -np.log(np.maximum(others / total, LEAST))
-    price = ALL_THE_SAME + np.cumsum(count[::-1])[::-1] / len(distances)
+    price = ALL_THE_SAME + np.cumsum(number[::-1])[::-1] / len(distances)
     best = int(np.argmax(gained / price))
-    found: Bools = power >= best + LOWEST
+    found: Bools = (place >= best) & (distances != 0.0)
     return found, float(others[best])
