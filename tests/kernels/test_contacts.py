@@ -136,7 +136,7 @@ def test_every_region_goes_to_the_least_potential_of_its_own(count, regions):
     start = -rng.uniform(1e-3, 1e-1, regions)
     line = gap, d_gap, slip, d_slip
     lengths, evaluations = line_search.lengths_along(
-        region, line, springs, start + work, curvature, start, 1e-9, 40
+        region, line, springs, start + work, curvature, start
     )
     assert 0 < evaluations < 40
     at = lengths[region]

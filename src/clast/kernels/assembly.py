@@ -172,26 +172,33 @@ def _left_over(i, base, own, fixed, pairs, stiff, graph, levers, kn, ks):
     return whole, xx + yy, smaller / whole if whole > 0.0 else 0.0
 
 
+@kernel(forceinline=True)
+def assemble_own(i, base, graph, vertex_block, levers, kn, ks, moments, own):
+    """Write K_ii with the contact springs in it; ``moments`` (1, 3, 6) is room for it."""
+    start, right, left, listed = graph
+    for a in range(6):
+        put_line(own, i, a, line(base, i, a))
+    for a in range(3):
+        put_line(moments, 0, a, zeros())
+    for at in range(left[i], left[i + 1]):
+        q = listed[at]
+        gather_own(levers, i, start[q], start[q + 1], vertex_block, kn, ks, moments, own)
+    # the pairs that begin with a block follow each other, and so do their contacts
+    first, last = start[right[i]], start[right[i + 1]]
+    gather_own(levers, i, first, last, vertex_block, kn, ks, moments, own)
+    finish_own(levers, moments, own, i)
+
+
 @kernel()
 def _own_rows(low, high, base, fixed, pairs, stiff, graph, vertex_block, levers, kn, ks, own):
     """Assemble K_ii of blocks ``low`` to ``high`` - 1; return what ``_left_over`` sums up to."""
-    start, right, left, listed = graph
     moments = np.empty((1, 3, 6))
     whole, rest, least = 0.0, 0.0, 1.0
     for i in range(low, high):
         if fixed[i]:
             _hold(i, base, own)
             continue
-        for a in range(6):
-            put_line(own, i, a, line(base, i, a))
-        moments[:] = 0.0
-        for at in range(left[i], left[i + 1]):
-            q = listed[at]
-            gather_own(levers, i, start[q], start[q + 1], vertex_block, kn, ks, moments, own)
-        # the pairs that begin with a block follow each other, and so do their contacts
-        first, last = start[right[i]], start[right[i + 1]]
-        gather_own(levers, i, first, last, vertex_block, kn, ks, moments, own)
-        finish_own(levers, moments, own, i)
+        assemble_own(i, base, graph, vertex_block, levers, kn, ks, moments, own)
         found = _left_over(i, base, own, fixed, pairs, stiff, graph, levers, kn, ks)
         whole, rest, least = whole + found[0], rest + found[1], min(least, found[2])
     return whole, rest, least

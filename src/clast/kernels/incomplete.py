@@ -23,40 +23,13 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from clast.kernels.block_rows import invert, lines
+from clast.kernels.block_products import multiply_into, subtract_product
+from clast.kernels.block_rows import invert
 from clast.kernels.compiled import kernel
 from clast.kernels.couplings import put_coupling
 from clast.kernels.parts import ordering, renumbered
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
-from clast.kernels.six import line, plus, plus_scaled, put_line, zeros
-
-
-@kernel(forceinline=True)
-def _subtract_product(left, q, right, f, target, t):
-    """Subtract left_q^T right_f from block t of ``target``, in place."""
-    r0, r1, r2, r3, r4, r5 = lines(right, f)
-    for a in range(6):
-        s0 = plus_scaled(line(target, t, a), -left[q, 0, a], r0)
-        s1 = plus_scaled(zeros(), -left[q, 1, a], r1)
-        s0 = plus_scaled(s0, -left[q, 2, a], r2)
-        s1 = plus_scaled(s1, -left[q, 3, a], r3)
-        s0 = plus_scaled(s0, -left[q, 4, a], r4)
-        s1 = plus_scaled(s1, -left[q, 5, a], r5)
-        put_line(target, t, a, plus(s0, s1))
-
-
-@kernel(forceinline=True)
-def _multiply_into(inverse, i, upper, q, product, p):
-    """Write inverse_i upper_q into block p of ``product``."""
-    r0, r1, r2, r3, r4, r5 = lines(upper, q)
-    for a in range(6):
-        s0 = plus_scaled(zeros(), inverse[i, a, 0], r0)
-        s1 = plus_scaled(zeros(), inverse[i, a, 1], r1)
-        s0 = plus_scaled(s0, inverse[i, a, 2], r2)
-        s1 = plus_scaled(s1, inverse[i, a, 3], r3)
-        s0 = plus_scaled(s0, inverse[i, a, 4], r4)
-        s1 = plus_scaled(s1, inverse[i, a, 5], r5)
-        put_line(product, p, a, plus(s0, s1))
+from clast.kernels.six import line, plus_scaled, put_line, zeros
 
 
 @kernel()
@@ -71,14 +44,14 @@ def _pass_on(i, low, high, diagonal, upper, scaled, first, pairs, right):
             continue
         if j >= high:
             break
-        _subtract_product(scaled, q - first, upper, q, diagonal, j)
+        subtract_product(scaled, q - first, upper, q, diagonal, j)
         at = right[j]
         for following in range(q + 1, right[i + 1]):
             k = pairs[following, 1]
             while at < right[j + 1] and pairs[at, 1] < k:
                 at += 1
             if at < right[j + 1] and pairs[at, 1] == k:
-                _subtract_product(scaled, q - first, upper, following, upper, at)
+                subtract_product(scaled, q - first, upper, following, upper, at)
 
 
 @kernel()
@@ -104,7 +77,7 @@ def eliminate(low, high, own, order, diagonal, upper, pairs, right, inverse, sca
             put_line(inverse, i, a, line(pivot, 0, a))
         first = right[i]
         for q in range(first, right[i + 1]):
-            _multiply_into(pivot, 0, upper, q, of_row, q - first)
+            multiply_into(pivot, 0, upper, q, of_row, q - first)
             for a in range(6):
                 put_line(scaled, q, a, line(of_row, q - first, a))
         _pass_on(i, low, high, diagonal, upper, of_row, first, pairs, right)
@@ -175,7 +148,7 @@ def _leave(i, low, high, inverse, diagonal, upper, pairs, right):
         return
     of_row = np.empty((last - first, 6, 6))
     for q in range(first, last):
-        _multiply_into(inverse, i, upper, q, of_row, q - first)
+        multiply_into(inverse, i, upper, q, of_row, q - first)
     _pass_on(i, low, high, diagonal, upper, of_row, first, pairs, right)
 
 

@@ -13,6 +13,10 @@ from clast.kernels.compiled import kernel
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import MANY, PART, bounds, in_part, only_region, parts, sum_of
 
+TOLERANCE = 1e-9
+"""The line's minimum is found where the slope has fallen to this share of its start."""
+LIMIT = 40
+"""Evaluations along a line at most."""
 NOTHING = 1e-14
 """Slope that does not count, as a share of the sum of all slopes."""
 
@@ -158,25 +162,25 @@ def _narrow(search, slope, bend, enough):
 
 
 @kernel()
-def lengths_along(region, line, springs, smooth, curvature, start, tolerance, limit):
+def lengths_along(region, line, springs, smooth, curvature, start):
     """Return where the potential of each region (r,) is least along a line, and evaluations.
 
     ``line`` are gap, its change, slip and its change (m,) of the contacts, which are in ``region``
     (m,); their forces are N = max(-tension, multiplier - p gap) and T = shear_force - k slip within
     +-strength, given by ``springs``.  ``smooth`` and ``curvature`` (r,) are the slope and the bend
     of all the rest at length 0, ``start`` (r,) is the whole slope there.  Newton's method on the
-    slope, kept inside a bracket, until it has fallen to ``tolerance`` of its start, or to next to
+    slope, kept inside a bracket, until it has fallen to TOLERANCE of its start, or to next to
     nothing beside those of all regions.
     """
     count = len(start)
     only = _only_regions(region)
     room = np.empty((2, len(region))), np.empty(len(region), np.int64), np.empty_like(only)
-    enough = tolerance * np.abs(start) + NOTHING * np.abs(start).sum()
+    enough = TOLERANCE * np.abs(start) + NOTHING * np.abs(start).sum()
     done = start == 0.0
     length = np.ones(count)
     search = length, np.zeros(count), np.full(count, np.inf), done
     left, evaluations = count - int(done.sum()), 0
-    while left > 0 and evaluations < limit:
+    while left > 0 and evaluations < LIMIT:
         evaluations += 1
         work, bend = _works_along(length, done, only, region, line, springs, room)
         left = _narrow(search, smooth + length * curvature - work, curvature + bend, enough)

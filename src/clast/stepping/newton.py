@@ -14,6 +14,7 @@ from clast.stepping.iteration import iterate
 from clast.stepping.numbering import order_of
 from clast.stepping.parts import Part, renumbered, with_part
 from clast.stepping.potential import Point, Potential
+from clast.stepping.small_regions import with_small_regions
 from clast.stepping.stages import Stages
 from clast.stepping.unfinished import few_are_unfinished, unfinished_part
 from clast.stepping.worst_first import LARGE, worst_first
@@ -49,11 +50,34 @@ def minimise(
     is what Newton's method needs (Potential.moved).  ``counts`` is added to.
     Raises StepRejected where some region needs more than ``iterations``.
     """
+    if potential.distance(point) <= enough:
+        return point
+    with stages("small regions"):
+        point, left = with_small_regions(potential, point, enough, counts)
+    if float(left.sum()) <= enough:
+        return point
+    if not few_are_unfinished(potential, left, enough):
+        return in_better_order(potential, point, factor, enough, iterations, counts, stages)
     with stages("law"):
-        if potential.distance(point) <= enough:
-            return point
-        contacts = potential.contacts
-        order = order_of(potential.base.centroid, contacts.pairs, potential.fixed)
+        part, rest = unfinished_part(potential, left, enough)
+        start = part.within(point)
+    moved = in_better_order(part.potential, start, factor, rest, iterations, counts, stages)
+    with stages("law"):
+        return with_part(potential, point, part, moved)
+
+
+def in_better_order(
+    potential: Potential,
+    point: Point,
+    factor: FactorOfStep,
+    enough: float,
+    iterations: int,
+    counts: dict[str, int],
+    stages: Stages,
+) -> Point:
+    """Return what :func:`descend` does, with blocks that touch near each other in memory."""
+    with stages("law"):
+        order = order_of(potential.base.centroid, potential.contacts.pairs, potential.fixed)
     if order is None:
         return descend(potential, point, factor, enough, iterations, counts, stages)
     with stages("law"):

@@ -22,6 +22,7 @@ from clast.kernels import (
     line_search,
     region_sums,
     regions,
+    small_regions,
     yardsticks,
 )
 from clast.model import Bools, Floats, Ints
@@ -68,10 +69,18 @@ class Regions:
     """Region of each block, shape (n,)."""
     of_contacts: Ints
     """Region of each contact, shape (m,)."""
+    small: Bools
+    """Regions that are minimised by themselves (kernels/small_regions.py), shape (count,)."""
+
+    @cached_property
+    def listing(self) -> tuple[Ints, Ints, Ints]:
+        """Where the blocks of each region begin (count + 1,), these, and their places (n,)."""
+        start, blocks, place = small_regions.listed(self.of_blocks, self.count)
+        return start, blocks, place
 
 
-def regions_of(contacts: Contacts, fixed: Bools) -> Regions:
-    """Return the regions of blocks of which some are ``fixed`` (n,)."""
+def regions_of(contacts: Contacts, fixed: Bools, graph: Graph) -> Regions:
+    """Return the regions of blocks of which some are ``fixed`` (n,); the contacts have a graph."""
     of_blocks, count = regions.regions(contacts.pairs, fixed)
     return Regions(
         count=count,
@@ -79,6 +88,7 @@ def regions_of(contacts: Contacts, fixed: Bools) -> Regions:
         of_contacts=regions.region_of_contacts(
             of_blocks, count, contacts.vertex_block, contacts.edge_block
         ),
+        small=small_regions.are_small(of_blocks, count, contacts.pairs, graph[0], fixed),
     )
 
 
@@ -235,10 +245,15 @@ class Potential:
             start + works,
             region_sums.forms(self.base.diagonal, direction, region, count),
             start,
-            LINE_TOLERANCE,
-            LINE_SEARCH_LIMIT,
         )
         return Line(direction=direction, motions=motions, lengths=lengths), evaluations
+
+    def problem(self, limits: SpringLimits) -> tuple[Any, ...]:
+        """Return the potential as regions are minimised by themselves (kernels/one_region.py)."""
+        of_blocks, graph, _ = self._as_kernels_take_it
+        contacts = self.contacts
+        ends = contacts.vertex_block, contacts.edge_block, contacts.levers
+        return of_blocks, contacts.pairs, graph, ends, self.springs(limits)
 
     def springs(self, limits: SpringLimits) -> tuple[Floats, Floats, float, float, Floats, Floats]:
         """Return multipliers, shear forces, p, k, tension and strength, as kernels take them."""
@@ -307,25 +322,21 @@ class Potential:
         start = -float(np.vdot(point.residual, direction))
         smooth = start + float(before.normal_force @ d_gap + before.shear_force @ d_slip)
         low, high, length = 0.0, np.inf, 1.0
-        for evaluations in range(1, LINE_SEARCH_LIMIT + 1):
+        for evaluations in range(1, line_search.LIMIT + 1):
             answer = self.law.respond(
                 self.contacts, point.gap + length * d_gap, point.slip + length * d_slip
             )
             work = float(answer.normal_force @ d_gap + answer.shear_force @ d_slip)
             bend = float(answer.normal_stiffness @ d_gap**2 + answer.shear_stiffness @ d_slip**2)
             slope = smooth + length * curvature - work
-            if abs(slope) <= LINE_TOLERANCE * abs(start):
+            if abs(slope) <= line_search.TOLERANCE * abs(start):
                 return length, evaluations
             low, high = (length, high) if slope < 0.0 else (low, length)
             trial = length - slope / (curvature + bend)
             inside = low < trial < high
             length = trial if inside else 0.5 * (low + min(high, 2.0 * low + 1.0))
-        return length, LINE_SEARCH_LIMIT
+        return length, line_search.LIMIT
 
 
 MOMENTUM_SHARE = 1e-4
 """Weight of the energy of motion among the forces that tolerances refer to."""
-LINE_SEARCH_LIMIT = 40
-"""Evaluations along a line at most."""
-LINE_TOLERANCE = 1e-9
-"""The line's minimum is found where the slope has fallen to this share of its start."""

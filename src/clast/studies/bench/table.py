@@ -12,6 +12,7 @@ STAGES = (
     "contacts",
     "base system",
     "law",
+    "small regions",
     "assembly",
     "solve",
     "line search",
