@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from clast.contact.arrays import ContactResponse
-from clast.equations.solvers import IteratedMatrix
+from clast.equations.solvers import Automatic, IteratedMatrix
 from clast.equations.system import BlockSystem
 from clast.interfaces import Factor, LinearSolver
 from clast.kernels import shares
@@ -67,6 +67,11 @@ class FactorOfStep:
             self.factorised += 1
         self.solved += 1
         return self._factor
+
+    @property
+    def is_free(self) -> bool:
+        """True where no solver is asked for: small systems may be solved in a way of their own."""
+        return isinstance(self._solver, Automatic)
 
     @property
     def iterations(self) -> int:

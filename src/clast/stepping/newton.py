@@ -52,10 +52,12 @@ def minimise(
     """
     if potential.distance(point) <= enough:
         return point
-    with stages("small regions"):
-        point, left = with_small_regions(potential, point, enough, counts)
-    if float(left.sum()) <= enough:
-        return point
+    left = potential.distances(point)
+    if factor.is_free:
+        with stages("small regions"):
+            point, left = with_small_regions(potential, point, left, enough, counts)
+        if float(left.sum()) <= enough:
+            return point
     if not few_are_unfinished(potential, left, enough):
         return in_better_order(potential, point, factor, enough, iterations, counts, stages)
     with stages("law"):

@@ -22,15 +22,15 @@ ITERATIONS = 30
 
 
 def with_small_regions(
-    potential: Potential, point: Point, enough: float, counts: dict[str, int]
+    potential: Potential, point: Point, distances: Floats, enough: float, counts: dict[str, int]
 ) -> tuple[Point, Floats]:
     """Return the point where small regions are minimised, and what each has left, J/m, (r,).
 
+    ``distances`` (r,) are what regions have left at ``point``, J/m.
     They come near enough for all to be within ``enough``, J/m, where all are small.  The potential
     must be that of a law of springs with bounds; of any other nothing is minimised.  Iterations
     are counted of the region that takes most.
     """
-    distances = potential.distances(point)
     limits, regions = potential.limits, potential.regions
     chosen = unfinished(distances, enough) & regions.small
     if limits is None or not chosen.any():
@@ -39,7 +39,7 @@ def with_small_regions(
     wanted = np.flatnonzero(chosen)
     # the largest first: the others fill up what time is left
     wanted = wanted[np.argsort(-np.diff(start)[wanted], kind="stable")]
-    moved = copied(potential, point)
+    moved, left = copied(potential, point), distances.copy()
     found = small_regions.minimise(
         wanted,
         regions.listing,
@@ -47,12 +47,12 @@ def with_small_regions(
         arrays_of(moved),
         FINISHED * enough / len(wanted),
         ITERATIONS,
-        distances,
+        left,
     )
     passes, evaluations = found.max(axis=0)
     counts["passes"] += int(passes)
     counts["line_search"] += int(evaluations)
-    return moved, distances
+    return moved, left
 
 
 def copied(potential: Potential, point: Point) -> Point:
