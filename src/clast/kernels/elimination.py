@@ -23,9 +23,9 @@ from clast.kernels.six import (
     zeros,
 )
 
-MOST = 24
+MOST = 40
 """Neighbours of a block at most."""
-ROOM = 6
+ROOM = 10
 """Blocks above the diagonal for which there is room, for each one on it."""
 
 

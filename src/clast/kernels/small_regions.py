@@ -22,7 +22,7 @@ from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import MANY, sum_of
 from clast.kernels.six import plus_scaled, put_row, row
 
-FEW = 120
+FEW = 200
 """Blocks up to which any region is small."""
 LIKE_TREES = 1.3
 """Pairs for each block up to which larger regions are small, too: eliminating them brings next to
