@@ -25,12 +25,13 @@ blocks, both at the end. What counts is wall time at a stated accuracy.
 
 Walls at rest are where implicit steps pay: fifty to a hundred times as long as those of the
 others, with less drift. In heaps of falling blocks everywhere contacts open, close, stick and
-slide at once, and a step of 2.5 ms takes 10 to 16 iterations. It pays that only groups of blocks
-are worked on that touch and have not come to rest (docs/decisions/0021), and more so the more
-blocks there are. In heaps blocks may go a tenth of their size in a step, ten times the default
-max_displacement.
+slide at once, and a step of 2.5 ms takes 10 to 35 iterations. It pays that groups of blocks that
+touch are worked on one by one, as long as they have not come to rest (docs/decisions/0021, 0039),
+and more so the more blocks there are. In heaps blocks may go a tenth of their size in a step, ten
+times the default max_displacement.
 
-A run *stopped after 60 s* of wall time is measured over what it had simulated by then.
+A run that is *stopped* after ten minutes of wall time is measured over what it had simulated by
+then.
 """
 SCENES = """\
 ## Cost by scene and size
@@ -39,8 +40,9 @@ Made by `clast bench --output build/bench.json`: h = {step:g} s, p/E = {stiffnes
 {solver}, on {machine}. *Product* is the matrix product of Newton's directions, as a share of a
 triad over as many bytes (which stay in the cache up to 10,000 blocks or so), and of the triad in
 main memory, which reaches {triad:.3g} GB/s. *Solves* are the share of a step that systems of
-equations take, factors and couplings included: little where blocks rest or fall freely and there
-is next to nothing to solve.
+equations take, factors and couplings included; *small regions* that of the minimisation of what
+touches nothing else, from the first to the last iteration, with its systems
+(docs/decisions/0039). Where blocks rest or fall freely there is next to nothing to solve.
 
 The first steps of a wall or a slope are the dearest: weight goes on at once, and waves run
 through blocks without any damping. What grows from 1,000 to 10,000 blocks is also the height of
@@ -99,6 +101,7 @@ BENCH_HEADINGS = (
     "B/contact",
     "peak, MiB",
     "solves",
+    "small regions",
     "product",
     "product, main memory",
 )
@@ -159,10 +162,16 @@ def bench_cells(row: Mapping[str, Any], triad: float) -> Sequence[str]:
         f"{row['bytes_per_block']:.0f}",
         f"{row['bytes_per_contact']:.0f}",
         f"{row['peak_memory'] / 2**20:.0f}",
-        f"{100.0 * row['ms_per_step_by_stage'].get('solve', 0.0) / row['ms_per_step']:.0f} %",
+        _share(row, "solve"),
+        _share(row, "small regions"),
         "-" if product is None else f"{100.0 * product['share']:.0f} %",
         "-" if product is None else f"{100.0 * product['rate'] / triad:.0f} %",
     )
+
+
+def _share(row: Mapping[str, Any], stage: str) -> str:
+    """Return which share of a step a stage takes."""
+    return f"{100.0 * row['ms_per_step_by_stage'].get(stage, 0.0) / row['ms_per_step']:.0f} %"
 
 
 def _millimetres(value: float | None) -> str:
