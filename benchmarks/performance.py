@@ -53,20 +53,17 @@ LARGE = """\
 
 Apart from the runs above, on the machine named:
 
-- Of one height cost per block hardly grows with the number of blocks: in their first ten steps
-  walls of 50 courses with 1,026, 10,026 and 100,026 bricks take 41 to 50, 32 and 29 µs per block
-  and step at 1 ms, where those that have most to settle go first by themselves
-  (docs/decisions/0034), and 17 to 19, 25 and 26 to 29 µs at 5 ms, where the largest need 16
-  iterations of conjugate gradients for a direction instead of 10; towers of 50 storeys with 1,001,
-  10,001 and 100,001 squares 4.9, 3.5 and 3.7 µs at 5 ms. In the table above what grows is the
-  height: scenes of 1,000 blocks are 32 storeys or 45 courses high.
-- `--threads 2` with 10,000 blocks, runs in processes of their own that took turns, median of six
-  (fastest): first steps of a wall at 5 ms 1.66 (1.66) times as fast as by one, at 1 ms 1.56 (1.72),
-  40 steps of 10 ms 1.73 (1.72), a slope at 5 ms 1.84 (1.79), at 1 ms 1.54 (1.66); of four: towers
-  1.57 (1.65), a heap at 0.8 s 1.24 (1.38), at 1.4 s 1.35 (1.46). While the second core has nothing
-  else to do at all: 1.6 to 1.8 on walls, slopes and towers, 1.3 to 1.5 on heaps
-  (docs/decisions/0035). Below 800 blocks one thread does all; 100 blocks take as long with
-  `--threads 2` as without (0.99 to 1.01). The results are the same to the last bit.
+- Of one height cost per block hardly grows with the number of blocks: in their first steps walls
+  of 50 courses with 1,026, 10,026 and 100,026 bricks take 33, 22 and 27 µs per block and step at
+  1 ms (five steps), where those that have most to settle go first by themselves
+  (docs/decisions/0034, 0038), and 16.0, 22.8 and 23.4 µs at 5 ms (ten steps), where the largest
+  need 15 iterations of conjugate gradients for a direction instead of 9. In the table above what
+  grows is the height: scenes of 1,000 blocks are 32 storeys or 45 courses high.
+- `--threads 2` with 10,000 blocks, by one and by two threads in turns, medians of four: the first
+  four steps of a wall at 5 ms 1.69 times as fast as by one, at 1 ms 1.69, of a slope 1.87 and 1.73,
+  of towers 1.80, of a heap at 0.8 s 1.69, at 1.4 s 1.74, at 1.9 s 1.88 (docs/decisions/0039), while
+  the second core has nothing else to do. Below 800 blocks one thread does all. The results are the
+  same to the last bit.
 - `clast bench heap --size 1000000 --step 2.5e-3 --steps 100 --results build`: a million falling
   squares are built in 5 s and take 0.8 µs per block and step, 1.4 minutes with first and last
   state saved (0.7 GB), and 2.7 GiB of memory at most.

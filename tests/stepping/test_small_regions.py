@@ -70,8 +70,8 @@ def test_all_small_regions_come_to_their_minimum(potentials, monkeypatch):
         enough = TOLERANCE**2 * one.yardstick()
         counts = none()
         found, left = apart(one, start(one), enough, counts)
-        assert one.regions.small[:-1].all()
-        assert not one.regions.small[-1]
+        assert one.small_regions()[:-1].all()
+        assert not one.small_regions()[-1]
         assert left.sum() <= enough
         assert 0 < counts["passes"] <= small_regions.ITERATIONS
         assert counts["line_search"] >= counts["passes"]
@@ -104,7 +104,7 @@ def test_regions_are_small_by_their_blocks_or_where_they_are_like_trees(monkeypa
         assert len(outlines) > kernel.FEW
         model = system([box(-1.0, -1.0, 30.0, 1.0), *outlines], fixed=[0])
         one = caught(monkeypatch, model, 5e9, 5e-3, 5e-3)[0]
-        assert np.array_equal(one.regions.small, [small, False])
+        assert np.array_equal(one.small_regions(), [small, False])
 
 
 def test_what_is_listed_of_regions_are_their_blocks():

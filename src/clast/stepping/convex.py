@@ -147,15 +147,14 @@ class Convex:
             theta = theta_by_block(model, method, contacts, velocity, self.restitution, step)
         with stages("base system"):
             base = diagonal_terms(model, method, frames, begun.state, velocity, theta, step)
-            graph = graph_of(contacts, model.block_count)
             whole = Potential(
                 base=base,
                 inverse=inverse_of_blocks(base.diagonal),
                 law=method.contact_law,
                 contacts=contacts,
                 fixed=model.fixed,
-                graph=graph,
-                regions=regions_of(contacts, model.fixed, graph),
+                graph=graph_of(contacts, model.block_count),
+                regions=regions_of(contacts, model.fixed),
             )
         # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
         starts = (*starts, whole.untouched())

@@ -104,7 +104,7 @@ def _potential_of(
     potential: Potential, blocks: Ints, contacts: Contacts, fixed: Bools
 ) -> Potential:
     """Return the potential of ``blocks`` (k,), some ``fixed`` (k,), and their ``contacts``."""
-    base, graph = potential.base, graph_of(contacts, len(blocks))
+    base = potential.base
     return replace(
         potential,
         base=DiagonalTerms(
@@ -116,6 +116,6 @@ def _potential_of(
         inverse=block_rows.taken(potential.inverse, blocks),
         contacts=contacts,
         fixed=fixed,
-        graph=graph,
-        regions=regions_of(contacts, fixed, graph),
+        graph=graph_of(contacts, len(blocks)),
+        regions=regions_of(contacts, fixed),
     )

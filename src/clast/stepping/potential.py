@@ -69,8 +69,6 @@ class Regions:
     """Region of each block, shape (n,)."""
     of_contacts: Ints
     """Region of each contact, shape (m,)."""
-    small: Bools
-    """Regions that are minimised by themselves (kernels/small_regions.py), shape (count,)."""
 
     @cached_property
     def listing(self) -> tuple[Ints, Ints, Ints]:
@@ -79,8 +77,8 @@ class Regions:
         return start, blocks, place
 
 
-def regions_of(contacts: Contacts, fixed: Bools, graph: Graph) -> Regions:
-    """Return the regions of blocks of which some are ``fixed`` (n,); the contacts have a graph."""
+def regions_of(contacts: Contacts, fixed: Bools) -> Regions:
+    """Return the regions of blocks of which some are ``fixed`` (n,)."""
     of_blocks, count = regions.regions(contacts.pairs, fixed)
     return Regions(
         count=count,
@@ -88,7 +86,6 @@ def regions_of(contacts: Contacts, fixed: Bools, graph: Graph) -> Regions:
         of_contacts=regions.region_of_contacts(
             of_blocks, count, contacts.vertex_block, contacts.edge_block
         ),
-        small=small_regions.are_small(of_blocks, count, contacts.pairs, graph[0], fixed),
     )
 
 
@@ -247,6 +244,15 @@ class Potential:
             start,
         )
         return Line(direction=direction, motions=motions, lengths=lengths), evaluations
+
+    def small_regions(self) -> Bools:
+        """Return which regions (r,) are minimised by themselves (kernels/small_regions.py)."""
+        regions, pairs = self.regions, self.contacts.pairs
+        return np.asarray(
+            small_regions.are_small(
+                regions.of_blocks, regions.count, pairs, self.graph[0], self.fixed
+            )
+        )
 
     def problem(self, limits: SpringLimits) -> tuple[Any, ...]:
         """Return the potential as regions are minimised by themselves (kernels/one_region.py)."""

@@ -32,7 +32,7 @@ def with_small_regions(
     are counted of the region that takes most.
     """
     limits, regions = potential.limits, potential.regions
-    chosen = unfinished(distances, enough) & regions.small
+    chosen = unfinished(distances, enough) & potential.small_regions()
     if limits is None or not chosen.any():
         return point, distances
     start, _, _ = regions.listing
