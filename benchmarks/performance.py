@@ -65,14 +65,14 @@ Apart from the runs above, on the machine named:
   the second core has nothing else to do. Below 800 blocks one thread does all. The results are the
   same to the last bit.
 - `clast bench heap --size 1000000 --step 2.5e-3 --steps 100 --results build`: a million falling
-  squares are built in 5 s and take 0.8 µs per block and step, 1.4 minutes with first and last
+  squares are built in 6 s and take 1.2 µs per block and step, 2.1 minutes with first and last
   state saved (0.7 GB), and 2.7 GiB of memory at most.
 - `clast bench stack --size 1000000 --steps 100 --threads 2 --results build`: 20,000 towers of 50
-  squares at rest on 3,960,000 contacts, h = 1 ms, take 2.9 µs per block and step, 5 minutes with
-  first and last state saved (1 GB), and 8.2 GiB of memory at most; the matrix product reached
-  28 GB/s there, 93 % of the triad over as many bytes by as many threads.
+  squares at rest on 3,960,000 contacts, h = 1 ms, take 2.3 µs per block and step, 4 minutes with
+  first and last state saved (1 GB), and 6.0 GiB of memory at most; the matrix product reaches
+  27 GB/s there, 91 % of the triad over as many bytes by as many threads.
 
-Before docs/decisions/0033 to 0035, on an AMD EPYC with 2 cores and 23.5 GiB as well:
+Before docs/decisions/0033, on an AMD EPYC with 2 cores and 23.5 GiB:
 
 - Numbered at random instead of course by course, walls of 1,011, 10,026 and 100,026 bricks take
   1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew
