@@ -144,6 +144,11 @@ def draw_chart(axes: Axes, chart: Chart) -> None:
         )
     axes.set_xscale(chart.x_scale)
     axes.set_yscale(chart.y_scale)
+    if chart.x_scale == "log":
+        from matplotlib.ticker import LogLocator
+
+        # labels of all digits would lie on each other
+        axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 4.0)))
     axes.set_xlabel(chart.x_label)
     axes.set_ylabel(chart.y_label)
     axes.set_title(chart.title, fontsize=10)
