@@ -24,6 +24,8 @@ from clast.interfaces import Method
 from clast.kernels import block_rows, broad_phase, polygon
 from clast.model import Ints, Model
 from clast.state import State
+from clast.stepping import convex
+from clast.stepping.small_regions import with_small_regions
 from clast.studies.bench.bandwidth import system_of_step
 from clast.studies.bench.scenes import SCENES
 from clast.studies.bench.wishes import Wishes, method_for
@@ -126,3 +128,23 @@ def test_iteration(benchmark, wall):
     assert reduction <= 1e-6
     assert iterations < 100
     assert np.isfinite(d).all()
+
+
+def test_small_regions(benchmark, monkeypatch):
+    """Towers that are put upon each other, each minimised by itself."""
+    kept = []
+
+    def minimise(potential, point, *others):
+        kept.append((potential, point))
+        return usual(potential, point, *others)
+
+    usual = convex.minimise
+    monkeypatch.setattr(convex, "minimise", minimise)
+    model = SCENES["stack"].build(1000)
+    method = method_for(model, Wishes(step=STEP))
+    method.process.step(model, method, at_start(model), STEP)
+    potential, start = kept[0]
+    enough, counts = 1e-14 * potential.yardstick(), {"passes": 0, "line_search": 0}
+    before = potential.distances(start)
+    _, left = benchmark(with_small_regions, potential, start, before, enough, counts)
+    assert left.sum() <= enough < before.sum()
