@@ -44,11 +44,6 @@ def none():
     return {"passes": 0, "line_search": 0}
 
 
-def apart(potential, point, enough, counts):
-    """Return what becomes of a point, and what regions have left."""
-    return with_small_regions(potential, point, potential.distances(point), enough, counts)
-
-
 def check_same_minimum(monkeypatch, one, found, enough):
     """Assert that a point is the minimum, and that all that it says of itself is so."""
     wanted = by_newton(monkeypatch, one, 1e-4 * enough)
@@ -69,10 +64,10 @@ def test_all_small_regions_come_to_their_minimum(potentials, monkeypatch):
     for one in potentials:
         enough = TOLERANCE**2 * one.yardstick()
         counts = none()
-        found, left = apart(one, start(one), enough, counts)
+        found, left = with_small_regions(one, start(one), enough, counts)
         assert one.small_regions()[:-1].all()
         assert not one.small_regions()[-1]
-        assert left.sum() <= enough
+        assert left <= enough
         assert 0 < counts["passes"] <= small_regions.ITERATIONS
         assert counts["line_search"] >= counts["passes"]
         check_same_minimum(monkeypatch, one, found, enough)
@@ -83,8 +78,8 @@ def test_so_they_do_with_bonds_multipliers_and_remembered_forces(monkeypatch, se
     for usual in potentials_of(monkeypatch, heap(30, 10), 5e-3, 0.3, 5e8)[::2]:
         one = strengthened(usual, seed)
         enough = TOLERANCE**2 * one.yardstick()
-        found, left = apart(one, start(one), enough, none())
-        assert left.sum() <= enough
+        found, left = with_small_regions(one, start(one), enough, none())
+        assert left <= enough
         check_same_minimum(monkeypatch, one, found, enough)
 
 
@@ -92,8 +87,8 @@ def test_rows_of_other_displacement_functions_serve_as_well(monkeypatch):
     for usual in potentials_of(monkeypatch, heap(30, 10), 5e-3, 0.2, 5e8)[::3]:
         one = replace(usual, contacts=replace(usual.contacts, levers=usual.contacts.rows))
         enough = TOLERANCE**2 * one.yardstick()
-        found, left = apart(one, start(one), enough, none())
-        assert left.sum() <= enough
+        found, left = with_small_regions(one, start(one), enough, none())
+        assert left <= enough
         check_same_minimum(monkeypatch, usual, found, enough)
 
 
@@ -126,11 +121,11 @@ def test_large_regions_stay_where_they_are_and_go_on_together(monkeypatch):
     sizes = np.bincount(one.regions.of_blocks)
     enough = TOLERANCE**2 * one.yardstick()
     before = start(one)
-    found, left = apart(one, before, enough, none())
+    found, left = with_small_regions(one, before, enough, none())
     large = sizes[one.regions.of_blocks] > 6
     assert np.array_equal(found.unknowns[large], before.unknowns[large])
     assert not np.array_equal(found.unknowns[~large], before.unknowns[~large])
-    assert left.sum() > enough
+    assert left > enough
     counts = none()
     found = newton.minimise(one, before, FactorOfStep(Automatic()), enough, 200, counts, Stages())
     check_same_minimum(monkeypatch, one, found, enough)
@@ -144,8 +139,8 @@ def test_what_is_not_finished_goes_on_together(monkeypatch, model):
     for one in potentials_of(monkeypatch, model, 2.5e-3, 0.3 if len(model.mass) > 50 else 0.02):
         enough = TOLERANCE**2 * one.yardstick()
         before = start(one)
-        _, left = apart(one, before, enough, none())
-        unfinished += left.sum() > enough
+        _, left = with_small_regions(one, before, enough, none())
+        unfinished += left > enough
         found = newton.minimise(
             one, before, FactorOfStep(Automatic()), enough, 200, none(), Stages()
         )
@@ -169,9 +164,9 @@ def test_numbers_that_are_none_are_left_as_they_are(monkeypatch):
     before = start(one)
     odd = replace(before, residual=np.where(one.fixed[:, None], 0.0, np.nan))
     odd = replace(odd, left=np.where(one.fixed, 0.0, np.nan))
-    found, left = apart(one, odd, 1e-9, none())
+    found, left = with_small_regions(one, odd, 1e-9, none())
     assert np.array_equal(found.unknowns, before.unknowns)
-    assert not left.sum() <= 1e-9
+    assert not left <= 1e-9
 
 
 @pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="one processor")

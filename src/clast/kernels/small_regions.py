@@ -11,13 +11,14 @@ import numpy as np
 from numba import prange
 
 from clast.kernels import elimination
-from clast.kernels.assembly import assemble_own, contact_motions, form
+from clast.kernels.assembly import assemble_own, contact_motions, form, stiff_pairs
 from clast.kernels.balance import unbalanced
 from clast.kernels.block_rows import SHARED, dot
 from clast.kernels.compiled import kernel
 from clast.kernels.levers import couple
 from clast.kernels.line_search import answers, lengths_along
 from clast.kernels.one_region import copied, put_back
+from clast.kernels.region_sums import works
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import MANY, sum_of
 from clast.kernels.six import plus_scaled, put_row, row
@@ -27,7 +28,6 @@ FEW = 200
 LIKE_TREES = 1.3
 """Pairs for each block up to which larger regions are small, too: eliminating them brings next to
 no fill."""
-
 WORTH = 50
 """Blocks of all small regions together from which threads share them: each has much to do."""
 
@@ -78,34 +78,22 @@ def are_small(region, count, pairs, first, fixed):
 @kernel()
 def _assemble(problem, kn, ks, own, links):
     """Write K_ii into ``own`` (n, 6, 6) and K_ij into ``links``; return False: no room."""
-    system, pairs, graph, contacts, _ = problem
-    base, start = system[0], graph[0]
-    vertex_block, _, levers = contacts
+    (base, _, _, fixed), pairs, graph, (vertex_block, _, levers), _ = problem
+    start = graph[0]
     degree, _, _, blocks, used = links
     count, moments = len(degree), np.empty((1, 3, 6))
     degree[:], used[0] = 0, 0
     for i in range(count):
         assemble_own(i, base, graph, vertex_block, levers, kn, ks, moments, own)
+    stiff = stiff_pairs(fixed, pairs, start, kn, ks)
     for q in range(len(pairs)):
-        i, j = pairs[q, 0], pairs[q, 1]
-        stiff = False
-        for c in range(start[q], start[q + 1]):
-            stiff |= kn[c] != 0.0 or ks[c] != 0.0
-        if stiff and j < count:
-            at = elimination.joined(i, j, links)
+        if stiff[q]:
+            i = pairs[q, 0]
+            at = elimination.joined(i, pairs[q, 1], links)
             if at < 0:
                 return False
             couple(levers, i, at, start[q], start[q + 1], vertex_block, kn, ks, blocks)
     return True
-
-
-@kernel()
-def _works(normal, opening, shear, slip):
-    """Return the work of contact forces (m,) on motions (m,)."""
-    works = np.empty(len(normal))
-    for c in range(len(works)):
-        works[c] = normal[c] * opening[c] + shear[c] * slip[c]
-    return sum_of(works)
 
 
 @kernel()
@@ -116,10 +104,9 @@ def _gone_on(problem, point, direction, decrement):
     d, gap, slip, normal, shear, _, _, _, _ = point
     opening, sliding = contact_motions(vertex_block, edge_block, levers, direction)
     line = gap, opening, slip, sliding
-    start = np.full(1, -decrement)
-    smooth = start + _works(normal, opening, shear, sliding)
+    only, start = np.zeros(len(gap), np.int64), np.full(1, -decrement)
+    smooth = start + works(normal, opening, shear, sliding, only, 1)
     bend = np.full(1, form(system[0], direction))
-    only = np.zeros(len(gap), np.int64)
     length, evaluations = lengths_along(only, line, springs, smooth, bend, start)
     for i in range(len(d)):
         put_row(d, i, plus_scaled(row(d, i), length[0], row(direction, i)))
@@ -137,7 +124,6 @@ def _minimum(problem, point, enough, iterations):
     """
     count = len(point[0]) - 1
     own, links = np.empty((count, 6, 6)), elimination.room_for(count)
-    direction = np.empty((count + 1, 6))
     evaluations = 0
     for k in range(iterations):
         left = sum_of(point[8])
@@ -146,8 +132,7 @@ def _minimum(problem, point, enough, iterations):
         if not _assemble(problem, point[5], point[6], own, links):
             return point, left, k, evaluations
         residual = point[7]
-        for i in range(count + 1):
-            put_row(direction, i, row(residual, i))
+        direction = residual.copy()  # 0 for the fixed block, and so it stays
         if not elimination.solve(own, links, direction):
             return point, left, k, evaluations
         decrement = dot(residual, direction)
@@ -178,12 +163,9 @@ def _minimise_shared(
     for thread in prange(threads_of(progress)):
         for k in to_do(thread, progress, len(wanted)):
             r = wanted[k]
-            own, problem = (
-                blocks[start[r] : start[r + 1]],
-                (system, pairs, graph, contacts, springs),
-            )
+            problem = system, pairs, graph, contacts, springs
             left[r], counts[k, 0], counts[k, 1] = _minimise_one(
-                own, place, problem, point, enough, most
+                blocks[start[r] : start[r + 1]], place, problem, point, enough, most
             )
 
 

@@ -50,36 +50,17 @@ def minimise(
     is what Newton's method needs (Potential.moved).  ``counts`` is added to.
     Raises StepRejected where some region needs more than ``iterations``.
     """
-    if potential.distance(point) <= enough:
-        return point
-    left = potential.distances(point)
+    with stages("law"):
+        if potential.distance(point) <= enough:
+            return point
     if factor.is_free:
         with stages("small regions"):
-            point, left = with_small_regions(potential, point, left, enough, counts)
-        if float(left.sum()) <= enough:
+            point, left = with_small_regions(potential, point, enough, counts)
+        if left <= enough:
             return point
-    if not few_are_unfinished(potential, left, enough):
-        return in_better_order(potential, point, factor, enough, iterations, counts, stages)
     with stages("law"):
-        part, rest = unfinished_part(potential, left, enough)
-        start = part.within(point)
-    moved = in_better_order(part.potential, start, factor, rest, iterations, counts, stages)
-    with stages("law"):
-        return with_part(potential, point, part, moved)
-
-
-def in_better_order(
-    potential: Potential,
-    point: Point,
-    factor: FactorOfStep,
-    enough: float,
-    iterations: int,
-    counts: dict[str, int],
-    stages: Stages,
-) -> Point:
-    """Return what :func:`descend` does, with blocks that touch near each other in memory."""
-    with stages("law"):
-        order = order_of(potential.base.centroid, potential.contacts.pairs, potential.fixed)
+        contacts = potential.contacts
+        order = order_of(potential.base.centroid, contacts.pairs, potential.fixed)
     if order is None:
         return descend(potential, point, factor, enough, iterations, counts, stages)
     with stages("law"):

@@ -22,24 +22,24 @@ ITERATIONS = 30
 
 
 def with_small_regions(
-    potential: Potential, point: Point, distances: Floats, enough: float, counts: dict[str, int]
-) -> tuple[Point, Floats]:
-    """Return the point where small regions are minimised, and what each has left, J/m, (r,).
+    potential: Potential, point: Point, enough: float, counts: dict[str, int]
+) -> tuple[Point, float]:
+    """Return the point where small regions are minimised, and what all have left, J/m.
 
-    ``distances`` (r,) are what regions have left at ``point``, J/m.
     They come near enough for all to be within ``enough``, J/m, where all are small.  The potential
     must be that of a law of springs with bounds; of any other nothing is minimised.  Iterations
     are counted of the region that takes most.
     """
+    left = potential.distances(point)
     limits, regions = potential.limits, potential.regions
-    chosen = unfinished(distances, enough) & potential.small_regions()
+    chosen = unfinished(left, enough) & potential.small_regions()
     if limits is None or not chosen.any():
-        return point, distances
+        return point, float(left.sum())
     start, _, _ = regions.listing
     wanted = np.flatnonzero(chosen)
     # the largest first: the others fill up what time is left
     wanted = wanted[np.argsort(-np.diff(start)[wanted], kind="stable")]
-    moved, left = copied(potential, point), distances.copy()
+    moved = copied(potential, point)
     found = small_regions.minimise(
         wanted,
         regions.listing,
@@ -52,7 +52,7 @@ def with_small_regions(
     passes, evaluations = found.max(axis=0)
     counts["passes"] += int(passes)
     counts["line_search"] += int(evaluations)
-    return moved, left
+    return moved, float(left.sum())
 
 
 def copied(potential: Potential, point: Point) -> Point:
