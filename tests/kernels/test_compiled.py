@@ -1,4 +1,4 @@
-"""Compiled kernels: kept in a folder that belongs to the text of all, loaded without scipy."""
+"""Compiled kernels: kept in a folder that belongs to their text, loaded without scipy."""
 
 import os
 import subprocess
@@ -24,20 +24,34 @@ def cache_path(**environment: str) -> str:
     return answer.stdout.strip()
 
 
-def test_the_folder_is_named_after_the_text_of_all_kernels(tmp_path, monkeypatch):
-    for name in ("one.py", "two.py"):
-        (tmp_path / name).write_text(f"# {name}\n")
-    monkeypatch.setattr(compiled, "__file__", str(tmp_path / "one.py"))
+def test_the_folder_is_named_after_the_text_of_the_kernels_used(tmp_path, monkeypatch):
     monkeypatch.setattr(numba.config, "CACHE_DIR", "")
-    before = compiled.folder()
-    assert Path(before).parent == tmp_path / "__pycache__"
-    assert compiled.folder() == before
-    (tmp_path / "two.py").write_text("# changed\n")
-    assert compiled.folder() != before
+    texts = {
+        "one": "from clast.kernels import two\n",
+        "two": "from clast.kernels.three import (\n    name,\n)\n",
+        "three": "",
+        "other": "",
+    }
+
+    def kept() -> dict[str, str]:
+        compiled.used_by.cache_clear()
+        compiled.folder.cache_clear()
+        return {name: compiled.folder(tmp_path / f"{name}.py") for name in texts}
+
+    for name, text in texts.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    before = kept()
+    assert {Path(one).parent for one in before.values()} == {tmp_path / "__pycache__"}
+    assert len(set(before.values())) == len(texts)
+    assert kept() == before
+    (tmp_path / "three.py").write_text("# changed\n")
+    after = kept()
+    assert {name for name in texts if after[name] != before[name]} == {"one", "two", "three"}
 
 
 def test_kernels_are_kept_there_and_numbas_own_setting_is_left_alone():
-    assert laws.penalty.stats.cache_path.startswith(compiled.FOLDER or "/")
+    kept = compiled.folder(Path(laws.__file__))
+    assert laws.penalty.stats.cache_path.startswith(kept or "/")
     assert numba.config.CACHE_DIR == os.environ.get("NUMBA_CACHE_DIR", "")
 
 

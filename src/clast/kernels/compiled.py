@@ -2,7 +2,7 @@
 
 numba keeps what it has compiled beside each file and looks at the age of that file alone; a kernel
 that calls one of another file would go on with the old one after a change there.  So what is kept
-lies in a folder named after the text of all kernels.
+of a file lies in a folder named after its text and that of every kernel file it uses.
 
 One thread works unless NUMBA_NUM_THREADS asks for more.  Threads come from OpenMP where numba has
 it, and wait for each other by spinning for about a millisecond: one that sleeps takes 0.1 ms to
@@ -24,8 +24,10 @@ import ctypes
 import hashlib
 import importlib
 import os
+import re
 import sys
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -68,18 +70,43 @@ KEPT_MEMORY = {-1: 2**30, -3: 2**28}
 kept at all."""
 
 
-def folder() -> str:
-    """Return where compiled kernels are kept; "" leaves it to numba.
+USES = re.compile(r"^from clast\.kernels(?:\.(\w+))? import (.*)$", re.MULTILINE)
+"""An import of another file of kernels: `.file import name`, or `import file, file`."""
+
+
+@cache
+def used_by(file: Path) -> frozenset[Path]:
+    """Return the kernel files that ``file`` imports from."""
+    names: set[str] = set()
+    for module, imported in USES.findall(file.read_text(encoding="utf-8")):
+        names.update([module] if module else re.findall(r"\w+", imported))
+    return frozenset(one for name in names if (one := file.with_name(f"{name}.py")).exists())
+
+
+def all_used_by(file: Path) -> frozenset[Path]:
+    """Return ``file`` and every kernel file that it uses, directly or through others."""
+    found: set[Path] = set()
+    left = [file]
+    while left:
+        one = left.pop()
+        if one not in found:
+            found.add(one)
+            left.extend(used_by(one))
+    return frozenset(found)
+
+
+@cache
+def folder(file: Path) -> str:
+    """Return where the compiled kernels of ``file`` are kept; "" leaves it to numba.
 
     It is left to numba where NUMBA_CACHE_DIR is set, or where the folder cannot be written.
     """
     if SETTINGS.CACHE_DIR:
         return ""
-    here = Path(__file__).parent
     text = hashlib.sha256()
-    for file in sorted(here.glob("*.py")):
-        text.update(file.read_bytes())
-    kept = here / "__pycache__" / f"kernels-{text.hexdigest()[:16]}"
+    for one in sorted(all_used_by(file)):
+        text.update(one.read_bytes())
+    kept = file.parent / "__pycache__" / f"{file.stem}-{text.hexdigest()[:16]}"
     try:
         kept.mkdir(parents=True, exist_ok=True)
     except OSError:
@@ -89,7 +116,6 @@ def folder() -> str:
 
 keep_memory()
 load_arrays()
-FOLDER = folder()
 
 
 def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -97,7 +123,7 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
     def compiled(function: Callable[..., Any]) -> Any:
         usual = SETTINGS.CACHE_DIR
-        SETTINGS.CACHE_DIR = FOLDER or usual
+        SETTINGS.CACHE_DIR = folder(Path(function.__code__.co_filename)) or usual
         try:
             return numba.njit(cache=True, **options)(function)
         finally:
