@@ -18,7 +18,7 @@ from clast.contact.rows import levers_of, movement
 from clast.interfaces import CornerRule, DisplacementFunction
 from clast.kernels import contacts as kernel
 from clast.kernels import memory as memory_kernel
-from clast.kernels import narrow_phase, polygon
+from clast.kernels import narrow_phase, polygon, seams
 from clast.model import Bools, Floats, Ints, Joint, JointTable, Model
 from clast.state import ContactMemory, State
 
@@ -113,23 +113,33 @@ def find_candidates(
     memory: ContactMemory,
     reach: Reach,
     shift: Floats | None = None,
+    strain: Floats | None = None,
 ) -> Candidates:
     """Return every edge that a vertex could be in contact with (see the module's kernels).
 
-    ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m; nothing if
-    not given.
+    ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m, ``strain``
+    (n, 3) that of the blocks; nothing if not given.
     """
     direction, length = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
     vertex_block = polygon.owners(block_start)
     depth = pair_penetration(block_start, pairs, memory)
+    bearing = (
+        *seams.rows_by_block(memory.vertex, memory.block, vertex_block, len(box)),
+        memory.vertex,
+        memory.block,
+        memory.edge,
+        memory.gap,
+        np.zeros((len(box), 3)) if strain is None else strain,
+    )
     start, vertex, edge, pair, gap, along = narrow_phase.candidates(
         (vertices, np.zeros_like(vertices) if shift is None else shift, direction, length),
-        (block_start, box),
+        (block_start, box, vertex_block),
         pairs,
         depth,
         reach.travel_of(len(box)),
         (reach.front, reach.depth, reach.critdis, reach.tip),
+        bearing,
     )
     remembered = memory_kernel.remembered_edges(
         start, vertex, edge, vertex_block, memory.vertex, memory.block, memory.edge
@@ -184,8 +194,9 @@ def detect(
         block = model.vertex_block
         offset = polygon.offsets(state.vertices, block, centroid)
         shift = movement(displacement, offset, drift, block)
+    strain = np.einsum("nab,nb->na", model.compliance, state.stress)
     candidates = find_candidates(
-        state.vertices, model.block_start, pairs, state.memory, reach, shift
+        state.vertices, model.block_start, pairs, state.memory, reach, shift, strain
     )
     keep = corner_rule.choose(candidates, state.vertices)
     return _contacts(model, displacement, state, centroid, pairs, candidates, keep, reach)

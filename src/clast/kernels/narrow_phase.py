@@ -11,6 +11,7 @@ from numba import prange
 
 from clast.kernels.compiled import kernel
 from clast.kernels.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
+from clast.kernels.seams import is_covered
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import PART, parts
 
@@ -142,6 +143,8 @@ def _vertex_candidates(
     out_gap,
     out_along,
     found,
+    outlines,
+    bearing,
 ):
     """Append the candidate edges of block j for vertex p of block i; return the new count."""
     first_i, last_i = block_start[i], block_start[i + 1]
@@ -205,6 +208,8 @@ def _vertex_candidates(
             px, py, e, along, critdis, vertices, direction, length, first_j, last_j
         ):
             continue
+        if is_covered(p, i, j, e, at_end, ax, ay, bx, by, outlines, bearing):
+            continue
         if found < len(out_edge):
             out_edge[found] = e
             out_gap[found] = gap
@@ -223,13 +228,14 @@ def _is_around(p, vertices, box, j, distance):
 
 
 @kernel()
-def _of_pairs(low, high, outlines, blocks, pairs, pair_depth, travel, reach, room):
+def _of_pairs(low, high, outlines, blocks, pairs, pair_depth, travel, reach, bearing, room):
     """Write the candidates of pairs ``low`` to ``high`` - 1 into ``room``; return their number.
 
     And the number of their groups; valid where as many fit.
     """
     vertices, shift, direction, length = outlines
-    block_start, box = blocks
+    block_start, box, vertex_block = blocks
+    outlined = vertices, direction, length, vertex_block, block_start
     front, depth_reach, critdis, tip_reach = reach
     group_start, vertex, edge, pair, gap, along = room
     group_start[0] = 0
@@ -261,6 +267,8 @@ def _of_pairs(low, high, outlines, blocks, pairs, pair_depth, travel, reach, roo
                     gap,
                     along,
                     found,
+                    outlined,
+                    bearing,
                 )
                 if found > start and found <= len(edge):
                     vertex[start:found] = p
@@ -298,7 +306,7 @@ def _part_of(room, first, last):
 
 
 @kernel(parallel=True)
-def _of_parts(outlines, blocks, pairs, pair_depth, travel, reach, room, most, found):
+def _of_parts(outlines, blocks, pairs, pair_depth, travel, reach, bearing, room, most, found):
     progress = nothing_done()
     for thread in prange(threads_of(progress)):
         for part in to_do(thread, progress, len(found)):
@@ -306,7 +314,7 @@ def _of_parts(outlines, blocks, pairs, pair_depth, travel, reach, room, most, fo
             begin = part * (most + 1)
             own = _part_of(room, begin, begin + most)
             found[part, 0], found[part, 1] = _of_pairs(
-                low, high, outlines, blocks, pairs, pair_depth, travel, reach, own
+                low, high, outlines, blocks, pairs, pair_depth, travel, reach, bearing, own
             )
 
 
@@ -330,22 +338,23 @@ def _join(room, most, found, joined):
 
 
 @kernel()
-def candidates(outlines, blocks, pairs, pair_depth, travel, reach):
+def candidates(outlines, blocks, pairs, pair_depth, travel, reach, bearing):
     """Return candidate (vertex, edge) couples of all pairs, grouped by (vertex, block of edge).
 
     ``outlines`` are the vertices (nv, 2), how far the velocities would carry each in the step
     (nv, 2), m, and directions and lengths of the edges that start there; ``blocks`` the first
-    vertex of each block and the boxes (n, 4), not widened.  ``reach`` is how far to look, m, in
-    front of an edge (beside the ``travel`` (n,) of the two blocks), behind it (beyond the
-    penetration ``pair_depth`` (q,) that the pair had at the end of the last step), beyond an end
-    where corners coincide, and for a tip.  Result: group starts, and per candidate vertex, edge,
-    pair, gap, distance along the edge.
+    vertex of each block, the boxes (n, 4), not widened, and the block of each vertex.  ``reach`` is
+    how far to look, m, in front of an edge (beside the ``travel`` (n,) of the two blocks), behind
+    it (beyond the penetration ``pair_depth`` (q,) that the pair had at the end of the last step),
+    beyond an end where corners coincide, and for a tip.  ``bearing`` is what blocks stand on
+    (kernels/seams.py).  Result: group starts, and per candidate vertex, edge, pair, gap, distance
+    along the edge.
     """
     found = np.zeros((max(parts(len(pairs)), 1), 2), np.int64)
     most = 64 + 6 * min(PART, len(pairs))
     while True:
         room = _room_for(len(found) * (most + 1))
-        _of_parts(outlines, blocks, pairs, pair_depth, travel, reach, room, most, found)
+        _of_parts(outlines, blocks, pairs, pair_depth, travel, reach, bearing, room, most, found)
         if found[:, 0].max() <= most:
             break
         most = found[:, 0].max()
