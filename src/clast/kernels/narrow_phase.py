@@ -208,7 +208,8 @@ def _vertex_candidates(
             px, py, e, along, critdis, vertices, direction, length, first_j, last_j
         ):
             continue
-        if is_covered(p, i, j, e, at_end, ax, ay, bx, by, outlines, bearing):
+        at_corner = -beyond <= max(critdis, depth, reach)
+        if at_corner and is_covered(p, i, j, e, at_end, ax, ay, bx, by, outlines, bearing):
             continue
         if found < len(out_edge):
             out_edge[found] = e
