@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from clast.case import Case as Case
     from clast.case import load as load
+    from clast.contact.law_check import check_law as check_law
     from clast.errors import CaseError as CaseError
     from clast.errors import ClastError as ClastError
     from clast.errors import ModelError as ModelError
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 HOME = {
     "Case": "clast.case",
     "load": "clast.case",
+    "check_law": "clast.contact.law_check",
     "CaseError": "clast.errors",
     "ClastError": "clast.errors",
     "ModelError": "clast.errors",

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
+from clast.contact import law_check
+from clast.contact.arrays import Contacts
 from clast.errors import RunStopped, StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
 from clast.interrupts import held_back
@@ -66,9 +68,12 @@ class _Tally:
     penetration: float = 0.0
     seconds: dict[str, float] = field(default_factory=dict)
     counts: dict[str, int] = field(default_factory=dict)
+    touching: Contacts | None = None
+    """Contacts of the last step that had any."""
 
     def add(self, result: StepResult) -> None:
         self.steps += 1
+        self.touching = result.contacts if len(result.contacts) else self.touching
         self.passes += result.passes
         self.contacts = max(self.contacts, len(result.contacts))
         self.penetration = max(self.penetration, result.penetration)
@@ -107,7 +112,8 @@ def simulate(
 
     Raises RunStopped, with the partial results in its ``run``, where even the smallest step is
     rejected.  KeyboardInterrupt ends the run early, with its results kept.  ``warnings`` are put
-    into the report beside what the process itself has to say.
+    into the report beside what the process itself has to say; a contact law of one's own is
+    tried on the run's contacts (see :func:`clast.check_law`), and its faults are warnings too.
     """
     recorder = recorder or RunRecorder(model)
     tally = _Tally()
@@ -130,6 +136,8 @@ def simulate(
     state = recorder.state
     finished = outcome == "the run reached its end"
     report = tally.report(state.ledger, perf_counter() - start, outcome, finished)
+    if tally.touching is not None:
+        warnings += law_check.warnings_of(method.contact_law, tally.touching)
     run = recorder.finish(replace(report, warnings=warnings, notes=method.notes))
     if failure:
         raise RunStopped(f"the run {outcome}", run)
