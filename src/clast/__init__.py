@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from clast.model_builder import ModelBuilder as ModelBuilder
     from clast.results import Run as Run
     from clast.results import RunRecorder as RunRecorder
+    from clast.results import read as read
     from clast.results import read_results as read_results
     from clast.simulate import Schedule as Schedule
     from clast.state import State as State
@@ -60,6 +61,7 @@ HOME = {
     "ModelBuilder": "clast.model_builder",
     "Run": "clast.results",
     "RunRecorder": "clast.results",
+    "read": "clast.results",
     "read_results": "clast.results",
     "Schedule": "clast.simulate",
     "State": "clast.state",

@@ -38,7 +38,7 @@ def plot_results(
     of each contact.  The format follows from the ending of ``path``.
     """
     check_field(field)
-    number = results.frame_index(frame)
+    number = results.frame(frame).number
     here, start = results.vertices(number), results.vertices(0)
     low = np.minimum(here.min(axis=0), start.min(axis=0))
     high = np.maximum(here.max(axis=0), start.max(axis=0))

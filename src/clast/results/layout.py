@@ -48,6 +48,9 @@ CELL_ARRAYS: dict[str, tuple[int, ...]] = {
 }
 """Arrays with a row per block and frame: name -> shape of a row."""
 
+PLANE_VECTORS = ("displacement", "velocity")
+"""Fields that VTK wants with a third component, which is zero."""
+
 ABOUT = {
     "Points": "vertices, m",
     "PointData/displacement": "displacement of the vertex since the start, m",

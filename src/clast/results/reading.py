@@ -15,54 +15,23 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model import Bools, Floats, Ints
+from clast.results.columns import BlockHistory, Columns, FrameContacts, PointHistory
 from clast.results.journal import complete_journal
-from clast.results.layout import FORMAT, history_path
-from clast.results.run import (
-    PointHistory,
-    Report,
-    columns,
-    report_from_dict,
+from clast.results.layout import FORMAT, PLANE_VECTORS, history_path
+from clast.results.recorded import (
+    KIND_FIELDS,
+    VERTICES,
+    Frame,
+    block_of,
+    contacts_of,
+    field_of,
+    frame_of,
     unknown_name,
 )
-
-PLANE_VECTORS = ("displacement", "velocity")
-"""Fields that VTK wants with a third component, which is zero."""
+from clast.results.run import Report, report_from_dict
 
 
-@dataclass(frozen=True, kw_only=True)
-class FrameContacts:
-    """The contacts of one frame that carry a force; m contacts."""
-
-    position: Floats
-    """Invading vertex, m, shape (m, 2)."""
-    normal: Floats
-    """Outward unit normal of the edge, shape (m, 2)."""
-    normal_force: Floats
-    """Normal force, N/m, compression positive, shape (m,)."""
-    shear_force: Floats
-    """Shear force on the vertex along the edge's direction, N/m, shape (m,)."""
-    vertex: Ints
-    """Invading vertex, shape (m,)."""
-    edge: Ints
-    """Entrance edge: index of its first vertex, shape (m,)."""
-    mode: Ints
-    """0 open, 1 slide, 2 lock, shape (m,)."""
-
-    @property
-    def force(self) -> Floats:
-        """Force on the invading vertex's block, N/m, shape (m, 2)."""
-        # Polygons run counter-clockwise: the edge's direction is its outward normal turned left.
-        along = np.column_stack([-self.normal[:, 1], self.normal[:, 0]])
-        forces: Floats = (
-            self.normal_force[:, None] * self.normal + self.shear_force[:, None] * along
-        )
-        return forces
-
-    def __len__(self) -> int:
-        return len(self.vertex)
-
-
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Results:
     """What a result file holds.  Coordinates are the user's; arrays are read when asked for."""
 
@@ -95,20 +64,36 @@ class Results:
     frame_rows: NDArray[Any] = field(repr=False)
     """Table of the frames: time, and the rows of the other tables until then."""
 
+    def field(self, name: str, frame: int | None = None) -> NDArray[Any]:
+        """Return a field of the blocks, of all frames or of one.
+
+        Shape (frames, n), (frames, n, 2) or (frames, n, 3), without the first of them for one
+        frame.  ``field_names`` says which there are; "vertices" is (frames, nv, 2), m.  Raises
+        CaseError for a field or a frame that does not exist.
+        """
+        return field_of(self, name, frame)
+
     def vertices(self, frame: int = -1) -> Floats:
         """Return the vertices of a frame, m, shape (nv, 2); frame -1 is the last."""
-        count = int(self.block_start[-1])
-        return self._rows("VTKHDF/Points", frame, count)[:, :2]
+        return field_of(self, VERTICES, frame)
 
-    def field(self, name: str, frame: int = -1) -> NDArray[Any]:
-        """Return a field of the blocks, shape (n,), (n, 2) or (n, 3); see ``field_names``."""
-        if name not in self.field_names:
-            raise unknown_name("field", name, self.field_names)
-        count = len(self.block_rock)
-        if name in ("block", "rock", "fixed"):
-            return self._rows(f"VTKHDF/CellData/{name}", 0, count)
-        values = self._rows(f"VTKHDF/CellData/{name}", frame, count)
-        return values[:, :2] if name in PLANE_VECTORS else values
+    def contacts(self, frame: int = -1) -> FrameContacts:
+        """Return the contacts of a frame that carry a force, as a table."""
+        return contacts_of(self, frame)
+
+    def frame(self, number: int = -1, *, at: float | None = None) -> Frame:
+        """Return a frame by its number, or the one nearest to the time ``at``, s.
+
+        Raises CaseError for a number or a time that lies outside of the run.
+        """
+        return frame_of(self, number, at)
+
+    def block(self, name: str) -> BlockHistory:
+        """Return how the block ``name`` moved, a row per frame, as a table.
+
+        Raises CaseError for a block that does not exist.
+        """
+        return block_of(self, name, self.block_name)
 
     @cached_property
     def field_names(self) -> tuple[str, ...]:
@@ -116,52 +101,56 @@ class Results:
         with _opened(self.path) as file:
             return tuple(file["VTKHDF/CellData"])
 
-    def contacts(self, frame: int = -1) -> FrameContacts:
-        """Return the contacts of a frame."""
-        index = self.frame_index(frame)
-        ends = self.frame_rows["contacts"]
-        first = ends[index - 1] if index else 0
+    def series(self, name: str, frames: range, first: int, past: int) -> NDArray[Any]:
+        """Return rows ``first`` to ``past`` - 1 of a field in some frames, (frames, rows, ...)."""
+        fixed = name in KIND_FIELDS
+        count = int(self.block_start[-1]) if name == VERTICES else len(self.block_rock)
+        place = "VTKHDF/Points" if name == VERTICES else f"VTKHDF/CellData/{name}"
         with _opened(self.path) as file:
-            rows = file["contacts"][first : ends[index]]
-        return FrameContacts(**columns(rows))
+            rows = file[place]
+            starts = [0 if fixed else frame * count for frame in frames]
+            values = np.stack([rows[start + first : start + past] for start in starts])
+        return values[:, :, :2] if name in (*PLANE_VECTORS, VERTICES) else values
+
+    def contact_rows(self, frame: int) -> NDArray[Any]:
+        """Return a row for every contact of a frame that carries a force."""
+        ends = self.frame_rows["contacts"]
+        first = ends[frame - 1] if frame else 0
+        with _opened(self.path) as file:
+            return file["contacts"][first : ends[frame]]
 
     def history(self, name: str) -> PointHistory:
-        """Return the history of the measured point ``name``."""
+        """Return the history of the measured point ``name``, a row per instant, as a table.
+
+        Raises CaseError for a point that does not exist.
+        """
         if name not in self.point_name:
             raise unknown_name("measured point", name, self.point_name)
-        return PointHistory(**columns(self._table(history_path(name), "instants")))
+        return PointHistory(self._table(history_path(name), "instants"))
 
     @property
-    def energy(self) -> dict[str, Floats]:
+    def energy(self) -> Columns:
         """Energy ledger over time: ``time``, s, and every entry, J per m, each of shape (t,)."""
-        return columns(self._table("energy", "instants"))
+        return Columns(self._table("energy", "instants"))
 
     @property
-    def steps(self) -> dict[str, NDArray[Any]]:
+    def steps(self) -> Columns:
         """Accepted steps: time, step, passes, contacts, penetration, travel, each of shape (t,)."""
-        return columns(self._table("steps", "steps"))
-
-    def frame_index(self, frame: int) -> int:
-        """Return a frame's number counted from 0; negative ones count from the end."""
-        count = len(self.times)
-        if not -count <= frame < count:
-            raise CaseError(
-                f"there is no frame {frame}",
-                where=str(self.path),
-                remedy=f"the file has {count} frames: 0 to {count - 1}, or -1 for the last",
-            )
-        return frame % count
-
-    def _rows(self, place: str, frame: int, count: int) -> NDArray[Any]:
-        first = self.frame_index(frame) * count
-        with _opened(self.path) as file:
-            return file[place][first : first + count]
+        return Columns(self._table("steps", "steps"))
 
     def _table(self, place: str, counter: str) -> NDArray[Any]:
         with _opened(self.path) as file:
             # Until the run is finished only what belongs to whole frames is sure to be there.
             end = None if self.report else self.frame_rows[counter][-1]
             return file[place][:end]
+
+    def __repr__(self) -> str:
+        points = ", ".join(self.point_name[:4])
+        return (
+            f"Results('{self.title}', {len(self.block_name)} blocks, {len(self.times)} frames from "
+            f"{self.times[0]:.6g} to {self.times[-1]:.6g} s\n"
+            f"    in {self.path}; measured points: {points or 'none'})"
+        )
 
 
 def read_results(path: Path | str) -> Results:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,7 +27,7 @@ _ledger_entries = attrgetter(*LEDGER_ENTRIES)
 
 
 class RunRecorder:
-    """Records one run: every step in memory, frames in the file ``output`` where one is named.
+    """Records one run: every step in memory, frames in the file ``output`` or in memory as well.
 
     The output is looked at when the recorder is made, so that a bad path is known before the
     first step, and written from ``start`` on; a good result of an earlier run under the same name
@@ -42,6 +43,7 @@ class RunRecorder:
     ) -> None:
         # Compiled kernels are slow to import; who only reads results does not need them.
         from clast.results.fields import FrameFields
+        from clast.results.kept import KeptFrames
         from clast.results.points import PointTracker
 
         self._model = model
@@ -55,6 +57,7 @@ class RunRecorder:
         self._state: State | None = None
         self._result: StepResult | None = None
         self._frame_time: float | None = None
+        self._kept = KeptFrames(model) if output is None else None
         self._file = None
         if output is not None:
             from clast.results.writing import ResultFile, check_output
@@ -95,13 +98,14 @@ class RunRecorder:
         contacts: Contacts | None = None,
         response: ContactResponse | None = None,
     ) -> None:
-        """Write a frame, and all rows since the last one, to the file."""
-        if self._file is None:
-            return
+        """Keep a frame; a file gets all rows since the last one, too."""
         rows = no_contacts()
         if self._with_contacts and contacts is not None and response is not None:
             rows = self._fields.contacts(state, contacts, response)
-        self._file.frame(state.time, self._fields.of(state), rows, self._tables())
+        if self._kept is not None:
+            self._kept.add(state, rows)
+        if self._file is not None:
+            self._file.frame(state.time, self._fields.of(state), rows, self._tables())
         self._frame_time = state.time
 
     def finish(self, report: Report) -> Run:
@@ -111,6 +115,9 @@ class RunRecorder:
             self.frame(last.state, last.contacts, last.response)
         if self._file is not None:
             self._file.finish(report, self._tables())
+        if self._kept is not None and self._kept.left_out_from is not None:
+            note = f"frames from t = {self._kept.left_out_from:.4g} s on found no room in memory"
+            report = replace(report, notes=(*report.notes, f"{note}: name an output file"))
         return Run(
             model=self._model,
             state=self.state,
@@ -119,6 +126,7 @@ class RunRecorder:
             point_rows=self._points.rows,
             energy_rows=self._energy.rows,
             step_rows=self._steps.rows,
+            kept=self._kept,
         )
 
     def _record(self, state: State) -> None:

@@ -30,7 +30,7 @@ from clast.results.layout import (
     history_path,
 )
 from clast.results.run import Report
-from clast.results.tables import CONTACT_ROW, ENERGY_ROW, POINT_ROW, STEP_ROW, Table
+from clast.results.tables import CONTACT_ROW, ENERGY_ROW, POINT_ROW, STEP_ROW, Table, rows_of_point
 
 # Newer formats mark a file as being written, and nothing opens it after the process was killed.
 FILE_FORMAT = ("v108", "v108")
@@ -157,7 +157,7 @@ class ResultFile:
         self._columns["energy"].put(self._saved["energy"], new["energy"])
         self._columns["steps"].put(self._saved["steps"], new["steps"])
         for index, name in enumerate(self._model.measured_points.name):
-            rows = _point_rows(new["history"], index)
+            rows = rows_of_point(new["history"], index)
             self._columns[history_path(name)].put(self._saved["history"], rows)
 
 
@@ -340,13 +340,3 @@ def _growing(
     group.create_dataset(
         name, shape=(0, *shape), maxshape=(None, *shape), chunks=(rows, *shape), dtype=dtype
     )
-
-
-def _point_rows(rows: NDArray[Any], point: int) -> NDArray[Any]:
-    """Return the rows of one measured point from the rows of all."""
-    one = np.zeros(len(rows), POINT_ROW)
-    one["time"] = rows["time"]
-    one["displacement"] = rows["displacement"][:, point]
-    one["velocity"] = rows["velocity"][:, point]
-    one["rotation"] = rows["rotation"][:, point]
-    return one
