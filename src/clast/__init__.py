@@ -11,7 +11,9 @@ command line starts at once.
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -31,11 +33,12 @@ if TYPE_CHECKING:
     from clast.model import PlaneStrain as PlaneStrain
     from clast.model import PlaneStress as PlaneStress
     from clast.model import Rock as Rock
-    from clast.model_builder import ModelBuilder as ModelBuilder
     from clast.results import Run as Run
     from clast.results import RunRecorder as RunRecorder
     from clast.results import read as read
     from clast.results import read_results as read_results
+    from clast.script import ModelBuilder as ModelBuilder
+    from clast.script import simulate as simulate
     from clast.simulate import Schedule as Schedule
     from clast.state import State as State
 
@@ -58,7 +61,8 @@ HOME = {
     "PlaneStrain": "clast.model",
     "PlaneStress": "clast.model",
     "Rock": "clast.model",
-    "ModelBuilder": "clast.model_builder",
+    "ModelBuilder": "clast.script",
+    "simulate": "clast.script",
     "Run": "clast.results",
     "RunRecorder": "clast.results",
     "read": "clast.results",
@@ -86,6 +90,17 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'clast' has no attribute '{name}'")
     globals()[name] = found
     return found
+
+
+class _Package(ModuleType):
+    """The package: ``clast.simulate`` stays the function when the module of that name is loaded."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (name == "simulate" and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
 
 
 def __dir__() -> list[str]:
