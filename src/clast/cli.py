@@ -192,23 +192,29 @@ def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) ->
 def info(file: ResultFile, as_json: AsJson = False) -> None:
     """Say what a result file contains."""
     from clast.results import read_results, summary
+    from clast.results.about import texts
 
-    content = summary(read_results(file))
+    results = read_results(file)
+    content = summary(results)
     if as_json:
         _print_json(content)
         return
     first, last = content["time"]
+    warnings = results.report.warnings if results.report else ()
     rows = {
         "outcome": content["outcome"],
         "frames": f"{content['frames']}, from {first:.6g} to {last:.6g} s",
         "blocks": f"{content['blocks']} ({content['fixed_blocks']} fixed)",
         "vertices": f"{content['vertices']}",
         "rocks": ", ".join(content["rocks"]),
+        **texts(results.about),
         "largest displacement": f"{content['largest_displacement']:.6g} m",
         "contacts at the end": f"{content['contacts']}",
         "fields": ", ".join(content["fields"]),
         "size": f"{content['size_bytes'] / 1e6:.3g} MB",
-        "versions": ", ".join(f"{k} {v}" for k, v in content["versions"].items()),
+        **({"warnings": "\n".join(warnings)} if warnings else {}),
+        "version": content["version"],
+        "made with": ", ".join(f"{k} {v}" for k, v in content["versions"].items() if k != "clast"),
     }
     _print_table(_two_columns(content["title"], rows))
     _print_points(content["measured_points"])

@@ -14,6 +14,7 @@ from clast.interrupts import held_back
 from clast.kernels.threads import threads_worth
 from clast.model import Model
 from clast.results import Report, Run, RunRecorder
+from clast.results.about import about_method
 from clast.state import Ledger, State, initial_state
 from clast.stepping import energy
 
@@ -122,7 +123,7 @@ def simulate(
     state = replace(state, ledger=energy.opening(model, method, state))
     advice = method.process.advice(model, method, state, schedule.step)
     warnings = tuple(dict.fromkeys((*warnings, *advice)))
-    recorder.start(state)
+    recorder.start(state, about_method(method, schedule.step, schedule.end))
     failure = ""
     outcome = "the run reached its end"
     try:

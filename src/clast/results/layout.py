@@ -9,7 +9,8 @@
     /history/NAME  table, a row per instant (the start and every step) of a measured point
     /energy        table, a row per instant: time and the entries of the energy ledger
     /steps         table, a row per step: time, size, passes, contacts, penetration, travel
-    /model         the case file's text, versions, names and numbers of the blocks
+    /model         the case file's text, how it is simulated (about, JSON), versions, names and
+                   numbers of the blocks
     /report        how the run went; only in a file that was finished
 
 A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after its data have

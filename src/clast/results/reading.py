@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model import Bools, Floats, Ints
+from clast.results.about import asked_most
 from clast.results.columns import BlockHistory, Columns, FrameContacts, PointHistory
 from clast.results.journal import complete_journal
 from clast.results.layout import FORMAT, PLANE_VECTORS, history_path
@@ -41,6 +42,8 @@ class Results:
     """Title of the case."""
     case_text: str
     """The case file as it was run."""
+    about: dict[str, Any]
+    """Process, contact law, rocks and their numbers, as clast info prints them."""
     versions: dict[str, str]
     """Version of clast and of what it is built on."""
     times: Floats
@@ -166,6 +169,7 @@ def read_results(path: Path | str) -> Results:
             path=path,
             title=str(model.attrs["title"]),
             case_text=model["case"].asstr()[()],
+            about=json.loads(model["about"].asstr()[()]) if "about" in model else {},
             versions={
                 key.removeprefix(prefix): str(number)
                 for key, number in model.attrs.items()
@@ -192,6 +196,9 @@ def summary(results: Results) -> dict[str, Any]:
         "file": str(results.path),
         "size_bytes": results.path.stat().st_size,
         "title": results.title,
+        **asked_most(results.about),
+        "about": results.about,
+        "version": results.versions.get("clast", "unknown"),
         "versions": results.versions,
         "finished": report.finished if report else False,
         "outcome": report.outcome if report else "the run did not end; its frames are kept",

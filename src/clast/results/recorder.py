@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from clast.interfaces import StepResult
 from clast.model import Model
@@ -71,8 +72,13 @@ class RunRecorder:
             raise RuntimeError("nothing is recorded yet: call start first")
         return self._state
 
-    def start(self, state: State) -> None:
-        """Record the state at the start of the run and begin the file with it."""
+    def start(self, state: State, about: Mapping[str, Any] | None = None) -> None:
+        """Record the state at the start of the run and begin the file with it.
+
+        ``about`` says how the run is simulated (:mod:`clast.results.about`).
+        """
+        if self._file is not None:
+            self._file.about = about or {}
         self._record(state)
         self.frame(state)
 

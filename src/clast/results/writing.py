@@ -18,6 +18,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from clast.errors import CaseError
 from clast.model import Floats, Model
+from clast.results.about import about_model
 from clast.results.journal import JournalledFile
 from clast.results.layout import (
     ABOUT,
@@ -52,6 +53,8 @@ class ResultFile:
         self.path = path
         self._model = model
         self._case_text = case_text
+        self.about: Mapping[str, Any] = {}
+        """How the run is simulated (results.about), to be set before the first frame."""
         self._file: Any = None
         self._storage: JournalledFile | None = None
         self._columns: dict[str, _Column] = {}
@@ -73,7 +76,7 @@ class ResultFile:
                 return
             part = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
             try:
-                self._open(_new_file(part, self._model, self._case_text))
+                self._open(_new_file(part, self._model, self._case_text, self.about))
                 self._put_frame(time, arrays, contacts, tables)
                 self._file.close()
                 os.replace(part, self.path)
@@ -244,11 +247,11 @@ def _step_offsets(model: Model, frame: int) -> dict[str, NDArray[Any]]:
     }
 
 
-def _new_file(path: Path, model: Model, case_text: str) -> Any:
+def _new_file(path: Path, model: Model, case_text: str, about: Mapping[str, Any]) -> Any:
     """Create a result file without frames and return it open."""
     file = h5py.File(path, "w", libver=FILE_FORMAT, locking=False, **IN_ONE_PAGE)
     _write_grid(file.create_group("VTKHDF"), model)
-    _write_model(file.create_group("model"), model, case_text)
+    _write_model(file.create_group("model"), model, case_text, about)
     _growing(file, "frames", dtype=FRAME_ROW)
     _growing(file, "contacts", dtype=CONTACT_ROW)
     _growing(file, "energy", dtype=ENERGY_ROW)
@@ -296,7 +299,7 @@ def _make_room_for_steps(steps: Any, model: Model) -> None:
         steps[f"CellDataOffsets/{name}"] = steps["PartOffsets"]
 
 
-def _write_model(group: Any, model: Model, case_text: str) -> None:
+def _write_model(group: Any, model: Model, case_text: str, about: Mapping[str, Any]) -> None:
     """Write what was simulated, as far as readers of the results need it."""
     group.attrs["format"] = FORMAT
     group.attrs["title"] = model.title
@@ -307,6 +310,7 @@ def _write_model(group: Any, model: Model, case_text: str) -> None:
         group.attrs[f"version of {package}"] = number
     text = h5py.string_dtype()
     group["case"] = case_text
+    group["about"] = json.dumps({**about, **about_model(model)}, ensure_ascii=False, default=float)
     group.create_dataset("block_name", data=list(model.block_name), dtype=text)
     group.create_dataset("rock_name", data=[rock.name for rock in model.rocks], dtype=text)
     group.create_dataset("point_name", data=list(model.measured_points.name), dtype=text)

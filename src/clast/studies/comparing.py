@@ -7,7 +7,7 @@ comparison.rows[0].deviations
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from clast import spelling
@@ -76,7 +76,7 @@ class Row:
     """Displacement (u, v) of every measured point at the end, m."""
     deviations: tuple[Deviation, ...]
     """Errors against the references of the case."""
-    vertices: Floats
+    vertices: Floats = field(repr=False)
     """Vertices at the end, m, shape (nv, 2)."""
     penetration: float
     """Largest penetration at the end, m."""
@@ -145,11 +145,11 @@ class Comparison:
     """Time at which a run reaches its end, s."""
     rows: tuple[Row, ...]
     """What each combination made of it."""
-    start: Floats
+    start: Floats = field(repr=False)
     """Vertices at the start, m, shape (nv, 2)."""
-    block_start: Ints
+    block_start: Ints = field(repr=False)
     """Index of each block's first vertex; the last entry is the vertex count, shape (n + 1,)."""
-    fixed: Bools
+    fixed: Bools = field(repr=False)
     """True where a block cannot move at all, shape (n,)."""
 
     def as_dict(self) -> dict[str, Any]:
