@@ -230,13 +230,29 @@ def plot(
     frame: Annotated[int, typer.Option(help="Number of the frame, from 0; -1 is the last.")] = -1,
     field: Annotated[str, typer.Option(help="What colours the blocks.")] = "displacement",
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
+    limits: Annotated[
+        str,
+        typer.Option(metavar="LOW,HIGH", help="Ends of the colours, in m, m/s, degrees or Pa."),
+    ] = "",
+    zoom: Annotated[str, typer.Option(metavar="X0,Y0,X1,Y1", help="Draw this part alone, m.")] = "",
+    size: Annotated[
+        str, typer.Option(metavar="W[,H]", help="Width and height of the picture, cm.")
+    ] = "",
+    dpi: Annotated[int | None, typer.Option(metavar="N", help="Dots per inch.")] = None,
 ) -> None:
     """Draw a frame of a result file."""
-    from clast.pictures.plot import plot_results
+    from clast.pictures.plot import Look, plot_results
     from clast.results import read_results
 
+    look = Look(
+        limits=_numbers("--limits", limits, 2),
+        zoom=_numbers("--zoom", zoom, 4),
+        size=_numbers("--size", size, 1, 2),
+        dpi=dpi,
+    )
     target = output or file.with_suffix(".png")
-    plot_results(read_results(file), target, frame=frame, field=field, contacts=contacts)
+    results = read_results(file)
+    plot_results(results, target, frame=frame, field=field, contacts=contacts, look=look)
     typer.echo(f"picture: {target}")
 
 
@@ -667,6 +683,25 @@ def _plain_table(
     for row in rows:
         table.add_row(*row)
     return table
+
+
+def _numbers(option: str, listed: str, *counts: int) -> Any:
+    """Return the numbers of a list separated by commas, None for none; ``counts`` are allowed."""
+    if not listed:
+        return None
+    try:
+        numbers = tuple(float(word) for word in listed.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) not in counts:
+        many = " or ".join(map(str, counts))
+        raise CaseError(
+            f"'{listed[:40]}' are not {many} numbers",
+            where=option,
+            remedy=f"write them with commas and without spaces, e.g. {option} "
+            + ",".join(str(number) for number in range(counts[-1])),
+        )
+    return numbers
 
 
 def _words(listed: str) -> list[str]:

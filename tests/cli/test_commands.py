@@ -192,7 +192,29 @@ def test_plot(incline):
     assert Path("speed.png").stat().st_size > 1000
 
 
-@pytest.mark.parametrize(("option", "value"), [("--field", "displacment"), ("--frame", "77")])
+def test_plot_as_wished(incline):
+    matplotlib = pytest.importorskip("matplotlib.image")
+    good("run", incline, *SHORT)
+    wishes = ("--size", "16,12", "--dpi", "127", "--limits=-1e-3,2e-3", "--zoom", "0,5,5,10")
+    good("plot", "incline.vtkhdf", "-o", "part.png", *wishes)
+    assert matplotlib.imread("part.png").shape[:2] == (600, 800)
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--field", "displacment"),
+        ("--frame", "77"),
+        ("--limits", "1"),
+        ("--limits", "2,1"),
+        ("--limits", "nan,1"),
+        ("--zoom", "1,2,3"),
+        ("--zoom", "50,50,60,60"),
+        ("--size", "wide"),
+        ("--size", "16,12,3"),
+        ("--dpi", "3"),
+    ],
+)
 def test_plot_of_what_is_not_there(incline, option, value):
     good("run", incline, *SHORT)
     result = clast_command("plot", "incline.vtkhdf", option, value)
