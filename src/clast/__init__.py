@@ -5,6 +5,10 @@
     run = clast.load("incline.toml").run()
     run.history("A").displacement[-1]
 
+Units are SI per metre of thickness, angles are degrees; stress and strain are tension-positive in
+the order xx, yy, xy; a gap below zero is penetration, a normal contact force above it compression.
+Whatever is wrong with a case or a model is raised as ClastError, which says where and what to do.
+
 Every public name has one import path, here; it is loaded when it is first used, so that the
 command line starts at once.
 """
@@ -17,6 +21,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from clast import studies as studies
     from clast.case import Case as Case
     from clast.case import load as load
     from clast.contact.law_check import check_law as check_law
@@ -33,6 +38,9 @@ if TYPE_CHECKING:
     from clast.model import PlaneStrain as PlaneStrain
     from clast.model import PlaneStress as PlaneStress
     from clast.model import Rock as Rock
+    from clast.pictures.look import Look as Look
+    from clast.pictures.plot import plot_history as plot_history
+    from clast.pictures.plot import plot_results as plot_results
     from clast.results import Run as Run
     from clast.results import RunRecorder as RunRecorder
     from clast.results import read as read
@@ -63,6 +71,9 @@ HOME = {
     "Rock": "clast.model",
     "ModelBuilder": "clast.script",
     "simulate": "clast.script",
+    "Look": "clast.pictures.look",
+    "plot_history": "clast.pictures.plot",
+    "plot_results": "clast.pictures.plot",
     "Run": "clast.results",
     "RunRecorder": "clast.results",
     "read": "clast.results",
@@ -72,7 +83,10 @@ HOME = {
 }
 """Public name -> module that defines it."""
 
-__all__ = [*HOME, "__version__"]
+PARTS = ("studies",)
+"""Parts of the package that are asked for under their own names: ``clast.studies.compare``."""
+
+__all__ = [*HOME, *PARTS, "__version__"]
 
 
 def __getattr__(name: str) -> Any:
@@ -86,6 +100,8 @@ def __getattr__(name: str) -> Any:
             found = "0+uninstalled"
     elif name in HOME:
         found = getattr(import_module(HOME[name]), name)
+    elif name in PARTS:
+        found = import_module(f"clast.{name}")
     else:
         raise AttributeError(f"module 'clast' has no attribute '{name}'")
     globals()[name] = found

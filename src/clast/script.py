@@ -1,8 +1,13 @@
 """What scripts begin with: a builder that makes cases, and a run of any model in one line.
 
-    builder = clast.ModelBuilder(title="Two bricks")
-    ...
+    import clast
+
+    builder = clast.ModelBuilder(title="A block that falls")
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.block(name="falling", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
     run = clast.simulate(builder.build(), end=0.5)
+    run.block("falling").displacement[-1]
+    builder.case(end=0.5, process="modified").run()
 
 What a script does not say is chosen as follows: the methods of a case file without [method]; a step
 of a 300th of the time in which the smallest block falls by half its own size, rounded to 1, 2 or 5

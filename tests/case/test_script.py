@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import subprocess
+import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -145,6 +147,29 @@ def test_defaults_follow_from_the_model():
     case = two_bricks().case()
     assert (case.time.step, case.time.end) == (1e-3, 1.0)
     assert two_bricks().case(end=1e-4).time.step == 1e-4
+
+
+def test_a_run_and_its_file_have_the_same_picture(tmp_path):
+    pytest.importorskip("matplotlib")
+    file = tmp_path / "a.vtkhdf"
+    pictures = []
+    for source in (
+        clast.simulate(two_bricks(), end=0.01),
+        clast.simulate(two_bricks(), end=0.01, output=file),
+        clast.read(file),
+    ):
+        path = clast.plot_results(source, tmp_path / "a.png", look=clast.Look(dpi=50))
+        assert clast.plot_history(source, tmp_path / "P.png", "P").stat().st_size > 1000
+        pictures.append(path.read_bytes())
+    assert pictures[0] == pictures[1] == pictures[2]
+
+
+def test_parts_of_the_package_are_there_without_importing_them():
+    code = "import clast; assert clast.studies.compare; assert callable(clast.simulate)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+    assert set(clast.__all__) <= set(dir(clast))
+    for name in clast.__all__:
+        assert getattr(clast, name).__doc__, name
 
 
 def test_results_say_what_was_asked_of_them(tmp_path):

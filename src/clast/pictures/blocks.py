@@ -11,7 +11,7 @@ from clast.model import Bools, Floats, Ints
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE, TEXT_SIZE, Sheet, literal
 from clast.pictures.fields import KINDS, SCALARS, prefixed
 from clast.pictures.scale import Scale, scale_of
-from clast.results import Results
+from clast.results import Recording
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -103,7 +103,7 @@ def colour(
     figure: Figure,
     sheet: Sheet,
     blocks: PolyCollection,
-    results: Results,
+    results: Recording,
     field: str,
     frame: int,
     shown: Bools,
@@ -179,7 +179,7 @@ def kind_colour(kind: int) -> str:
     return KIND_COLOURS[(kind + kind // len(KIND_COLOURS)) % len(KIND_COLOURS)]
 
 
-def draw_names(axes: Axes, results: Results, vertices: Floats) -> None:
+def draw_names(axes: Axes, results: Recording, vertices: Floats) -> None:
     """Write the names of the blocks into them, where they are few."""
     outlines = outlines_of(results, vertices)
     if len(outlines) > MOST_NAMES:

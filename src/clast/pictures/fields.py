@@ -12,9 +12,9 @@ import numpy as np
 from clast import spelling
 from clast.errors import CaseError
 from clast.model import Floats
-from clast.results import Results
+from clast.results import Recording
 
-Values: TypeAlias = Callable[[Results, int], Floats]
+Values: TypeAlias = Callable[[Recording, int], Floats]
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def _component(name: str, index: int) -> Values:
     return lambda results, frame: results.field(name, frame)[:, index]
 
 
-def _degrees(results: Results, frame: int) -> Floats:
+def _degrees(results: Recording, frame: int) -> Floats:
     return np.degrees(results.field("rotation", frame))
 
 

@@ -12,7 +12,7 @@ from clast.pictures.blocks import outlines_of
 from clast.pictures.canvas import INK, SMALL_SIZE, Sheet, letters_in
 from clast.pictures.fields import prefixed, round_below
 from clast.pictures.scale import largest_but_few
-from clast.results import Results
+from clast.results import Recording
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,7 +55,7 @@ class Arrows:
 
 
 def arrows_of(
-    results: Results, frame: int, low: Floats, high: Floats, per_inch: float, *, zoomed: bool
+    results: Recording, frame: int, low: Floats, high: Floats, per_inch: float, *, zoomed: bool
 ) -> Arrows:
     """Return the arrows in a part (low, high) of a frame, m, drawn at ``per_inch`` m an inch.
 
@@ -171,7 +171,7 @@ def _words(arrows: Arrows, shown: float) -> list[str]:
     return [f"{force} ({which}{counted}){cut}", f"{force} ({counted}){cut}", f"{force} ({counted})"]
 
 
-def _arrow_length(results: Results, low: Floats, high: Floats) -> float:
+def _arrow_length(results: Recording, low: Floats, high: Floats) -> float:
     """Return the length of the longest arrow, m: about a block, but seen in the picture."""
     shown = float(np.hypot(*(high - low)))
     outlines = outlines_of(results, results.vertices(0))

@@ -15,7 +15,7 @@ from clast.pictures.fields import KINDS, SCALARS, check_field
 from clast.pictures.forces import HEAD, arrows_of, draw_arrows
 from clast.pictures.history import plot_history
 from clast.pictures.look import NO_WISHES, Look
-from clast.results import Results
+from clast.results import Recording
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +31,7 @@ MOST_NAMES = 12
 
 
 def plot_results(
-    results: Results,
+    results: Recording,
     path: Path | str,
     *,
     frame: int = -1,
@@ -41,6 +41,7 @@ def plot_results(
 ) -> Path:
     """Draw the blocks of a frame coloured by ``field`` and return the picture's path.
 
+    ``results`` are a run, or what a result file holds: ``clast.plot_results(run, "run.png")``.
     The start is outlined behind; ``contacts`` draws the contact forces as arrows, on both blocks
     of each contact, the largest in each place where they are many.  ``look`` has limits of the
     colours, size, resolution and the part that is shown.  The format follows from the ending of
@@ -51,7 +52,7 @@ def plot_results(
     here, start = results.vertices(number), results.vertices(0)
     part = _part(results, here, start, look)
     bars = int(field in SCALARS)
-    title = results.title or results.path.name
+    title = results.title or results.name
     size, keys, narrowest = _sizes(part, look, title, _legend_handles(results, field), bars)
     arrows = None
     zoomed = look.zoom is not None
@@ -85,7 +86,7 @@ Part = tuple[Floats, Floats]
 """Lower left and upper right corner of what is shown, m, (2,) each."""
 
 
-def _part(results: Results, here: Floats, start: Floats, look: Look) -> Part:
+def _part(results: Recording, here: Floats, start: Floats, look: Look) -> Part:
     """Return what is shown: all blocks, now and at the start, or the part asked for."""
     low = np.minimum(here.min(axis=0), start.min(axis=0))
     high = np.maximum(here.max(axis=0), start.max(axis=0))
@@ -126,7 +127,7 @@ def _label(field: str) -> str:
     return SCALARS[field].label if field in SCALARS else KINDS[field]
 
 
-def _draw_points(axes: Axes, results: Results, frame: int) -> None:
+def _draw_points(axes: Axes, results: Recording, frame: int) -> None:
     """Mark the measured points where they are now."""
     for name, start in list(zip(results.point_name, results.point_start, strict=True))[:MOST_NAMES]:
         history = results.history(name)
@@ -145,7 +146,7 @@ def _draw_points(axes: Axes, results: Results, frame: int) -> None:
         )
 
 
-def _legend_handles(results: Results, field: str) -> list[Any]:
+def _legend_handles(results: Recording, field: str) -> list[Any]:
     """Return what the legend explains: outlines, fixed blocks, rocks."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch

@@ -12,6 +12,8 @@ from clast.results.recorded import Frame
 from clast.results.recorder import RunRecorder
 from clast.results.run import Report, Run
 
+Recording = Results | Run
+"""Whatever frames and histories can be read from."""
 read = read_results
 """The public name of :func:`read_results`: ``clast.read("out.vtkhdf")``."""
 
@@ -20,6 +22,7 @@ __all__ = [
     "Frame",
     "FrameContacts",
     "PointHistory",
+    "Recording",
     "Report",
     "Results",
     "Run",

@@ -67,6 +67,11 @@ class Results:
     frame_rows: NDArray[Any] = field(repr=False)
     """Table of the frames: time, and the rows of the other tables until then."""
 
+    @property
+    def name(self) -> str:
+        """Name of the file."""
+        return self.path.name
+
     def field(self, name: str, frame: int | None = None) -> NDArray[Any]:
         """Return a field of the blocks, of all frames or of one.
 
@@ -157,7 +162,11 @@ class Results:
 
 
 def read_results(path: Path | str) -> Results:
-    """Open a result file; raises CaseError where it is none or cannot be read."""
+    """Return what a result file holds, arrays being read when they are asked for.
+
+    ``clast.read("out.vtkhdf")``; the file may be one that a run still writes, or that a killed run
+    has left.  Raises CaseError where it is none of clast's or cannot be read.
+    """
     path = Path(path)
     with _opened(path) as file:
         _check_ours(path, file)

@@ -32,7 +32,8 @@ class RunRecorder:
 
     The output is looked at when the recorder is made, so that a bad path is known before the
     first step, and written from ``start`` on; a good result of an earlier run under the same name
-    is kept until then.  ``contacts=False`` leaves contact forces out of the file.
+    is kept until then.  ``contacts=False`` leaves contact forces out of the frames.  Raises
+    CaseError for an output that cannot be written.
     """
 
     def __init__(

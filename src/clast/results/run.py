@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import NDArray
 
 from clast.errors import CaseError
-from clast.model import Floats, Model
+from clast.model import Bools, Floats, Ints, Model
 from clast.results.columns import BlockHistory, Columns, FrameContacts, PointHistory
 from clast.results.recorded import (
     VERTICES,
@@ -159,6 +159,42 @@ class Run:
     def title(self) -> str:
         """Title of the case."""
         return self.model.title
+
+    @property
+    def name(self) -> str:
+        """Name of the result file, "run" where there is none."""
+        return self.output.name if self.output else "run"
+
+    @property
+    def block_name(self) -> tuple[str, ...]:
+        """Name of each block."""
+        return self.model.block_name
+
+    @property
+    def block_start(self) -> Ints:
+        """Index of each block's first vertex; the last entry is the vertex count, (n + 1,)."""
+        return self.model.block_start
+
+    @property
+    def fixed(self) -> Bools:
+        """True where a block cannot move at all, shape (n,)."""
+        return self.model.fixed
+
+    @property
+    def rock_name(self) -> tuple[str, ...]:
+        """Name of each rock."""
+        return tuple(rock.name for rock in self.model.rocks)
+
+    @property
+    def point_name(self) -> tuple[str, ...]:
+        """Name of each measured point."""
+        return self.model.measured_points.name
+
+    @property
+    def point_start(self) -> Floats:
+        """Where each measured point was at the start, m, shape (k, 2)."""
+        start: Floats = self.model.measured_points.at + self.model.origin
+        return start
 
     @property
     def times(self) -> Floats:
