@@ -93,22 +93,17 @@ def arrows_of(
 
 def _apart(at: Floats, size: Floats, distance: float) -> Ints:
     """Return which points (k, 2) are kept so that none is within ``distance`` of a larger one."""
-    cells = [tuple(cell) for cell in np.floor(at / distance).astype(np.int64).tolist()]
-    kept: dict[tuple[int, ...], list[int]] = {}
-    chosen = []
-    for point in np.argsort(-size, kind="stable").tolist():
-        column, row = cells[point]
-        near = [
-            other
-            for x in (column - 1, column, column + 1)
-            for y in (row - 1, row, row + 1)
-            for other in kept.get((x, y), ())
-        ]
-        x, y = at[point]
-        if all((at[o, 0] - x) ** 2 + (at[o, 1] - y) ** 2 >= distance**2 for o in near):
-            kept.setdefault((column, row), []).append(point)
-            chosen.append(point)
-    return np.array(sorted(chosen), np.int64)
+    from scipy.spatial import KDTree  # slow to load
+
+    if not len(at):
+        return np.zeros(0, np.int64)
+    near = KDTree(at)
+    left, kept = np.ones(len(at), np.bool_), []
+    for point in np.argsort(-size, kind="stable"):
+        if left[point]:
+            kept.append(point)
+            left[near.query_ball_point(at[point], distance)] = False
+    return np.sort(np.array(kept, np.int64))
 
 
 def draw_arrows(figure: Figure, sheet: Sheet, axes: Axes, arrows: Arrows) -> None:

@@ -8,6 +8,8 @@ from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from clast.interfaces import StepResult
 from clast.model import Model
 from clast.results.run import Report, Run
@@ -58,7 +60,7 @@ class RunRecorder:
         self._steps = Table(STEP_ROW)
         self._state: State | None = None
         self._result: StepResult | None = None
-        self._frame_time: float | None = None
+        self._frame_times: list[float] = []
         self._kept = KeptFrames(model) if output is None else None
         self._file = None
         if output is not None:
@@ -113,12 +115,12 @@ class RunRecorder:
             self._kept.add(state, rows)
         if self._file is not None:
             self._file.frame(state.time, self._fields.of(state), rows, self._tables())
-        self._frame_time = state.time
+        self._frame_times.append(state.time)
 
     def finish(self, report: Report) -> Run:
         """Close the file with the last state and the report; return what was recorded."""
         last = self._result
-        if last is not None and last.state.time != self._frame_time:
+        if last is not None and last.state.time not in self._frame_times[-1:]:
             self.frame(last.state, last.contacts, last.response)
         if self._file is not None:
             self._file.finish(report, self._tables())
@@ -133,6 +135,7 @@ class RunRecorder:
             point_rows=self._points.rows,
             energy_rows=self._energy.rows,
             step_rows=self._steps.rows,
+            times=np.array(self._frame_times) if self._kept is None else self._kept.times,
             kept=self._kept,
         )
 

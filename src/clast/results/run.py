@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from clast.errors import CaseError
@@ -118,6 +119,8 @@ class Run:
     """Energy ledger, a row per instant: time and every entry of the ledger."""
     step_rows: NDArray[Any]
     """Accepted steps, a row each: time at its end, size, passes, contacts, penetration, travel."""
+    times: Floats
+    """Time of each frame, s, shape (frames,)."""
     kept: KeptFrames | None = None
     """Frames in memory; None where they are in the file."""
 
@@ -197,11 +200,6 @@ class Run:
         return start
 
     @property
-    def times(self) -> Floats:
-        """Time of each frame, s, shape (frames,)."""
-        return self._frames.times
-
-    @property
     def field_names(self) -> tuple[str, ...]:
         """Names of the fields of the blocks."""
         return self._frames.field_names
@@ -245,7 +243,7 @@ class Run:
 
         path = self.output or Path()
         results = read_results(path)
-        if results.title != self.title or results.times[-1] != self.state.time:
+        if results.title != self.title or not np.array_equal(results.times, self.times):
             raise CaseError(
                 "holds another run now", where=str(path), remedy="keep the results of each run"
             )
@@ -253,8 +251,7 @@ class Run:
 
     def __repr__(self) -> str:
         end = "finished" if self.report.finished else "not finished"
-        frames = len(self.kept.times) if self.kept else 0
-        where = f"frames in {self.output}" if self.output else f"{frames} frames in memory"
+        where = f"{len(self.times)} frames in {self.output or 'memory'}"
         points = ", ".join(self.model.measured_points.name[:4])
         return (
             f"Run('{self.title}', {self.model.block_count} blocks, {end} at t = "
