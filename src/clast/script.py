@@ -115,11 +115,9 @@ class ModelBuilder(model_builder.ModelBuilder):
         ``builder.case(end=2.0, process="modified").run()``.  A step that is not given follows from
         the blocks, the end is 1 s.  Raises CaseError and ModelError, naming place and remedy.
         """
-        tables = _tables(keys)
-        time = {"end": END, **tables.get("time", {})}
-        if "step" not in time:
-            time["step"] = usual_step(self.build(), time["end"])
-        return Case.validated({**self._content(), **tables, "time": time}, "script")
+        # what cannot be built is no case either, be it two rocks of one name
+        tables = _with_time(_tables(keys), self.build())
+        return Case.validated({**self._content(), **tables}, "script")
 
     def to_toml(self, **keys: Unpack[Keys]) -> str:
         """Return these blocks as the text of a case file, which gives the same Model to the bit.
@@ -220,15 +218,16 @@ def simulate(
     Raises CaseError and ModelError for what cannot be simulated, RunStopped where the run cannot go
     on, with the partial results in its ``run``.
     """
-    if isinstance(model, model_builder.ModelBuilder):
-        model = model.build()
+    model = model.build() if isinstance(model, model_builder.ModelBuilder) else model
+    if not isinstance(model, Model):
+        raise CaseError(
+            f"a {type(model).__name__} is no model",
+            remedy="give builder.build(); a case runs by itself: clast.load(file).run()",
+        )
     tables = _tables(keys)
     _refuse_both(tables, {"method": method, "time": schedule})
-    time = {"end": END, **tables.get("time", {})}
-    if "step" not in time:
-        time["step"] = usual_step(model, time["end"])
     # a case that has everything but blocks
-    settings = Case.validated({**tables, "time": time, "rock": {}}, "script")
+    settings = Case.validated({**_with_time(tables, model), "rock": {}}, "script")
     text = settings.text if method is None and schedule is None else ""
     method = method or settings.method(model)
     schedule = schedule or settings.schedule()
@@ -241,17 +240,25 @@ def simulate(
     return run_model(model, method, schedule, recorder, progress)
 
 
-def usual_step(model: Model, end: float = math.inf) -> float:
+def usual_step(model: Model) -> float:
     """Return the step, s, of a run that names none: 1, 2 or 5 times a power of ten.
 
-    A 300th of the time in which the smallest block falls by half its size, and not more than
-    ``end``, s.
+    At most a 300th of the time in which the smallest block falls by half its size.
     """
     gravity = float(np.hypot(*model.gravity)) or STANDARD_GRAVITY
     wanted = math.sqrt(math.sqrt(float(model.area.min())) / gravity) / FALLS
     power = 10.0 ** math.floor(math.log10(wanted))
     rounded = power * max(digit for digit in (1.0, 2.0, 5.0) if digit * power <= wanted)
-    return min(float(f"{rounded:.1g}"), end)
+    return float(f"{rounded:.1g}")
+
+
+def _with_time(tables: dict[str, dict[str, Any]], model: Model) -> dict[str, dict[str, Any]]:
+    """Return the tables of a script with the end and the step that it does not give."""
+    time = {"end": END, **tables.get("time", {})}
+    if "step" not in time:
+        step, end = usual_step(model), time["end"]
+        time["step"] = min(step, end) if isinstance(end, int | float) and end > 0.0 else step
+    return {**tables, "time": time}
 
 
 def _tables(keys: Keys) -> dict[str, dict[str, Any]]:

@@ -6,6 +6,7 @@ import dataclasses
 import subprocess
 import sys
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -223,6 +224,8 @@ def test_objects_are_taken_in_the_place_of_names():
         ({"contact_law": Penalty}, r"Penalty is a class, not an object\n  give Penalty\(...\)"),
         ({"contact_law": 7}, "must be a name or a table"),
         ({"end": 0.01, "step": 0.1}, "longer than the whole run"),
+        ({"end": "1"}, r"script: \[time\] end: must be a number"),
+        ({"end": -1.0}, r"script: \[time\] end: must be above 0"),
     ],
 )
 def test_bad_keys_are_answered(keys, said):
@@ -240,10 +243,19 @@ def test_keys_beside_an_object_that_has_them_are_refused():
 
 def test_bad_blocks_are_answered_by_the_case_too():
     builder = two_bricks()
-    builder.block(vertices=[(0, 0), (1, 0), (1, 1)], name="brick")
-    for call in (builder.case, builder.to_toml, lambda: clast.simulate(builder)):
-        with pytest.raises(ModelError, match="two blocks of that name"):
-            call()
+    builder.block(vertices=[(5, 0), (6, 0), (6, 1)], name="brick")
+    twice = two_bricks()
+    twice.add_rock("brick", young=1e9, poisson=0.2, density=1000.0)
+    for bad, said in ((builder, "two blocks of that name"), (twice, "two rocks of that name")):
+        for call in (bad.case, bad.to_toml, partial(clast.simulate, bad)):
+            with pytest.raises(ModelError, match=said):
+                call(step=1e-3)
+
+
+def test_only_models_are_simulated():
+    for wrong in (two_bricks().case(), "incline.toml", None):
+        with pytest.raises(CaseError, match="is no model"):
+            clast.simulate(wrong)
 
 
 def test_what_no_file_can_hold_is_refused_but_runs():

@@ -38,6 +38,16 @@ def test_all_frames_of_a_field_at_once(both, name):
     assert kept.field("rotation").shape == (len(kept.times), 3)
 
 
+def test_parts_of_fields_have_names(both):
+    for source in (*both, clast.read(both[1].output)):
+        np.testing.assert_array_equal(source.field("sigma_xy"), source.field("stress")[:, :, 2])
+        np.testing.assert_array_equal(
+            source.field("velocity_y", 1), source.field("velocity", 1)[:, 1]
+        )
+        with pytest.raises(CaseError, match="did you mean 'sigma_x"):
+            source.field("sigma_x")
+
+
 def test_frames_by_time_are_the_nearest(both):
     for source in (*both, clast.read(both[1].output)):
         times = source.times

@@ -76,8 +76,9 @@ class Results:
         """Return a field of the blocks, of all frames or of one.
 
         Shape (frames, n), (frames, n, 2) or (frames, n, 3), without the first of them for one
-        frame.  ``field_names`` says which there are; "vertices" is (frames, nv, 2), m.  Raises
-        CaseError for a field or a frame that does not exist.
+        frame.  ``field_names`` says which there are; parts of them are called sigma_yy,
+        displacement_x and so on; "vertices" is (frames, nv, 2), m.  Raises CaseError for a field or
+        a frame that does not exist.
         """
         return field_of(self, name, frame)
 

@@ -30,6 +30,16 @@ BLOCK_ROW = np.dtype(
 """One block in one frame."""
 KIND_FIELDS = ("block", "rock", "fixed")
 """Fields that are the same in all frames."""
+COMPONENTS = {
+    "displacement_x": ("displacement", 0),
+    "displacement_y": ("displacement", 1),
+    "velocity_x": ("velocity", 0),
+    "velocity_y": ("velocity", 1),
+    "sigma_xx": ("stress", 0),
+    "sigma_yy": ("stress", 1),
+    "sigma_xy": ("stress", 2),
+}
+"""Parts of fields that may be asked for by a name of their own."""
 VERTICES = "vertices"
 """What ``field`` calls the vertices, which are no field of the blocks."""
 
@@ -115,9 +125,12 @@ def frame_of(store: FrameStore, number: int, at: float | None) -> Frame:
 
 def field_of(store: FrameStore, name: str, frame: int | None) -> NDArray[Any]:
     """Return a field in one frame, shape (n, ...), or in all, shape (frames, n, ...)."""
-    known = (*store.field_names, VERTICES)
+    known = (*store.field_names, *COMPONENTS, VERTICES)
     if name not in known:
         raise unknown_name("field", name, known)
+    if name in COMPONENTS:
+        whole, part = COMPONENTS[name]
+        return field_of(store, whole, frame)[..., part]
     start = store.block_start
     count = int(start[-1]) if name == VERTICES else len(start) - 1
     if frame is None:
@@ -148,4 +161,5 @@ def block_of(store: FrameStore, name: str, names: Sequence[str]) -> BlockHistory
 
 def unknown_name(kind: str, name: str, known: Sequence[str]) -> CaseError:
     """Return the error for a name that does not exist, with the nearest one that does."""
+    name = str(name)
     return CaseError(f"there is no {kind} '{name}'", remedy=spelling.advice(name, known, kind=kind))
