@@ -101,12 +101,31 @@ def inside(figure, points: np.ndarray) -> bool:
     return bool(((points >= low) & (points <= high)).all())
 
 
-@pytest.mark.parametrize(("rows", "columns"), [(2, 1), (5, 4), (2, 60), (60, 2), (30, 30)])
-@pytest.mark.parametrize("zoom", [None, (0.3, 0.6, 1.9, 2.2)])
-def test_no_arrow_is_cut_at_the_edge(wall: Wall, drawn: list, rows, columns, zoom):
-    plot_results(wall(rows, columns), "a.png", look=Look(zoom=zoom))
-    if zoom and not any(hasattr(c, "U") for c in drawn[0].axes[0].collections):
-        return
+def spread_over(results: Results, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Put the contacts all over the blocks, to their very edges, with forces in all directions."""
+    found = results.contacts()
+    rng, rows = np.random.default_rng(5), found.rows
+    vertices = results.vertices()
+    rows["position"] = rng.uniform(vertices.min(axis=0), vertices.max(axis=0), (len(rows), 2))
+    corner = rng.integers(0, 2, (len(rows) // 2, 2))
+    rows["position"][: len(corner)] = np.choose(
+        corner, [vertices.min(axis=0), vertices.max(axis=0)]
+    )
+    angle = rng.uniform(0.0, 2.0 * np.pi, len(rows))
+    rows["normal"] = np.column_stack([np.cos(angle), np.sin(angle)])
+    rows["normal_force"] = 1e5
+    monkeypatch.setattr(Results, "contacts", lambda self, frame=-1: found)
+
+
+@pytest.mark.parametrize(("rows", "columns"), [(4, 12), (5, 4), (2, 60), (60, 2), (30, 30)])
+@pytest.mark.parametrize("part", [None, (0.25, 0.25, 0.75, 0.75)])
+def test_no_arrow_is_cut_at_the_edge(
+    wall: Wall, drawn: list, monkeypatch: pytest.MonkeyPatch, rows, columns, part
+):
+    results = wall(rows, columns)
+    spread_over(results, monkeypatch)
+    zoom = part and tuple(np.multiply(part, 2 * (columns, rows)).tolist())
+    plot_results(results, "a.png", look=Look(zoom=zoom))
     begin, end = arrows_in(drawn[0])
     assert len(begin) >= 2
     assert inside(drawn[0], begin)
