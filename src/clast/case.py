@@ -41,7 +41,7 @@ from clast.model_builder import ModelBuilder
 
 if TYPE_CHECKING:
     from clast.interfaces import Method
-    from clast.results import Run, RunRecorder
+    from clast.results import Run
     from clast.simulate import Progress, Schedule
 
 PROCESSES = {
@@ -663,15 +663,23 @@ class Case(Table):
         model = self.model()
         method = self.method(model)
 
+        from clast.progress import shown
         from clast.results import RunRecorder
+        from clast.sanity import examine
+        from clast.simulate import simulate
 
+        schedule = self.schedule()
+        warnings = examine(model, method, schedule).warnings
         recorder = RunRecorder(
             model,
             case_text=self.text,
             output=None if output is None else Path(output),
             contacts=self.output.contacts,
         )
-        return run_model(model, method, self.schedule(), recorder, progress)
+        with shown(progress) as watch:
+            return simulate(
+                model, method, schedule, recorder=recorder, watch=watch, warnings=warnings
+            )
 
     def __repr__(self) -> str:
         numbered = len(self.geometry.blocks) if self.geometry else 0
@@ -683,23 +691,6 @@ class Case(Table):
         )
 
     __str__ = __repr__
-
-
-def run_model(
-    model: Model,
-    method: Method,
-    schedule: Schedule,
-    recorder: RunRecorder,
-    progress: bool | Callable[[Progress], None] = False,
-) -> Run:
-    """Simulate a model and return its results, with the warnings of a look at it before."""
-    from clast.progress import shown
-    from clast.sanity import examine
-    from clast.simulate import simulate
-
-    warnings = examine(model, method, schedule).warnings
-    with shown(progress) as watch:
-        return simulate(model, method, schedule, recorder=recorder, watch=watch, warnings=warnings)
 
 
 def load(path: str | Path) -> Case:

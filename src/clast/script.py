@@ -40,7 +40,6 @@ from clast.case import (
     RockTable,
     Table,
     TimeTable,
-    run_model,
 )
 from clast.casefile.writing import as_plain, table_of
 from clast.errors import CaseError
@@ -226,6 +225,11 @@ def simulate(
         )
     tables = _tables(keys)
     _refuse_both(tables, {"method": method, "time": schedule})
+    # a bad model is refused before anything slow is loaded
+    from clast.progress import shown
+    from clast.sanity import examine
+    from clast.simulate import simulate as march
+
     # a case that has everything but blocks
     settings = Case.validated({**_with_time(tables, model), "rock": {}}, "script")
     text = settings.text if method is None and schedule is None else ""
@@ -237,7 +241,9 @@ def simulate(
         output=None if output is None else Path(output),
         contacts=settings.output.contacts,
     )
-    return run_model(model, method, schedule, recorder, progress)
+    warnings = examine(model, method, schedule).warnings
+    with shown(progress) as watch:
+        return march(model, method, schedule, recorder=recorder, watch=watch, warnings=warnings)
 
 
 def usual_step(model: Model) -> float:
