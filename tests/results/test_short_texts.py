@@ -16,7 +16,7 @@ from systems import contacts_of, wall
 @pytest.fixture(scope="module")
 def things(tmp_path_factory) -> dict[str, object]:
     file = tmp_path_factory.mktemp("texts") / "a.vtkhdf"
-    case = Case.from_toml(INCLINE, ["time.end=0.01"])
+    case = Case.from_toml(INCLINE, ["time.end=0.01", "method.process=modified"])
     run = case.run(output=file)
     model = wall(4, 5)
     return {
