@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numba
+from numba.np.ufunc.parallel import threading_layer
 
 from clast.kernels.block_rows import SHARED
 
@@ -36,7 +37,7 @@ def threads_worth(blocks: int) -> Iterator[None]:
 def work_alone() -> None:
     """Let one thread do all the work of this process, which was forked from one with more."""
     numba.set_num_threads(1)
-    if numba.threading_layer() != "omp":
+    if threading_layer() != "omp":
         return
     # numba refuses OpenMP to any other process than the one that last asked for its threads.  It
     # does not start them a second time.
