@@ -1,7 +1,7 @@
 """The command line: the only place that prints.
 
 Exit codes: 0 done, 1 a verification failed, 2 bad input, 3 a run that could not go on (its
-partial results are kept), 130 interrupted.
+partial results are kept), 130 interrupted, 143 and 129 ended by SIGTERM and SIGHUP.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import gc
 import json
 import math
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -22,6 +23,7 @@ import typer
 from typer.core import TyperGroup
 
 from clast.errors import CaseError, ClastError, RunStopped
+from clast.interrupts import heard
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -35,7 +37,8 @@ if TYPE_CHECKING:
 MISSED = 1
 BAD_INPUT = 2
 STOPPED = 3
-INTERRUPTED = 130
+SIGNALLED = 128
+"""What systems add to the number of the signal that ended a program: 130 for the interrupt key."""
 
 PIPE_WIDTH = 160
 """Width of tables where there is no terminal, characters."""
@@ -68,7 +71,7 @@ class Commands(TyperGroup):
             ):
                 raise
             _say("interrupted")
-            raise typer.Exit(INTERRUPTED) from None
+            raise typer.Exit(_interrupted_by(error)) from None
 
 
 app = typer.Typer(
@@ -148,11 +151,16 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Simulate a case and write its result file."""
+    with heard():
+        _run(case, output or Path(f"{case.stem}.vtkhdf"), settings or (), as_json, quiet)
+
+
+def _run(case: Path, target: Path, settings: Sequence[str], as_json: bool, quiet: bool) -> None:
+    """Simulate a case; print how it went."""
     from clast.case import Case
     from clast.studies import deviations
 
-    loaded = Case.from_toml(case, settings or ())
-    target = output or Path(f"{case.stem}.vtkhdf")
+    loaded = Case.from_toml(case, settings)
     _check_target(target)
     try:
         done = loaded.run(progress=not quiet, output=target)
@@ -166,7 +174,7 @@ def run(
     _print_run(done, deviations(loaded, done), as_json=as_json, quiet=quiet)
     if not done.report.finished:
         _say(f"{done.report.outcome}; the results until then are in {target}")
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(SIGNALLED + done.ended_by)
 
 
 @app.command()
@@ -452,6 +460,12 @@ WARMUP_SCENES = (
 other: no such system, one in single and one in double precision, the interior point method, and
 blocks that go first because they are the worst of many.  With WARMUPS they reach the kernels of all
 processes and solvers."""
+
+
+def _interrupted_by(error: BaseException) -> int:
+    """Return the exit code of a program that a signal, SIGINT if no other, has ended."""
+    key = error.__cause__ if isinstance(error, SystemError) else error
+    return SIGNALLED + int(getattr(key, "number", signal.SIGINT))
 
 
 def _check_target(path: Path) -> None:

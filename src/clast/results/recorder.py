@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from clast.errors import ResultsLost, RunStopped
 from clast.interfaces import StepResult
 from clast.model import Model
 from clast.results.run import Report, Run
@@ -105,12 +107,24 @@ class RunRecorder:
         self._frame_time = state.time
 
     def finish(self, report: Report) -> Run:
-        """Close the file with the last state and the report; return what was recorded."""
+        """Close the file with the last state and the report; return what was recorded.
+
+        Raises RunStopped, with what was recorded in its ``run``, where they cannot be written.
+        """
         last = self._result
-        if last is not None and last.state.time != self._frame_time:
-            self.frame(last.state, last.contacts, last.response)
-        if self._file is not None:
-            self._file.finish(report, self._tables())
+        try:
+            if last is not None and last.state.time != self._frame_time:
+                self.frame(last.state, last.contacts, last.response)
+            if self._file is not None:
+                self._file.finish(report, self._tables())
+        except ResultsLost as lost:
+            if report.finished:
+                outcome = f"stopped at t = {self.state.time:.6g} s: {lost}"
+                report = replace(report, finished=False, outcome=outcome)
+            raise RunStopped(f"the run {report.outcome}", self._run(report)) from lost
+        return self._run(report)
+
+    def _run(self, report: Report) -> Run:
         return Run(
             model=self._model,
             state=self.state,

@@ -101,6 +101,8 @@ class Run:
     """Energy ledger, a row per instant: time and every entry of the ledger."""
     step_rows: NDArray[Any]
     """Accepted steps, a row each: time at its end, size, passes, contacts, penetration, travel."""
+    ended_by: int = 0
+    """Number of the signal that ended the run early, 0 where none did."""
 
     @property
     def final(self) -> State:

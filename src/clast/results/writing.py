@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from clast.errors import CaseError
+from clast.errors import CaseError, ResultsLost
 from clast.model import Floats, Model
 from clast.results.journal import JournalledFile
 from clast.results.layout import (
@@ -114,7 +114,7 @@ class ResultFile:
             yield
         except (OSError, RuntimeError) as error:
             number = getattr(error, "errno", None)
-            raise CaseError(
+            raise ResultsLost(
                 f"the results cannot be written: {os.strerror(number) if number else error}",
                 where=str(self.path),
                 remedy="make room or choose another place; frames written before are kept",
