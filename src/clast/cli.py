@@ -42,8 +42,6 @@ SIGNALLED = 128
 
 PIPE_WIDTH = 160
 """Width of tables where there is no terminal, characters."""
-HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-"""First bytes of a result file."""
 
 
 class Commands(TyperGroup):
@@ -161,7 +159,6 @@ def _run(case: Path, target: Path, settings: Sequence[str], as_json: bool, quiet
     from clast.studies import deviations
 
     loaded = Case.from_toml(case, settings)
-    _check_target(target)
     try:
         done = loaded.run(progress=not quiet, output=target)
     except RunStopped as stopped:
@@ -466,23 +463,6 @@ def _interrupted_by(error: BaseException) -> int:
     """Return the exit code of a program that a signal, SIGINT if no other, has ended."""
     key = error.__cause__ if isinstance(error, SystemError) else error
     return SIGNALLED + int(getattr(key, "number", signal.SIGINT))
-
-
-def _check_target(path: Path) -> None:
-    """Refuse an output that cannot be written or is something else than an old result file."""
-    from clast.results.writing import check_output
-
-    check_output(path)
-    if not path.exists():
-        return
-    with path.open("rb") as file:
-        is_result = file.read(8) in (HDF5_SIGNATURE, b"")
-    if not is_result:
-        raise CaseError(
-            "exists and is no result file; it is not written over",
-            where=str(path),
-            remedy="choose another name for the results with -o",
-        )
 
 
 def _print_run(run: Run, deviations: Sequence[Deviation], *, as_json: bool, quiet: bool) -> None:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,18 +12,16 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model import Bools, Floats, Ints
-from clast.results.journal import complete_journal
+from clast.results import structure
 from clast.results.layout import FORMAT, history_path
-from clast.results.run import (
-    PointHistory,
-    Report,
-    columns,
-    report_from_dict,
-    unknown_name,
-)
+from clast.results.opening import AGAIN, ask, check_ours
+from clast.results.run import PointHistory, Report, columns, unknown_name
+from clast.results.tables import CONTACT_ROW, POINT_ROW
 
 PLANE_VECTORS = ("displacement", "velocity")
 """Fields that VTK wants with a third component, which is zero."""
+QUICKLY_CHECKED = 2**28
+"""Size of a file that is checked from end to end in less than half a second, bytes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,13 +87,22 @@ class Results:
     """Where each measured point was at the start, m, shape (k, 2)."""
     report: Report | None
     """How the run went; None where it never came to write one."""
+    layout: int = FORMAT
+    """Version of the file's layout."""
     frame_rows: NDArray[Any] = field(repr=False)
     """Table of the frames: time, and the rows of the other tables until then."""
 
     def vertices(self, frame: int = -1) -> Floats:
         """Return the vertices of a frame, m, shape (nv, 2); frame -1 is the last."""
         count = int(self.block_start[-1])
-        return self._rows("VTKHDF/Points", frame, count)[:, :2]
+        vertices: Floats = self._rows("VTKHDF/Points", frame, count)[:, :2]
+        if not np.isfinite(vertices).all():
+            raise CaseError(
+                f"is damaged: frame {self.frame_index(frame)} has vertices that are no numbers",
+                where=str(self.path),
+                remedy=AGAIN,
+            )
+        return vertices
 
     def field(self, name: str, frame: int = -1) -> NDArray[Any]:
         """Return a field of the blocks, shape (n,), (n, 2) or (n, 3); see ``field_names``."""
@@ -113,23 +117,22 @@ class Results:
     @cached_property
     def field_names(self) -> tuple[str, ...]:
         """Names of the fields of the blocks."""
-        with _opened(self.path) as file:
-            return tuple(file["VTKHDF/CellData"])
+        return ask(self.path, lambda file: tuple(file["VTKHDF/CellData"]))
 
     def contacts(self, frame: int = -1) -> FrameContacts:
         """Return the contacts of a frame."""
         index = self.frame_index(frame)
         ends = self.frame_rows["contacts"]
         first = ends[index - 1] if index else 0
-        with _opened(self.path) as file:
-            rows = file["contacts"][first : ends[index]]
-        return FrameContacts(**columns(rows))
+        rows = ask(self.path, lambda file: file["contacts"][first : ends[index]])
+        return FrameContacts(**{name: rows[name] for name in CONTACT_ROW.names or ()})
 
     def history(self, name: str) -> PointHistory:
         """Return the history of the measured point ``name``."""
         if name not in self.point_name:
             raise unknown_name("measured point", name, self.point_name)
-        return PointHistory(**columns(self._table(history_path(name), "instants")))
+        rows = self._table(history_path(name, self.layout), "instants")
+        return PointHistory(**{name: rows[name] for name in POINT_ROW.names or ()})
 
     @property
     def energy(self) -> dict[str, Floats]:
@@ -154,45 +157,52 @@ class Results:
 
     def _rows(self, place: str, frame: int, count: int) -> NDArray[Any]:
         first = self.frame_index(frame) * count
-        with _opened(self.path) as file:
-            return file[place][first : first + count]
+        rows: NDArray[Any] = ask(self.path, lambda file: file[place][first : first + count])
+        return rows
 
     def _table(self, place: str, counter: str) -> NDArray[Any]:
-        with _opened(self.path) as file:
-            # Until the run is finished only what belongs to whole frames is sure to be there.
-            end = None if self.report else self.frame_rows[counter][-1]
-            return file[place][:end]
+        # Until the run is finished only what belongs to whole frames is sure to be there.
+        end = None if self.report else self.frame_rows[counter][-1]
+        rows: NDArray[Any] = ask(self.path, lambda file: file[place][:end])
+        return rows
 
 
-def read_results(path: Path | str) -> Results:
-    """Open a result file; raises CaseError where it is none or cannot be read."""
+def read_results(path: Path | str, *, whole: int = QUICKLY_CHECKED) -> Results:
+    """Open a result file; raises CaseError where it is none, is damaged or cannot be read.
+
+    Files of at most ``whole`` bytes are checked from end to end, others only where they are read.
+    """
     path = Path(path)
-    with _opened(path) as file:
-        _check_ours(path, file)
-        model = file["model"]
-        frames = file["frames"][: int(file["VTKHDF/Steps"].attrs["NSteps"])]
-        text = file["report/json"].asstr()[()] if "report/json" in file else ""
-        prefix = "version of "
-        return Results(
-            path=path,
-            title=str(model.attrs["title"]),
-            case_text=model["case"].asstr()[()],
-            versions={
-                key.removeprefix(prefix): str(number)
-                for key, number in model.attrs.items()
-                if key.startswith(prefix)
-            },
-            times=frames["time"],
-            block_name=_names(model["block_name"]),
-            block_start=model["block_start"][:],
-            block_rock=model["block_rock"][:],
-            fixed=model["fixed"][:],
-            rock_name=_names(model["rock_name"]),
-            point_name=_names(model["point_name"]),
-            point_start=model["point_start"][:],
-            report=report_from_dict(json.loads(text)) if text else None,
-            frame_rows=frames,
-        )
+    return ask(path, lambda file: _results(path, file), whole=whole)
+
+
+def _results(path: Path, file: Any) -> Results:
+    layout = check_ours(file)
+    blocks, frames = structure.blocks_of(file), structure.frames_of(file)
+    structure.check_arrays(file, frames, blocks)
+    point_name, point_start = structure.points_of(file, layout)
+    about, prefix = file["model"].attrs, "version of "
+    return Results(
+        path=path,
+        layout=layout,
+        title=str(about["title"]),
+        case_text=structure.text(file, "model/case"),
+        versions={
+            key.removeprefix(prefix): str(number)
+            for key, number in about.items()
+            if key.startswith(prefix)
+        },
+        times=frames["time"],
+        block_name=blocks.name,
+        block_start=blocks.start,
+        block_rock=blocks.rock,
+        fixed=blocks.fixed,
+        rock_name=blocks.rock_name,
+        point_name=point_name,
+        point_start=point_start,
+        report=structure.report_of(file),
+        frame_rows=frames,
+    )
 
 
 def summary(results: Results) -> dict[str, Any]:
@@ -228,50 +238,3 @@ def _last_row(results: Results, name: str) -> dict[str, Any]:
         "velocity": history.velocity[-1].tolist(),
         "rotation": float(history.rotation[-1]),
     }
-
-
-def _names(dataset: Any) -> tuple[str, ...]:
-    return tuple(dataset.asstr()[:])
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[Any]:
-    """Open a result file for reading; what goes wrong becomes a CaseError."""
-    import h5py
-
-    where = str(path)
-    if path.is_dir():
-        raise CaseError("is a directory, not a result file", where=where)
-    if not path.exists():
-        raise CaseError(
-            "there is no such file", where=where, remedy="clast run CASE -o FILE writes one"
-        )
-    try:
-        complete_journal(path)
-        # Viewers and a run that still writes may have the file open: no lock is asked for.
-        with h5py.File(path, "r", locking=False) as file:
-            yield file
-    except PermissionError as error:
-        raise CaseError("may not be read", where=where, remedy="ask for permission") from error
-    except (OSError, KeyError, ValueError, RuntimeError) as error:
-        raise CaseError(
-            "is no result file of clast, or is damaged",
-            where=where,
-            remedy="run the case again to make a new one",
-        ) from error
-
-
-def _check_ours(path: Path, file: Any) -> None:
-    if "VTKHDF" not in file or "model" not in file or "format" not in file["model"].attrs:
-        raise CaseError(
-            "is an HDF5 file, but no result file of clast",
-            where=str(path),
-            remedy="name a file that clast run has written",
-        )
-    written = int(file["model"].attrs["format"])
-    if written > FORMAT:
-        raise CaseError(
-            f"was written by a newer clast (layout {written}, this one knows {FORMAT})",
-            where=str(path),
-            remedy="update clast",
-        )

@@ -59,9 +59,9 @@ class RunRecorder:
         self._frame_time: float | None = None
         self._file = None
         if output is not None:
-            from clast.results.writing import ResultFile, check_output
+            from clast.results.writing import ResultFile
 
-            self._file = ResultFile(check_output(Path(output)), model, case_text)
+            self._file = ResultFile(Path(output), model, case_text)
 
     @property
     def state(self) -> State:
