@@ -24,6 +24,7 @@ from typer.core import TyperGroup
 
 from clast.errors import CaseError, ClastError, RunStopped
 from clast.interrupts import heard
+from clast.spelling import shortened, visible
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
 MISSED = 1
 BAD_INPUT = 2
 STOPPED = 3
+USAGE_ERROR: Any = typer.BadParameter.__base__
+"""What the parser of the command line raises."""
 SIGNALLED = 128
 """What systems add to the number of the signal that ended a program: 130 for the interrupt key."""
 
@@ -57,6 +60,9 @@ class Commands(TyperGroup):
         except ClastError as error:
             _say(f"error: {error}")
             raise typer.Exit(BAD_INPUT) from None
+        except USAGE_ERROR as error:
+            error.message = visible(shortened(error.message))
+            raise
         except BrokenPipeError:
             raise
         except OSError as error:
@@ -236,7 +242,7 @@ def plot(
 
     target = output or file.with_suffix(".png")
     plot_results(read_results(file), target, frame=frame, field=field, contacts=contacts)
-    typer.echo(f"picture: {target}")
+    _tell(f"picture: {target}")
 
 
 @app.command()
@@ -258,7 +264,7 @@ def new(
     if path.exists():
         raise CaseError("exists already", where=str(path), remedy="choose another name")
     path.write_text(TEMPLATES[template](), encoding="utf-8")
-    typer.echo(f"wrote {path}; next: clast run {path}")
+    _tell(f"wrote {path}; next: clast run {path}")
 
 
 @app.command()
@@ -292,6 +298,8 @@ def verify(
     choose = verification.narrowed(
         verification.quick if quick else verification.every, _words(process), _words(law)
     )
+    if report:
+        _make_folder(report)
     with _status() as say:
         findings = verification.examine(
             problems or (),
@@ -345,7 +353,7 @@ def compare(
     processes, laws = _words(process), _words(law)
     studies.combinations(processes, laws)
     folder = output or Path("build") / f"compare-{loaded.name}"
-    folder.mkdir(parents=True, exist_ok=True)
+    _make_folder(folder)
     with _status() as say:
         comparison = studies.compare(
             loaded, processes, laws, watch=lambda one, at: say(f"{one}: {at.time:.4g} s")
@@ -355,7 +363,7 @@ def compare(
         _print_json({**comparison.as_dict(), "files": [str(path) for path in written]})
     elif not quiet:
         _print_table(_comparison_table(comparison))
-        typer.echo(f"page: {written[0]}")
+        _tell(f"page: {written[0]}")
 
 
 @app.command()
@@ -477,8 +485,8 @@ def _print_run(run: Run, deviations: Sequence[Deviation], *, as_json: bool, quie
         _print_points(points)
         for one in deviations:
             source = f" ({one.source})" if one.source else ""
-            typer.echo(f"error of {one.point} at t = {one.time:g} s: {one.as_text()}{source}")
-        typer.echo(f"results: {run.output}")
+            _tell(f"error of {one.point} at t = {one.time:g} s: {one.as_text()}{source}")
+        _tell(f"results: {run.output}")
 
 
 def _last_of(run: Run, name: str) -> dict[str, Any]:
@@ -640,7 +648,7 @@ def _print_benchmark(measured: Benchmark) -> None:
     memory = [table.memory_cells(measured, row) for row in rows]
     _print_table(_plain_table(table.MEMORY_HEADINGS, memory, title="memory"))
     for remark in table.remarks(measured):
-        typer.echo(remark)
+        _tell(remark)
 
 
 def _plain_table(
@@ -655,6 +663,18 @@ def _plain_table(
     for row in rows:
         table.add_row(*row)
     return table
+
+
+def _make_folder(folder: Path) -> None:
+    """Make a folder to write pages into, or raise CaseError where something else is there."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise CaseError(
+            "is not a folder, or lies in something that is none",
+            where=str(folder),
+            remedy="name a folder for the pages; it is made if it does not exist",
+        ) from None
 
 
 def _words(listed: str) -> list[str]:
@@ -674,7 +694,12 @@ def _two_columns(title: str, rows: dict[str, str]) -> Table:
 
 def _print_table(table: Table) -> None:
     from rich.console import Console
+    from rich.text import Text
 
+    cells = (cell for column in table.columns for cell in column.cells)
+    for text in (table.title, table.caption, *cells):
+        if isinstance(text, Text):
+            text.plain = visible(text.plain)
     # a pipe or a file has no width of its own
     width = None if sys.stdout.isatty() else PIPE_WIDTH
     Console(width=width).print(table)
@@ -699,7 +724,7 @@ def _print_json(content: Any) -> None:
 
 
 def _json(content: Any) -> str:
-    return json.dumps(_plain(content), indent=2, ensure_ascii=False)
+    return visible(json.dumps(_plain(content), indent=2, ensure_ascii=False))
 
 
 def _plain(value: Any) -> Any:
@@ -722,7 +747,12 @@ def _print_warnings(warnings: Iterable[str]) -> None:
 
 def _say(message: str) -> None:
     """Print a message for the user on stderr."""
-    typer.echo(message, err=True)
+    typer.echo(visible(shortened(message)), err=True)
+
+
+def _tell(message: str) -> None:
+    """Print what was asked for on stdout."""
+    typer.echo(visible(message))
 
 
 def main() -> None:

@@ -31,12 +31,12 @@ def ask(path: Path, question: Callable[[Any], Answer], *, whole: int = 0) -> Ans
     Files of at most ``whole`` bytes are checked from end to end before, others only where they are
     read.  Nothing is written: what a run that was killed had begun to write is completed in memory.
     """
-    if path.is_dir():
-        raise CaseError("is a directory, not a result file", where=str(path))
     failure: Exception = MalformedError("it changes all the time")
     try:
         for _ in range(ATTEMPTS):
             before = path.stat()
+            if stat.S_ISDIR(before.st_mode):
+                raise CaseError("is a directory, not a result file", where=str(path))
             if not stat.S_ISREG(before.st_mode):
                 raise CaseError("is a device, a pipe or the like, no result file", where=str(path))
             try:
@@ -56,7 +56,9 @@ def ask(path: Path, question: Callable[[Any], Answer], *, whole: int = 0) -> Ans
         ) from error
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise CaseError(f"cannot be read: {reason}", where=str(path), remedy=AGAIN) from error
+        raise CaseError(
+            f"cannot be read: {reason}", where=str(path), remedy="name a result file of a run"
+        ) from error
     raise _as_case_error(failure, path) from failure
 
 

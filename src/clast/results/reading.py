@@ -180,7 +180,8 @@ def _results(path: Path, file: Any) -> Results:
     layout = check_ours(file)
     blocks, frames = structure.blocks_of(file), structure.frames_of(file)
     structure.check_arrays(file, frames, blocks)
-    point_name, point_start = structure.points_of(file, layout)
+    structure.check_grid(file, frames, blocks)
+    points = structure.points_of(file, layout, frames["instants"][-1])
     about, prefix = file["model"].attrs, "version of "
     return Results(
         path=path,
@@ -198,8 +199,8 @@ def _results(path: Path, file: Any) -> Results:
         block_rock=blocks.rock,
         fixed=blocks.fixed,
         rock_name=blocks.rock_name,
-        point_name=point_name,
-        point_start=point_start,
+        point_name=points[0],
+        point_start=points[1],
         report=structure.report_of(file),
         frame_rows=frames,
     )

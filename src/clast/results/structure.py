@@ -19,6 +19,7 @@ from clast.results.layout import (
     CELL_ARRAYS,
     FRAME_ROW,
     POINT_ARRAYS,
+    POLYGON,
     history_path,
 )
 from clast.results.opening import MalformedError
@@ -78,14 +79,17 @@ def frames_of(file: Any) -> NDArray[Any]:
     return rows
 
 
-def points_of(file: Any, layout: int) -> tuple[tuple[str, ...], Floats]:
-    """Return names and starts (k, 2) of the measured points; raises MalformedError."""
+def points_of(file: Any, layout: int, instants: int) -> tuple[tuple[str, ...], Floats]:
+    """Return names and starts (k, 2) of the measured points; raises MalformedError.
+
+    Each has a history of at least so many ``instants``.
+    """
     name = names(file, "model/point_name")
     start = _whole(file, "model/point_start", "f", (2,))
     if len(start) != len(name) or len(set(name)) < len(name) or not np.isfinite(start).all():
         raise MalformedError("/model/point_start is not a place for each measured point")
     for one in name:
-        _rows_of(file, history_path(one, layout), POINT_ROW)
+        _check_length(_rows_of(file, history_path(one, layout), POINT_ROW), instants)
     return name, start
 
 
@@ -94,24 +98,43 @@ def check_arrays(file: Any, frames: NDArray[Any], blocks: Blocks) -> None:
     rows = {name: blocks.start[-1] for name in POINT_ARRAYS}
     rows |= {name: len(blocks.rock) for name in CELL_ARRAYS}
     for name, tail in {**POINT_ARRAYS, **CELL_ARRAYS}.items():
-        if len(_numbers(file, f"VTKHDF/{name}", "f", tail)) < len(frames) * rows[name]:
-            raise MalformedError(f"/VTKHDF/{name} ends before the last frame")
+        _check_length(_numbers(file, f"VTKHDF/{name}", "f", tail), len(frames) * rows[name])
     for name in ("block", "rock", "fixed"):
-        if len(_numbers(file, f"VTKHDF/CellData/{name}", "iu")) < len(blocks.rock):
-            raise MalformedError(f"/VTKHDF/CellData/{name} has no number for each block")
+        _check_length(_numbers(file, f"VTKHDF/CellData/{name}", "iu"), len(blocks.rock))
     energy = _dataset(file, "energy")
     ledger = energy.dtype.fields or {}
     if "time" not in ledger or any(kind.kind != "f" for kind, *_ in ledger.values()):
         raise MalformedError("/energy is no table of energies")
-    lengths = {
-        "instants": [energy],
-        "steps": [_rows_of(file, "steps", STEP_ROW)],
-        "contacts": [_rows_of(file, "contacts", CONTACT_ROW)],
+    _check_length(energy, frames["instants"][-1])
+    _check_length(_rows_of(file, "steps", STEP_ROW), frames["steps"][-1])
+    _check_length(_rows_of(file, "contacts", CONTACT_ROW), frames["contacts"][-1])
+
+
+def check_grid(file: Any, frames: NDArray[Any], blocks: Blocks) -> None:
+    """Raise MalformedError unless viewers find the polygons of all frames."""
+    vertices, count = int(blocks.start[-1]), len(blocks.rock)
+    wanted = {
+        "NumberOfPoints": np.array([vertices]),
+        "NumberOfCells": np.array([count]),
+        "NumberOfConnectivityIds": np.array([vertices]),
+        "Connectivity": np.arange(vertices),
+        "Offsets": blocks.start,
+        "Types": np.full(count, POLYGON),
     }
-    for counter, tables in lengths.items():
-        for table in tables:
-            if len(table) < frames[counter][-1]:
-                raise MalformedError(f"{table.name} ends before the last frame")
+    for name, values in wanted.items():
+        if not np.array_equal(_whole(file, f"VTKHDF/{name}", "iu"), values):
+            raise MalformedError(f"/VTKHDF/{name} does not fit to the blocks")
+    _check_length(_numbers(file, "VTKHDF/Steps/Values", "f"), len(frames) - 1)
+    for name, tail in {"NumberOfParts": (), "PartOffsets": (), "CellOffsets": (1,)}.items():
+        _check_length(_numbers(file, f"VTKHDF/Steps/{name}", "iu", tail), len(frames))
+    for frame, vertex in ((0, 0), (len(frames) - 1, (len(frames) - 1) * vertices)):
+        if _numbers(file, "VTKHDF/Steps/PointOffsets", "iu")[frame] != vertex:
+            raise MalformedError("/VTKHDF/Steps/PointOffsets does not fit to the blocks")
+
+
+def _check_length(dataset: Any, rows: int) -> None:
+    if dataset.ndim == 0 or len(dataset) < rows:
+        raise MalformedError(f"{dataset.name} ends before the last frame")
 
 
 def report_of(file: Any) -> Report | None:
