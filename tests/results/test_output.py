@@ -231,3 +231,44 @@ def test_texts_that_no_file_can_hold(tmp_path, title):
     with pytest.raises(CaseError, match="cannot hold"):
         RunRecorder(model, output=tmp_path / "out.vtkhdf")
     assert os.listdir(tmp_path) == []
+
+
+# --- full disks ----------------------------------------------------------------------------------
+
+LIMITED = """
+import resource, sys
+from clast.case import Case
+from clast.casefile.templates import INCLINE
+Case.from_toml(INCLINE, ["time.end=0.002"]).run()  # what is compiled is kept on disk
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), int(sys.argv[1])))
+sys.argv[:] = ["clast", *sys.argv[2:]]
+from clast.cli import main
+main()
+"""
+
+
+@posix
+@pytest.mark.parametrize(("room", "code"), [(20_000, 2), (350_000, 3)])
+def test_a_full_disk_is_said_in_two_lines(tmp_path, room, code):
+    case, path = tmp_path / "a.toml", tmp_path / "out.vtkhdf"
+    case.write_text(INCLINE, encoding="utf-8")
+    settings = ["--set", "output.every=0.001", "--set", "time.end=10"]
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, str(room), "run", str(case), "-o", str(path), *settings],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=100,
+    )
+    assert done.returncode == code, done.stderr
+    assert "the results cannot be written" in done.stderr
+    assert len(done.stderr) < 600
+    assert "HDF5" not in done.stderr
+    if code == 2:
+        assert os.listdir(tmp_path) == [case.name]
+    else:
+        assert "the results until then are in" in done.stderr
+        assert "stopped" in done.stdout
+        results = read_results(path)
+        assert results.times[-1] == pytest.approx(0.001 * (len(results.times) - 1))
+        assert path.stat().st_size <= room
