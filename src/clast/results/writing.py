@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from clast.errors import CaseError, ResultsLost
-from clast.model import Floats, Model
+from clast.model import Floats, Ints, Model
 from clast.results.journal import JournalledFile
 from clast.results.layout import (
     ABOUT,
@@ -97,6 +97,8 @@ class ResultFile:
         """Write what is left and the report, and close the file."""
         with self._guarded():
             self._put_tables(self._new_rows(tables))
+            for name in _step_offsets(self._model, np.zeros(0, np.int64)):
+                self._column(f"VTKHDF/Steps/{name}").end_at(self._frames)
             group = self._file.create_group("report")
             plain = report.as_dict()
             group["json"] = json.dumps(plain, ensure_ascii=False, default=float)
@@ -143,8 +145,11 @@ class ResultFile:
         new = self._new_rows(tables)
         for name, rows in arrays.items():
             self._column(f"VTKHDF/{name}").put(number * len(rows), rows)
-        for name, offset in _step_offsets(self._model, number).items():
-            self._column(f"VTKHDF/Steps/{name}").put(number, offset)
+        if number % CHUNK_ROWS == 0:
+            # Known beforehand: a chunk of them is written at once.
+            frames = np.arange(number, number + CHUNK_ROWS)
+            for name, offsets in _step_offsets(self._model, frames).items():
+                self._column(f"VTKHDF/Steps/{name}").put(number, offsets)
         self._column("contacts").put(self._contacts, contacts)
         self._put_tables(new)
         ends = (time, len(tables["steps"]), len(tables["energy"]), contact_end)
@@ -194,6 +199,11 @@ class _Column:
         place.select_hyperslab((first, *(0 for _ in self._tail)), shape)
         self._id.write(h5py.h5s.create_simple(shape), place, rows, self._type)
 
+    def end_at(self, length: int) -> None:
+        """Leave out all rows behind ``length``."""
+        self._id.set_extent((length, *self._tail))
+        self._length = length
+
 
 def _let_go(storage: JournalledFile, part: Path) -> None:
     """Close the file as it was when changes last took effect, and remove it if they never did."""
@@ -217,18 +227,18 @@ MOVING = f"CellDataOffsets/{next(iter(CELL_ARRAYS)).removeprefix('CellData/')}"
 """Where the offsets of the blocks' arrays are stored; all arrays share them by hard links."""
 
 
-def _step_offsets(model: Model, frame: int) -> dict[str, NDArray[Any]]:
-    """Return the new entry of each dataset of offsets in /VTKHDF/Steps.
+def _step_offsets(model: Model, frames: Ints) -> dict[str, NDArray[Any]]:
+    """Return the entries of some ``frames`` in each dataset of offsets in /VTKHDF/Steps.
 
     Every frame is one part, part 0, with the same connectivity and with points and fields of its
     own.
     """
     return {
-        "NumberOfParts": np.array([1]),
-        "PartOffsets": np.array([0]),
-        "CellOffsets": np.array([[0]]),
-        "PointOffsets": np.array([frame * len(model.vertices)]),
-        MOVING: np.array([frame * model.block_count]),
+        "NumberOfParts": np.ones_like(frames),
+        "PartOffsets": np.zeros_like(frames),
+        "CellOffsets": np.zeros_like(frames)[:, None],
+        "PointOffsets": frames * len(model.vertices),
+        MOVING: frames * model.block_count,
     }
 
 
@@ -271,7 +281,7 @@ def _write_grid(grid: Any, model: Model) -> None:
 def _make_room_for_steps(steps: Any, model: Model) -> None:
     steps.attrs["NSteps"] = np.int64(0)
     _growing(steps, "Values")
-    for name, entry in _step_offsets(model, 0).items():
+    for name, entry in _step_offsets(model, np.zeros(0, np.int64)).items():
         _growing(steps, name, entry.shape[1:], dtype=entry.dtype)
     steps["ConnectivityIdOffsets"] = steps["CellOffsets"]
     for name in CELL_ARRAYS:
