@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 from clast.contact import law_check
 from clast.contact.arrays import Contacts
-from clast.errors import RunStopped, StepOutcome, StepRejected
+from clast.errors import ResultsLost, RunStopped, StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
 from clast.interrupts import held_back
 from clast.kernels.threads import threads_worth
@@ -112,9 +113,10 @@ def simulate(
     """Simulate a model from rest (or its initial velocities) to the end of the schedule.
 
     Raises RunStopped, with the partial results in its ``run``, where even the smallest step is
-    rejected.  KeyboardInterrupt ends the run early, with its results kept.  ``warnings`` are put
-    into the report beside what the process itself has to say; a contact law of one's own is
-    tried on the run's contacts (see :func:`clast.check_law`), and its faults are warnings too.
+    rejected or a frame cannot be written.  The interrupt key, SIGTERM and SIGHUP end the run early,
+    with its results kept; the latter two then end the process.  ``warnings`` are put into the
+    report beside what the process itself has to say; a contact law of one's own is tried on the
+    run's contacts (see :func:`clast.check_law`), and its faults are warnings too.
     """
     recorder = recorder or RunRecorder(model)
     tally = _Tally()
@@ -126,23 +128,31 @@ def simulate(
     recorder.start(state, about_method(method, schedule.step, schedule.end))
     failure = ""
     outcome = "the run reached its end"
-    try:
-        with held_back() as let_go, threads_worth(model.block_count):
-            state = _march(model, method, schedule, state, recorder, watch, tally, let_go)
-    except StepRejected as rejected:
-        failure = str(rejected)
-        outcome = f"stopped at t = {recorder.state.time:.6g} s: {failure}"
-    except KeyboardInterrupt:
-        outcome = f"interrupted at t = {recorder.state.time:.6g} s"
-    state = recorder.state
-    finished = outcome == "the run reached its end"
-    report = tally.report(state.ledger, perf_counter() - start, outcome, finished)
-    if tally.touching is not None:
-        warnings += law_check.warnings_of(method.contact_law, tally.touching)
-    run = recorder.finish(replace(report, warnings=warnings, notes=method.notes))
+    ended_by = 0
+    with held_back() as let_go, threads_worth(model.block_count):
+        try:
+            _march(model, method, schedule, state, recorder, watch, tally, let_go)
+        except (StepRejected, ResultsLost) as gave_up:
+            failure = str(gave_up)
+            outcome = f"stopped at t = {recorder.state.time:.6g} s: {failure}"
+        except KeyboardInterrupt as asked:
+            ended_by = getattr(asked, "number", signal.SIGINT)
+            outcome = f"interrupted{_by(ended_by)} at t = {recorder.state.time:.6g} s"
+        state = recorder.state
+        finished = not failure and not ended_by
+        report = tally.report(state.ledger, perf_counter() - start, outcome, finished)
+        if tally.touching is not None:
+            warnings += law_check.warnings_of(method.contact_law, tally.touching)
+        run = recorder.finish(replace(report, warnings=warnings, notes=method.notes))
+        run = replace(run, ended_by=ended_by)
     if failure:
         raise RunStopped(f"the run {outcome}", run)
     return run
+
+
+def _by(number: int) -> str:
+    """Return which signal interrupted a run, where it was not the key."""
+    return "" if number == signal.SIGINT else f" by {signal.Signals(number).name}"
 
 
 def _march(

@@ -277,7 +277,7 @@ def test_a_frame_that_was_interrupted_is_written_by_finish(tmp_path: Path, monke
             raise KeyboardInterrupt
         put(self, first, rows)
 
-    for calls in range(0, 21, 3):
+    for calls in range(0, 15, 2):
         left = iter(range(calls, -1, -1))
         with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
             patch.setattr(_Column, "put", interrupted)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,10 +12,11 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model import Bools, Floats, Ints
+from clast.results import structure
 from clast.results.about import asked_most
 from clast.results.columns import BlockHistory, Columns, FrameContacts, PointHistory
-from clast.results.journal import complete_journal
 from clast.results.layout import FORMAT, PLANE_VECTORS, history_path
+from clast.results.opening import AGAIN, ask, check_ours
 from clast.results.recorded import (
     KIND_FIELDS,
     VERTICES,
@@ -29,7 +27,10 @@ from clast.results.recorded import (
     frame_of,
     unknown_name,
 )
-from clast.results.run import Report, report_from_dict
+from clast.results.run import Report
+
+QUICKLY_CHECKED = 2**28
+"""Size of a file that is checked from end to end in less than half a second, bytes."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -64,6 +65,8 @@ class Results:
     """Where each measured point was at the start, m, shape (k, 2)."""
     report: Report | None
     """How the run went; None where it never came to write one."""
+    layout: int = FORMAT
+    """Version of the file's layout."""
     frame_rows: NDArray[Any] = field(repr=False)
     """Table of the frames: time, and the rows of the other tables until then."""
 
@@ -107,26 +110,34 @@ class Results:
     @cached_property
     def field_names(self) -> tuple[str, ...]:
         """Names of the fields of the blocks."""
-        with _opened(self.path) as file:
-            return tuple(file["VTKHDF/CellData"])
+        return ask(self.path, lambda file: tuple(file["VTKHDF/CellData"]))
 
     def series(self, name: str, frames: range, first: int, past: int) -> NDArray[Any]:
         """Return rows ``first`` to ``past`` - 1 of a field in some frames, (frames, rows, ...)."""
-        fixed = name in KIND_FIELDS
+        kind = name in KIND_FIELDS
         count = int(self.block_start[-1]) if name == VERTICES else len(self.block_rock)
         place = "VTKHDF/Points" if name == VERTICES else f"VTKHDF/CellData/{name}"
-        with _opened(self.path) as file:
-            rows = file[place]
-            starts = [0 if fixed else frame * count for frame in frames]
-            values = np.stack([rows[start + first : start + past] for start in starts])
+        starts = [first if kind else first + frame * count for frame in frames]
+
+        def rows(file: Any) -> NDArray[Any]:
+            return np.stack([file[place][start : start + past - first] for start in starts])
+
+        values = ask(self.path, rows)
+        if name == VERTICES and not np.isfinite(values).all():
+            at = frames[int(np.flatnonzero(~np.isfinite(values).all(axis=(1, 2)))[0])]
+            raise CaseError(
+                f"is damaged: frame {at} has vertices that are no numbers",
+                where=str(self.path),
+                remedy=AGAIN,
+            )
         return values[:, :, :2] if name in (*PLANE_VECTORS, VERTICES) else values
 
     def contact_rows(self, frame: int) -> NDArray[Any]:
         """Return a row for every contact of a frame that carries a force."""
         ends = self.frame_rows["contacts"]
         first = ends[frame - 1] if frame else 0
-        with _opened(self.path) as file:
-            return file["contacts"][first : ends[frame]]
+        rows: NDArray[Any] = ask(self.path, lambda file: file["contacts"][first : ends[frame]])
+        return rows
 
     def history(self, name: str) -> PointHistory:
         """Return the history of the measured point ``name``, a row per instant, as a table.
@@ -135,7 +146,7 @@ class Results:
         """
         if name not in self.point_name:
             raise unknown_name("measured point", name, self.point_name)
-        return PointHistory(self._table(history_path(name), "instants"))
+        return PointHistory(self._table(history_path(name, self.layout), "instants"))
 
     @property
     def energy(self) -> Columns:
@@ -148,10 +159,10 @@ class Results:
         return Columns(self._table("steps", "steps"))
 
     def _table(self, place: str, counter: str) -> NDArray[Any]:
-        with _opened(self.path) as file:
-            # Until the run is finished only what belongs to whole frames is sure to be there.
-            end = None if self.report else self.frame_rows[counter][-1]
-            return file[place][:end]
+        # Until the run is finished only what belongs to whole frames is sure to be there.
+        end = None if self.report else self.frame_rows[counter][-1]
+        rows: NDArray[Any] = ask(self.path, lambda file: file[place][:end])
+        return rows
 
     def __repr__(self) -> str:
         points = ", ".join(self.point_name[:4])
@@ -162,40 +173,47 @@ class Results:
         )
 
 
-def read_results(path: Path | str) -> Results:
+def read_results(path: Path | str, *, whole: int = QUICKLY_CHECKED) -> Results:
     """Return what a result file holds, arrays being read when they are asked for.
 
     ``clast.read("out.vtkhdf")``; the file may be one that a run still writes, or that a killed run
-    has left.  Raises CaseError where it is none of clast's or cannot be read.
+    has left.  Raises CaseError where it is none of clast's, is damaged or cannot be read.
+
+    Files of at most ``whole`` bytes are checked from end to end, others only where they are read.
     """
     path = Path(path)
-    with _opened(path) as file:
-        _check_ours(path, file)
-        model = file["model"]
-        frames = file["frames"][: int(file["VTKHDF/Steps"].attrs["NSteps"])]
-        text = file["report/json"].asstr()[()] if "report/json" in file else ""
-        prefix = "version of "
-        return Results(
-            path=path,
-            title=str(model.attrs["title"]),
-            case_text=model["case"].asstr()[()],
-            about=json.loads(model["about"].asstr()[()]) if "about" in model else {},
-            versions={
-                key.removeprefix(prefix): str(number)
-                for key, number in model.attrs.items()
-                if key.startswith(prefix)
-            },
-            times=frames["time"],
-            block_name=_names(model["block_name"]),
-            block_start=model["block_start"][:],
-            block_rock=model["block_rock"][:],
-            fixed=model["fixed"][:],
-            rock_name=_names(model["rock_name"]),
-            point_name=_names(model["point_name"]),
-            point_start=model["point_start"][:],
-            report=report_from_dict(json.loads(text)) if text else None,
-            frame_rows=frames,
-        )
+    return ask(path, lambda file: _results(path, file), whole=whole)
+
+
+def _results(path: Path, file: Any) -> Results:
+    layout = check_ours(file)
+    blocks, frames = structure.blocks_of(file), structure.frames_of(file)
+    structure.check_arrays(file, frames, blocks)
+    structure.check_grid(file, frames, blocks)
+    points = structure.points_of(file, layout, frames["instants"][-1])
+    about, prefix = file["model"].attrs, "version of "
+    return Results(
+        path=path,
+        layout=layout,
+        title=str(about["title"]),
+        case_text=structure.text(file, "model/case"),
+        about=structure.about_of(file),
+        versions={
+            key.removeprefix(prefix): str(number)
+            for key, number in about.items()
+            if key.startswith(prefix)
+        },
+        times=frames["time"],
+        block_name=blocks.name,
+        block_start=blocks.start,
+        block_rock=blocks.rock,
+        fixed=blocks.fixed,
+        rock_name=blocks.rock_name,
+        point_name=points[0],
+        point_start=points[1],
+        report=structure.report_of(file),
+        frame_rows=frames,
+    )
 
 
 def summary(results: Results) -> dict[str, Any]:
@@ -234,50 +252,3 @@ def _last_row(results: Results, name: str) -> dict[str, Any]:
         "velocity": history.velocity[-1].tolist(),
         "rotation": float(history.rotation[-1]),
     }
-
-
-def _names(dataset: Any) -> tuple[str, ...]:
-    return tuple(dataset.asstr()[:])
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[Any]:
-    """Open a result file for reading; what goes wrong becomes a CaseError."""
-    import h5py
-
-    where = str(path)
-    if path.is_dir():
-        raise CaseError("is a directory, not a result file", where=where)
-    if not path.exists():
-        raise CaseError(
-            "there is no such file", where=where, remedy="clast run CASE -o FILE writes one"
-        )
-    try:
-        complete_journal(path)
-        # Viewers and a run that still writes may have the file open: no lock is asked for.
-        with h5py.File(path, "r", locking=False) as file:
-            yield file
-    except PermissionError as error:
-        raise CaseError("may not be read", where=where, remedy="ask for permission") from error
-    except (OSError, KeyError, ValueError, RuntimeError) as error:
-        raise CaseError(
-            "is no result file of clast, or is damaged",
-            where=where,
-            remedy="run the case again to make a new one",
-        ) from error
-
-
-def _check_ours(path: Path, file: Any) -> None:
-    if "VTKHDF" not in file or "model" not in file or "format" not in file["model"].attrs:
-        raise CaseError(
-            "is an HDF5 file, but no result file of clast",
-            where=str(path),
-            remedy="name a file that clast run has written",
-        )
-    written = int(file["model"].attrs["format"])
-    if written > FORMAT:
-        raise CaseError(
-            f"was written by a newer clast (layout {written}, this one knows {FORMAT})",
-            where=str(path),
-            remedy="update clast",
-        )

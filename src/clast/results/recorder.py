@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from clast.errors import ResultsLost, RunStopped
 from clast.interfaces import StepResult
 from clast.model import Model
 from clast.results.run import Report, Run
@@ -64,9 +65,9 @@ class RunRecorder:
         self._kept = KeptFrames(model) if output is None else None
         self._file = None
         if output is not None:
-            from clast.results.writing import ResultFile, check_output
+            from clast.results.writing import ResultFile
 
-            self._file = ResultFile(check_output(Path(output)), model, case_text)
+            self._file = ResultFile(Path(output), model, case_text)
 
     @property
     def state(self) -> State:
@@ -118,15 +119,27 @@ class RunRecorder:
         self._frame_times.append(state.time)
 
     def finish(self, report: Report) -> Run:
-        """Close the file with the last state and the report; return what was recorded."""
+        """Close the file with the last state and the report; return what was recorded.
+
+        Raises RunStopped, with what was recorded in its ``run``, where they cannot be written.
+        """
         last = self._result
-        if last is not None and last.state.time not in self._frame_times[-1:]:
-            self.frame(last.state, last.contacts, last.response)
-        if self._file is not None:
-            self._file.finish(report, self._tables())
+        try:
+            if last is not None and last.state.time not in self._frame_times[-1:]:
+                self.frame(last.state, last.contacts, last.response)
+            if self._file is not None:
+                self._file.finish(report, self._tables())
+        except ResultsLost as lost:
+            if report.finished:
+                outcome = f"stopped at t = {self.state.time:.6g} s: {lost}"
+                report = replace(report, finished=False, outcome=outcome)
+            raise RunStopped(f"the run {report.outcome}", self._run(report)) from lost
         if self._kept is not None and self._kept.left_out_from is not None:
             note = f"frames from t = {self._kept.left_out_from:.4g} s on found no room in memory"
             report = replace(report, notes=(*report.notes, f"{note}: name an output file"))
+        return self._run(report)
+
+    def _run(self, report: Report) -> Run:
         return Run(
             model=self._model,
             state=self.state,

@@ -123,6 +123,8 @@ class Run:
     """Time of each frame, s, shape (frames,)."""
     kept: KeptFrames | None = None
     """Frames in memory; None where they are in the file."""
+    ended_by: int = 0
+    """Number of the signal that ended the run early, 0 where none did."""
 
     @property
     def final(self) -> State:
