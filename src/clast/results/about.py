@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import re
 from typing import Any
 
@@ -21,7 +22,7 @@ def about_method(method: Method, step: float, end: float) -> dict[str, Any]:
     """Return how a run is simulated, ready for JSON; ``step`` and ``end`` in s."""
     parts = {name: _part(getattr(method, name)) for name in PARTS}
     numbers = {name: getattr(method, name) for name in NUMBERS}
-    return {**parts, "step": step, "end": end, **numbers}
+    return {**parts, "step": float(step), "end": float(end), **numbers}
 
 
 def about_model(model: Model) -> dict[str, Any]:
@@ -30,6 +31,37 @@ def about_model(model: Model) -> dict[str, Any]:
         "rocks": [dataclasses.asdict(rock) for rock in model.rocks],
         "joints": [dataclasses.asdict(joint) for joint in model.joint_table.joints],
     }
+
+
+def about_in(text: str) -> dict[str, Any]:
+    """Return what a file says of how it was made; raises ValueError where that makes no sense."""
+    about = json.loads(text)
+    known = isinstance(about, dict) and all(
+        isinstance(about.get(key, kind()), kind) for key, kind in SHAPES.items()
+    )
+    if not known or not all(_is_rock(rock) for rock in about.get("rocks", ())):
+        raise ValueError("/model/about does not say how the run was made")
+    parts = (about[key] for key in ("process", "contact_law") if key in about)
+    if not all(isinstance(part.get("name"), str) for part in parts):
+        raise ValueError("/model/about has a part without a name")
+    return dict(about)
+
+
+def _is_rock(rock: Any) -> bool:
+    """Return whether something says of a rock what tables show."""
+    if not isinstance(rock, dict) or not isinstance(rock.get("name"), str):
+        return False
+    return all(isinstance(rock.get(key), int | float) for key in ("young", "poisson", "density"))
+
+
+SHAPES: dict[str, type] = {
+    "process": dict,
+    "contact_law": dict,
+    "rocks": list,
+    "step": float,
+    "end": float,
+}
+"""What the entries are that others rely on."""
 
 
 def asked_most(about: dict[str, Any]) -> dict[str, Any]:
@@ -47,7 +79,7 @@ def asked_most(about: dict[str, Any]) -> dict[str, Any]:
 
 def texts(about: dict[str, Any]) -> dict[str, str]:
     """Return the same in words, as rows of a table; nothing where an older file does not say."""
-    if "process" not in about:
+    if not {"process", "contact_law", "step", "end", "rocks"} <= set(about):
         return {}
     rocks = (
         f"{rock['name']}: E = {rock['young']:.4g} Pa, nu = {rock['poisson']:g}, "
@@ -60,10 +92,15 @@ def texts(about: dict[str, Any]) -> dict[str, str]:
     return {
         "process": _numbers_text(about["process"]),
         "contact law": _numbers_text(about["contact_law"]),
-        "p": f"{about['contact_law'].get('normal_stiffness', float('nan')):.4g} N/m per m",
+        "p": f"{_number(about['contact_law'].get('normal_stiffness'))} N/m per m",
         "h": f"{about['step']:g} s, to {about['end']:g} s",
         "rocks": "\n".join((*rocks, *((more,) if more else ()))),
     }
+
+
+def _number(value: Any) -> str:
+    """Return a number as text, "?" for what is none."""
+    return f"{value:.4g}" if isinstance(value, int | float) else "?"
 
 
 def _numbers_text(part: dict[str, Any]) -> str:

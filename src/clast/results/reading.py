@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model import Bools, Floats, Ints
-from clast.results.about import asked_most
+from clast.results.about import about_in, asked_most
 from clast.results.columns import BlockHistory, Columns, FrameContacts, PointHistory
 from clast.results.journal import complete_journal
 from clast.results.layout import FORMAT, PLANE_VECTORS, history_path
@@ -179,7 +179,7 @@ def read_results(path: Path | str) -> Results:
             path=path,
             title=str(model.attrs["title"]),
             case_text=model["case"].asstr()[()],
-            about=json.loads(model["about"].asstr()[()]) if "about" in model else {},
+            about=about_in(model["about"].asstr()[()]) if "about" in model else {},
             versions={
                 key.removeprefix(prefix): str(number)
                 for key, number in model.attrs.items()
