@@ -204,7 +204,7 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
     """Say what a result file contains."""
     from clast.results import read_results, summary
 
-    content = summary(read_results(file))
+    content = summary(read_results(file, whole=sys.maxsize))
     if as_json:
         _print_json(content)
         return

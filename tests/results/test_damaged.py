@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import random
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -75,6 +77,35 @@ def test_what_is_not_read_is_not_checked_in_a_large_file(tmp_path: Path):
     with pytest.raises(CaseError, match="are not what was written"):
         _ = results.steps
     assert CliRunner().invoke(app, ["info", str(path)]).exit_code == 2
+
+
+KEPT = """
+import sys
+from clast.errors import CaseError
+from clast.results import read_results
+kept = []
+for path in sys.argv[1:]:
+    try:
+        read_results(path)
+    except CaseError as error:
+        error.itself = error  # a cycle: it lives until the end
+        kept.append(error)
+print(len(kept))
+"""
+
+
+def test_a_process_that_keeps_the_errors_ends_well(good: Path, tmp_path: Path):
+    """HDF5 would call Python, which is gone, for a file that an error has kept open."""
+    whole, paths = good.read_bytes(), []
+    for place in (0, 9, 30, 400, len(whole) // 2, len(whole) - 10):
+        spoiled = bytearray(whole)
+        spoiled[place] ^= 255
+        paths.append(tmp_path / f"{place}.vtkhdf")
+        paths[-1].write_bytes(spoiled)
+    done = subprocess.run(
+        [sys.executable, "-c", KEPT, *map(str, paths)], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout) == (0, f"{len(paths)}\n"), done.stderr
 
 
 def test_a_file_that_somebody_has_changed_is_refused(good: Path, tmp_path: Path):
