@@ -205,7 +205,7 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
     from clast.results import read_results, summary
     from clast.results.about import texts
 
-    results = read_results(file)
+    results = read_results(file, whole=sys.maxsize)
     content = summary(results)
     if as_json:
         _print_json(content)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import random
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,6 +20,7 @@ from typer.testing import CliRunner
 from clast.cli import app
 from clast.errors import CaseError
 from clast.results import opening, read_results, summary
+from clast.results.about import texts
 
 
 @pytest.fixture(scope="module")
@@ -75,6 +78,35 @@ def test_what_is_not_read_is_not_checked_in_a_large_file(tmp_path: Path):
     with pytest.raises(CaseError, match="are not what was written"):
         _ = results.steps
     assert CliRunner().invoke(app, ["info", str(path)]).exit_code == 2
+
+
+KEPT = """
+import sys
+from clast.errors import CaseError
+from clast.results import read_results
+kept = []
+for path in sys.argv[1:]:
+    try:
+        read_results(path)
+    except CaseError as error:
+        error.itself = error  # a cycle: it lives until the end
+        kept.append(error)
+print(len(kept))
+"""
+
+
+def test_a_process_that_keeps_the_errors_ends_well(good: Path, tmp_path: Path):
+    """HDF5 would call Python, which is gone, for a file that an error has kept open."""
+    whole, paths = good.read_bytes(), []
+    for place in (0, 9, 30, 400, len(whole) // 2, len(whole) - 10):
+        spoiled = bytearray(whole)
+        spoiled[place] ^= 255
+        paths.append(tmp_path / f"{place}.vtkhdf")
+        paths[-1].write_bytes(spoiled)
+    done = subprocess.run(
+        [sys.executable, "-c", KEPT, *map(str, paths)], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout) == (0, f"{len(paths)}\n"), done.stderr
 
 
 def test_a_file_that_somebody_has_changed_is_refused(good: Path, tmp_path: Path):
@@ -171,6 +203,10 @@ MADE_UP = {
     "energies in words": replaced("energy", np.zeros(21, [("time", "f8"), ("kinetic", "S4")])),
     "connected otherwise": cell("VTKHDF/Offsets", None, 1, 10**9),
     "other cells": cell("VTKHDF/Types", None, 0, 9),
+    **{
+        f"made as {text}": replaced("model/about", text)
+        for text in ("", "[]", "7", '{"process": 7}', '{"process": {}}', '{"rocks": [{}]}')
+    },
     "report of nothing": replaced("report/json", "[]"),
     "report that breaks off": replaced("report/json", '{"finished": true'),
     "report that is deep": replaced("report/json", "[" * 100_000),
@@ -203,8 +239,9 @@ def test_files_that_are_made_up(good: Path, tmp_path: Path, change: Callable[[An
 
 def test_a_file_of_the_first_layout_is_read(good: Path, tmp_path: Path):
     path = tmp_path / "out.vtkhdf"
-    crafted(good, path, lambda file: None)
+    crafted(good, path, lambda file: file.__delitem__("model/about"))
     everything(path)
+    assert texts(read_results(path).about) == {}
     np.testing.assert_array_equal(
         read_results(path).history("left/right").displacement,
         read_results(good).history("left/right").displacement,

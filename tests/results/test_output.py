@@ -196,6 +196,27 @@ def test_two_runs_from_the_command_line(tmp_path):
     assert read_results(path).report.finished
 
 
+@posix
+def test_a_process_that_is_forked_during_a_run_leaves_its_file_alone(tmp_path):
+    path, model = tmp_path / "out.vtkhdf", three_blocks()
+    recorder = RunRecorder(model, output=path)
+    recorder.start(moved(model, 0.0))
+    result = step_result(model, 0.1)
+    recorder.step(result, 0.1)
+    waiting, telling = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.read(waiting, 1)
+        recorder._file._storage.close()  # as its end may do
+        os._exit(0)
+    recorder.frame(result.state, result.contacts, result.response)
+    os.write(telling, b".")
+    assert os.waitpid(child, 0)[1] == 0
+    assert len(read_results(path).times) == 2
+    recorder.finish(report(result.state))
+    assert len(read_results(path).times) == 2
+
+
 # --- names of measured points --------------------------------------------------------------------
 
 

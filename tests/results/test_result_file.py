@@ -224,24 +224,6 @@ def test_summary_says_how_the_run_was_made(tmp_path: Path):
     assert texts({}) == {}
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["", "[]", "7", '{"process": 7}', '{"process": {}}', '{"rocks": [{}]}', '{"step": "1"}'],
-)
-def test_files_that_do_not_say_how_they_were_made_are_damaged(recorded: Recorded, text: str):
-    import h5py
-
-    path = recorded.run.output
-    with h5py.File(path, "r+") as file:
-        del file["model/about"]
-        file["model/about"] = text
-    with pytest.raises(CaseError, match="damaged"):
-        read_results(path)
-    with h5py.File(path, "r+") as file:
-        del file["model/about"]
-    assert texts(read_results(path).about) == {}  # as files of before
-
-
 def test_summary_is_json(recorded: Recorded):
     rows = summary(read_results(recorded.run.output))
     assert json.loads(json.dumps(rows)) == rows

@@ -65,6 +65,7 @@ class JournalledFile:
         self._applying = False
         self._sums: Sums = np.zeros(0, np.uint32)
         self._touched: set[int] = set()
+        self._process = os.getpid()
 
     # What h5py calls ---------------------------------------------------------------------------
 
@@ -138,17 +139,21 @@ class JournalledFile:
         self._applying = False
 
     def is_at(self, path: Path) -> bool:
-        """Return whether the file, if it is open, is the one at ``path``."""
+        """Return whether the file, if it is open and this process writes it, is at ``path``."""
         try:
-            return os.path.samestat(os.fstat(self._file.fileno()), path.stat())
+            return self._is_ours() and os.path.samestat(os.fstat(self._file.fileno()), path.stat())
         except (OSError, ValueError):
             return False
 
     def close(self) -> None:
         """Close the file as it was after the last commit."""
-        if not self._file.closed and not self._applying:
+        if not self._file.closed and not self._applying and self._is_ours():
             self._file.truncate(self._committed)
         self._file.close()
+
+    def _is_ours(self) -> bool:
+        """Return whether this process opened the file, and not the one that it was forked from."""
+        return os.getpid() == self._process
 
     def _renew_sums(self) -> None:
         """Make the checksums of all pages that were touched."""
@@ -181,7 +186,7 @@ class JournalledFile:
 
     def _appended(self, start: int, new: bytes) -> bool:
         """Write the bytes behind all that counts; False where they are not, or find no room."""
-        if self._applying or start < max(self._committed, self._changes_end):
+        if self._applying or not self._is_ours() or start < max(self._committed, self._changes_end):
             return False
         try:
             self._write_at(start, new)

@@ -59,7 +59,7 @@ def ask(path: Path, question: Callable[[Any], Answer], *, whole: int = 0) -> Ans
         raise CaseError(
             f"cannot be read: {reason}", where=str(path), remedy="name a result file of a run"
         ) from error
-    raise _as_case_error(failure, path) from failure
+    raise _as_case_error(failure, path) from _without_frames(failure)
 
 
 def is_result_file(path: Path) -> bool:
@@ -105,12 +105,16 @@ def _answer(path: Path, question: Callable[[Any], Answer], whole: int) -> Answer
                     raise MalformedError("its checksums are missing")
                 if sums_wanted and os.fstat(file.fileno()).st_size <= whole:
                     checked.check_all()
-                return question(content)
+                answer = question(content)
         except CaseError:
             raise
         except Exception as error:
-            # HDF5 puts an error of its own in the place of the one that it met
-            raise checked.damage or error from error
+            if not checked.damage:
+                raise
+            raise DamagedPageError(checked.damage) from error
+        if checked.damage:
+            raise DamagedPageError(checked.damage)
+        return answer
 
 
 def _checked(file: BinaryIO) -> CheckedFile:
@@ -119,6 +123,15 @@ def _checked(file: BinaryIO) -> CheckedFile:
     if journal is None:
         return CheckedFile(file, file.seek(0, os.SEEK_END))
     return CheckedFile(file, *journal)
+
+
+def _without_frames(error: Exception) -> Exception:
+    """Return an error that no longer holds the file: HDF5 must not keep it to the very end."""
+    one: BaseException | None = error
+    while one is not None:
+        one.__traceback__ = None
+        one = one.__cause__ or one.__context__
+    return error
 
 
 def _as_case_error(error: Exception, path: Path) -> CaseError:

@@ -77,9 +77,6 @@ def page_sum(read: Callable[[int, int], bytes], page: int, end: int) -> int:
 class DamagedPageError(Exception):
     """Bytes of a result file that are not what was written."""
 
-    def __init__(self, page: int) -> None:
-        super().__init__(f"bytes {page * PAGE} to {(page + 1) * PAGE - 1} are not what was written")
-
 
 class CheckedFile:
     """A file object for h5py to read from: the file with some pieces replaced, and checked.
@@ -94,7 +91,9 @@ class CheckedFile:
         self._sound: set[int] = set()
         self._end = size
         self.sums: Sums | None = None
-        self.damage: DamagedPageError | None = None
+        # What went wrong when something was read.  An error must not go through HDF5, nor be kept
+        # here: it knows all that has called this, and HDF5 would never let go of the file.
+        self.damage = ""
         end = int.from_bytes(self._content(END_PLACE, 8), "little")
         if 0 < end <= size:
             self.sums = unpacked(self._content(end, sums_length(end)), end)
@@ -118,11 +117,15 @@ class CheckedFile:
         return self._place
 
     def readinto(self, buffer: memoryview) -> int:
-        """Fill the buffer from the place on; raises DamagedPageError."""
+        """Fill the buffer from the place on, with zeros where the file is damaged."""
         view = memoryview(buffer).cast("B")
         count = max(0, min(len(view), self._end - self._place))
-        self._check(self._place, self._place + count)
-        view[:count] = self._content(self._place, count)
+        try:
+            self._check(self._place, self._place + count)
+            view[:count] = self._content(self._place, count)
+        except (DamagedPageError, OSError) as error:
+            self.damage = str(error)
+            view[:count] = bytes(count)
         self._place += count
         return count
 
@@ -148,8 +151,10 @@ class CheckedFile:
             return
         for page in set(range(first // PAGE, page_count(last))) - self._sound:
             if page_sum(self._content, page, self._end) != self.sums[page]:
-                self.damage = DamagedPageError(page)
-                raise self.damage
+                first = page * PAGE
+                raise DamagedPageError(
+                    f"bytes {first} to {first + PAGE - 1} are not what was written"
+                )
             self._sound.add(page)
 
     def _content(self, place: int, count: int) -> bytes:
