@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import re
 import textwrap
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,6 @@ import clast
 from clast import model_builder, script
 from clast.case import Case
 from clast.casefile.templates import INCLINE
-from clast.simulate import simulate
 
 ROOT = Path(__file__).parents[1]
 
@@ -82,8 +80,6 @@ def test_the_law_of_contributing_is_one(hardening):
 def test_the_law_of_contributing_slides_as_it_should(hardening, process, tolerance):
     """Incline of 45 degrees, friction 20: friction lags by a step but in the convex process."""
     case = Case.from_toml(INCLINE, [f"method.process={process}"])
-    model = case.model()
-    method = replace(case.method(model), contact_law=hardening())
-    run = simulate(model, method, case.schedule())
+    run = case.with_method(contact_law=hardening()).run()
     assert run.history("A").displacement[-1] == pytest.approx([1.558273, -1.558273], rel=tolerance)
     assert not [text for text in run.report.warnings if "contact law" in text]
