@@ -5,18 +5,26 @@
     run = clast.load("incline.toml").run()
     run.history("A").displacement[-1]
 
+Units are SI per metre of thickness, angles are degrees; stress and strain are tension-positive in
+the order xx, yy, xy; a gap below zero is penetration, a normal contact force above it compression.
+Whatever is wrong with a case or a model is raised as ClastError, which says where and what to do.
+
 Every public name has one import path, here; it is loaded when it is first used, so that the
 command line starts at once.
 """
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from clast import studies as studies
     from clast.case import Case as Case
     from clast.case import load as load
+    from clast.contact.law_check import check_law as check_law
     from clast.errors import CaseError as CaseError
     from clast.errors import ClastError as ClastError
     from clast.errors import ModelError as ModelError
@@ -30,10 +38,15 @@ if TYPE_CHECKING:
     from clast.model import PlaneStrain as PlaneStrain
     from clast.model import PlaneStress as PlaneStress
     from clast.model import Rock as Rock
-    from clast.model_builder import ModelBuilder as ModelBuilder
+    from clast.pictures.look import Look as Look
+    from clast.pictures.plot import plot_history as plot_history
+    from clast.pictures.plot import plot_results as plot_results
     from clast.results import Run as Run
     from clast.results import RunRecorder as RunRecorder
+    from clast.results import read as read
     from clast.results import read_results as read_results
+    from clast.script import ModelBuilder as ModelBuilder
+    from clast.script import simulate as simulate
     from clast.simulate import Schedule as Schedule
     from clast.state import State as State
 
@@ -42,6 +55,7 @@ if TYPE_CHECKING:
 HOME = {
     "Case": "clast.case",
     "load": "clast.case",
+    "check_law": "clast.contact.law_check",
     "CaseError": "clast.errors",
     "ClastError": "clast.errors",
     "ModelError": "clast.errors",
@@ -55,16 +69,24 @@ HOME = {
     "PlaneStrain": "clast.model",
     "PlaneStress": "clast.model",
     "Rock": "clast.model",
-    "ModelBuilder": "clast.model_builder",
+    "ModelBuilder": "clast.script",
+    "simulate": "clast.script",
+    "Look": "clast.pictures.look",
+    "plot_history": "clast.pictures.plot",
+    "plot_results": "clast.pictures.plot",
     "Run": "clast.results",
     "RunRecorder": "clast.results",
+    "read": "clast.results",
     "read_results": "clast.results",
     "Schedule": "clast.simulate",
     "State": "clast.state",
 }
 """Public name -> module that defines it."""
 
-__all__ = [*HOME, "__version__"]
+PARTS = ("studies",)
+"""Parts of the package that are asked for under their own names: ``clast.studies.compare``."""
+
+__all__ = [*HOME, *PARTS, "__version__"]
 
 
 def __getattr__(name: str) -> Any:
@@ -78,10 +100,23 @@ def __getattr__(name: str) -> Any:
             found = "0+uninstalled"
     elif name in HOME:
         found = getattr(import_module(HOME[name]), name)
+    elif name in PARTS:
+        found = import_module(f"clast.{name}")
     else:
         raise AttributeError(f"module 'clast' has no attribute '{name}'")
     globals()[name] = found
     return found
+
+
+class _Package(ModuleType):
+    """The package: ``clast.simulate`` stays the function when the module of that name is loaded."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (name == "simulate" and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
 
 
 def __dir__() -> list[str]:

@@ -29,7 +29,8 @@ from pydantic import (
 
 from clast import spelling
 from clast.casefile import text as case_text
-from clast.casefile.choices import Alternatives, Choice, Chosen, Number
+from clast.casefile import writing as case_writing
+from clast.casefile.choices import Alternatives, Choice, Chosen, Given, Number
 from clast.casefile.faults import Fault, case_error, faults_of, refusal
 from clast.casefile.meanings import explain
 from clast.casefile.record import read_record
@@ -111,6 +112,16 @@ ALTERNATIVES = Alternatives(
         "restitution": Field(ge=0.0, le=1.0),
     },
     automatic=frozenset({"normal_stiffness"}),
+    needs={
+        "process": ("step", "advice", "stiffness"),
+        "friction": ("enter",),
+        "contact_law": ("respond", "normal_stiffness"),
+        "multipliers": ("first", "carries"),
+        "corner_rule": ("choose",),
+        "rotation": ("angle", "gradient"),
+        "integrator": ("theta",),
+        "solver": ("factor",),
+    },
 )
 """Every key that offers a choice.  A class's own numbers are read from its dataclass."""
 
@@ -393,10 +404,14 @@ class MethodTable(Table):
     fixed_point_stiffness: Positive | None = None
     """Springs of fixed points, N/m per m; 100 times the stiffer of contact and rock if absent."""
 
-    def chosen(self, key: str) -> Chosen:
+    def chosen(self, key: str) -> Chosen | Given:
         """Return the choice of a key."""
         value = getattr(self, key)
-        return value if isinstance(value, Chosen) else Choice(key, ALTERNATIVES).validate(value)
+        return (
+            value
+            if isinstance(value, Chosen | Given)
+            else Choice(key, ALTERNATIVES).validate(value)
+        )
 
     def build(self, key: str, **provided: Any) -> Any:
         """Return the object that a key chooses."""
@@ -518,13 +533,13 @@ class Case(Table):
             tables = {setting.replace("=", ".").split(".")[0].strip() for setting in settings}
             if tables & SYSTEM and "reference" not in tables:
                 content.pop("reference", None)
-        case = cls._validated(content, file)
+        case = cls.validated(content, file)
         case._text = None if settings else text
         return case
 
     @classmethod
-    def _validated(cls, content: dict[str, Any], file: str) -> Case:
-        """Return the case with a content; its faults become one CaseError."""
+    def validated(cls, content: dict[str, Any], file: str) -> Case:
+        """Return the case with a content from ``file``; its faults become one CaseError."""
         try:
             case = cls.model_validate(content)
         except ValidationError as error:
@@ -534,13 +549,14 @@ class Case(Table):
         return case
 
     def with_method(self, **choices: Any) -> Case:
-        """Return the case with other choices in [method]: names, or tables with their numbers.
+        """Return the case with other choices in [method]: names, tables with numbers, objects.
 
-        ``case.with_method(process="convex", contact_law={"name": "penalty"})``
+        ``case.with_method(process="convex", contact_law={"name": "penalty"})``.  An object of a
+        script, ``contact_law=MyLaw()``, may be in the place of a name; only a file cannot hold it.
         """
         content = self.model_dump(by_alias=True, exclude_unset=True)
         content["method"] = {**content.get("method", {}), **choices}
-        return self._validated(content, self._file)
+        return self.validated(content, self._file)
 
     @property
     def name(self) -> str:
@@ -549,12 +565,20 @@ class Case(Table):
 
     @property
     def text(self) -> str:
-        """The case as a TOML text: the file's own, or written anew where values were set."""
-        return self.to_toml() if self._text is None else self._text
+        """The case as a TOML text: the file's own, or written anew; objects appear as texts."""
+        return self._written(repr) if self._text is None else self._text
 
     def to_toml(self) -> str:
-        """Return the case as a TOML text, with what differs from the defaults."""
+        """Return the case as a TOML text, with what differs from the defaults.
+
+        Raises CaseError where the case holds an object of a script.
+        """
+        return self._written(case_writing.refuse_object)
+
+    def _written(self, instead: Callable[[Any], str]) -> str:
         content = self.model_dump(by_alias=True, exclude_unset=True)
+        method = case_writing.without_objects(content.get("method", {}), instead)
+        content = {**content, "method": method} if method else content
         return case_text.to_toml({"schema": 1, **content})
 
     def model(self) -> Model:
@@ -656,6 +680,17 @@ class Case(Table):
             return simulate(
                 model, method, schedule, recorder=recorder, watch=watch, warnings=warnings
             )
+
+    def __repr__(self) -> str:
+        numbered = len(self.geometry.blocks) if self.geometry else 0
+        chosen = self.method_.chosen
+        return (
+            f"Case('{self.title or self.name}', {numbered + len(self.block)} blocks, "
+            f"{chosen('process').name} with {chosen('contact_law').name}, "
+            f"step {self.time.step:g} s to {self.time.end:g} s)"
+        )
+
+    __str__ = __repr__
 
 
 def load(path: str | Path) -> Case:

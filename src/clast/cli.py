@@ -1,7 +1,7 @@
 """The command line: the only place that prints.
 
 Exit codes: 0 done, 1 a verification failed, 2 bad input, 3 a run that could not go on (its
-partial results are kept), 130 interrupted.
+partial results are kept), 130 interrupted, 143 and 129 ended by SIGTERM and SIGHUP.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import gc
 import json
 import math
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -22,6 +23,8 @@ import typer
 from typer.core import TyperGroup
 
 from clast.errors import CaseError, ClastError, RunStopped
+from clast.interrupts import heard
+from clast.spelling import shortened, visible
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -35,12 +38,13 @@ if TYPE_CHECKING:
 MISSED = 1
 BAD_INPUT = 2
 STOPPED = 3
-INTERRUPTED = 130
+USAGE_ERROR: Any = typer.BadParameter.__base__
+"""What the parser of the command line raises."""
+SIGNALLED = 128
+"""What systems add to the number of the signal that ended a program: 130 for the interrupt key."""
 
 PIPE_WIDTH = 160
 """Width of tables where there is no terminal, characters."""
-HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-"""First bytes of a result file."""
 
 
 class Commands(TyperGroup):
@@ -56,6 +60,9 @@ class Commands(TyperGroup):
         except ClastError as error:
             _say(f"error: {error}")
             raise typer.Exit(BAD_INPUT) from None
+        except USAGE_ERROR as error:
+            error.message = visible(shortened(error.message))
+            raise
         except BrokenPipeError:
             raise
         except OSError as error:
@@ -68,7 +75,7 @@ class Commands(TyperGroup):
             ):
                 raise
             _say("interrupted")
-            raise typer.Exit(INTERRUPTED) from None
+            raise typer.Exit(_interrupted_by(error)) from None
 
 
 app = typer.Typer(
@@ -148,12 +155,16 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Simulate a case and write its result file."""
+    with heard():
+        _run(case, output or Path(f"{case.stem}.vtkhdf"), settings or (), as_json, quiet)
+
+
+def _run(case: Path, target: Path, settings: Sequence[str], as_json: bool, quiet: bool) -> None:
+    """Simulate a case; print how it went."""
     from clast.case import Case
     from clast.studies import deviations
 
-    loaded = Case.from_toml(case, settings or ())
-    target = output or Path(f"{case.stem}.vtkhdf")
-    _check_target(target)
+    loaded = Case.from_toml(case, settings)
     try:
         done = loaded.run(progress=not quiet, output=target)
     except RunStopped as stopped:
@@ -166,7 +177,7 @@ def run(
     _print_run(done, deviations(loaded, done), as_json=as_json, quiet=quiet)
     if not done.report.finished:
         _say(f"{done.report.outcome}; the results until then are in {target}")
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(SIGNALLED + done.ended_by)
 
 
 @app.command()
@@ -192,23 +203,29 @@ def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) ->
 def info(file: ResultFile, as_json: AsJson = False) -> None:
     """Say what a result file contains."""
     from clast.results import read_results, summary
+    from clast.results.about import texts
 
-    content = summary(read_results(file))
+    results = read_results(file, whole=sys.maxsize)
+    content = summary(results)
     if as_json:
         _print_json(content)
         return
     first, last = content["time"]
+    warnings = results.report.warnings if results.report else ()
     rows = {
         "outcome": content["outcome"],
         "frames": f"{content['frames']}, from {first:.6g} to {last:.6g} s",
         "blocks": f"{content['blocks']} ({content['fixed_blocks']} fixed)",
         "vertices": f"{content['vertices']}",
         "rocks": ", ".join(content["rocks"]),
+        **texts(results.about),
         "largest displacement": f"{content['largest_displacement']:.6g} m",
         "contacts at the end": f"{content['contacts']}",
         "fields": ", ".join(content["fields"]),
         "size": f"{content['size_bytes'] / 1e6:.3g} MB",
-        "versions": ", ".join(f"{k} {v}" for k, v in content["versions"].items()),
+        **({"warnings": "\n".join(warnings)} if warnings else {}),
+        "version": content["version"],
+        "made with": ", ".join(f"{k} {v}" for k, v in content["versions"].items() if k != "clast"),
     }
     _print_table(_two_columns(content["title"], rows))
     _print_points(content["measured_points"])
@@ -224,14 +241,30 @@ def plot(
     frame: Annotated[int, typer.Option(help="Number of the frame, from 0; -1 is the last.")] = -1,
     field: Annotated[str, typer.Option(help="What colours the blocks.")] = "displacement",
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
+    limits: Annotated[
+        str,
+        typer.Option(metavar="LOW,HIGH", help="Ends of the colours, in m, m/s, degrees or Pa."),
+    ] = "",
+    zoom: Annotated[str, typer.Option(metavar="X0,Y0,X1,Y1", help="Draw this part alone, m.")] = "",
+    size: Annotated[
+        str, typer.Option(metavar="W[,H]", help="Width and height of the picture, cm.")
+    ] = "",
+    dpi: Annotated[int | None, typer.Option(metavar="N", help="Dots per inch.")] = None,
 ) -> None:
     """Draw a frame of a result file."""
-    from clast.pictures.plot import plot_results
+    from clast.pictures.plot import Look, plot_results
     from clast.results import read_results
 
+    look = Look(
+        limits=_numbers("--limits", limits, 2),
+        zoom=_numbers("--zoom", zoom, 4),
+        size=_numbers("--size", size, 1, 2),
+        dpi=dpi,
+    )
     target = output or file.with_suffix(".png")
-    plot_results(read_results(file), target, frame=frame, field=field, contacts=contacts)
-    typer.echo(f"picture: {target}")
+    results = read_results(file)
+    plot_results(results, target, frame=frame, field=field, contacts=contacts, look=look)
+    _tell(f"picture: {target}")
 
 
 @app.command()
@@ -253,7 +286,7 @@ def new(
     if path.exists():
         raise CaseError("exists already", where=str(path), remedy="choose another name")
     path.write_text(TEMPLATES[template](), encoding="utf-8")
-    typer.echo(f"wrote {path}; next: clast run {path}")
+    _tell(f"wrote {path}; next: clast run {path}")
 
 
 @app.command()
@@ -287,6 +320,8 @@ def verify(
     choose = verification.narrowed(
         verification.quick if quick else verification.every, _words(process), _words(law)
     )
+    if report:
+        _make_folder(report)
     with _status() as say:
         findings = verification.examine(
             problems or (),
@@ -340,7 +375,7 @@ def compare(
     processes, laws = _words(process), _words(law)
     studies.combinations(processes, laws)
     folder = output or Path("build") / f"compare-{loaded.name}"
-    folder.mkdir(parents=True, exist_ok=True)
+    _make_folder(folder)
     with _status() as say:
         comparison = studies.compare(
             loaded, processes, laws, watch=lambda one, at: say(f"{one}: {at.time:.4g} s")
@@ -350,7 +385,7 @@ def compare(
         _print_json({**comparison.as_dict(), "files": [str(path) for path in written]})
     elif not quiet:
         _print_table(_comparison_table(comparison))
-        typer.echo(f"page: {written[0]}")
+        _tell(f"page: {written[0]}")
 
 
 @app.command()
@@ -454,21 +489,10 @@ blocks that go first because they are the worst of many.  With WARMUPS they reac
 processes and solvers."""
 
 
-def _check_target(path: Path) -> None:
-    """Refuse an output that cannot be written or is something else than an old result file."""
-    from clast.results.writing import check_output
-
-    check_output(path)
-    if not path.exists():
-        return
-    with path.open("rb") as file:
-        is_result = file.read(8) in (HDF5_SIGNATURE, b"")
-    if not is_result:
-        raise CaseError(
-            "exists and is no result file; it is not written over",
-            where=str(path),
-            remedy="choose another name for the results with -o",
-        )
+def _interrupted_by(error: BaseException) -> int:
+    """Return the exit code of a program that a signal, SIGINT if no other, has ended."""
+    key = error.__cause__ if isinstance(error, SystemError) else error
+    return SIGNALLED + int(getattr(key, "number", signal.SIGINT))
 
 
 def _print_run(run: Run, deviations: Sequence[Deviation], *, as_json: bool, quiet: bool) -> None:
@@ -483,8 +507,8 @@ def _print_run(run: Run, deviations: Sequence[Deviation], *, as_json: bool, quie
         _print_points(points)
         for one in deviations:
             source = f" ({one.source})" if one.source else ""
-            typer.echo(f"error of {one.point} at t = {one.time:g} s: {one.as_text()}{source}")
-        typer.echo(f"results: {run.output}")
+            _tell(f"error of {one.point} at t = {one.time:g} s: {one.as_text()}{source}")
+        _tell(f"results: {run.output}")
 
 
 def _last_of(run: Run, name: str) -> dict[str, Any]:
@@ -646,7 +670,7 @@ def _print_benchmark(measured: Benchmark) -> None:
     memory = [table.memory_cells(measured, row) for row in rows]
     _print_table(_plain_table(table.MEMORY_HEADINGS, memory, title="memory"))
     for remark in table.remarks(measured):
-        typer.echo(remark)
+        _tell(remark)
 
 
 def _plain_table(
@@ -661,6 +685,37 @@ def _plain_table(
     for row in rows:
         table.add_row(*row)
     return table
+
+
+def _numbers(option: str, listed: str, *counts: int) -> Any:
+    """Return the numbers of a list separated by commas, None for none; ``counts`` are allowed."""
+    if not listed:
+        return None
+    try:
+        numbers = tuple(float(word) for word in listed.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) not in counts:
+        many = " or ".join(map(str, counts))
+        raise CaseError(
+            f"'{listed[:40]}' are not {many} numbers",
+            where=option,
+            remedy=f"write them with commas and without spaces, e.g. {option} "
+            + ",".join(str(number) for number in range(counts[-1])),
+        )
+    return numbers
+
+
+def _make_folder(folder: Path) -> None:
+    """Make a folder to write pages into, or raise CaseError where something else is there."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise CaseError(
+            "is not a folder, or lies in something that is none",
+            where=str(folder),
+            remedy="name a folder for the pages; it is made if it does not exist",
+        ) from None
 
 
 def _words(listed: str) -> list[str]:
@@ -680,7 +735,12 @@ def _two_columns(title: str, rows: dict[str, str]) -> Table:
 
 def _print_table(table: Table) -> None:
     from rich.console import Console
+    from rich.text import Text
 
+    cells = (cell for column in table.columns for cell in column.cells)
+    for text in (table.title, table.caption, *cells):
+        if isinstance(text, Text):
+            text.plain = visible(text.plain)
     # a pipe or a file has no width of its own
     width = None if sys.stdout.isatty() else PIPE_WIDTH
     Console(width=width).print(table)
@@ -705,7 +765,7 @@ def _print_json(content: Any) -> None:
 
 
 def _json(content: Any) -> str:
-    return json.dumps(_plain(content), indent=2, ensure_ascii=False)
+    return visible(json.dumps(_plain(content), indent=2, ensure_ascii=False))
 
 
 def _plain(value: Any) -> Any:
@@ -728,7 +788,12 @@ def _print_warnings(warnings: Iterable[str]) -> None:
 
 def _say(message: str) -> None:
     """Print a message for the user on stderr."""
-    typer.echo(message, err=True)
+    typer.echo(visible(shortened(message)), err=True)
+
+
+def _tell(message: str) -> None:
+    """Print what was asked for on stdout."""
+    typer.echo(visible(message))
 
 
 def main() -> None:

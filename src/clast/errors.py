@@ -30,6 +30,10 @@ class ModelError(CaseError):
     """A system of blocks that cannot be simulated: bad polygons, materials, supports or loads."""
 
 
+class ResultsLost(CaseError):
+    """A result file that cannot be written any further: what was written before is kept."""
+
+
 class StepOutcome(Enum):
     """How a step ended; the value is the text that a user reads, with advice."""
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Accelerogram:
     """Acceleration of the ground over time, linear between instants."""
 
@@ -40,6 +40,10 @@ class Accelerogram:
         displacement = np.zeros(self.acceleration.shape)
         displacement[1:] = np.cumsum(way, axis=0)
         return velocity, displacement
+
+    def __repr__(self) -> str:
+        most = np.hypot(*self.acceleration.T).max(initial=0.0)
+        return f"Accelerogram({len(self.time)} instants, at most {most:.3g} m/s2)"
 
     def velocity(self, time: float) -> Floats:
         """Return the velocity (x, y) of the ground, m/s, shape (2,)."""

@@ -1,6 +1,6 @@
-"""The interrupt key, held back until a step is done.
+"""Signals that ask a run to end, held back until a step is done.
 
-In the middle of a step it would hit a kernel that is being loaded, or a frame half written.
+In the middle of a step they would hit a kernel that is being loaded, or a frame half written.
 """
 
 from __future__ import annotations
@@ -9,33 +9,81 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import FrameType
+from typing import NoReturn
+
+NAMES = ("SIGINT", "SIGTERM", "SIGHUP")
+ASKING = tuple(getattr(signal, name) for name in NAMES if hasattr(signal, name))
+"""The interrupt key, what systems send before they kill, and the end of the terminal."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """A signal that asks to end."""
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        super().__init__(signal.Signals(number).name)
+
+
+def interrupt(number: int, _frame: FrameType | None) -> NoReturn:
+    """Raise Interrupted."""
+    raise Interrupted(number)
+
+
+@contextmanager
+def heard() -> Iterator[None]:
+    """Let signals that would end the process at once raise Interrupted in the block.
+
+    What is ignored, as nohup asks for, or has a handler of somebody else stays as it is.
+    """
+    with _handled(interrupt, _is_usual):
+        yield
 
 
 @contextmanager
 def held_back() -> Iterator[Callable[[], None]]:
-    """Hold back KeyboardInterrupt in the block; yield what raises it if the key was pressed.
+    """Hold back what asks to end in the block; yield what raises Interrupted if something did.
 
-    The key pressed a second time is not held back.  Where somebody else handles it, or outside the
-    main thread, nothing changes.
+    The second signal is not held back.  Where somebody else handles it, or outside the main
+    thread, nothing changes.  A signal that would have ended the process, and was not
+    :func:`heard`, ends it after the block.
     """
-    pressed = 0
+    came: list[int] = []
 
-    def hold(_number: int, _frame: object) -> None:
-        nonlocal pressed
-        pressed += 1
-        if pressed > 1:
-            raise KeyboardInterrupt
+    def hold(number: int, _frame: FrameType | None) -> None:
+        came.append(number)
+        if len(came) > 1:
+            raise Interrupted(number)
 
     def let_go() -> None:
-        if pressed:
-            raise KeyboardInterrupt
+        if came:
+            raise Interrupted(came[0])
 
+    with _handled(hold, lambda number: _is_usual(number) or _is_heard(number)) as before:
+        yield let_go
+    if came and before[came[0]] is signal.SIG_DFL:
+        signal.raise_signal(came[0])
+
+
+@contextmanager
+def _handled(
+    handler: Callable[[int, FrameType | None], None], wanted: Callable[[int], bool]
+) -> Iterator[dict[int, object]]:
+    """Give those signals that are ``wanted`` another handler in the block; yield the old ones."""
     ours = threading.current_thread() is threading.main_thread()
-    if not ours or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield let_go
-        return
-    signal.signal(signal.SIGINT, hold)
+    before = {n: signal.getsignal(n) for n in ASKING if ours and wanted(n)}
+    for number in before:
+        signal.signal(number, handler)
     try:
-        yield let_go
+        yield dict(before)
     finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        for number, usual in before.items():
+            signal.signal(number, usual)
+
+
+def _is_usual(number: int) -> bool:
+    return signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler)
+
+
+def _is_heard(number: int) -> bool:
+    return signal.getsignal(number) is interrupt

@@ -151,7 +151,7 @@ class JointTable:
     """Joint index of each such pair, shape (k,)."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Model:
     """A system of blocks with its materials, supports and loads."""
 
@@ -259,3 +259,10 @@ class Model:
         """Return the start outline of one block in user coordinates, m, shape (k, 2)."""
         rows = slice(self.block_start[block], self.block_start[block + 1])
         return self.vertices[rows] + self.origin
+
+    def __repr__(self) -> str:
+        return (
+            f"Model('{self.title}', {self.block_count} blocks ({int(self.fixed.sum())} fixed), "
+            f"{len(self.vertices)} vertices; rocks: {', '.join(r.name for r in self.rocks[:4])}; "
+            f"joints: {', '.join(joint.name for joint in self.joint_table.joints[:4])})"
+        )

@@ -1,5 +1,7 @@
 """From blocks, rocks, joints, supports and loads in a script (or a case file) to a Model.
 
+    from clast import ModelBuilder
+
     builder = ModelBuilder(title="Block on an incline")
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=20.0)
@@ -203,24 +205,30 @@ class ModelBuilder:
         return entry.names
 
     def fixed_point(self, at: Vector, block: str | None = None) -> None:
-        """Hold a point (x, y) of a block in place with a stiff spring."""
+        """Hold a point (x, y), m, of a block in place with a stiff spring."""
         label = f"fixed point {len(self._fixed_points) + 1}"
         self._fixed_points.append(_Place(label, at, block))
 
     def point_load(self, at: Vector, force: Vector, block: str | None = None) -> None:
-        """Apply a constant force (x, y), N per metre of thickness, at a point of a block."""
+        """Apply a constant force (x, y), N per metre of thickness, at a point, m, of a block."""
         label = f"point load {len(self._point_loads) + 1}"
         self._point_loads.append(_Place(label, at, block, load=force))
 
     def line_load(
         self, start: Vector, end: Vector, traction: Vector, block: str | None = None
     ) -> None:
-        """Apply a constant traction (x, y), N/m per metre of thickness, along a line of a block."""
+        """Apply a constant traction (x, y), N/m per metre of thickness, along a line of a block.
+
+        ``start`` and ``end`` (x, y) in m.
+        """
         label = f"line load {len(self._line_loads) + 1}"
         self._line_loads.append(_Place(label, start, block, end=end, load=traction))
 
     def measured_point(self, name: str, at: Vector, block: str | None = None) -> None:
-        """Record displacement, velocity and rotation of a point of a block, every step."""
+        """Record displacement, velocity and rotation of a point (x, y), m, of a block, every step.
+
+        ``block`` names the block of a point; it may be left out where only one is there.
+        """
         self._measured_names.append(name)
         self._measured_points.append(_Place(f"measured point '{name}'", at, block))
 

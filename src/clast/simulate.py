@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
-from clast.errors import RunStopped, StepOutcome, StepRejected
+from clast.contact import law_check
+from clast.contact.arrays import Contacts
+from clast.errors import ResultsLost, RunStopped, StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
 from clast.interrupts import held_back
 from clast.kernels.threads import threads_worth
 from clast.model import Model
 from clast.results import Report, Run, RunRecorder
+from clast.results.about import about_method
 from clast.state import Ledger, State, initial_state
 from clast.stepping import energy
 
@@ -66,9 +70,12 @@ class _Tally:
     penetration: float = 0.0
     seconds: dict[str, float] = field(default_factory=dict)
     counts: dict[str, int] = field(default_factory=dict)
+    touching: Contacts | None = None
+    """Contacts of the last step that had any."""
 
     def add(self, result: StepResult) -> None:
         self.steps += 1
+        self.touching = result.contacts if len(result.contacts) else self.touching
         self.passes += result.passes
         self.contacts = max(self.contacts, len(result.contacts))
         self.penetration = max(self.penetration, result.penetration)
@@ -106,8 +113,10 @@ def simulate(
     """Simulate a model from rest (or its initial velocities) to the end of the schedule.
 
     Raises RunStopped, with the partial results in its ``run``, where even the smallest step is
-    rejected.  KeyboardInterrupt ends the run early, with its results kept.  ``warnings`` are put
-    into the report beside what the process itself has to say.
+    rejected or a frame cannot be written.  The interrupt key, SIGTERM and SIGHUP end the run early,
+    with its results kept; the latter two then end the process.  ``warnings`` are put into the
+    report beside what the process itself has to say; a contact law of one's own is tried on the
+    run's contacts (see :func:`clast.check_law`), and its faults are warnings too.
     """
     recorder = recorder or RunRecorder(model)
     tally = _Tally()
@@ -116,24 +125,34 @@ def simulate(
     state = replace(state, ledger=energy.opening(model, method, state))
     advice = method.process.advice(model, method, state, schedule.step)
     warnings = tuple(dict.fromkeys((*warnings, *advice)))
-    recorder.start(state)
+    recorder.start(state, about_method(method, schedule.step, schedule.end))
     failure = ""
     outcome = "the run reached its end"
-    try:
-        with held_back() as let_go, threads_worth(model.block_count):
-            state = _march(model, method, schedule, state, recorder, watch, tally, let_go)
-    except StepRejected as rejected:
-        failure = str(rejected)
-        outcome = f"stopped at t = {recorder.state.time:.6g} s: {failure}"
-    except KeyboardInterrupt:
-        outcome = f"interrupted at t = {recorder.state.time:.6g} s"
-    state = recorder.state
-    finished = outcome == "the run reached its end"
-    report = tally.report(state.ledger, perf_counter() - start, outcome, finished)
-    run = recorder.finish(replace(report, warnings=warnings, notes=method.notes))
+    ended_by = 0
+    with held_back() as let_go, threads_worth(model.block_count):
+        try:
+            _march(model, method, schedule, state, recorder, watch, tally, let_go)
+        except (StepRejected, ResultsLost) as gave_up:
+            failure = str(gave_up)
+            outcome = f"stopped at t = {recorder.state.time:.6g} s: {failure}"
+        except KeyboardInterrupt as asked:
+            ended_by = getattr(asked, "number", signal.SIGINT)
+            outcome = f"interrupted{_by(ended_by)} at t = {recorder.state.time:.6g} s"
+        state = recorder.state
+        finished = not failure and not ended_by
+        report = tally.report(state.ledger, perf_counter() - start, outcome, finished)
+        if tally.touching is not None:
+            warnings += law_check.warnings_of(method.contact_law, tally.touching)
+        run = recorder.finish(replace(report, warnings=warnings, notes=method.notes))
+        run = replace(run, ended_by=ended_by)
     if failure:
         raise RunStopped(f"the run {outcome}", run)
     return run
+
+
+def _by(number: int) -> str:
+    """Return which signal interrupted a run, where it was not the key."""
+    return "" if number == signal.SIGINT else f" by {signal.Signals(number).name}"
 
 
 def _march(

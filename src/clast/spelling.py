@@ -1,12 +1,21 @@
-"""The nearest valid word to one that nobody knows."""
+"""The nearest valid word to one that nobody knows, and how a terminal is shown foreign words."""
 
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 
 LISTED = 20
 """Longest list of known words that a message spells out."""
+
+UNSEEN = re.compile(
+    r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
+)
+"""Characters that command a terminal instead of being shown, or that it cannot show."""
+LONG_WORD = re.compile(r"(\S{120})\S{181,}(\S{60})")
+"""A word that nobody reads: its beginning and its end are kept."""
+LONG_LINE = re.compile(r"^(.{1500}).{501,}(.{300})$", re.MULTILINE)
 
 
 def nearest(word: str, known: Iterable[str]) -> str | None:
@@ -27,3 +36,13 @@ def advice(word: str, known: Iterable[str], *, kind: str) -> str:
     if len(words) <= LISTED:
         return f"the {kind}s are: " + ", ".join(words)
     return f"there are {len(words)} {kind}s, from '{words[0]}' to '{words[-1]}'"
+
+
+def visible(text: str) -> str:
+    """Return a text in which what would command a terminal is written out, as JSON does."""
+    return UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def shortened(text: str) -> str:
+    """Return a message without the middle of words and lines that are far too long."""
+    return LONG_LINE.sub(r"\1 ... \2", LONG_WORD.sub(r"\1...\2", text))

@@ -21,7 +21,7 @@ def _no_bools() -> Bools:
     return np.zeros(0, np.bool_)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class ContactMemory:
     """What a contact carries from step to step, keyed by (vertex, block of the edge).
 
@@ -50,6 +50,9 @@ class ContactMemory:
 
     def __len__(self) -> int:
         return len(self.vertex)
+
+    def __repr__(self) -> str:
+        return f"ContactMemory({len(self)} contacts)"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,7 +89,7 @@ class Ledger:
         return self.kinetic + self.elastic + self.gravity + self.contact + self.fixed_points
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class State:
     """One instant of a run."""
 
@@ -106,6 +109,13 @@ class State:
     """Contact memory."""
     ledger: Ledger
     """Energy ledger."""
+
+    def __repr__(self) -> str:
+        speed = np.hypot(*self.velocity[:, :2].T).max(initial=0.0)
+        return (
+            f"State(t = {self.time:.6g} s, {len(self.rotation)} blocks at up to {speed:.3g} m/s, "
+            f"{len(self.memory)} contacts)"
+        )
 
 
 def initial_state(model: Model) -> State:

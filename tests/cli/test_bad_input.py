@@ -12,8 +12,9 @@ import pytest
 from typer.testing import CliRunner
 
 from clast.casefile.templates import INCLINE
-from clast.cli import HDF5_SIGNATURE, app
+from clast.cli import app
 
+HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 OLD_RESULT = HDF5_SIGNATURE + b"an older result"
 
 

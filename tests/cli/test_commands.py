@@ -192,7 +192,29 @@ def test_plot(incline):
     assert Path("speed.png").stat().st_size > 1000
 
 
-@pytest.mark.parametrize(("option", "value"), [("--field", "displacment"), ("--frame", "77")])
+def test_plot_as_wished(incline):
+    matplotlib = pytest.importorskip("matplotlib.image")
+    good("run", incline, *SHORT)
+    wishes = ("--size", "16,12", "--dpi", "127", "--limits=-1e-3,2e-3", "--zoom", "0,5,5,10")
+    good("plot", "incline.vtkhdf", "-o", "part.png", *wishes)
+    assert matplotlib.imread("part.png").shape[:2] == (600, 800)
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--field", "displacment"),
+        ("--frame", "77"),
+        ("--limits", "1"),
+        ("--limits", "2,1"),
+        ("--limits", "nan,1"),
+        ("--zoom", "1,2,3"),
+        ("--zoom", "50,50,60,60"),
+        ("--size", "wide"),
+        ("--size", "16,12,3"),
+        ("--dpi", "3"),
+    ],
+)
 def test_plot_of_what_is_not_there(incline, option, value):
     good("run", incline, *SHORT)
     result = clast_command("plot", "incline.vtkhdf", option, value)
@@ -325,7 +347,8 @@ def test_status_line():
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends a signal")
-def test_the_interrupt_key(incline):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signals_end_a_run_and_keep_its_results(incline, number):
     command = [sys.executable, "-m", "clast", "run", str(incline), "--set", "time.end=1e3"]
     process = subprocess.Popen(
         command,
@@ -333,17 +356,19 @@ def test_the_interrupt_key(incline):
         stderr=subprocess.PIPE,
         text=True,
         # tests that run in the background may have been told to ignore it, and hand that on
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        preexec_fn=lambda: signal.signal(number, signal.SIG_DFL),
     )
     deadline = time.monotonic() + 60.0
     while not Path("incline.vtkhdf").exists() and time.monotonic() < deadline:
-        time.sleep(0.1)
-    time.sleep(0.5)
-    process.send_signal(2)
+        time.sleep(0.05)
+    time.sleep(0.2)
+    process.send_signal(number)
     _, said = process.communicate(timeout=60)
-    assert process.returncode == 130, said
+    assert process.returncode == 128 + number, said
     assert "interrupted" in said
-    assert len(read_results("incline.vtkhdf").times) > 0
+    results = read_results("incline.vtkhdf")
+    assert results.report.outcome in said
+    assert results.times[-1] == results.steps["time"][-1] > 0.0
 
 
 def test_threads_are_asked_for_and_change_nothing(incline, tmp_path):

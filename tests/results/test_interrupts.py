@@ -1,11 +1,14 @@
 """The interrupt key waits for the end of a step; pressed twice it does not."""
 
 import signal
+import subprocess
+import sys
 import threading
 
 import pytest
 
-from clast.interrupts import held_back
+from clast.interrupts import heard, held_back
+from clast.results import read_results
 from clast.simulate import Schedule, simulate
 from systems import box, by_convex, system
 
@@ -66,6 +69,45 @@ def test_outside_the_main_thread_nothing_changes():
     thread.start()
     thread.join()
     assert ended == [signal.default_int_handler]
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="needs POSIX signals")
+def test_what_is_ignored_stays_ignored():
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with heard(), held_back() as let_go:
+            signal.raise_signal(signal.SIGHUP)
+            let_go()
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+ENDED = """
+import os, signal, sys
+import clast
+from clast.casefile.templates import INCLINE
+
+def watch(progress):
+    if progress.steps == 3:
+        os.kill(os.getpid(), getattr(signal, sys.argv[2]))
+
+clast.Case.from_toml(INCLINE).run(progress=watch, output=sys.argv[1])
+print("goes on")
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="needs POSIX signals")
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_a_script_that_is_asked_to_end_keeps_its_results(tmp_path, name):
+    path = tmp_path / "out.vtkhdf"
+    done = subprocess.run(
+        [sys.executable, "-c", ENDED, str(path), name], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == -getattr(signal, name), done.stderr
+    assert done.stdout == ""
+    results = read_results(path)
+    assert results.times[-1] == pytest.approx(0.003)
+    assert f"interrupted by {name}" in results.report.outcome
 
 
 def test_a_run_ends_after_the_step_in_which_the_key_is_pressed():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from base64 import b64decode
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -12,7 +13,9 @@ import pytest
 from clast import studies
 from clast.case import Case
 from clast.casefile.templates import INCLINE
+from clast.contact.laws import Penalty
 from clast.errors import CaseError
+from clast.stepping.convex import Convex
 from clast.studies.comparison_table import cells, headings, remarks
 
 END = "time.end=0.05"
@@ -152,3 +155,50 @@ def test_names_are_checked_first(processes, laws, message):
     with pytest.raises(CaseError, match=message) as caught:
         studies.compare(Case.from_toml(INCLINE), processes, laws)
     assert caught.value.remedy
+
+
+@dataclass(frozen=True)
+class Renamed:
+    """The penalty law under another name."""
+
+    normal_stiffness: float = 1e9
+
+    def respond(self, contacts, gap, slip):
+        return Penalty(self.normal_stiffness).respond(contacts, gap, slip)
+
+
+def test_objects_beside_names(tmp_path):
+    case = Case.from_toml(INCLINE, [END, "reference=[]"])
+    comparison = studies.compare(case, ["modified", Convex()], ["penalty", Renamed()])
+    assert [str(row.combination) for row in comparison.rows] == [
+        "modified, penalty",
+        "modified, Renamed",
+        "Convex, penalty",
+        "Convex, Renamed",
+    ]
+    ends = [row.displacement["A"] for row in comparison.rows]
+    assert ends[1] == ends[0]
+    assert ends[3] == pytest.approx(ends[2], rel=1e-6)
+    assert [row.stiffness for row in comparison.rows] == 4 * [1e9]
+    assert "Convex, Renamed" in [str(row.combination) for row in comparison.rows]
+    studies.write_comparison(comparison, tmp_path)
+    assert "| Convex | Renamed |" in (tmp_path / "comparison.md").read_text(encoding="utf-8")
+
+
+def test_two_objects_of_a_class_are_told_apart():
+    found = studies.combinations(["convex"], [Renamed(1e8), Renamed(1e9), "penalty"])
+    assert [one.law for one in found] == [
+        "Renamed(normal_stiffness=100000000.0)",
+        "Renamed(normal_stiffness=1000000000.0)",
+        "penalty",
+    ]
+    with pytest.raises(CaseError, match="named twice"):
+        studies.combinations(["convex"], [Renamed(1e8), Renamed(1e8)])
+
+
+def test_objects_that_are_no_law_are_refused_before_anything_runs():
+    case = Case.from_toml(INCLINE, [END])
+    with pytest.raises(CaseError, match="Convex is no contact_law: it has no respond"):
+        studies.compare(case, ["convex"], ["penalty", Convex()])
+    with pytest.raises(CaseError, match=r"'convex' is no list\n  give one: \[\"convex\"\]"):
+        studies.compare(case, "convex")

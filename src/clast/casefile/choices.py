@@ -2,11 +2,13 @@
 
 ``process = "modified"`` and ``process = {name = "modified", passes = 2}`` both choose the class
 that the name stands for.  Its numbers are the fields of its dataclass: adding an alternative takes
-the dataclass and one line in the dictionary of names (clast.case).
+the dataclass and one line in the dictionary of names (clast.case).  A script may give an object in
+the place of the name.
 """
 
 from __future__ import annotations
 
+import datetime
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
@@ -60,6 +62,8 @@ class Alternatives:
     """Field name -> what pydantic is to check of it."""
     automatic: frozenset[str] = frozenset()
     """Fields that may be "auto", and are unless given: whoever builds the class provides them."""
+    needs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Key -> what an object must have that a script puts in the place of a name."""
 
     def __hash__(self) -> int:
         return id(self)
@@ -79,7 +83,7 @@ class Chosen:
     def build(self, **provided: Any) -> Any:
         """Return the object that was chosen; ``provided`` are the values of fields on "auto"."""
         given = {
-            key: value.build() if isinstance(value, Chosen) else value
+            key: value.build() if isinstance(value, Chosen | Given) else value
             for key, value in self.numbers.items()
         }
         return class_at(self.path)(**{**given, **provided})
@@ -93,10 +97,40 @@ class Chosen:
         if not self.numbers:
             return self.name
         numbers = {
-            key: value.as_written() if isinstance(value, Chosen) else value
+            key: value.as_written() if isinstance(value, Chosen | Given) else value
             for key, value in self.numbers.items()
         }
         return {"name": self.name, **numbers}
+
+
+class Given:
+    """An object of a script in the place of a name; no file can hold it."""
+
+    # no dataclass: pydantic would take it, and the object with it, to pieces when it is written
+    def __init__(self, value: Any) -> None:
+        self.value = value
+        """The object."""
+
+    @property
+    def name(self) -> str:
+        """Name of its class."""
+        return type(self.value).__name__
+
+    def build(self, **provided: Any) -> Any:
+        """Return the object; it has all its numbers."""
+        return self.value
+
+    def is_automatic(self, key: str) -> bool:
+        """Return False: nothing is left to clast."""
+        return False
+
+    def as_written(self) -> Given:
+        """Return itself: it can be wherever a name can be."""
+        return self
+
+
+PLAIN = (str, bool, int, float, list, tuple, dict, datetime.date, datetime.time, type(None))
+"""What a value of a file can be; anything else is an object of a script."""
 
 
 def class_at(path: str) -> Any:
@@ -119,10 +153,12 @@ class Choice:
         """Name -> "module:class"."""
         return self.alternatives.classes[self.key]
 
-    def validate(self, value: Any) -> Chosen:
-        """Return the choice that a name or a table makes; hand faults to pydantic."""
-        if isinstance(value, Chosen):
+    def validate(self, value: Any) -> Chosen | Given:
+        """Return the choice that a name, a table or an object makes; hand faults to pydantic."""
+        if isinstance(value, Chosen | Given):
             return value
+        if not isinstance(value, PLAIN):
+            return self._given(value)
         table = {"name": value} if isinstance(value, str) else value
         known = ", ".join(f'"{name}"' for name in self.names)
         if not isinstance(table, dict) or not isinstance(table.get("name"), str):
@@ -143,13 +179,26 @@ class Choice:
         given = {key: getattr(parsed, key) for key in table if key != "name"}
         return Chosen(name, self.names[name], given)
 
+    def _given(self, value: Any) -> Given:
+        """Return an object of a script, if it is one of the kind that is wanted."""
+        if isinstance(value, type):
+            what = f"{value.__name__} is a class, not an object"
+            raise refusal(Fault(what=what, remedy=f"give {value.__name__}(...)"))
+        needed = self.alternatives.needs.get(self.key, ())
+        missing = [name for name in needed if not hasattr(value, name)]
+        if missing:
+            what = f"{type(value).__name__} is no {self.key}: it has no {', '.join(missing)}"
+            remedy = f"a {self.key} has {', '.join(needed)}; see clast.interfaces"
+            raise refusal(Fault(what=what, remedy=remedy))
+        return Given(value)
+
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(
             self.validate,
             serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda chosen: chosen.as_written() if isinstance(chosen, Chosen) else chosen
+                lambda chosen: chosen.as_written() if isinstance(chosen, Chosen | Given) else chosen
             ),
         )
 

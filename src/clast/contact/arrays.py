@@ -11,7 +11,7 @@ from clast.contact.rows import rows_of
 from clast.model import Bools, Floats, Ints
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Contacts:
     """Vertex-edge contacts of one step, in order of block pairs; m contacts, q touching pairs.
 
@@ -71,6 +71,10 @@ class Contacts:
         """n_i, n_j, t_i, t_j: T_i^T n, -T_j^T n, T_i^T t, -T_j^T t, t along the edge, (m, 4, 6)."""
         return rows_of(self.levers)
 
+    def __repr__(self) -> str:
+        nearest = f", smallest gap {self.gap.min():.3g} m" if len(self) else ""
+        return f"Contacts({len(self)} between {len(self.pairs)} pairs of blocks{nearest})"
+
 
 def of_pairs(contacts: Contacts, pairs: Ints, kept: Ints, pair: Ints, number: Ints) -> Contacts:
     """Return the contacts ``kept`` (c,), which are those of some ``pairs`` (k,).
@@ -120,7 +124,7 @@ def _rows(values: Any, which: Ints | slice) -> Any:
     return values.take(which, axis=0)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class ContactResponse:
     """Forces of the contacts at the end of a step and how they change with gap and slip.
 
@@ -146,6 +150,10 @@ class ContactResponse:
     """Energy in the contact's springs, J/m, shape (m,)."""
     dissipation: Floats
     """Work lost in sliding during the step, J/m, >= 0, shape (m,)."""
+
+    def __repr__(self) -> str:
+        count, most = np.size(self.normal_force), np.max(self.normal_force, initial=0.0)
+        return f"ContactResponse({count} contacts, normal force at most {most:.4g} N/m)"
 
 
 @dataclass(frozen=True, kw_only=True)

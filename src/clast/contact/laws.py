@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -31,8 +31,7 @@ def springs(
         gap,
         slip,
         (normal_stiffness, normal_stiffness if shear_stiffness is None else shear_stiffness),
-        (contacts.friction, contacts.cohesion, contacts.tensile_strength, contacts.length),
-        (contacts.bonded, contacts.shear_force, contacts.multiplier, contacts.friction_base),
+        *_joints_and_memory(contacts),
     )
     return ContactResponse(
         normal_force=normal,
@@ -47,14 +46,53 @@ def springs(
     )
 
 
+def with_friction(
+    contacts: Contacts,
+    slip: Floats,
+    *,
+    normal_force: Floats,
+    normal_stiffness: Floats,
+    energy: Floats,
+    shear_stiffness: float,
+) -> ContactResponse:
+    """Return any normal force with a shear spring and Coulomb friction, for laws of one's own.
+
+    The shear force is that of ``springs``, bounded by |T| <= N tan(phi) + c L with N the
+    ``normal_force`` (m,), N/m, or what ``contacts.friction_base`` gives.  ``normal_stiffness`` (m,)
+    is -dN/dgap, N/m per m, ``energy`` (m,) the work that N has stored, J/m; that of the shear
+    spring is added.  ``slip`` (m,) in m, ``shear_stiffness`` in N/m per m.
+    """
+    force = np.ascontiguousarray(normal_force, np.float64)
+    shear, ks, coupling, mode, bonded, stored, loss = kernel.coulomb(
+        slip, float(shear_stiffness), *_joints_and_memory(contacts), force
+    )
+    return ContactResponse(
+        normal_force=force,
+        shear_force=shear,
+        normal_stiffness=normal_stiffness,
+        shear_stiffness=ks,
+        coupling=coupling,
+        mode=mode,
+        bonded=bonded,
+        energy=energy + stored,
+        dissipation=loss,
+    )
+
+
+def _joints_and_memory(contacts: Contacts) -> tuple[tuple[Floats, ...], tuple[Any, ...]]:
+    """Return strengths and memory of contacts as the kernels take them."""
+    return (
+        (contacts.friction, contacts.cohesion, contacts.tensile_strength, contacts.length),
+        (contacts.bonded, contacts.shear_force, contacts.multiplier, contacts.friction_base),
+    )
+
+
 def limits_of_springs(
     contacts: Contacts, normal_stiffness: float, shear_stiffness: float | None
 ) -> SpringLimits:
     """Return the bounds of ``springs`` for contacts whose friction bound is given."""
-    tension, strength = kernel.most(
-        (contacts.friction, contacts.cohesion, contacts.tensile_strength, contacts.length),
-        contacts.friction_base,
-    )
+    joints, _ = _joints_and_memory(contacts)
+    tension, strength = kernel.most(joints, contacts.friction_base)
     return SpringLimits(
         normal_stiffness=normal_stiffness,
         shear_stiffness=normal_stiffness if shear_stiffness is None else shear_stiffness,

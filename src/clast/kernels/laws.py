@@ -173,3 +173,26 @@ def most(joints, base):
     else:
         _bounds(0, len(base), joints, base, tension, strength)
     return tension, strength
+
+
+@kernel()
+def coulomb(slip, k, joints, memory, force):
+    """Return T, -dT/dslip, dT/dN, mode, bond, energy, loss for the normal forces of another law.
+
+    ``force`` (m,) are these, N/m, and ``k`` the stiffness of the shear spring; ``joints`` and
+    ``memory`` are those of ``penalty``, the energy is that of the shear spring alone.
+    """
+    count = len(slip)
+    _, _, tensile_strength, length = joints
+    bears, counts = np.empty(count, np.bool_), np.empty(count, np.bool_)
+    for c in range(count):
+        bears[c] = force[c] != 0.0
+        given = not np.isnan(memory[3][c])
+        counts[c] = bears[c] | given | (tensile_strength[c] * length[c] != 0.0)
+    normal = force, force, force, bears, counts
+    shear = np.empty(count), np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    ends = np.empty(count, np.int64), np.empty(count, np.bool_)
+    works = np.zeros(count), np.empty(count)
+    _resist(slip, k, joints, memory, normal, shear, works)
+    _end(joints, memory, normal, shear, ends)
+    return shear[0], shear[1], shear[2], *ends, *works

@@ -9,18 +9,16 @@ import numpy as np
 from clast.model import Bools, Floats, Ints
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE, TEXT_SIZE, Sheet, literal
 from clast.pictures.fields import KINDS, SCALARS, prefixed
-from clast.results import Results
+from clast.pictures.scale import Scale, scale_of
+from clast.results import Recording
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import PolyCollection
-    from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
 
 MOST_NAMES = 40
 """Blocks that get their names written into them, at most."""
-ONE_SIDED = 0.02
-"""Values on one side of zero but for this share get a scale of one colour."""
 FIXED = "#dcdcdc"
 """Fill of fixed blocks."""
 HATCH = "////"
@@ -104,11 +102,16 @@ def colour(
     figure: Figure,
     sheet: Sheet,
     blocks: PolyCollection,
-    results: Results,
+    results: Recording,
     field: str,
     frame: int,
+    shown: Bools,
+    limits: tuple[float, float] | None,
 ) -> None:
-    """Colour the free blocks by a field and explain the colours."""
+    """Colour the free blocks by a field and explain the colours.
+
+    The scale is that of the blocks ``shown`` (n,), unless its ``limits`` are given.
+    """
     free = ~results.fixed
     if not free.any():
         return
@@ -117,46 +120,59 @@ def colour(
         blocks.set_facecolor([kind_colour(kind) for kind in kinds])
         return
     quantity = SCALARS[field]
-    values = quantity.values(results, frame)[free]
-    factor, unit = prefixed(float(np.abs(values).max()), quantity.unit)
-    values = factor * values
-    colours, low, high = scale_of(values)
-    blocks.set_array(values)
-    blocks.set_cmap(colours)
-    blocks.set_clim(low, high)
+    values = quantity.values(results, frame)
+    area = areas_of(results, results.vertices(frame))
+    counted = free & shown if (free & shown).any() else free
+    scale = scale_of(values[counted], area[counted], limits)
+    factor, unit = prefixed(max(abs(scale.low), abs(scale.high)), quantity.unit)
+    blocks.set_array(factor * values[free])
+    blocks.set_cmap(scale.colours)
+    blocks.set_clim(factor * scale.low, factor * scale.high)
     place = figure.add_axes(sheet.share(sheet.bar))
     bar = figure.colorbar(
-        blocks, cax=place, orientation="vertical" if sheet.upright else "horizontal"
+        blocks,
+        cax=place,
+        orientation="vertical" if sheet.upright else "horizontal",
+        extend=scale.extend,
     )
-    bar.set_label(f"{quantity.label} ({unit})", fontsize=TEXT_SIZE, color=INK)
+    label = f"{quantity.label} ({unit})"
+    if scale.beyond:
+        label += "\n" if sheet.upright else "; "
+        label += _beyond(values[counted], quantity.unit, scale)
+    bar.set_label(label, fontsize=TEXT_SIZE, color=INK)
     bar.ax.tick_params(labelsize=SMALL_SIZE, color=FAINT, labelcolor=INK, width=0.6, length=3)
     bar.outline.set_linewidth(0.5)
     bar.outline.set_edgecolor(FAINT)
 
 
-RISING, FALLING, BOTH = ("YlOrRd", 0.0, 0.66), ("YlGnBu_r", 0.32, 1.0), ("RdBu_r", 0.14, 0.86)
-"""Colours for values above zero, below, and on both sides: red is up or tension, blue the other.
-
-The shares leave out the dark ends, on which no outline and no arrow could be seen.
-"""
-
-
-def scale_of(values: Floats) -> tuple[Colormap, float, float]:
-    """Return the colours for values (n,) and the limits of the scale."""
-    low, high = float(values.min()), float(values.max())
-    size = max(abs(low), abs(high)) or 1.0
-    if low >= -ONE_SIDED * size:
-        return _colours(*RISING), 0.0, size
-    if high <= ONE_SIDED * size:
-        return _colours(*FALLING), -size, 0.0
-    return _colours(*BOTH), -size, size
+def _beyond(values: Floats, unit: str, scale: Scale) -> str:
+    """Return how many values lie beyond the scale and how far they go."""
+    ends = []
+    for name, end in (("min", values.min()), ("max", values.max())):
+        if scale.extend in (name, "both"):
+            factor, prefix = prefixed(float(end), unit)
+            ends.append(f"{factor * end:.3g} {prefix}".replace("-", "−"))
+    return f"{scale.beyond} beyond, to {' and '.join(ends)}"
 
 
-def _colours(name: str, first: float, last: float) -> Colormap:
-    from matplotlib import colormaps
-    from matplotlib.colors import ListedColormap
+def areas_of(results: Outlined, vertices: Floats) -> Floats:
+    """Return the area of each block, m2, shape (n,)."""
+    start = results.block_start
+    onwards = np.arange(1, len(vertices) + 1)
+    onwards[start[1:] - 1] = start[:-1]
+    # about the middle, or the digits of far coordinates are lost
+    vertices = vertices - vertices.mean(axis=0)
+    (x, y), (x2, y2) = vertices.T, vertices[onwards].T
+    area: Floats = 0.5 * np.abs(np.add.reduceat(x * y2 - x2 * y, start[:-1]))
+    return area
 
-    return ListedColormap(colormaps[name](np.linspace(first, last, 256)))
+
+def within(results: Outlined, vertices: Floats, low: Floats, high: Floats) -> Bools:
+    """Return which blocks may be seen in the box (low, high), m, shape (n,)."""
+    first = results.block_start[:-1]
+    left, right = np.minimum.reduceat(vertices, first), np.maximum.reduceat(vertices, first)
+    seen: Bools = np.all((right >= low) & (left <= high), axis=1)
+    return seen
 
 
 def kind_colour(kind: int) -> str:
@@ -164,7 +180,7 @@ def kind_colour(kind: int) -> str:
     return KIND_COLOURS[(kind + kind // len(KIND_COLOURS)) % len(KIND_COLOURS)]
 
 
-def draw_names(axes: Axes, results: Results, vertices: Floats) -> None:
+def draw_names(axes: Axes, results: Recording, vertices: Floats) -> None:
     """Write the names of the blocks into them, where they are few."""
     outlines = outlines_of(results, vertices)
     if len(outlines) > MOST_NAMES:

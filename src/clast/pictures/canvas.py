@@ -67,12 +67,55 @@ def axes_size(extent: Floats) -> tuple[float, float]:
     return max(2.4, scale * width), max(1.3, scale * height)
 
 
-def sheet_for(axes: tuple[float, float], title: str, legend_lines: int, bars: int = 1) -> Sheet:
-    """Return a sheet with axes of a size in inches, a title, lines of legend, colour bars or 0."""
+def axes_in(
+    sheet: tuple[float, float | None], extent: Floats, title: str, legend_lines: int, bars: int
+) -> tuple[float, float]:
+    """Return width and height of the axes on a sheet of a size in inches.
+
+    A height of None is as much as something ``extent`` (2,) m wide and high needs.  Raises
+    CaseError for a sheet on which nothing finds room.
+    """
+    width, height = sheet
+    lines = len(wrapped(title, min(width - LEFT - 0.1, 6.5), TITLE_SIZE))
+    around = 0.12 + LINE * legend_lines + BELOW + 0.32 + LINE * (lines + 1)
+    across = width - LEFT - RIGHT - (BAR + BAR_LABELS) * bars
+    slope = extent[1] / extent[0]
+    up = float(np.clip(across * slope, 1.3, 2.0 * width)) if height is None else height - around
+    if up < UPRIGHT:  # the colour bar lies below
+        across = width - LEFT - RIGHT
+        lying = 1.3 if height is None else height - around - 0.75 * bars
+        up = min(max(lying, across * slope), 0.99 * UPRIGHT) if height is None else lying
+    if across < ROOM[0] or up < ROOM[1]:
+        least = LEFT + RIGHT + (BAR + BAR_LABELS) * bars + ROOM[0], around + 0.75 * bars + ROOM[1]
+        raise CaseError(
+            f"{2.54 * width:.3g} cm x {2.54 * (height or up + around):.3g} cm leave no room",
+            where="size",
+            remedy=f"give {2.54 * least[0] + 0.05:.1f} x {2.54 * least[1] + 0.05:.1f} cm or more",
+        )
+    return across, up
+
+
+ROOM = (1.0, 0.8)
+"""Least width and height of axes, inches."""
+UPRIGHT = 2.2
+"""Height of axes from which the colour bar stands beside them, inches."""
+
+
+def sheet_for(
+    axes: tuple[float, float],
+    title: str,
+    legend_lines: int,
+    bars: int = 1,
+    narrowest: float = 4.2,
+) -> Sheet:
+    """Return a sheet with axes of a size in inches, a title, lines of legend, colour bars or 0.
+
+    ``narrowest`` is the least that axes and colour bars are given, inches.
+    """
     across, up = axes
-    upright = up >= 2.2
+    upright = up >= UPRIGHT
     beside = (BAR + BAR_LABELS) * bars if upright else 0.0
-    width = LEFT + max(4.2, across + beside) + RIGHT
+    width = LEFT + max(narrowest, across + beside) + RIGHT
     lines = wrapped(title, min(width - LEFT - 0.1, 6.5), TITLE_SIZE)
     under = 0.12 + LINE * legend_lines
     bottom = under + BELOW + (0.0 if upright else 0.75 * bars)
@@ -104,13 +147,20 @@ def new_figure(size: tuple[float, float], dots: float) -> Figure:
     return Figure(figsize=size, dpi=dots, facecolor="white")
 
 
-def view(axes: Axes, low: Floats, high: Floats, box: tuple[float, float]) -> None:
-    """Show (low, high) in m, with a margin, so that a metre is as long in x as in y."""
+def seen(low: Floats, high: Floats, box: tuple[float, float]) -> tuple[Floats, Floats]:
+    """Return what axes of a size in inches show of (low, high) and around it, m.
+
+    A metre is as long in x as in y, and there is a margin.
+    """
     middle, extent = 0.5 * (low + high), 1.04 * (high - low)
-    per_inch = max(extent[0] / box[0], extent[1] / box[1])
-    half = 0.5 * per_inch * np.array(box)
-    axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
-    axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+    half = 0.5 * float(np.max(extent / box)) * np.array(box)
+    return middle - half, middle + half
+
+
+def view(axes: Axes, low: Floats, high: Floats, box: tuple[float, float]) -> None:
+    """Show (low, high) in m, as ``seen`` gives it, on axes of a size in inches."""
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
     axes.set_aspect("equal", adjustable="box")
     axes.set_xlabel("x (m)", fontsize=TEXT_SIZE, color=INK)
     axes.set_ylabel("y (m)", fontsize=TEXT_SIZE, color=INK)
@@ -133,8 +183,12 @@ def style(axes: Axes) -> None:
 
 def wrapped(text: str, width: float, size: float) -> list[str]:
     """Return the lines of a text that is ``width`` inches wide in type of ``size`` points."""
-    letters = max(12, int(width * 72.0 / (0.56 * size)))
-    return textwrap.wrap(text, letters) or [""]
+    return textwrap.wrap(text, max(12, letters_in(width, size))) or [""]
+
+
+def letters_in(width: float, size: float) -> int:
+    """Return how many letters of type of ``size`` points a line ``width`` inches wide holds."""
+    return int(width * 72.0 / (0.56 * size))
 
 
 def literal(text: str) -> str:

@@ -13,6 +13,7 @@ from clast.model import Bools, Floats, Ints
 from clast.pictures import blocks, canvas
 from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
 from clast.pictures.fields import prefixed
+from clast.pictures.scale import colours_between
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -87,7 +88,7 @@ def draw_side_by_side(scene: SideBySide, path: Path) -> Path:
         low_edge = height - top - (row + 1) * (size[1] + HEADS) + 0.08
         box = (left / width, low_edge / height, size[0] / width, size[1] / height)
         axes = figure.add_axes(box)
-        canvas.view(axes, low, high, size)
+        canvas.view(axes, *canvas.seen(low, high, size), size)
         drawn = _draw_panel(axes, scene, panel, largest)
         _keep_outer_labels(axes, row == rows - 1, column == 0)
     if drawn is not None:
@@ -118,7 +119,7 @@ def _draw_panel(axes: Axes, scene: SideBySide, panel: Panel, largest: float) -> 
     free = blocks.draw_blocks(axes, scene, panel.vertices)
     values = scene.displacement(panel)[~scene.fixed]
     factor, _ = prefixed(largest, "m")
-    colours, _, _ = blocks.scale_of(np.array([0.0, 1.0]))
+    colours = colours_between(0.0, 1.0)
     free.set_array(factor * values)
     free.set_cmap(colours)
     free.set_clim(0.0, factor * largest or 1.0)

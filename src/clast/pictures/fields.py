@@ -12,9 +12,9 @@ import numpy as np
 from clast import spelling
 from clast.errors import CaseError
 from clast.model import Floats
-from clast.results import Results
+from clast.results import Recording
 
-Values: TypeAlias = Callable[[Results, int], Floats]
+Values: TypeAlias = Callable[[Recording, int], Floats]
 
 
 @dataclass(frozen=True)
@@ -37,25 +37,21 @@ def _magnitude(name: str) -> Values:
     return lambda results, frame: np.hypot(*results.field(name, frame).T)
 
 
-def _component(name: str, index: int) -> Values:
-    return lambda results, frame: results.field(name, frame)[:, index]
-
-
-def _degrees(results: Results, frame: int) -> Floats:
+def _degrees(results: Recording, frame: int) -> Floats:
     return np.degrees(results.field("rotation", frame))
 
 
 SCALARS = {
     "displacement": PictureField("Displacement", "m", _magnitude("displacement")),
-    "displacement_x": PictureField("Displacement in x", "m", _component("displacement", 0)),
-    "displacement_y": PictureField("Displacement in y", "m", _component("displacement", 1)),
+    "displacement_x": PictureField("Displacement in x", "m", _plain("displacement_x")),
+    "displacement_y": PictureField("Displacement in y", "m", _plain("displacement_y")),
     "velocity": PictureField("Velocity", "m/s", _magnitude("velocity")),
-    "velocity_x": PictureField("Velocity in x", "m/s", _component("velocity", 0)),
-    "velocity_y": PictureField("Velocity in y", "m/s", _component("velocity", 1)),
+    "velocity_x": PictureField("Velocity in x", "m/s", _plain("velocity_x")),
+    "velocity_y": PictureField("Velocity in y", "m/s", _plain("velocity_y")),
     "rotation": PictureField("Rotation", "°", _degrees),
-    "sigma_xx": PictureField(r"Stress $\sigma_{xx}$", "Pa", _component("stress", 0)),
-    "sigma_yy": PictureField(r"Stress $\sigma_{yy}$", "Pa", _component("stress", 1)),
-    "sigma_xy": PictureField(r"Shear stress $\sigma_{xy}$", "Pa", _component("stress", 2)),
+    "sigma_xx": PictureField(r"Stress $\sigma_{xx}$", "Pa", _plain("sigma_xx")),
+    "sigma_yy": PictureField(r"Stress $\sigma_{yy}$", "Pa", _plain("sigma_yy")),
+    "sigma_xy": PictureField(r"Shear stress $\sigma_{xy}$", "Pa", _plain("sigma_xy")),
     "sigma_1": PictureField(r"Largest principal stress $\sigma_1$", "Pa", _plain("sigma_1")),
     "sigma_3": PictureField(r"Smallest principal stress $\sigma_3$", "Pa", _plain("sigma_3")),
     "max_shear": PictureField("Largest shear stress", "Pa", _plain("max_shear")),

@@ -1,62 +1,145 @@
-"""Contact forces on a picture."""
+"""Contact forces on a picture: as many arrows as can be told apart, none cut off."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from clast.model import Floats, Ints
 from clast.pictures.blocks import outlines_of
-from clast.pictures.canvas import INK, SMALL_SIZE, Sheet
+from clast.pictures.canvas import INK, SMALL_SIZE, Sheet, letters_in
 from clast.pictures.fields import prefixed, round_below
-from clast.results import Results
+from clast.pictures.scale import largest_but_few
+from clast.results import Recording
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MOST_ARROWS = 1500
-"""Contacts drawn at most: those with the largest forces."""
+MANY = 400
+"""Contacts from which on arrows are kept farther apart."""
+APART, FARTHER = 0.06, 0.2
+"""Arrows have this distance at least, inches; of nearer ones only the largest is drawn."""
+FEW = 0.05
+"""Share of the arrows whose forces do not set the scale if they would spoil it."""
+HEAD = 0.02
+"""What the head of the shortest arrow reaches beyond its end, inches."""
 ARROW = "#111111"
 
 
-def draw_contacts(figure: Figure, sheet: Sheet, axes: Axes, results: Results, frame: int) -> None:
-    """Draw the largest contact forces, a pair of arrows each: on one block and on the other."""
+@dataclass(frozen=True, kw_only=True)
+class Arrows:
+    """Contact forces to be drawn, a pair of arrows each; k pairs."""
+
+    at: Floats
+    """Where they act, m, shape (k, 2)."""
+    way: Floats
+    """Arrow of the force on the invading vertex's block, m, shape (k, 2)."""
+    longest: float
+    """Length that stands for ``largest``, m."""
+    largest: float
+    """Force that the longest arrow stands for, N/m."""
+    cut: int
+    """Arrows that are drawn as long as the longest though their force is larger."""
+    contacts: int
+    """Contacts in the part that is shown."""
+    thinned: bool
+    """True where only the largest of each place are drawn."""
+
+    @property
+    def ends(self) -> Floats:
+        """Where all arrows end, m, shape (2 k, 2)."""
+        return np.concatenate([self.at + self.way, self.at - self.way])
+
+
+def arrows_of(
+    results: Recording, frame: int, low: Floats, high: Floats, per_inch: float, *, zoomed: bool
+) -> Arrows:
+    """Return the arrows in a part (low, high) of a frame, m, drawn at ``per_inch`` m an inch.
+
+    Where the part is ``zoomed`` arrows that would leave it are not drawn.
+    """
     contacts = results.contacts(frame)
-    force = contacts.force
+    at, force = contacts.position, contacts.force
     size = np.hypot(*force.T)
-    drawn = np.argsort(-size, kind="stable")[:MOST_ARROWS]
-    if len(drawn) == 0 or size[drawn[0]] == 0.0:
+    shown = np.flatnonzero(((at >= low) & (at <= high)).all(axis=1) & (size > 0.0))
+    count = len(shown)
+    apart = (APART if count <= MANY else FARTHER) * per_inch
+    shown = shown[_apart(at[shown], size[shown], apart)]
+    thinned = len(shown) < count
+    size = size[shown]
+    largest = largest_but_few(size, np.ones(len(size)), FEW)
+    longest = max(_arrow_length(results, low, high), 0.5 * apart)
+    length = longest * np.minimum(1.0, size / largest) if len(size) else size
+    way = force[shown] * (length / size)[:, None]
+    at = at[shown]
+    if zoomed:
+        slack = HEAD * per_inch
+        ends = np.stack([at + way, at - way])
+        inside = ((ends >= low + slack) & (ends <= high - slack)).all(axis=(0, 2))
+        at, way, size = at[inside], way[inside], size[inside]
+    return Arrows(
+        at=at,
+        way=way,
+        longest=longest,
+        largest=largest,
+        cut=int(np.sum(size > largest)),
+        contacts=count,
+        thinned=thinned,
+    )
+
+
+def _apart(at: Floats, size: Floats, distance: float) -> Ints:
+    """Return which points (k, 2) are kept so that none is within ``distance`` of a larger one."""
+    from scipy.spatial import KDTree  # slow to load
+
+    if not len(at):
+        return np.zeros(0, np.int64)
+    near = KDTree(at)
+    left, kept = np.ones(len(at), np.bool_), []
+    for point in np.argsort(-size, kind="stable"):
+        if left[point]:
+            kept.append(point)
+            left[near.query_ball_point(at[point], distance)] = False
+    return np.sort(np.array(kept, np.int64))
+
+
+def draw_arrows(figure: Figure, sheet: Sheet, axes: Axes, arrows: Arrows) -> None:
+    """Draw the arrows and explain their length below, and which are drawn."""
+    width, height = sheet.size
+    if not len(arrows.at):
+        said = "no contact carries a force" if not arrows.contacts else "no arrow fits in here"
+        figure.text(
+            sheet.axes[0] / width, 0.2 / height, said, fontsize=SMALL_SIZE, color=INK, va="center"
+        )
         return
-    largest, longest = float(size[drawn[0]]), _arrow_length(results, axes)
-    inches = longest * sheet.axes[2] / float(np.ptp(axes.get_xlim()))
-    position, force = contacts.position[drawn], force[drawn]
-    arrows = axes.quiver(
-        *np.concatenate([position, position]).T,
-        *np.concatenate([force, -force]).T,
+    inches = arrows.longest * sheet.axes[2] / float(np.ptp(axes.get_xlim()))
+    drawn = axes.quiver(
+        *np.concatenate([arrows.at, arrows.at]).T,
+        *np.concatenate([arrows.way, -arrows.way]).T,
         color=ARROW,
         edgecolor="white",
         linewidth=0.3 if inches > 0.2 else 0.0,
         angles="xy",
         scale_units="xy",
-        scale=largest / longest,
+        scale=1.0,
         units="inches",
         width=float(np.clip(0.08 * inches, 0.005, 0.022)),
         minlength=0.0,
         zorder=5,
     )
-    shown = round_below(largest)
-    factor, unit = prefixed(shown, "N/m")
-    text = f"contact force, {shown * factor:g} {unit}"
-    if len(drawn) < len(contacts):
-        text += f" (largest {len(drawn):,} of {len(contacts):,})"
-    width, height = sheet.size
+    shown = round_below(arrows.largest)
+    after = sheet.axes[0] + inches * shown / arrows.largest
+    texts = _words(arrows, shown)
+    letters = letters_in(width - after - 0.2, SMALL_SIZE)
     axes.quiverkey(
-        arrows,
-        (sheet.axes[0] + inches * shown / largest) / width,
+        drawn,
+        after / width,
         0.2 / height,
-        shown,
-        text,
+        arrows.longest * shown / arrows.largest,
+        next((text for text in texts if len(text) <= letters), texts[-1]),
         coordinates="figure",
         labelpos="E",
         labelsep=0.15,
@@ -65,9 +148,28 @@ def draw_contacts(figure: Figure, sheet: Sheet, axes: Axes, results: Results, fr
     )
 
 
-def _arrow_length(results: Results, axes: Axes) -> float:
+def _words(arrows: Arrows, shown: float) -> list[str]:
+    """Return what is said of the arrows: the force ``shown``, N/m, and which; shorter and shorter.
+
+    All but the shortest say which arrows are drawn shorter than they should be.
+    """
+    factor, unit = prefixed(shown, "N/m")
+    force, counted = f"contact force, {shown * factor:g} {unit}", ""
+    if len(arrows.at) < arrows.contacts:
+        counted = f"{len(arrows.at):,} of {arrows.contacts:,}"
+    which = "the largest of each place: " if arrows.thinned else ""
+    factor, unit = prefixed(arrows.largest, "N/m")
+    most = f"; {arrows.cut} above {arrows.largest * factor:.3g} {unit} drawn as long as that"
+    cut = most if arrows.cut else ""
+    if not counted:
+        return [force + cut, force]
+    return [f"{force} ({which}{counted}){cut}", f"{force} ({counted}){cut}", f"{force} ({counted})"]
+
+
+def _arrow_length(results: Recording, low: Floats, high: Floats) -> float:
     """Return the length of the longest arrow, m: about a block, but seen in the picture."""
-    shown = float(np.hypot(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())))
+    shown = float(np.hypot(*(high - low)))
     outlines = outlines_of(results, results.vertices(0))
     block = float(np.median([np.ptp(outline, axis=0).min() for outline in outlines]))
-    return float(np.clip(0.9 * block, 0.012 * shown, 0.09 * shown))
+    # about half a block to each side: arrows of a row of blocks hardly run into each other
+    return float(np.clip(0.6 * block, 0.012 * shown, 0.09 * shown))

@@ -12,16 +12,16 @@ from clast.model import Floats
 from clast.pictures import canvas
 from clast.pictures.canvas import INK, SMALL_SIZE, TEXT_SIZE
 from clast.pictures.fields import prefixed
-from clast.results import Results
+from clast.results import Recording
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-def plot_history(results: Results, path: Path | str, point: str) -> Path:
+def plot_history(results: Recording, path: Path | str, point: str) -> Path:
     """Draw displacement and velocity of a measured point against time; return the path."""
     history = results.history(point)
-    title = canvas.wrapped(results.title or results.path.name, 6.0, canvas.TITLE_SIZE)
+    title = canvas.wrapped(results.title or results.name, 6.0, canvas.TITLE_SIZE)
     up, between = 1.95, 0.25
     bottom = canvas.BELOW
     size = (6.4, bottom + 2 * up + between + 0.3 + canvas.LINE * (len(title) + 1))

@@ -7,55 +7,74 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from clast.errors import CaseError
+from clast.model import Floats
 from clast.pictures import blocks, canvas
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.fields import KINDS, SCALARS, check_field
-from clast.pictures.forces import draw_contacts
+from clast.pictures.forces import HEAD, arrows_of, draw_arrows
 from clast.pictures.history import plot_history
-from clast.results import Results
+from clast.pictures.look import NO_WISHES, Look
+from clast.results import Recording
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["plot_history", "plot_results"]
+__all__ = ["Look", "plot_history", "plot_results"]
+
+FEW_BLOCKS = 500
+"""Blocks up to which a picture needs no finer dots."""
 
 MOST_NAMES = 12
 """Measured points drawn at most with their names."""
 
 
 def plot_results(
-    results: Results,
+    results: Recording,
     path: Path | str,
     *,
     frame: int = -1,
     field: str = "displacement",
     contacts: bool = True,
+    look: Look = NO_WISHES,
 ) -> Path:
     """Draw the blocks of a frame coloured by ``field`` and return the picture's path.
 
+    ``results`` are a run, or what a result file holds: ``clast.plot_results(run, "run.png")``.
     The start is outlined behind; ``contacts`` draws the contact forces as arrows, on both blocks
-    of each contact.  The format follows from the ending of ``path``.
+    of each contact, the largest in each place where they are many.  ``look`` has limits of the
+    colours, size, resolution and the part that is shown.  The format follows from the ending of
+    ``path``.  Raises CaseError for what is not there or cannot be drawn or written.
     """
     check_field(field)
-    number = results.frame_index(frame)
+    number = results.frame(frame).number
     here, start = results.vertices(number), results.vertices(0)
-    low = np.minimum(here.min(axis=0), start.min(axis=0))
-    high = np.maximum(here.max(axis=0), start.max(axis=0))
-    size = canvas.axes_size(np.maximum(high - low, 1e-3 * np.max(high - low)))
-    keys = _Keys(_legend_handles(results, field), size[0])
-    title = results.title or results.path.name
-    sheet = canvas.sheet_for(size, title, keys.lines + 1, bars=int(field in SCALARS))
-    figure = canvas.new_figure(sheet.size, 220 if len(results.block_name) > 500 else 160)
+    part = _part(results, here, start, look)
+    bars = int(field in SCALARS)
+    title = results.title or results.name
+    size, keys, narrowest = _sizes(part, look, title, _legend_handles(results, field), bars)
+    arrows = None
+    zoomed = look.zoom is not None
+    whole = canvas.seen(*part, size)
+    if contacts:
+        per_inch = float(whole[1][0] - whole[0][0]) / size[0]
+        arrows = arrows_of(results, number, *whole, per_inch, zoomed=zoomed)
+        if not zoomed and len(arrows.at):
+            whole = canvas.seen(*_with_ends(part, arrows.ends, per_inch), size)
+    sheet = canvas.sheet_for(size, title, keys.lines + 1, bars, narrowest)
+    few = len(results.block_name) <= FEW_BLOCKS
+    figure = canvas.new_figure(sheet.size, look.dpi or (160 if few else 220))
     axes = figure.add_axes(sheet.share(sheet.axes))
-    canvas.view(axes, low, high, size)
+    canvas.view(axes, *whole, size)
     time = f"$t$ = {results.times[number]:.4g} s"
     canvas.head(figure, sheet.axes[0], sheet.title, f"{_label(field)} at {time}")
     blocks.draw_start(axes, results, start)
     free = blocks.draw_blocks(axes, results, here)
-    blocks.colour(figure, sheet, free, results, field, number)
-    if contacts:
-        draw_contacts(figure, sheet, axes, results, number)
+    shown = blocks.within(results, here, *whole)
+    blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
+    if arrows is not None:
+        draw_arrows(figure, sheet, axes, arrows)
     if field == "block":
         blocks.draw_names(axes, results, here)
     _draw_points(axes, results, number)
@@ -63,11 +82,52 @@ def plot_results(
     return canvas.save(figure, Path(path))
 
 
+Part = tuple[Floats, Floats]
+"""Lower left and upper right corner of what is shown, m, (2,) each."""
+
+
+def _part(results: Recording, here: Floats, start: Floats, look: Look) -> Part:
+    """Return what is shown: all blocks, now and at the start, or the part asked for."""
+    low = np.minimum(here.min(axis=0), start.min(axis=0))
+    high = np.maximum(here.max(axis=0), start.max(axis=0))
+    if look.zoom is None:
+        return low, high
+    part = np.array(look.zoom[:2]), np.array(look.zoom[2:])
+    if not blocks.within(results, here, *part).any():
+        raise CaseError(
+            "there is no block in this part",
+            where="zoom",
+            remedy=f"the blocks lie between ({low[0]:.6g}, {low[1]:.6g}) and "
+            f"({high[0]:.6g}, {high[1]:.6g}) m",
+        )
+    return part
+
+
+def _sizes(
+    part: Part, look: Look, title: str, handles: list[Any], bars: int
+) -> tuple[tuple[float, float], _Keys, float]:
+    """Return the size of the axes, inches, the legend, and what axes and bars have at least."""
+    extent = part[1] - part[0]
+    extent = np.maximum(extent, 1e-3 * extent.max())
+    if look.inches is None:
+        size = canvas.axes_size(extent)
+        return size, _Keys(handles, max(size[0], 4.0)), 4.2
+    keys = _Keys(handles, look.inches[0] - canvas.LEFT - canvas.RIGHT)
+    return canvas.axes_in(look.inches, extent, title, keys.lines + 1, bars), keys, 0.0
+
+
+def _with_ends(part: Part, ends: Floats, per_inch: float) -> Part:
+    """Return what is shown, made so large that no arrow is cut off."""
+    slack = HEAD * per_inch
+    low = np.minimum(part[0], ends.min(axis=0) - slack)
+    return low, np.maximum(part[1], ends.max(axis=0) + slack)
+
+
 def _label(field: str) -> str:
     return SCALARS[field].label if field in SCALARS else KINDS[field]
 
 
-def _draw_points(axes: Axes, results: Results, frame: int) -> None:
+def _draw_points(axes: Axes, results: Recording, frame: int) -> None:
     """Mark the measured points where they are now."""
     for name, start in list(zip(results.point_name, results.point_start, strict=True))[:MOST_NAMES]:
         history = results.history(name)
@@ -86,7 +146,7 @@ def _draw_points(axes: Axes, results: Results, frame: int) -> None:
         )
 
 
-def _legend_handles(results: Results, field: str) -> list[Any]:
+def _legend_handles(results: Recording, field: str) -> list[Any]:
     """Return what the legend explains: outlines, fixed blocks, rocks."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
@@ -108,7 +168,7 @@ class _Keys:
     def __init__(self, handles: list[Any], width: float) -> None:
         longest = max(len(handle.get_label()) for handle in handles)
         self._handles = handles
-        self._columns = max(1, int(max(width, 4.0) / (0.45 + 0.075 * longest)))
+        self._columns = max(1, int(width / (0.45 + 0.075 * longest)))
         self.lines = -(-len(handles) // self._columns)
 
     def draw(self, figure: Figure, sheet: canvas.Sheet) -> None:

@@ -6,17 +6,28 @@ A run writes through :class:`RunRecorder`, which gives a :class:`Run`; a file is
 
 from __future__ import annotations
 
-from clast.results.reading import FrameContacts, Results, read_results, summary
+from clast.results.columns import BlockHistory, FrameContacts, PointHistory
+from clast.results.reading import Results, read_results, summary
+from clast.results.recorded import Frame
 from clast.results.recorder import RunRecorder
-from clast.results.run import PointHistory, Report, Run
+from clast.results.run import Report, Run
+
+Recording = Results | Run
+"""Whatever frames and histories can be read from."""
+read = read_results
+"""The public name of :func:`read_results`: ``clast.read("out.vtkhdf")``."""
 
 __all__ = [
+    "BlockHistory",
+    "Frame",
     "FrameContacts",
     "PointHistory",
+    "Recording",
     "Report",
     "Results",
     "Run",
     "RunRecorder",
+    "read",
     "read_results",
     "summary",
 ]

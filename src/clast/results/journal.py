@@ -10,7 +10,8 @@ nothing refers to it yet.  What it overwrites is kept in memory until :meth:`Jou
 3. cuts the journal off.
 
 Killed before the journal is whole, the file is as it was, with unused bytes behind its end, which
-HDF5 passes over.  Killed later, :func:`complete_journal` does steps 2 and 3 again.
+HDF5 passes over.  Killed later, readers of clast look at the journal in place of the old bytes;
+they never write.  The checksums behind the end (:mod:`clast.results.pages`) change with the rest.
 
     journal:  record, record, ..., trailer
     record:   place and length of the bytes (2 x u64, little-endian), the bytes
@@ -22,35 +23,49 @@ from __future__ import annotations
 
 import os
 import struct
-import time
 import zlib
-from collections.abc import Iterable
+from collections.abc import Sequence
 from pathlib import Path
 from typing import BinaryIO
 
-from clast.errors import CaseError
+import numpy as np
+
+from clast.results import locks
+from clast.results.pages import (
+    PAGE,
+    Piece,
+    Sums,
+    overlaid,
+    packed,
+    page_count,
+    read_at,
+    sums_length,
+)
 
 RECORD = struct.Struct("<QQ")
 TRAILER = struct.Struct("<QQI8s")
 MARK = b"clastjnl"
-PATIENCE = 1.0
-"""How long the writer of a journal is waited for before it is taken to be dead, s."""
 
 
 class JournalledFile:
     """A file object for h5py to write into; only :meth:`commit` changes what was there before.
 
-    It never fails while HDF5 writes, which HDF5 would not recover from: what finds no room on the
-    disk stays in memory, and ``commit`` raises OSError; it may be called again.
+    ``file`` is open and empty.  It never fails while HDF5 writes, which HDF5 would not recover
+    from: what finds no room on the disk stays in memory, and ``commit`` raises OSError; it may be
+    called again.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._file: BinaryIO = open(path, "r+b", buffering=0)
-        self._end = self._committed = self._file.seek(0, os.SEEK_END)
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._end = self._committed = 0
         self._place = 0
         # The last bytes written to each stretch, in the order in which they were written.
         self._changes: dict[tuple[int, int], bytes] = {}
+        self._changes_end = 0
         self._applying = False
+        self._sums: Sums = np.zeros(0, np.uint32)
+        self._touched: set[int] = set()
+        self._process = os.getpid()
 
     # What h5py calls ---------------------------------------------------------------------------
 
@@ -68,13 +83,7 @@ class JournalledFile:
         """Fill the buffer from the place on, changes not yet committed included."""
         view = memoryview(buffer).cast("B")
         count = max(0, min(len(view), self._end - self._place))
-        read = self._read_at(self._place, count)
-        view[:count] = read.ljust(count, b"\0")
-        for (start, length), new in self._changes.items():
-            first = max(start, self._place)
-            last = min(start + length, self._place + count)
-            if first < last:
-                view[first - self._place : last - self._place] = new[first - start : last - start]
+        view[:count] = self._content(self._place, count)
         self._place += count
         return count
 
@@ -86,16 +95,15 @@ class JournalledFile:
     def write(self, data: memoryview) -> int:
         """Append the bytes, or keep them for the next commit where they change what is there."""
         new = bytes(data)
-        start, length = self._place, len(new)
-        self._place += length
+        self._touch(min(self._place, self._end), self._place + len(new))
+        self._put(self._place, new)
+        self._place += len(new)
         self._end = max(self._end, self._place)
-        if not self._appended(start, new):
-            self._changes.pop((start, length), None)
-            self._changes[start, length] = new
-        return length
+        return len(new)
 
     def truncate(self, size: int) -> int:
         """Let the file end at ``size`` bytes after the next commit."""
+        self._touch(min(size, self._end), max(size, self._end))
         self._end = size
         return size
 
@@ -110,29 +118,75 @@ class JournalledFile:
             # An interrupt came in between; its journal is whole.
             self._committed = _complete(self._file)
             self._applying = False
+        self._renew_sums()
+        end = self._end + sums_length(self._end)
+        self._put(self._end, packed(self._sums, self._end))
         # HDF5 follows no address beyond the end that the superblock, at 0, gives: it goes first.
         changes = sorted(self._changes.items(), key=lambda change: change[0][0] != 0)
         pieces = [(start, new) for (start, _), new in changes]
-        self._write_at(self._end, journal := _journal(self._end, pieces))
-        self._file.truncate(self._end + len(journal))
+        journal, behind = _journal(end, pieces), max(end, self._committed)
+        self._write_at(behind, journal)
+        self._file.truncate(behind + len(journal))
         self._applying = True
-        for start, new in pieces:
-            self._write_at(start, new)
-        self._file.truncate(self._end)
-        self._committed = self._end
+        with locks.changing(self._file):
+            for start, new in pieces:
+                self._write_at(start, new)
+            self._file.truncate(end)
+        self._committed = end
         self._changes.clear()
+        self._changes_end = 0
+        self._touched.clear()
         self._applying = False
+
+    def is_at(self, path: Path) -> bool:
+        """Return whether the file, if it is open and this process writes it, is at ``path``."""
+        try:
+            return self._is_ours() and os.path.samestat(os.fstat(self._file.fileno()), path.stat())
+        except (OSError, ValueError):
+            return False
 
     def close(self) -> None:
         """Close the file as it was after the last commit."""
-        if not self._file.closed and not self._applying:
+        if not self._file.closed and not self._applying and self._is_ours():
             self._file.truncate(self._committed)
         self._file.close()
 
+    def _is_ours(self) -> bool:
+        """Return whether this process opened the file, and not the one that it was forked from."""
+        return os.getpid() == self._process
+
+    def _renew_sums(self) -> None:
+        """Make the checksums of all pages that were touched."""
+        count = page_count(self._end)
+        sums = np.zeros(count, np.uint32)
+        kept = min(count, len(self._sums))
+        sums[:kept] = self._sums[:kept]
+        changes: dict[int, list[Piece]] = {}
+        for (start, length), new in self._changes.items():
+            for page in range(start // PAGE, page_count(start + length)):
+                changes.setdefault(page, []).append((start, new))
+        for page in {page for page in self._touched if page < count}:
+            first, length = page * PAGE, min(PAGE, self._end - page * PAGE)
+            content = bytearray(read_at(self._file, first, length).ljust(length, b"\0"))
+            overlaid(first, content, changes.get(page, ()))
+            sums[page] = zlib.crc32(content)
+        self._sums = sums
+
+    def _touch(self, first: int, last: int) -> None:
+        self._touched.update(range(first // PAGE, page_count(last)))
+
+    def _put(self, start: int, new: bytes) -> None:
+        """Write the bytes, or keep those that change what counts or find no room."""
+        kept = min(len(new), max(0, self._committed - start))
+        for place, piece in ((start, new[:kept]), (start + kept, new[kept:])):
+            if piece and not self._appended(place, piece):
+                self._changes.pop((place, len(piece)), None)
+                self._changes[place, len(piece)] = piece
+                self._changes_end = max(self._changes_end, place + len(piece))
+
     def _appended(self, start: int, new: bytes) -> bool:
         """Write the bytes behind all that counts; False where they are not, or find no room."""
-        changed = max((first + length for first, length in self._changes), default=0)
-        if self._applying or start < max(self._committed, changed):
+        if self._applying or not self._is_ours() or start < max(self._committed, self._changes_end):
             return False
         try:
             self._write_at(start, new)
@@ -140,93 +194,60 @@ class JournalledFile:
             return False
         return True
 
-    def _read_at(self, place: int, count: int) -> bytes:
-        self._file.seek(place)
-        return _read(self._file, count)
+    def _content(self, place: int, count: int) -> bytes:
+        """Return ``count`` bytes, changes included, zeros behind the end of what was written."""
+        content = bytearray(read_at(self._file, place, count).ljust(count, b"\0"))
+        overlaid(place, content, [(start, new) for (start, _), new in self._changes.items()])
+        return bytes(content)
 
     def _write_at(self, place: int, data: bytes) -> None:
         self._file.seek(place)
         _write(self._file, data)
 
 
-def complete_journal(path: Path) -> None:
-    """Complete what a process that was killed had begun to write to the file, if anything.
+def read_journal(file: BinaryIO) -> tuple[int, list[Piece]] | None:
+    """Return where the file ends without its journal, and what is to be there instead.
 
-    Raises CaseError where that is needed and the file may not be written.
+    None where there is no journal, or none that is whole.
     """
-    patience = time.monotonic() + PATIENCE
-    while left := _has_journal(path):
-        # A writer that is alive cuts its journal off within milliseconds.
-        if time.monotonic() >= patience:
-            break
-        time.sleep(0.01)
-    if not left:
-        return
-    try:
-        with open(path, "r+b", buffering=0) as file:
-            _complete(file)
-    except OSError as error:
-        raise CaseError(
-            "its run was killed while it wrote a frame, which has to be completed",
-            where=str(path),
-            remedy="make the file writable, or copy it, and open it again",
-        ) from error
-
-
-def _has_journal(path: Path) -> bool:
-    with open(path, "rb", buffering=0) as file:
-        return _read_journal(file) is not None
+    size = file.seek(0, os.SEEK_END)
+    trailer = read_at(file, max(0, size - TRAILER.size), TRAILER.size)
+    if len(trailer) < TRAILER.size:
+        return None
+    end, length, checksum, mark = TRAILER.unpack(trailer)
+    if mark != MARK or end + length + TRAILER.size > size:
+        return None
+    records = read_at(file, size - TRAILER.size - length, length)
+    if len(records) < length or zlib.crc32(records) != checksum:
+        return None
+    pieces, at = [], 0
+    while at + RECORD.size <= length:
+        start, count = RECORD.unpack_from(records, at)
+        at += RECORD.size
+        pieces.append((start, records[at : at + count]))
+        at += count
+    whole = at == length and all(start + len(new) <= end for start, new in pieces)
+    return (end, pieces) if whole else None
 
 
 def _complete(file: BinaryIO) -> int:
     """Overwrite what the journal at the end of the file says, and cut it off; return the end."""
-    found = _read_journal(file)
+    found = read_journal(file)
     if found is None:
         return file.seek(0, os.SEEK_END)
-    end, records = found
-    at = 0
-    while at < len(records):
-        start, length = RECORD.unpack_from(records, at)
-        at += RECORD.size
-        file.seek(start)
-        _write(file, records[at : at + length])
-        at += length
-    file.truncate(end)
+    end, pieces = found
+    with locks.changing(file):
+        for start, new in pieces:
+            file.seek(start)
+            _write(file, new)
+        file.truncate(end)
     return end
 
 
-def _journal(end: int, pieces: Iterable[tuple[int, bytes]]) -> bytes:
+def _journal(end: int, pieces: Sequence[Piece]) -> bytes:
     """Return the journal of a file that ends at ``end``: bytes and the places they go to."""
     records = b"".join(RECORD.pack(start, len(new)) + new for start, new in pieces)
     return records + TRAILER.pack(end, len(records), zlib.crc32(records), MARK)
-
-
-def _read_journal(file: BinaryIO) -> tuple[int, bytes] | None:
-    """Return where the file ends without its journal, and the records; None without a journal."""
-    size = file.seek(0, os.SEEK_END)
-    if size < TRAILER.size:
-        return None
-    file.seek(size - TRAILER.size)
-    trailer = _read(file, TRAILER.size)
-    if len(trailer) < TRAILER.size:
-        return None
-    end, length, checksum, mark = TRAILER.unpack(trailer)
-    if mark != MARK or end + length + TRAILER.size != size:
-        return None
-    file.seek(end)
-    records = _read(file, length)
-    if len(records) < length or zlib.crc32(records) != checksum:
-        return None
-    return end, records
-
-
-def _read(file: BinaryIO, count: int) -> bytes:
-    """Return ``count`` bytes, or as many as there are: one call may give fewer."""
-    pieces = []
-    while count and (piece := file.read(count)):
-        pieces.append(piece)
-        count -= len(piece)
-    return b"".join(pieces)
 
 
 def _write(file: BinaryIO, data: bytes) -> None:

@@ -9,12 +9,16 @@
     /history/NAME  table, a row per instant (the start and every step) of a measured point
     /energy        table, a row per instant: time and the entries of the energy ledger
     /steps         table, a row per step: time, size, passes, contacts, penetration, travel
-    /model         the case file's text, versions, names and numbers of the blocks
+    /model         the case file's text, how it is simulated (about, JSON), versions, names and
+                   numbers of the blocks
     /report        how the run went; only in a file that was finished
 
 A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after its data have
 reached the file; a process killed at any moment leaves all frames before readable.  Behind the
-end of the file there may then be a journal (:mod:`clast.results.journal`), which clast completes.
+end of HDF5's part there are checksums of it (:mod:`clast.results.pages`), and after a kill there
+may be a journal (:mod:`clast.results.journal`), which clast reads in place of what it changes.
+Arrays and tables are compressed and have HDF5's own checksums for viewers.  In names of points that
+name a dataset "%" and "/" stand as %25 and %2F.
 Tables are HDF5 compound datasets: ``file["energy"]["kinetic"]``.
 """
 
@@ -22,8 +26,8 @@ from __future__ import annotations
 
 import numpy as np
 
-FORMAT = 1
-"""Version of the layout outside of /VTKHDF."""
+FORMAT = 2
+"""Version of the layout outside of /VTKHDF: 1 had no checksums."""
 
 VTKHDF_VERSION = (2, 2)
 """The first version that blesses groups of one's own beside /VTKHDF."""
@@ -48,6 +52,9 @@ CELL_ARRAYS: dict[str, tuple[int, ...]] = {
 }
 """Arrays with a row per block and frame: name -> shape of a row."""
 
+PLANE_VECTORS = ("displacement", "velocity")
+"""Fields that VTK wants with a third component, which is zero."""
+
 ABOUT = {
     "Points": "vertices, m",
     "PointData/displacement": "displacement of the vertex since the start, m",
@@ -68,6 +75,14 @@ FRAME_ROW = np.dtype([("time", "f8"), ("steps", "i8"), ("instants", "i8"), ("con
 """A frame: time, s, and the rows of /steps, of /energy and /history, of /contacts until then."""
 
 
-def history_path(name: str) -> str:
-    """Return where the history of a measured point is; a slash would open a group."""
-    return f"history/{name.replace('/', '∕')}"
+SPECIAL = str.maketrans({sign: f"%{ord(sign):02X}" for sign in "%/"})
+"""A slash would open a group; what stands for it must not be a name of its own."""
+
+
+def history_path(name: str, layout: int = FORMAT) -> str:
+    """Return where the history of a measured point is."""
+    if layout == 1:
+        return f"history/{name.replace('/', '∕')}"
+    # HDF5 takes "." for the group itself, and "" for nothing; ".." is the group above for others
+    dots = name.replace(".", "%2E") if set(name) <= {"."} else name.translate(SPECIAL)
+    return f"history/{dots or '%'}"

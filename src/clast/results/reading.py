@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,54 +12,28 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model import Bools, Floats, Ints
-from clast.results.journal import complete_journal
-from clast.results.layout import FORMAT, history_path
-from clast.results.run import (
-    PointHistory,
-    Report,
-    columns,
-    report_from_dict,
+from clast.results import structure
+from clast.results.about import asked_most
+from clast.results.columns import BlockHistory, Columns, FrameContacts, PointHistory
+from clast.results.layout import FORMAT, PLANE_VECTORS, history_path
+from clast.results.opening import AGAIN, ask, check_ours
+from clast.results.recorded import (
+    KIND_FIELDS,
+    VERTICES,
+    Frame,
+    block_of,
+    contacts_of,
+    field_of,
+    frame_of,
     unknown_name,
 )
+from clast.results.run import Report
 
-PLANE_VECTORS = ("displacement", "velocity")
-"""Fields that VTK wants with a third component, which is zero."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FrameContacts:
-    """The contacts of one frame that carry a force; m contacts."""
-
-    position: Floats
-    """Invading vertex, m, shape (m, 2)."""
-    normal: Floats
-    """Outward unit normal of the edge, shape (m, 2)."""
-    normal_force: Floats
-    """Normal force, N/m, compression positive, shape (m,)."""
-    shear_force: Floats
-    """Shear force on the vertex along the edge's direction, N/m, shape (m,)."""
-    vertex: Ints
-    """Invading vertex, shape (m,)."""
-    edge: Ints
-    """Entrance edge: index of its first vertex, shape (m,)."""
-    mode: Ints
-    """0 open, 1 slide, 2 lock, shape (m,)."""
-
-    @property
-    def force(self) -> Floats:
-        """Force on the invading vertex's block, N/m, shape (m, 2)."""
-        # Polygons run counter-clockwise: the edge's direction is its outward normal turned left.
-        along = np.column_stack([-self.normal[:, 1], self.normal[:, 0]])
-        forces: Floats = (
-            self.normal_force[:, None] * self.normal + self.shear_force[:, None] * along
-        )
-        return forces
-
-    def __len__(self) -> int:
-        return len(self.vertex)
+QUICKLY_CHECKED = 2**28
+"""Size of a file that is checked from end to end in less than half a second, bytes."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Results:
     """What a result file holds.  Coordinates are the user's; arrays are read when asked for."""
 
@@ -72,6 +43,8 @@ class Results:
     """Title of the case."""
     case_text: str
     """The case file as it was run."""
+    about: dict[str, Any]
+    """Process, contact law, rocks and their numbers, as clast info prints them."""
     versions: dict[str, str]
     """Version of clast and of what it is built on."""
     times: Floats
@@ -92,107 +65,155 @@ class Results:
     """Where each measured point was at the start, m, shape (k, 2)."""
     report: Report | None
     """How the run went; None where it never came to write one."""
+    layout: int = FORMAT
+    """Version of the file's layout."""
     frame_rows: NDArray[Any] = field(repr=False)
     """Table of the frames: time, and the rows of the other tables until then."""
 
+    @property
+    def name(self) -> str:
+        """Name of the file."""
+        return self.path.name
+
+    def field(self, name: str, frame: int | None = None) -> NDArray[Any]:
+        """Return a field of the blocks, of all frames or of one.
+
+        Shape (frames, n), (frames, n, 2) or (frames, n, 3), without the first of them for one
+        frame.  ``field_names`` says which there are; parts of them are called sigma_yy,
+        displacement_x and so on; "vertices" is (frames, nv, 2), m.  Raises CaseError for a field or
+        a frame that does not exist.
+        """
+        return field_of(self, name, frame)
+
     def vertices(self, frame: int = -1) -> Floats:
         """Return the vertices of a frame, m, shape (nv, 2); frame -1 is the last."""
-        count = int(self.block_start[-1])
-        return self._rows("VTKHDF/Points", frame, count)[:, :2]
+        return field_of(self, VERTICES, frame)
 
-    def field(self, name: str, frame: int = -1) -> NDArray[Any]:
-        """Return a field of the blocks, shape (n,), (n, 2) or (n, 3); see ``field_names``."""
-        if name not in self.field_names:
-            raise unknown_name("field", name, self.field_names)
-        count = len(self.block_rock)
-        if name in ("block", "rock", "fixed"):
-            return self._rows(f"VTKHDF/CellData/{name}", 0, count)
-        values = self._rows(f"VTKHDF/CellData/{name}", frame, count)
-        return values[:, :2] if name in PLANE_VECTORS else values
+    def contacts(self, frame: int = -1) -> FrameContacts:
+        """Return the contacts of a frame that carry a force, as a table."""
+        return contacts_of(self, frame)
+
+    def frame(self, number: int = -1, *, at: float | None = None) -> Frame:
+        """Return a frame by its number, or the one nearest to the time ``at``, s.
+
+        Raises CaseError for a number or a time that lies outside of the run.
+        """
+        return frame_of(self, number, at)
+
+    def block(self, name: str) -> BlockHistory:
+        """Return how the block ``name`` moved, a row per frame, as a table.
+
+        Raises CaseError for a block that does not exist.
+        """
+        return block_of(self, name, self.block_name)
 
     @cached_property
     def field_names(self) -> tuple[str, ...]:
         """Names of the fields of the blocks."""
-        with _opened(self.path) as file:
-            return tuple(file["VTKHDF/CellData"])
+        return ask(self.path, lambda file: tuple(file["VTKHDF/CellData"]))
 
-    def contacts(self, frame: int = -1) -> FrameContacts:
-        """Return the contacts of a frame."""
-        index = self.frame_index(frame)
+    def series(self, name: str, frames: range, first: int, past: int) -> NDArray[Any]:
+        """Return rows ``first`` to ``past`` - 1 of a field in some frames, (frames, rows, ...)."""
+        kind = name in KIND_FIELDS
+        count = int(self.block_start[-1]) if name == VERTICES else len(self.block_rock)
+        place = "VTKHDF/Points" if name == VERTICES else f"VTKHDF/CellData/{name}"
+        starts = [first if kind else first + frame * count for frame in frames]
+
+        def rows(file: Any) -> NDArray[Any]:
+            return np.stack([file[place][start : start + past - first] for start in starts])
+
+        values = ask(self.path, rows)
+        if name == VERTICES and not np.isfinite(values).all():
+            at = frames[int(np.flatnonzero(~np.isfinite(values).all(axis=(1, 2)))[0])]
+            raise CaseError(
+                f"is damaged: frame {at} has vertices that are no numbers",
+                where=str(self.path),
+                remedy=AGAIN,
+            )
+        return values[:, :, :2] if name in (*PLANE_VECTORS, VERTICES) else values
+
+    def contact_rows(self, frame: int) -> NDArray[Any]:
+        """Return a row for every contact of a frame that carries a force."""
         ends = self.frame_rows["contacts"]
-        first = ends[index - 1] if index else 0
-        with _opened(self.path) as file:
-            rows = file["contacts"][first : ends[index]]
-        return FrameContacts(**columns(rows))
+        first = ends[frame - 1] if frame else 0
+        rows: NDArray[Any] = ask(self.path, lambda file: file["contacts"][first : ends[frame]])
+        return rows
 
     def history(self, name: str) -> PointHistory:
-        """Return the history of the measured point ``name``."""
+        """Return the history of the measured point ``name``, a row per instant, as a table.
+
+        Raises CaseError for a point that does not exist.
+        """
         if name not in self.point_name:
             raise unknown_name("measured point", name, self.point_name)
-        return PointHistory(**columns(self._table(history_path(name), "instants")))
+        return PointHistory(self._table(history_path(name, self.layout), "instants"))
 
     @property
-    def energy(self) -> dict[str, Floats]:
+    def energy(self) -> Columns:
         """Energy ledger over time: ``time``, s, and every entry, J per m, each of shape (t,)."""
-        return columns(self._table("energy", "instants"))
+        return Columns(self._table("energy", "instants"))
 
     @property
-    def steps(self) -> dict[str, NDArray[Any]]:
+    def steps(self) -> Columns:
         """Accepted steps: time, step, passes, contacts, penetration, travel, each of shape (t,)."""
-        return columns(self._table("steps", "steps"))
-
-    def frame_index(self, frame: int) -> int:
-        """Return a frame's number counted from 0; negative ones count from the end."""
-        count = len(self.times)
-        if not -count <= frame < count:
-            raise CaseError(
-                f"there is no frame {frame}",
-                where=str(self.path),
-                remedy=f"the file has {count} frames: 0 to {count - 1}, or -1 for the last",
-            )
-        return frame % count
-
-    def _rows(self, place: str, frame: int, count: int) -> NDArray[Any]:
-        first = self.frame_index(frame) * count
-        with _opened(self.path) as file:
-            return file[place][first : first + count]
+        return Columns(self._table("steps", "steps"))
 
     def _table(self, place: str, counter: str) -> NDArray[Any]:
-        with _opened(self.path) as file:
-            # Until the run is finished only what belongs to whole frames is sure to be there.
-            end = None if self.report else self.frame_rows[counter][-1]
-            return file[place][:end]
+        # Until the run is finished only what belongs to whole frames is sure to be there.
+        end = None if self.report else self.frame_rows[counter][-1]
+        rows: NDArray[Any] = ask(self.path, lambda file: file[place][:end])
+        return rows
 
-
-def read_results(path: Path | str) -> Results:
-    """Open a result file; raises CaseError where it is none or cannot be read."""
-    path = Path(path)
-    with _opened(path) as file:
-        _check_ours(path, file)
-        model = file["model"]
-        frames = file["frames"][: int(file["VTKHDF/Steps"].attrs["NSteps"])]
-        text = file["report/json"].asstr()[()] if "report/json" in file else ""
-        prefix = "version of "
-        return Results(
-            path=path,
-            title=str(model.attrs["title"]),
-            case_text=model["case"].asstr()[()],
-            versions={
-                key.removeprefix(prefix): str(number)
-                for key, number in model.attrs.items()
-                if key.startswith(prefix)
-            },
-            times=frames["time"],
-            block_name=_names(model["block_name"]),
-            block_start=model["block_start"][:],
-            block_rock=model["block_rock"][:],
-            fixed=model["fixed"][:],
-            rock_name=_names(model["rock_name"]),
-            point_name=_names(model["point_name"]),
-            point_start=model["point_start"][:],
-            report=report_from_dict(json.loads(text)) if text else None,
-            frame_rows=frames,
+    def __repr__(self) -> str:
+        points = ", ".join(self.point_name[:4])
+        return (
+            f"Results('{self.title}', {len(self.block_name)} blocks, {len(self.times)} frames from "
+            f"{self.times[0]:.6g} to {self.times[-1]:.6g} s\n"
+            f"    in {self.path}; measured points: {points or 'none'})"
         )
+
+
+def read_results(path: Path | str, *, whole: int = QUICKLY_CHECKED) -> Results:
+    """Return what a result file holds, arrays being read when they are asked for.
+
+    ``clast.read("out.vtkhdf")``; the file may be one that a run still writes, or that a killed run
+    has left.  Raises CaseError where it is none of clast's, is damaged or cannot be read.
+
+    Files of at most ``whole`` bytes are checked from end to end, others only where they are read.
+    """
+    path = Path(path)
+    return ask(path, lambda file: _results(path, file), whole=whole)
+
+
+def _results(path: Path, file: Any) -> Results:
+    layout = check_ours(file)
+    blocks, frames = structure.blocks_of(file), structure.frames_of(file)
+    structure.check_arrays(file, frames, blocks)
+    structure.check_grid(file, frames, blocks)
+    points = structure.points_of(file, layout, frames["instants"][-1])
+    about, prefix = file["model"].attrs, "version of "
+    return Results(
+        path=path,
+        layout=layout,
+        title=str(about["title"]),
+        case_text=structure.text(file, "model/case"),
+        about=structure.about_of(file),
+        versions={
+            key.removeprefix(prefix): str(number)
+            for key, number in about.items()
+            if key.startswith(prefix)
+        },
+        times=frames["time"],
+        block_name=blocks.name,
+        block_start=blocks.start,
+        block_rock=blocks.rock,
+        fixed=blocks.fixed,
+        rock_name=blocks.rock_name,
+        point_name=points[0],
+        point_start=points[1],
+        report=structure.report_of(file),
+        frame_rows=frames,
+    )
 
 
 def summary(results: Results) -> dict[str, Any]:
@@ -203,6 +224,9 @@ def summary(results: Results) -> dict[str, Any]:
         "file": str(results.path),
         "size_bytes": results.path.stat().st_size,
         "title": results.title,
+        **asked_most(results.about),
+        "about": results.about,
+        "version": results.versions.get("clast", "unknown"),
         "versions": results.versions,
         "finished": report.finished if report else False,
         "outcome": report.outcome if report else "the run did not end; its frames are kept",
@@ -228,50 +252,3 @@ def _last_row(results: Results, name: str) -> dict[str, Any]:
         "velocity": history.velocity[-1].tolist(),
         "rotation": float(history.rotation[-1]),
     }
-
-
-def _names(dataset: Any) -> tuple[str, ...]:
-    return tuple(dataset.asstr()[:])
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[Any]:
-    """Open a result file for reading; what goes wrong becomes a CaseError."""
-    import h5py
-
-    where = str(path)
-    if path.is_dir():
-        raise CaseError("is a directory, not a result file", where=where)
-    if not path.exists():
-        raise CaseError(
-            "there is no such file", where=where, remedy="clast run CASE -o FILE writes one"
-        )
-    try:
-        complete_journal(path)
-        # Viewers and a run that still writes may have the file open: no lock is asked for.
-        with h5py.File(path, "r", locking=False) as file:
-            yield file
-    except PermissionError as error:
-        raise CaseError("may not be read", where=where, remedy="ask for permission") from error
-    except (OSError, KeyError, ValueError, RuntimeError) as error:
-        raise CaseError(
-            "is no result file of clast, or is damaged",
-            where=where,
-            remedy="run the case again to make a new one",
-        ) from error
-
-
-def _check_ours(path: Path, file: Any) -> None:
-    if "VTKHDF" not in file or "model" not in file or "format" not in file["model"].attrs:
-        raise CaseError(
-            "is an HDF5 file, but no result file of clast",
-            where=str(path),
-            remedy="name a file that clast run has written",
-        )
-    written = int(file["model"].attrs["format"])
-    if written > FORMAT:
-        raise CaseError(
-            f"was written by a newer clast (layout {written}, this one knows {FORMAT})",
-            where=str(path),
-            remedy="update clast",
-        )

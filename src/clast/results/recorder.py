@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from clast.errors import ResultsLost, RunStopped
 from clast.interfaces import StepResult
 from clast.model import Model
 from clast.results.run import Report, Run
@@ -26,11 +31,12 @@ _ledger_entries = attrgetter(*LEDGER_ENTRIES)
 
 
 class RunRecorder:
-    """Records one run: every step in memory, frames in the file ``output`` where one is named.
+    """Records one run: every step in memory, frames in the file ``output`` or in memory as well.
 
     The output is looked at when the recorder is made, so that a bad path is known before the
     first step, and written from ``start`` on; a good result of an earlier run under the same name
-    is kept until then.  ``contacts=False`` leaves contact forces out of the file.
+    is kept until then.  ``contacts=False`` leaves contact forces out of the frames.  Raises
+    CaseError for an output that cannot be written.
     """
 
     def __init__(
@@ -42,6 +48,7 @@ class RunRecorder:
     ) -> None:
         # Compiled kernels are slow to import; who only reads results does not need them.
         from clast.results.fields import FrameFields
+        from clast.results.kept import KeptFrames
         from clast.results.points import PointTracker
 
         self._model = model
@@ -54,12 +61,13 @@ class RunRecorder:
         self._steps = Table(STEP_ROW)
         self._state: State | None = None
         self._result: StepResult | None = None
-        self._frame_time: float | None = None
+        self._frame_times: list[float] = []
+        self._kept = KeptFrames(model) if output is None else None
         self._file = None
         if output is not None:
-            from clast.results.writing import ResultFile, check_output
+            from clast.results.writing import ResultFile
 
-            self._file = ResultFile(check_output(Path(output)), model, case_text)
+            self._file = ResultFile(Path(output), model, case_text)
 
     @property
     def state(self) -> State:
@@ -68,8 +76,13 @@ class RunRecorder:
             raise RuntimeError("nothing is recorded yet: call start first")
         return self._state
 
-    def start(self, state: State) -> None:
-        """Record the state at the start of the run and begin the file with it."""
+    def start(self, state: State, about: Mapping[str, Any] | None = None) -> None:
+        """Record the state at the start of the run and begin the file with it.
+
+        ``about`` says how the run is simulated (:mod:`clast.results.about`).
+        """
+        if self._file is not None:
+            self._file.about = about or {}
         self._record(state)
         self.frame(state)
 
@@ -95,22 +108,38 @@ class RunRecorder:
         contacts: Contacts | None = None,
         response: ContactResponse | None = None,
     ) -> None:
-        """Write a frame, and all rows since the last one, to the file."""
-        if self._file is None:
-            return
+        """Keep a frame; a file gets all rows since the last one, too."""
         rows = no_contacts()
         if self._with_contacts and contacts is not None and response is not None:
             rows = self._fields.contacts(state, contacts, response)
-        self._file.frame(state.time, self._fields.of(state), rows, self._tables())
-        self._frame_time = state.time
+        if self._kept is not None:
+            self._kept.add(state, rows)
+        if self._file is not None:
+            self._file.frame(state.time, self._fields.of(state), rows, self._tables())
+        self._frame_times.append(state.time)
 
     def finish(self, report: Report) -> Run:
-        """Close the file with the last state and the report; return what was recorded."""
+        """Close the file with the last state and the report; return what was recorded.
+
+        Raises RunStopped, with what was recorded in its ``run``, where they cannot be written.
+        """
         last = self._result
-        if last is not None and last.state.time != self._frame_time:
-            self.frame(last.state, last.contacts, last.response)
-        if self._file is not None:
-            self._file.finish(report, self._tables())
+        try:
+            if last is not None and last.state.time not in self._frame_times[-1:]:
+                self.frame(last.state, last.contacts, last.response)
+            if self._file is not None:
+                self._file.finish(report, self._tables())
+        except ResultsLost as lost:
+            if report.finished:
+                outcome = f"stopped at t = {self.state.time:.6g} s: {lost}"
+                report = replace(report, finished=False, outcome=outcome)
+            raise RunStopped(f"the run {report.outcome}", self._run(report)) from lost
+        if self._kept is not None and self._kept.left_out_from is not None:
+            note = f"frames from t = {self._kept.left_out_from:.4g} s on found no room in memory"
+            report = replace(report, notes=(*report.notes, f"{note}: name an output file"))
+        return self._run(report)
+
+    def _run(self, report: Report) -> Run:
         return Run(
             model=self._model,
             state=self.state,
@@ -119,6 +148,8 @@ class RunRecorder:
             point_rows=self._points.rows,
             energy_rows=self._energy.rows,
             step_rows=self._steps.rows,
+            times=np.array(self._frame_times) if self._kept is None else self._kept.times,
+            kept=self._kept,
         )
 
     def _record(self, state: State) -> None:

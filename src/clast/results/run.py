@@ -3,34 +3,36 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import NDArray
 
-from clast import spelling
 from clast.errors import CaseError
-from clast.model import Floats, Model
+from clast.model import Bools, Floats, Ints, Model
+from clast.results.columns import BlockHistory, Columns, FrameContacts, PointHistory
+from clast.results.recorded import (
+    VERTICES,
+    Frame,
+    FrameStore,
+    block_of,
+    contacts_of,
+    field_of,
+    frame_of,
+    unknown_name,
+)
+from clast.results.tables import rows_of_point
 from clast.state import Ledger, State
 
-
-@dataclass(frozen=True, kw_only=True)
-class PointHistory:
-    """How one measured point moved, at the start and after every step; t instants."""
-
-    time: Floats
-    """Time, s, shape (t,)."""
-    displacement: Floats
-    """Displacement (x, y) since the start, m, shape (t, 2)."""
-    velocity: Floats
-    """Velocity (x, y) of the point, m/s, shape (t, 2)."""
-    rotation: Floats
-    """Rotation of the point's block since the start, rad, counter-clockwise, shape (t,)."""
+if TYPE_CHECKING:
+    from clast.results.kept import KeptFrames
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Report:
     """How a run went."""
 
@@ -71,6 +73,19 @@ class Report:
         plain["notes"] = list(self.notes)
         return plain
 
+    def __repr__(self) -> str:
+        lines = [
+            f"Report: {self.outcome.partition(':')[0]}",
+            f"  {self.steps} steps ({self.cut_steps} cut), {self.passes} passes, at most "
+            f"{self.largest_contacts} contacts, {self.wall_seconds:.3g} s of wall time",
+            f"  penetration at most {self.largest_penetration:.3g} m; kinetic "
+            f"{self.ledger.kinetic:.4g}, friction {self.ledger.friction:.4g}, numerical "
+            f"{self.ledger.numerical:.4g}, unaccounted {self.ledger.unaccounted:.2g} J/m",
+        ]
+        if self.warnings:
+            lines.append(f"  {len(self.warnings)} warnings: .warnings")
+        return "\n".join(lines)
+
 
 def report_from_dict(plain: Mapping[str, Any]) -> Report:
     """Return the report that :meth:`Report.as_dict` gave."""
@@ -83,9 +98,12 @@ def report_from_dict(plain: Mapping[str, Any]) -> Report:
     return Report(**entries)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Run:
-    """What a run computed."""
+    """What a run computed; histories, fields and contacts read as those of a result file do.
+
+    Frames are in memory where the run wrote no file, else they are read from it when asked for.
+    """
 
     model: Model
     """What was simulated."""
@@ -101,6 +119,12 @@ class Run:
     """Energy ledger, a row per instant: time and every entry of the ledger."""
     step_rows: NDArray[Any]
     """Accepted steps, a row each: time at its end, size, passes, contacts, penetration, travel."""
+    times: Floats
+    """Time of each frame, s, shape (frames,)."""
+    kept: KeptFrames | None = None
+    """Frames in memory; None where they are in the file."""
+    ended_by: int = 0
+    """Number of the signal that ended the run early, 0 where none did."""
 
     @property
     def final(self) -> State:
@@ -111,16 +135,24 @@ class Run:
         )
 
     def history(self, name: str) -> PointHistory:
-        """Return the history of the measured point ``name``."""
+        """Return the history of the measured point ``name``, a row per instant, as a table.
+
+        Raises CaseError for a point that does not exist.
+        """
         names = self.model.measured_points.name
         if name not in names:
             raise unknown_name("measured point", name, names)
-        return point_history(self.point_rows, names.index(name))
+        return PointHistory(rows_of_point(self.point_rows, names.index(name)))
 
     @property
-    def energy(self) -> dict[str, Floats]:
+    def energy(self) -> Columns:
         """Energy ledger over time: ``time``, s, and every entry, J per m, each of shape (t,)."""
-        return columns(self.energy_rows)
+        return Columns(self.energy_rows)
+
+    @property
+    def steps(self) -> Columns:
+        """Accepted steps: time, step, passes, contacts, penetration, travel, each of shape (t,)."""
+        return Columns(self.step_rows)
 
     @property
     def step_sizes(self) -> Floats:
@@ -128,22 +160,104 @@ class Run:
         sizes: Floats = self.step_rows["step"]
         return sizes
 
+    @property
+    def title(self) -> str:
+        """Title of the case."""
+        return self.model.title
 
-def point_history(rows: NDArray[Any], point: int) -> PointHistory:
-    """Return the history of one point from the rows of all points."""
-    return PointHistory(
-        time=rows["time"],
-        displacement=rows["displacement"][:, point],
-        velocity=rows["velocity"][:, point],
-        rotation=rows["rotation"][:, point],
-    )
+    @property
+    def name(self) -> str:
+        """Name of the result file, "run" where there is none."""
+        return self.output.name if self.output else "run"
 
+    @property
+    def block_name(self) -> tuple[str, ...]:
+        """Name of each block."""
+        return self.model.block_name
 
-def columns(rows: NDArray[Any]) -> dict[str, NDArray[Any]]:
-    """Return the columns of a table by name."""
-    return {name: rows[name] for name in rows.dtype.names or ()}
+    @property
+    def block_start(self) -> Ints:
+        """Index of each block's first vertex; the last entry is the vertex count, (n + 1,)."""
+        return self.model.block_start
 
+    @property
+    def fixed(self) -> Bools:
+        """True where a block cannot move at all, shape (n,)."""
+        return self.model.fixed
 
-def unknown_name(kind: str, name: str, known: Sequence[str]) -> CaseError:
-    """Return the error for a name that does not exist, with the nearest one that does."""
-    return CaseError(f"there is no {kind} '{name}'", remedy=spelling.advice(name, known, kind=kind))
+    @property
+    def rock_name(self) -> tuple[str, ...]:
+        """Name of each rock."""
+        return tuple(rock.name for rock in self.model.rocks)
+
+    @property
+    def point_name(self) -> tuple[str, ...]:
+        """Name of each measured point."""
+        return self.model.measured_points.name
+
+    @property
+    def point_start(self) -> Floats:
+        """Where each measured point was at the start, m, shape (k, 2)."""
+        start: Floats = self.model.measured_points.at + self.model.origin
+        return start
+
+    @property
+    def field_names(self) -> tuple[str, ...]:
+        """Names of the fields of the blocks."""
+        return self._frames.field_names
+
+    def field(self, name: str, frame: int | None = None) -> NDArray[Any]:
+        """Return a field of the blocks, of all frames or of one.
+
+        Shape (frames, n), (frames, n, 2) or (frames, n, 3), without the first of them for one
+        frame.  ``field_names`` says which there are; parts of them are called sigma_yy,
+        displacement_x and so on; "vertices" is (frames, nv, 2), m.  Raises CaseError for a field or
+        a frame that does not exist.
+        """
+        return field_of(self._frames, name, frame)
+
+    def vertices(self, frame: int = -1) -> Floats:
+        """Return the vertices of a frame, m, shape (nv, 2); frame -1 is the last."""
+        return field_of(self._frames, VERTICES, frame)
+
+    def contacts(self, frame: int = -1) -> FrameContacts:
+        """Return the contacts of a frame that carry a force, as a table."""
+        return contacts_of(self._frames, frame)
+
+    def frame(self, number: int = -1, *, at: float | None = None) -> Frame:
+        """Return a frame by its number, or the one nearest to the time ``at``, s.
+
+        Raises CaseError for a number or a time that lies outside of the run.
+        """
+        return frame_of(self._frames, number, at)
+
+    def block(self, name: str) -> BlockHistory:
+        """Return how the block ``name`` moved, a row per frame, as a table.
+
+        Raises CaseError for a block that does not exist.
+        """
+        return block_of(self._frames, name, self.model.block_name)
+
+    @cached_property
+    def _frames(self) -> FrameStore:
+        if self.kept is not None:
+            return self.kept
+        from clast.results.reading import read_results
+
+        path = self.output or Path()
+        results = read_results(path)
+        if results.title != self.title or not np.array_equal(results.times, self.times):
+            raise CaseError(
+                "holds another run now", where=str(path), remedy="keep the results of each run"
+            )
+        return results
+
+    def __repr__(self) -> str:
+        end = "finished" if self.report.finished else "not finished"
+        where = f"{len(self.times)} frames in {self.output or 'memory'}"
+        points = ", ".join(self.model.measured_points.name[:4])
+        return (
+            f"Run('{self.title}', {self.model.block_count} blocks, {end} at t = "
+            f"{self.state.time:.6g} s after {self.report.steps} steps\n"
+            f"    {where}; measured points: {points or 'none'})"
+        )

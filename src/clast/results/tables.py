@@ -58,6 +58,15 @@ def points_row(count: int) -> np.dtype[Any]:
     )
 
 
+def rows_of_point(rows: NDArray[Any], point: int) -> NDArray[Any]:
+    """Return the rows of one measured point, by its index, from the rows of all."""
+    one = np.zeros(len(rows), POINT_ROW)
+    one["time"] = rows["time"]
+    for name in ("displacement", "velocity", "rotation"):
+        one[name] = rows[name][:, point]
+    return one
+
+
 class Table:
     """Rows of one kind in a buffer that doubles when it is full, so that a row costs little."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import platform
 import weakref
@@ -16,8 +17,9 @@ import h5py
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from clast.errors import CaseError
-from clast.model import Floats, Model
+from clast.errors import CaseError, ResultsLost
+from clast.model import Floats, Ints, Model
+from clast.results.about import about_model
 from clast.results.journal import JournalledFile
 from clast.results.layout import (
     ABOUT,
@@ -29,35 +31,44 @@ from clast.results.layout import (
     VTKHDF_VERSION,
     history_path,
 )
+from clast.results.output import check_output, claimed, hidden
 from clast.results.run import Report
-from clast.results.tables import CONTACT_ROW, ENERGY_ROW, POINT_ROW, STEP_ROW, Table
+from clast.results.tables import CONTACT_ROW, ENERGY_ROW, POINT_ROW, STEP_ROW, Table, rows_of_point
 
 # Newer formats mark a file as being written, and nothing opens it after the process was killed.
 FILE_FORMAT = ("v108", "v108")
 # What a kill cuts in two it cuts at a page: headers that change, 268 to 374 bytes, lie within one.
 IN_ONE_PAGE = {"alignment_threshold": 128, "alignment_interval": 512}
+PACKED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+LARGE = 64
+"""Rows that a frame must have for a chunk of its own."""
+CHECKED = {"fletcher32": True}
 CHUNK_ROWS = 512
 """Rows that small things share a chunk of the file with."""
 
 
 class ResultFile:
-    """The result file of one run.
+    """The result file of one run, taken for it from the beginning.
 
     The first frame is written beside ``path`` and then takes its name, so that an earlier result
-    is there until a new one is.  The file stays open without a lock: viewers may read along.  The
-    frames after it take effect one by one, whole or not at all, through a journal.
+    is there until a new one is.  Viewers may read along.  The frames after it take effect one by
+    one, whole or not at all, through a journal.
     """
 
     def __init__(self, path: Path, model: Model, case_text: str) -> None:
-        self.path = path
+        _check_texts(model)
+        self.path = check_output(path)
         self._model = model
         self._case_text = case_text
+        self.about: Mapping[str, Any] = {}
+        """How the run is simulated (results.about), to be set before the first frame."""
+        self._storage = JournalledFile(claimed(self.path))
         self._file: Any = None
-        self._storage: JournalledFile | None = None
         self._columns: dict[str, _Column] = {}
         self._frames = 0
         self._saved = {"energy": 0, "steps": 0, "history": 0}
         self._contacts = 0
+        weakref.finalize(self, _let_go, self._storage, hidden(self.path))
 
     def frame(
         self,
@@ -67,27 +78,30 @@ class ResultFile:
         tables: Mapping[str, Table],
     ) -> None:
         """Add a frame: arrays by place in /VTKHDF, contacts, and the new rows of the tables."""
-        with self._guarded():
-            if self._frames:
+        if self._frames:
+            with self._guarded():
                 self._put_frame(time, arrays, contacts, tables)
-                return
-            part = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
-            try:
-                self._open(_new_file(part, self._model, self._case_text))
+            return
+        try:
+            with self._guarded("make room, or choose another place"):
+                self._open(h5py.File(self._storage, "w", libver=FILE_FORMAT, **IN_ONE_PAGE))
+                _write_start(self._file, self._model, self._case_text, self.about)
                 self._put_frame(time, arrays, contacts, tables)
                 self._file.close()
-                os.replace(part, self.path)
-            finally:
-                part.unlink(missing_ok=True)
-            self._storage = JournalledFile(self.path)
-            self._open(h5py.File(self._storage, "r+", libver=FILE_FORMAT))
-            # HDF5 must not be left to close it when Python, which it writes through, is gone.
-            weakref.finalize(self, _close, self._file, self._storage)
+                self._storage.commit()
+                os.replace(hidden(self.path), self.path)
+                self._open(h5py.File(self._storage, "r+", libver=FILE_FORMAT))
+        except BaseException:
+            self._file.close()
+            _let_go(self._storage, hidden(self.path))
+            raise
 
     def finish(self, report: Report, tables: Mapping[str, Table]) -> None:
         """Write what is left and the report, and close the file."""
         with self._guarded():
             self._put_tables(self._new_rows(tables))
+            for name in _step_offsets(self._model, np.zeros(0, np.int64)):
+                self._column(f"VTKHDF/Steps/{name}").end_at(self._frames)
             group = self._file.create_group("report")
             plain = report.as_dict()
             group["json"] = json.dumps(plain, ensure_ascii=False, default=float)
@@ -95,29 +109,31 @@ class ResultFile:
                 if isinstance(value, bool | int | float | str):
                     group.attrs[name] = value
             self._file.close()
-            self._commit()
-            _close(self._file, self._storage)
+            self._storage.commit()
+            self._storage.close()
 
     def _open(self, file: Any) -> None:
         self._file = file
-        self._columns = {name: _Column(file[name]) for name in _column_names(self._model)}
+        self._columns.clear()
+        # HDF5 must not be left to close it when Python, which it writes through, is gone.
+        weakref.finalize(self, file.close)
 
-    def _commit(self) -> None:
-        """Let what was written take effect; the first frame's file has no name until it does."""
-        if self._storage is not None:
-            self._storage.commit()
+    def _column(self, name: str) -> _Column:
+        if name not in self._columns:
+            self._columns[name] = _Column(self._file[name])
+        return self._columns[name]
 
     @contextmanager
-    def _guarded(self) -> Iterator[None]:
+    def _guarded(self, remedy: str = "make room; frames written before are kept") -> Iterator[None]:
         """Turn errors of HDF5 and of the disk into one that a user can act on."""
         try:
             yield
-        except (OSError, RuntimeError) as error:
+        except (OSError, RuntimeError, ValueError) as error:
             number = getattr(error, "errno", None)
-            raise CaseError(
+            raise ResultsLost(
                 f"the results cannot be written: {os.strerror(number) if number else error}",
                 where=str(self.path),
-                remedy="make room or choose another place; frames written before are kept",
+                remedy=remedy,
             ) from error
 
     def _put_frame(
@@ -131,21 +147,24 @@ class ResultFile:
         number, contact_end = self._frames, self._contacts + len(contacts)
         new = self._new_rows(tables)
         for name, rows in arrays.items():
-            self._columns[f"VTKHDF/{name}"].put(number * len(rows), rows)
-        for name, offset in _step_offsets(self._model, number).items():
-            self._columns[f"VTKHDF/Steps/{name}"].put(number, offset)
-        self._columns["contacts"].put(self._contacts, contacts)
+            self._column(f"VTKHDF/{name}").put(number * len(rows), rows)
+        if number % CHUNK_ROWS == 0:
+            # Known beforehand: a chunk of them is written at once.
+            frames = np.arange(number, number + CHUNK_ROWS)
+            for name, offsets in _step_offsets(self._model, frames).items():
+                self._column(f"VTKHDF/Steps/{name}").put(number, offsets)
+        self._column("contacts").put(self._contacts, contacts)
         self._put_tables(new)
         ends = (time, len(tables["steps"]), len(tables["energy"]), contact_end)
-        self._columns["frames"].put(number, np.array([ends], FRAME_ROW))
+        self._column("frames").put(number, np.array([ends], FRAME_ROW))
         # Viewers read along: for them a frame counts when all of it is in the file.
         self._file.flush()
         self._file["VTKHDF/Steps"].attrs.modify("NSteps", np.int64(number + 1))
         self._file.flush()
         # Last of all, for VTK 9.7 crashes on more values than NSteps; one too few reads as 0.
-        self._columns["VTKHDF/Steps/Values"].put(number, np.array([time]))
+        self._column("VTKHDF/Steps/Values").put(number, np.array([time]))
         self._file.flush()
-        self._commit()
+        self._storage.commit()
         self._frames, self._contacts = number + 1, contact_end
         self._saved = {name: len(table) for name, table in tables.items()}
 
@@ -154,11 +173,11 @@ class ResultFile:
         return {name: table.rows[self._saved[name] :] for name, table in tables.items()}
 
     def _put_tables(self, new: Mapping[str, NDArray[Any]]) -> None:
-        self._columns["energy"].put(self._saved["energy"], new["energy"])
-        self._columns["steps"].put(self._saved["steps"], new["steps"])
+        self._column("energy").put(self._saved["energy"], new["energy"])
+        self._column("steps").put(self._saved["steps"], new["steps"])
         for index, name in enumerate(self._model.measured_points.name):
-            rows = _point_rows(new["history"], index)
-            self._columns[history_path(name)].put(self._saved["history"], rows)
+            rows = rows_of_point(new["history"], index)
+            self._column(history_path(name)).put(self._saved["history"], rows)
 
 
 class _Column:
@@ -183,79 +202,59 @@ class _Column:
         place.select_hyperslab((first, *(0 for _ in self._tail)), shape)
         self._id.write(h5py.h5s.create_simple(shape), place, rows, self._type)
 
-
-def _close(file: Any, storage: JournalledFile | None) -> None:
-    """Close the file as it was when changes last took effect."""
-    file.close()
-    if storage is not None:
-        storage.close()
+    def end_at(self, length: int) -> None:
+        """Leave out all rows behind ``length``."""
+        self._id.set_extent((length, *self._tail))
+        self._length = length
 
 
-def check_output(path: Path) -> Path:
-    """Return the path of a file that results can be written to, or raise CaseError."""
-    where, folder = str(path), path.absolute().parent
-    if path.is_dir():
-        raise CaseError(
-            "is a directory, not a file to write results to",
-            where=where,
-            remedy=f"name a file in it, e.g. {path / 'out.vtkhdf'}",
-        )
-    if not folder.is_dir():
-        raise CaseError(
-            f"the directory {path.parent} does not exist", where=where, remedy="make it first"
-        )
-    if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
-        raise CaseError(
-            "may not be written",
-            where=where,
-            remedy="choose another place for the results or change its permissions",
-        )
-    return path.absolute()
+def _let_go(storage: JournalledFile, part: Path) -> None:
+    """Close the file as it was when changes last took effect, and remove it if they never did."""
+    if storage.is_at(part):
+        part.unlink()
+    storage.close()
 
 
-def _column_names(model: Model) -> list[str]:
-    grid = [*POINT_ARRAYS, *CELL_ARRAYS]
-    steps = ["Values", *_step_offsets(model, 0)]
-    histories = [history_path(name) for name in model.measured_points.name]
-    return [
-        *(f"VTKHDF/{name}" for name in grid),
-        *(f"VTKHDF/Steps/{name}" for name in steps),
-        *("frames", "contacts", "energy", "steps"),
-        *histories,
-    ]
+def _check_texts(model: Model) -> None:
+    """Raise CaseError where a title or name holds what no text of HDF5 can hold."""
+    texts = [model.title, *model.block_name, *model.measured_points.name]
+    for text in (*texts, *(rock.name for rock in model.rocks)):
+        if "\0" in text or text.encode(errors="replace").decode() != text:
+            raise CaseError(
+                f"{text!r} holds a character that a result file cannot hold",
+                remedy="give it another title or name",
+            )
 
 
 MOVING = f"CellDataOffsets/{next(iter(CELL_ARRAYS)).removeprefix('CellData/')}"
 """Where the offsets of the blocks' arrays are stored; all arrays share them by hard links."""
 
 
-def _step_offsets(model: Model, frame: int) -> dict[str, NDArray[Any]]:
-    """Return the new entry of each dataset of offsets in /VTKHDF/Steps.
+def _step_offsets(model: Model, frames: Ints) -> dict[str, NDArray[Any]]:
+    """Return the entries of some ``frames`` in each dataset of offsets in /VTKHDF/Steps.
 
     Every frame is one part, part 0, with the same connectivity and with points and fields of its
     own.
     """
     return {
-        "NumberOfParts": np.array([1]),
-        "PartOffsets": np.array([0]),
-        "CellOffsets": np.array([[0]]),
-        "PointOffsets": np.array([frame * len(model.vertices)]),
-        MOVING: np.array([frame * model.block_count]),
+        "NumberOfParts": np.ones_like(frames),
+        "PartOffsets": np.zeros_like(frames),
+        "CellOffsets": np.zeros_like(frames)[:, None],
+        "PointOffsets": frames * len(model.vertices),
+        MOVING: frames * model.block_count,
     }
 
 
-def _new_file(path: Path, model: Model, case_text: str) -> Any:
-    """Create a result file without frames and return it open."""
-    file = h5py.File(path, "w", libver=FILE_FORMAT, locking=False, **IN_ONE_PAGE)
+def _write_start(file: Any, model: Model, case_text: str, about: Mapping[str, Any]) -> None:
+    """Write a result file without frames."""
     _write_grid(file.create_group("VTKHDF"), model)
-    _write_model(file.create_group("model"), model, case_text)
+    _write_model(file.create_group("model"), model, case_text, about)
     _growing(file, "frames", dtype=FRAME_ROW)
-    _growing(file, "contacts", dtype=CONTACT_ROW)
+    _growing(file, "contacts", dtype=CONTACT_ROW, batch=CHUNK_ROWS)
     _growing(file, "energy", dtype=ENERGY_ROW)
     _growing(file, "steps", dtype=STEP_ROW)
     for name in model.measured_points.name:
         _growing(file, history_path(name), dtype=POINT_ROW)
-    return file
 
 
 def _write_grid(grid: Any, model: Model) -> None:
@@ -267,16 +266,16 @@ def _write_grid(grid: Any, model: Model) -> None:
     grid["NumberOfPoints"] = np.array([vertices])
     grid["NumberOfCells"] = np.array([blocks])
     grid["NumberOfConnectivityIds"] = np.array([vertices])
-    grid["Connectivity"] = np.arange(vertices)
-    grid["Offsets"] = model.block_start
-    grid["Types"] = np.full(blocks, POLYGON, np.uint8)
+    _fixed(grid, "Connectivity", np.arange(vertices))
+    _fixed(grid, "Offsets", model.block_start)
+    _fixed(grid, "Types", np.full(blocks, POLYGON, np.uint8))
     for name, shape in POINT_ARRAYS.items():
         _growing(grid, name, shape, batch=vertices)
     for name, shape in CELL_ARRAYS.items():
         _growing(grid, name, shape, batch=blocks)
-    grid["CellData/block"] = np.arange(blocks)
-    grid["CellData/rock"] = model.block_rock
-    grid["CellData/fixed"] = model.fixed.astype(np.uint8)
+    _fixed(grid, "CellData/block", np.arange(blocks))
+    _fixed(grid, "CellData/rock", model.block_rock)
+    _fixed(grid, "CellData/fixed", model.fixed.astype(np.uint8))
     for name, about in ABOUT.items():
         grid[name].attrs["about"] = about
     _make_room_for_steps(grid.create_group("Steps"), model)
@@ -285,7 +284,7 @@ def _write_grid(grid: Any, model: Model) -> None:
 def _make_room_for_steps(steps: Any, model: Model) -> None:
     steps.attrs["NSteps"] = np.int64(0)
     _growing(steps, "Values")
-    for name, entry in _step_offsets(model, 0).items():
+    for name, entry in _step_offsets(model, np.zeros(0, np.int64)).items():
         _growing(steps, name, entry.shape[1:], dtype=entry.dtype)
     steps["ConnectivityIdOffsets"] = steps["CellOffsets"]
     for name in CELL_ARRAYS:
@@ -296,7 +295,7 @@ def _make_room_for_steps(steps: Any, model: Model) -> None:
         steps[f"CellDataOffsets/{name}"] = steps["PartOffsets"]
 
 
-def _write_model(group: Any, model: Model, case_text: str) -> None:
+def _write_model(group: Any, model: Model, case_text: str, about: Mapping[str, Any]) -> None:
     """Write what was simulated, as far as readers of the results need it."""
     group.attrs["format"] = FORMAT
     group.attrs["title"] = model.title
@@ -307,13 +306,14 @@ def _write_model(group: Any, model: Model, case_text: str) -> None:
         group.attrs[f"version of {package}"] = number
     text = h5py.string_dtype()
     group["case"] = case_text
+    group["about"] = json.dumps({**about, **about_model(model)}, ensure_ascii=False, default=float)
     group.create_dataset("block_name", data=list(model.block_name), dtype=text)
     group.create_dataset("rock_name", data=[rock.name for rock in model.rocks], dtype=text)
     group.create_dataset("point_name", data=list(model.measured_points.name), dtype=text)
     group["point_start"] = model.measured_points.at + model.origin
-    group["block_start"] = model.block_start
-    group["block_rock"] = model.block_rock
-    group["fixed"] = model.fixed
+    _fixed(group, "block_start", model.block_start)
+    _fixed(group, "block_rock", model.block_rock)
+    _fixed(group, "fixed", model.fixed)
 
 
 def _versions() -> dict[str, str]:
@@ -335,18 +335,23 @@ def _growing(
     batch: int = 1,
 ) -> None:
     """Create an empty dataset that is appended to, ``batch`` rows at a time."""
-    # Whole batches to a chunk: reading one frame then reads little else.
-    rows = batch * max(1, CHUNK_ROWS // batch)
+    # Whole batches to a chunk: reading one frame then reads little else.  What shares a chunk with
+    # later rows is not compressed: that would be done again, and elsewhere, at every frame.  Single
+    # numbers are not either: they save a tenth.
+    alone = batch >= LARGE
+    rows = batch if alone else batch * (CHUNK_ROWS // batch)
+    packs = alone and np.dtype(dtype).itemsize * math.prod(shape) > np.dtype(float).itemsize
     group.create_dataset(
-        name, shape=(0, *shape), maxshape=(None, *shape), chunks=(rows, *shape), dtype=dtype
+        name,
+        shape=(0, *shape),
+        maxshape=(None, *shape),
+        chunks=(rows, *shape),
+        dtype=dtype,
+        **CHECKED,
+        **(PACKED if packs else {}),
     )
 
 
-def _point_rows(rows: NDArray[Any], point: int) -> NDArray[Any]:
-    """Return the rows of one measured point from the rows of all."""
-    one = np.zeros(len(rows), POINT_ROW)
-    one["time"] = rows["time"]
-    one["displacement"] = rows["displacement"][:, point]
-    one["velocity"] = rows["velocity"][:, point]
-    one["rotation"] = rows["rotation"][:, point]
-    return one
+def _fixed(group: Any, name: str, values: NDArray[Any]) -> None:
+    """Create a dataset that stays as it is."""
+    group.create_dataset(name, data=values, chunks=values.shape, **CHECKED, **PACKED)

@@ -1,18 +1,18 @@
 """The same case through several processes and contact laws.
 
-comparison = clast.studies.compare(clast.load("case.toml"), ["modified", "convex"])
+comparison = clast.studies.compare(clast.load("case.toml"), ["modified", MyProcess()])
 comparison.rows[0].deviations
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from clast import spelling
 from clast.case import CONTACT_LAWS, PROCESSES, Case
-from clast.casefile.choices import Chosen
+from clast.casefile.choices import Chosen, Given
 from clast.errors import CaseError, RunStopped
 from clast.model import Bools, Floats, Ints
 from clast.results import Report, Run
@@ -30,12 +30,16 @@ SHARED = ("normal_stiffness", "shear_stiffness")
 
 @dataclass(frozen=True)
 class Combination:
-    """A process and a contact law, by their names in case files."""
+    """A process and a contact law, by their names in case files or as objects of a script."""
 
     process: str
     """Process of a step."""
     law: str
     """Contact law."""
+    own_process: Any = None
+    """The process itself, where it is an object; ``process`` is what tables call it."""
+    own_law: Any = None
+    """The contact law itself, where it is an object; ``law`` is what tables call it."""
 
     def __str__(self) -> str:
         return f"{self.process}, {self.law}"
@@ -44,15 +48,17 @@ class Combination:
         """Return the case with this process and law.
 
         The numbers that the case gives for them are kept; a law that the case does not name takes
-        the stiffnesses of the one that it names.
+        the stiffnesses of the one that it names.  Objects have their own.
         """
         process, law = case.method_.chosen("process"), case.method_.chosen("contact_law")
         numbers = _numbers(law)
         if law.name != self.law:
             numbers = {key: value for key, value in numbers.items() if key in SHARED}
         own = _numbers(process) if process.name == self.process else {}
+        named_process, named_law = {"name": self.process, **own}, {"name": self.law, **numbers}
         return case.with_method(
-            process={"name": self.process, **own}, contact_law={"name": self.law, **numbers}
+            process=named_process if self.own_process is None else self.own_process,
+            contact_law=named_law if self.own_law is None else self.own_law,
         )
 
 
@@ -70,7 +76,7 @@ class Row:
     """Displacement (u, v) of every measured point at the end, m."""
     deviations: tuple[Deviation, ...]
     """Errors against the references of the case."""
-    vertices: Floats
+    vertices: Floats = field(repr=False)
     """Vertices at the end, m, shape (nv, 2)."""
     penetration: float
     """Largest penetration at the end, m."""
@@ -139,11 +145,11 @@ class Comparison:
     """Time at which a run reaches its end, s."""
     rows: tuple[Row, ...]
     """What each combination made of it."""
-    start: Floats
+    start: Floats = field(repr=False)
     """Vertices at the start, m, shape (nv, 2)."""
-    block_start: Ints
+    block_start: Ints = field(repr=False)
     """Index of each block's first vertex; the last entry is the vertex count, shape (n + 1,)."""
-    fixed: Bools
+    fixed: Bools = field(repr=False)
     """True where a block cannot move at all, shape (n,)."""
 
     def as_dict(self) -> dict[str, Any]:
@@ -152,25 +158,36 @@ class Comparison:
         return {"name": self.name, "title": self.title, "end": self.end, "rows": rows}
 
 
-def combinations(processes: Sequence[str], laws: Sequence[str]) -> list[Combination]:
-    """Return every process with every law; raises CaseError for names that nobody knows."""
-    _check_names("process", processes, PROCESSES)
-    _check_names("contact law", laws, CONTACT_LAWS)
-    return [Combination(process, law) for process in processes for law in laws]
+def combinations(processes: Sequence[Any], laws: Sequence[Any]) -> list[Combination]:
+    """Return every process with every law, each a name or an object.
+
+    An object is called by the name of its class, or by all that it prints where several are of one
+    class.  Raises CaseError for names that nobody knows.
+    """
+    called = [_called("process", processes, PROCESSES), _called("contact law", laws, CONTACT_LAWS)]
+    return [
+        Combination(process, law, _object(own_process), _object(own_law))
+        for process, own_process in zip(called[0], processes, strict=True)
+        for law, own_law in zip(called[1], laws, strict=True)
+    ]
 
 
 def compare(
     case: Case,
-    processes: Sequence[str] = tuple(PROCESSES),
-    laws: Sequence[str] = tuple(CONTACT_LAWS),
+    processes: Sequence[Any] = tuple(PROCESSES),
+    laws: Sequence[Any] = tuple(CONTACT_LAWS),
     *,
     watch: Watch | None = None,
 ) -> Comparison:
     """Run a case through every process with every law; a run that stops is a row like the others.
 
-    Raises CaseError for unknown names and for a case that cannot be used.
+    Processes and laws are names as in case files, or objects: ``laws=["penalty", MyLaw()]``.
+    Raises CaseError for unknown names, for objects that are none of the kind, and for a case that
+    cannot be used.
     """
     wanted = combinations(processes, laws)
+    for combination in wanted:
+        combination.applied_to(case)  # what is no process or law is refused before the first run
     model = case.model()
     return Comparison(
         name=case.name,
@@ -217,23 +234,38 @@ def _row(case: Case, combination: Combination, run: Run) -> Row:
     )
 
 
-def _numbers(chosen: Chosen) -> dict[str, Any]:
+def _numbers(chosen: Chosen | Given) -> dict[str, Any]:
     """Return the numbers that a case gives for a choice, as the file writes them."""
     written = chosen.as_written()
-    if isinstance(written, str):
+    if not isinstance(written, dict):
         return {}
     return {key: value for key, value in written.items() if key != "name"}
 
 
-def _check_names(kind: str, names: Sequence[str], known: dict[str, str]) -> None:
-    if not names:
+def _object(given: Any) -> Any:
+    """Return an object that is given in the place of a name, or None for a name."""
+    return None if isinstance(given, str) else given
+
+
+def _called(kind: str, given: Sequence[Any], known: dict[str, str]) -> list[str]:
+    """Return what tables call processes or laws; raise CaseError for what cannot be compared."""
+    if not given:
         raise CaseError(
             f"there is no {kind} to compare", remedy=f"name some of: {', '.join(known)}"
         )
-    for name in names:
-        if name not in known:
+    if isinstance(given, str):
+        raise CaseError(f"'{given}' is no list", remedy=f'give one: ["{given}"]')
+    for name in given:
+        if isinstance(name, str) and name not in known:
             raise CaseError(
                 f"there is no {kind} '{name}'", remedy=spelling.advice(name, known, kind=kind)
             )
-    if len(set(names)) < len(names):
-        raise CaseError(f"a {kind} is named twice: {', '.join(names)}", remedy="name each once")
+    classes = [one if isinstance(one, str) else type(one).__name__ for one in given]
+    alike = {name for name in classes if classes.count(name) > 1}
+    called = [
+        repr(one) if name in alike and not isinstance(one, str) else name
+        for name, one in zip(classes, given, strict=True)
+    ]
+    if len(set(called)) < len(called):
+        raise CaseError(f"a {kind} is named twice: {', '.join(called)}", remedy="name each once")
+    return called

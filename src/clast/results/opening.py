@@ -1,0 +1,142 @@
+"""Opens result files for reading: as they were when a frame last took effect, and unchanged."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, BinaryIO, TypeVar
+
+from clast.errors import CaseError
+from clast.results import locks
+from clast.results.journal import read_journal
+from clast.results.layout import FORMAT
+from clast.results.pages import CheckedFile, DamagedPageError
+
+ATTEMPTS = 20
+"""How often a file is read again that has changed meanwhile, where locks do not prevent it."""
+AGAIN = "run the case again to make a new one"
+
+Answer = TypeVar("Answer")
+
+
+class MalformedError(Exception):
+    """A result file whose parts do not fit together; says which."""
+
+
+def ask(path: Path, question: Callable[[Any], Answer], *, whole: int = 0) -> Answer:
+    """Return what ``question`` makes of the open file (h5py); what goes wrong becomes a CaseError.
+
+    Files of at most ``whole`` bytes are checked from end to end before, others only where they are
+    read.  Nothing is written: what a run that was killed had begun to write is completed in memory.
+    """
+    failure: Exception = MalformedError("it changes all the time")
+    try:
+        for _ in range(ATTEMPTS):
+            before = path.stat()
+            if stat.S_ISDIR(before.st_mode):
+                raise CaseError("is a directory, not a result file", where=str(path))
+            if not stat.S_ISREG(before.st_mode):
+                raise CaseError("is a device, a pipe or the like, no result file", where=str(path))
+            try:
+                return _answer(path, question, whole)
+            except PermissionError:
+                raise
+            except Exception as error:
+                failure = error
+            after = path.stat()
+            if (before.st_mtime_ns, before.st_size) == (after.st_mtime_ns, after.st_size):
+                break
+    except PermissionError as error:
+        raise CaseError("may not be read", where=str(path), remedy="ask for permission") from error
+    except FileNotFoundError as error:
+        raise CaseError(
+            "there is no such file", where=str(path), remedy="clast run CASE -o FILE writes one"
+        ) from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise CaseError(
+            f"cannot be read: {reason}", where=str(path), remedy="name a result file of a run"
+        ) from error
+    raise _as_case_error(failure, path) from _without_frames(failure)
+
+
+def is_result_file(path: Path) -> bool:
+    """Return whether a file is one that clast has written, of whatever layout."""
+    try:
+        return ask(path, _has_our_mark)
+    except CaseError:
+        return False
+
+
+def check_ours(file: Any) -> int:
+    """Return the version of a file's layout; raises CaseError where clast does not know it."""
+    if not _has_our_mark(file):
+        raise CaseError(
+            "is an HDF5 file, but no result file of clast",
+            remedy="name a file that clast run has written",
+        )
+    layout = int(file["model"].attrs["format"])
+    if layout > FORMAT:
+        raise CaseError(
+            f"was written by a newer clast (layout {layout}, this one knows {FORMAT})",
+            remedy="update clast",
+        )
+    if layout < 1:
+        raise MalformedError(f"there is no layout {layout}")
+    return layout
+
+
+def _has_our_mark(file: Any) -> bool:
+    return "VTKHDF" in file and "model" in file and "format" in file["model"].attrs
+
+
+def _answer(path: Path, question: Callable[[Any], Answer], whole: int) -> Answer:
+    import h5py
+
+    with open(path, "rb", buffering=0) as file, locks.reading(file):
+        checked = _checked(file)
+        try:
+            # What a newer clast has written, or another program, is said before what is broken.
+            with h5py.File(checked, "r") as content:
+                sums_wanted = _has_our_mark(content) and check_ours(content) > 1
+                if sums_wanted and checked.sums is None:
+                    raise MalformedError("its checksums are missing")
+                if sums_wanted and os.fstat(file.fileno()).st_size <= whole:
+                    checked.check_all()
+                answer = question(content)
+        except CaseError:
+            raise
+        except Exception as error:
+            if not checked.damage:
+                raise
+            raise DamagedPageError(checked.damage) from error
+        if checked.damage:
+            raise DamagedPageError(checked.damage)
+        return answer
+
+
+def _checked(file: BinaryIO) -> CheckedFile:
+    """Return the file as a journal at its end wants it to be."""
+    journal = read_journal(file)
+    if journal is None:
+        return CheckedFile(file, file.seek(0, os.SEEK_END))
+    return CheckedFile(file, *journal)
+
+
+def _without_frames(error: Exception) -> Exception:
+    """Return an error that no longer holds the file: HDF5 must not keep it to the very end."""
+    one: BaseException | None = error
+    while one is not None:
+        one.__traceback__ = None
+        one = one.__cause__ or one.__context__
+    return error
+
+
+def _as_case_error(error: Exception, path: Path) -> CaseError:
+    if isinstance(error, CaseError):
+        return CaseError(error.what, where=error.where or str(path), remedy=error.remedy)
+    told = isinstance(error, MalformedError | DamagedPageError)
+    reason = f"is damaged: {error}" if told else "is no result file of clast, or is damaged"
+    return CaseError(reason, where=str(path), remedy=AGAIN)

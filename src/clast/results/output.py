@@ -1,0 +1,124 @@
+"""The place where results go: what is there is looked at first, and taken for one run."""
+
+from __future__ import annotations
+
+import glob
+import os
+import stat
+from pathlib import Path
+from typing import BinaryIO
+
+from clast.errors import CaseError
+from clast.results import locks
+from clast.results.opening import is_result_file
+
+ELSEWHERE = "choose another name for the results"
+
+
+def check_output(path: Path) -> Path:
+    """Return the path of a file that results can be written to, or raise CaseError.
+
+    Symbolic links are followed.  What is there may only be an older result file, or empty.
+    """
+    try:
+        return _checked(path)
+    except (OSError, ValueError, RuntimeError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise CaseError(
+            f"cannot be written to: {reason}", where=str(path), remedy=ELSEWHERE
+        ) from error
+
+
+def _checked(path: Path) -> Path:
+    where, real = str(path), path.resolve()
+    if real.is_dir():
+        raise CaseError(
+            "is a directory, not a file to write results to",
+            where=where,
+            remedy=f"name a file in it, e.g. {path / 'out.vtkhdf'}",
+        )
+    if not real.parent.is_dir():
+        raise CaseError(
+            f"the directory {real.parent} does not exist", where=where, remedy="make it first"
+        )
+    exists = real.exists()
+    if exists and not stat.S_ISREG(real.stat().st_mode):
+        raise CaseError(
+            "is a device, a pipe or the like; it is not written over", where=where, remedy=ELSEWHERE
+        )
+    if not os.access(real.parent, os.W_OK) or (exists and not os.access(real, os.W_OK)):
+        raise CaseError(
+            "may not be written", where=where, remedy=f"{ELSEWHERE} or change its permissions"
+        )
+    if exists and real.stat().st_size and not is_result_file(real):
+        raise CaseError(
+            "exists and is no result file of clast, or a damaged one; it is not written over",
+            where=where,
+            remedy=f"{ELSEWHERE}, or remove it",
+        )
+    hidden(real).exists()  # a name that is too long for it is refused by the system
+    return real
+
+
+def hidden(path: Path) -> Path:
+    """Return the file that the first frame is written to before it gets its name."""
+    return path.with_name(f".{path.name}.part")
+
+
+def claimed(path: Path) -> BinaryIO:
+    """Return the hidden file beside a result file, empty, open and locked for one run.
+
+    Raises CaseError where another run has it, or has given it its name already.
+    """
+    part = hidden(path)
+    while True:
+        flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+        file = open(os.open(part, flags, 0o666), "r+b", buffering=0)
+        if not locks.claim(file):
+            file.close()
+            raise _in_use(path)
+        if _is_at(file, part):
+            break
+        file.close()  # its run ended before the lock was ours
+    if path.exists():
+        with open(path, "r+b", buffering=0) as older:
+            if not locks.claim(older):
+                part.unlink()
+                file.close()
+                raise _in_use(path)
+    file.truncate(0)
+    _clear(path)
+    return file
+
+
+def _in_use(path: Path) -> CaseError:
+    return CaseError(
+        "another run is writing to it",
+        where=str(path),
+        remedy=f"wait until it has ended, or {ELSEWHERE}",
+    )
+
+
+def _is_at(file: BinaryIO, path: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(file.fileno()), path.stat())
+    except FileNotFoundError:
+        return False
+
+
+def _clear(path: Path) -> None:
+    """Remove what runs of clast 0.1 to the same file have left that were killed at their start."""
+    for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
+        process = left.name.split(".")[-2]
+        if process.isdecimal() and not _is_alive(int(process)):
+            left.unlink(missing_ok=True)
+
+
+def _is_alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        return True
+    return True

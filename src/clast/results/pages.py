@@ -1,0 +1,174 @@
+"""Checksums of a result file, page by page, and a view of it that gives out no damaged byte.
+
+HDF5 has checksums of its own for the numbers (Fletcher's, which every viewer looks at) and for some
+of what it keeps beside them, but for none of its indexes.  So behind the end of what HDF5 knows
+there are checksums of all of it, which HDF5 passes over::
+
+    sums:  8 bytes "clastsum", end of the file for HDF5 (u64, little-endian), CRC-32 of each page of
+           16384 bytes until there (u32 each), CRC-32 of all this (u32)
+
+Where they lie is said by HDF5's superblock, at the start of the file.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import struct
+import zlib
+from collections.abc import Callable, Sequence
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+PAGE = 16384
+"""Bytes that a checksum is made of."""
+HEAD = struct.Struct("<8sQ")
+SUM = struct.Struct("<I")
+MARK = b"clastsum"
+END_PLACE = 28
+"""Where HDF5's superblock of version 2 has the end of the file (u64)."""
+
+Piece = tuple[int, bytes]
+"""A place, and the bytes there."""
+Sums = NDArray[np.uint32]
+
+
+def page_count(end: int) -> int:
+    """Return the number of pages of the first ``end`` bytes; the last may be shorter."""
+    return -(-end // PAGE)
+
+
+def packed(sums: Sums, end: int) -> bytes:
+    """Return the checksums of the first ``end`` bytes as they are written."""
+    content = HEAD.pack(MARK, end) + sums.astype("<u4").tobytes()
+    return content + SUM.pack(zlib.crc32(content))
+
+
+def sums_length(end: int) -> int:
+    """Return how long the checksums of the first ``end`` bytes are, bytes."""
+    return HEAD.size + SUM.size * (page_count(end) + 1)
+
+
+def unpacked(content: bytes, end: int) -> Sums | None:
+    """Return the checksums of the first ``end`` bytes from what is written, None without any."""
+    content = content[: sums_length(end)]
+    if len(content) < sums_length(end) or HEAD.unpack_from(content) != (MARK, end):
+        return None
+    if SUM.unpack(content[-SUM.size :])[0] != zlib.crc32(content[: -SUM.size]):
+        return None
+    return np.frombuffer(content[HEAD.size : -SUM.size], "<u4").astype(np.uint32)
+
+
+def overlaid(start: int, content: bytearray, pieces: Sequence[Piece]) -> None:
+    """Put the pieces, one after the other, into ``content``, which begins at ``start``."""
+    for place, new in pieces:
+        first, last = max(place, start), min(place + len(new), start + len(content))
+        if first < last:
+            content[first - start : last - start] = new[first - place : last - place]
+
+
+def page_sum(read: Callable[[int, int], bytes], page: int, end: int) -> int:
+    """Return the checksum of a page; ``read`` gives the bytes of a place and a length."""
+    return zlib.crc32(read(page * PAGE, min(PAGE, end - page * PAGE)))
+
+
+class DamagedPageError(Exception):
+    """Bytes of a result file that are not what was written."""
+
+
+class CheckedFile:
+    """A file object for h5py to read from: the file with some pieces replaced, and checked.
+
+    ``file`` is read only; ``pieces`` are what a journal wants to be there instead.
+    """
+
+    def __init__(self, file: BinaryIO, size: int, pieces: Sequence[Piece] = ()) -> None:
+        self._file = file
+        self._pieces = pieces
+        self._place = 0
+        self._sound: set[int] = set()
+        self._end = size
+        self.sums: Sums | None = None
+        # What went wrong when something was read.  An error must not go through HDF5, nor be kept
+        # here: it knows all that has called this, and HDF5 would never let go of the file.
+        self.damage = ""
+        end = int.from_bytes(self._content(END_PLACE, 8), "little")
+        if 0 < end <= size:
+            self.sums = unpacked(self._content(end, sums_length(end)), end)
+        if self.sums is not None:
+            self._end = end
+
+    def check_all(self) -> None:
+        """Raise DamagedPageError for the first page that is not what was written."""
+        self._check(0, self._end)
+
+    # What h5py calls ---------------------------------------------------------------------------
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Go to a place; returns it, bytes from the start."""
+        start = {os.SEEK_SET: 0, os.SEEK_CUR: self._place, os.SEEK_END: self._end}[whence]
+        self._place = start + offset
+        return self._place
+
+    def tell(self) -> int:
+        """Return the place, bytes from the start."""
+        return self._place
+
+    def readinto(self, buffer: memoryview) -> int:
+        """Fill the buffer from the place on, with zeros where the file is damaged."""
+        view = memoryview(buffer).cast("B")
+        count = max(0, min(len(view), self._end - self._place))
+        try:
+            self._check(self._place, self._place + count)
+            view[:count] = self._content(self._place, count)
+        except (DamagedPageError, OSError) as error:
+            self.damage = str(error)
+            view[:count] = bytes(count)
+        self._place += count
+        return count
+
+    def read(self, count: int) -> bytes:
+        """Return ``count`` bytes from the place on, or as many as there are."""
+        buffer = bytearray(count)
+        return bytes(buffer[: self.readinto(memoryview(buffer))])
+
+    def write(self, _data: memoryview) -> int:
+        """Refuse: the file is read only."""
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    def truncate(self, size: int) -> int:
+        """Leave the file as it is."""
+        return size
+
+    def flush(self) -> None:
+        """Do nothing: nothing is written."""
+
+    def _check(self, first: int, last: int) -> None:
+        """Raise DamagedPageError where bytes from ``first`` up to ``last`` are not as written."""
+        if self.sums is None or first >= last:
+            return
+        for page in set(range(first // PAGE, page_count(last))) - self._sound:
+            if page_sum(self._content, page, self._end) != self.sums[page]:
+                first = page * PAGE
+                raise DamagedPageError(
+                    f"bytes {first} to {first + PAGE - 1} are not what was written"
+                )
+            self._sound.add(page)
+
+    def _content(self, place: int, count: int) -> bytes:
+        """Return ``count`` bytes with the pieces in their places, zeros behind the end."""
+        content = bytearray(read_at(self._file, place, count).ljust(count, b"\0"))
+        overlaid(place, content, self._pieces)
+        return bytes(content)
+
+
+def read_at(file: BinaryIO, place: int, count: int) -> bytes:
+    """Return ``count`` bytes, or as many as there are: one call may give fewer."""
+    file.seek(place)
+    pieces = []
+    while count and (piece := file.read(count)):
+        pieces.append(piece)
+        count -= len(piece)
+    return b"".join(pieces)

@@ -1,0 +1,246 @@
+"""Whether the parts of a result file fit together; looked at once, when it is opened.
+
+What passes can be read without an error, and without more memory than the file's own numbers take.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clast.model import Bools, Floats, Ints
+from clast.results.about import about_in
+from clast.results.layout import (
+    CELL_ARRAYS,
+    FRAME_ROW,
+    POINT_ARRAYS,
+    POLYGON,
+    history_path,
+)
+from clast.results.opening import MalformedError
+from clast.results.run import Report, report_from_dict
+from clast.results.tables import CONTACT_ROW, POINT_ROW, STEP_ROW
+
+
+@dataclass(frozen=True, kw_only=True)
+class Blocks:
+    """What a result file says of the blocks; n blocks."""
+
+    start: Ints
+    """Index of each block's first vertex; the last entry is the vertex count, shape (n + 1,)."""
+    rock: Ints
+    """Rock index of each block, shape (n,)."""
+    fixed: Bools
+    """True where a block cannot move at all, shape (n,)."""
+    name: tuple[str, ...]
+    """Name of each block."""
+    rock_name: tuple[str, ...]
+    """Name of each rock."""
+
+
+def blocks_of(file: Any) -> Blocks:
+    """Return what a file says of its blocks; raises MalformedError."""
+    start = _whole(file, "model/block_start", "iu")
+    rock = _whole(file, "model/block_rock", "iu")
+    fixed = _whole(file, "model/fixed", "biu")
+    name, rock_name = names(file, "model/block_name"), names(file, "model/rock_name")
+    count = len(start) - 1
+    if count < 1 or start[0] != 0 or (np.diff(start.astype(np.int64)) < 3).any():
+        raise MalformedError("/model/block_start does not say where blocks start")
+    if not len(rock) == len(fixed) == len(name) == count:
+        raise MalformedError("/model has not one rock, name and mark of each block")
+    if rock.min() < 0 or rock.max() >= len(rock_name):
+        raise MalformedError("/model/block_rock names rocks that do not exist")
+    return Blocks(
+        start=start.astype(np.int64),
+        rock=rock.astype(np.int64),
+        fixed=fixed.astype(np.bool_),
+        name=name,
+        rock_name=rock_name,
+    )
+
+
+def frames_of(file: Any) -> NDArray[Any]:
+    """Return the table of the frames that count; raises MalformedError."""
+    frames = _rows_of(file, "frames", FRAME_ROW)
+    count = int(_group(file, "VTKHDF/Steps").attrs["NSteps"])
+    if not 1 <= count <= len(frames):
+        raise MalformedError(f"/VTKHDF/Steps says {count} frames, and /frames has {len(frames)}")
+    rows: NDArray[Any] = frames[:count]
+    ends = np.column_stack([rows[name] for name in ("steps", "instants", "contacts")])
+    forward = np.isfinite(rows["time"]).all() and (np.diff(rows["time"]) >= 0.0).all()
+    if not forward or (np.diff(ends, axis=0, prepend=0) < 0).any():
+        raise MalformedError("/frames does not go forward")
+    return rows
+
+
+def points_of(file: Any, layout: int, instants: int) -> tuple[tuple[str, ...], Floats]:
+    """Return names and starts (k, 2) of the measured points; raises MalformedError.
+
+    Each has a history of at least so many ``instants``.
+    """
+    name = names(file, "model/point_name")
+    start = _whole(file, "model/point_start", "f", (2,))
+    if len(start) != len(name) or len(set(name)) < len(name) or not np.isfinite(start).all():
+        raise MalformedError("/model/point_start is not a place for each measured point")
+    for one in name:
+        _check_length(_rows_of(file, history_path(one, layout), POINT_ROW), instants)
+    return name, start
+
+
+def check_arrays(file: Any, frames: NDArray[Any], blocks: Blocks) -> None:
+    """Raise MalformedError unless there are arrays and tables for all frames."""
+    rows = {name: blocks.start[-1] for name in POINT_ARRAYS}
+    rows |= {name: len(blocks.rock) for name in CELL_ARRAYS}
+    for name, tail in {**POINT_ARRAYS, **CELL_ARRAYS}.items():
+        _check_length(_numbers(file, f"VTKHDF/{name}", "f", tail), len(frames) * rows[name])
+    for name in ("block", "rock", "fixed"):
+        _check_length(_numbers(file, f"VTKHDF/CellData/{name}", "iu"), len(blocks.rock))
+    energy = _dataset(file, "energy")
+    ledger = energy.dtype.fields or {}
+    if "time" not in ledger or any(kind.kind != "f" for kind, *_ in ledger.values()):
+        raise MalformedError("/energy is no table of energies")
+    _check_length(energy, frames["instants"][-1])
+    _check_length(_rows_of(file, "steps", STEP_ROW), frames["steps"][-1])
+    _check_length(_rows_of(file, "contacts", CONTACT_ROW), frames["contacts"][-1])
+
+
+def check_grid(file: Any, frames: NDArray[Any], blocks: Blocks) -> None:
+    """Raise MalformedError unless viewers find the polygons of all frames."""
+    vertices, count = int(blocks.start[-1]), len(blocks.rock)
+    wanted = {
+        "NumberOfPoints": np.array([vertices]),
+        "NumberOfCells": np.array([count]),
+        "NumberOfConnectivityIds": np.array([vertices]),
+        "Connectivity": np.arange(vertices),
+        "Offsets": blocks.start,
+        "Types": np.full(count, POLYGON),
+    }
+    for name, values in wanted.items():
+        if not np.array_equal(_whole(file, f"VTKHDF/{name}", "iu"), values):
+            raise MalformedError(f"/VTKHDF/{name} does not fit to the blocks")
+    _check_length(_numbers(file, "VTKHDF/Steps/Values", "f"), len(frames) - 1)
+    for name, tail in {"NumberOfParts": (), "PartOffsets": (), "CellOffsets": (1,)}.items():
+        _check_length(_numbers(file, f"VTKHDF/Steps/{name}", "iu", tail), len(frames))
+    for frame, vertex in ((0, 0), (len(frames) - 1, (len(frames) - 1) * vertices)):
+        if _numbers(file, "VTKHDF/Steps/PointOffsets", "iu")[frame] != vertex:
+            raise MalformedError("/VTKHDF/Steps/PointOffsets does not fit to the blocks")
+
+
+def _check_length(dataset: Any, rows: int) -> None:
+    if dataset.ndim == 0 or len(dataset) < rows:
+        raise MalformedError(f"{dataset.name} ends before the last frame")
+
+
+def report_of(file: Any) -> Report | None:
+    """Return the report of a file, None where its run did not end; raises MalformedError."""
+    if "report" not in file:
+        return None
+    try:
+        plain = json.loads(_dataset(file, "report/json").asstr()[()])
+        hints = get_type_hints(Report)
+        for field in fields(Report):
+            if field.name in plain and not _fits(plain[field.name], hints[field.name]):
+                raise TypeError(field.name)
+        if not all(_fits(energy, float) for energy in plain["ledger"].values()):
+            raise TypeError("ledger")
+        return report_from_dict(plain)
+    except (TypeError, ValueError, KeyError, AttributeError, RecursionError) as error:
+        raise MalformedError("/report/json is no report of a run") from error
+
+
+def about_of(file: Any) -> dict[str, Any]:
+    """Return how a file was made, nothing where it is of before; raises MalformedError."""
+    if "about" not in file["model"]:
+        return {}
+    try:
+        return about_in(text(file, "model/about"))
+    except (TypeError, ValueError, RecursionError) as error:
+        raise MalformedError(f"{error}") from error
+
+
+def names(file: Any, place: str) -> tuple[str, ...]:
+    """Return the texts of a dataset."""
+    found: tuple[str, ...] = tuple(_dataset(file, place).asstr()[:])
+    return found
+
+
+def text(file: Any, place: str) -> str:
+    """Return the text of a dataset."""
+    return str(_dataset(file, place).asstr()[()])
+
+
+def _fits(value: object, hint: Any) -> bool:
+    """Return whether a value of JSON can be of a type of the report."""
+    if hint is float:
+        return isinstance(value, int | float) and not isinstance(value, bool)
+    if hint is int:
+        return isinstance(value, int) and not isinstance(value, bool)
+    if hint in (bool, str):
+        return isinstance(value, hint)
+    if get_origin(hint) is tuple:
+        return isinstance(value, list)
+    return isinstance(value, Mapping)
+
+
+def _group(file: Any, place: str) -> Any:
+    """Return a group, or a dataset, of this file and no other; raises MalformedError."""
+    import h5py
+
+    here = file
+    for name in place.split("/"):
+        link = here.get(name, getlink=True) if isinstance(here, h5py.Group) else None
+        if not isinstance(link, h5py.HardLink):
+            raise MalformedError(f"/{place} is missing, or not in this file")
+        here = here[name]
+    return here
+
+
+def _dataset(file: Any, place: str) -> Any:
+    """Return a dataset all of whose numbers are in the file; raises MalformedError."""
+    import h5py
+
+    found = _group(file, place)
+    if not isinstance(found, h5py.Dataset) or found.external or found.is_virtual:
+        raise MalformedError(f"/{place} is no dataset of this file")
+    if found.chunks is None:
+        whole = found.id.get_storage_size() >= found.nbytes
+    else:
+        pieces = [-(-n // rows) for n, rows in zip(found.shape, found.chunks, strict=True)]
+        whole = found.id.get_num_chunks() >= math.prod(pieces)
+    if not whole:
+        raise MalformedError(f"/{place} says that it has more than there is")
+    return found
+
+
+def _numbers(file: Any, place: str, kinds: str, tail: tuple[int, ...] = ()) -> Any:
+    """Return a dataset of rows of numbers of some ``kinds`` (numpy's letters) and shape."""
+    found = _dataset(file, place)
+    if found.dtype.kind not in kinds or found.shape is None or found.shape[1:] != tail:
+        raise MalformedError(f"/{place} does not hold what it should")
+    if found.ndim != 1 + len(tail):
+        raise MalformedError(f"/{place} does not hold what it should")
+    return found
+
+
+def _whole(file: Any, place: str, kinds: str, tail: tuple[int, ...] = ()) -> NDArray[Any]:
+    """Return the numbers of a dataset."""
+    values: NDArray[Any] = _numbers(file, place, kinds, tail)[:]
+    return values
+
+
+def _rows_of(file: Any, place: str, row: np.dtype[Any]) -> Any:
+    """Return a table that has the columns of ``row``, and may have more."""
+    found = _dataset(file, place)
+    columns = found.dtype.fields or {}
+    for name, (kind, *_) in (row.fields or {}).items():
+        same = name in columns and columns[name][0].shape == kind.shape
+        if not same or columns[name][0].base.kind != kind.base.kind or found.ndim != 1:
+            raise MalformedError(f"/{place} has no column '{name}' as it should be")
+    return found

@@ -1,0 +1,281 @@
+"""Result files that are damaged or made up: one message each, and no wrong number."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from recorded_run import record, three_blocks
+from typer.testing import CliRunner
+
+from clast.cli import app
+from clast.errors import CaseError
+from clast.results import opening, read_results, summary
+from clast.results.about import texts
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A result file that is whole."""
+    path = tmp_path_factory.mktemp("good") / "out.vtkhdf"
+    record(three_blocks(), path)
+    return path
+
+
+def everything(path: Path) -> None:
+    """Read all that can be asked of a result file."""
+    results = read_results(path)
+    summary(results)
+    for frame in range(len(results.times)):
+        results.vertices(frame)
+        results.contacts(frame)
+        for name in results.field_names:
+            results.field(name, frame)
+    for name in results.point_name:
+        results.history(name)
+    assert results.energy
+    assert results.steps
+
+
+def refused(path: Path) -> str:
+    with pytest.raises(CaseError) as caught:
+        everything(path)
+    assert caught.value.where == str(path)
+    assert caught.value.remedy
+    return str(caught.value)
+
+
+def test_every_flipped_bit_is_noticed(good: Path, tmp_path: Path):
+    whole, path, chance = good.read_bytes(), tmp_path / "out.vtkhdf", random.Random(7)
+    places = [0, 8, 9, 28, len(whole) - 1, *chance.sample(range(len(whole)), 120)]
+    for place in places:
+        spoiled = bytearray(whole)
+        spoiled[place] ^= 1 << chance.randrange(8)
+        path.write_bytes(spoiled)
+        with pytest.raises(CaseError):
+            read_results(path)
+
+
+def test_what_is_not_read_is_not_checked_in_a_large_file(tmp_path: Path):
+    path = tmp_path / "out.vtkhdf"
+    record(three_blocks(), path, steps=1600)
+    with h5py.File(path) as file:
+        chunk = file["steps"].id.get_chunk_info(2)
+    with path.open("r+b") as file:
+        file.seek(chunk.byte_offset + chunk.size // 2)
+        file.write(b"\xaa\xaa\xaa")
+    results = read_results(path, whole=0)
+    assert len(results.vertices(-1)) == 13
+    with pytest.raises(CaseError, match="are not what was written"):
+        _ = results.steps
+    assert CliRunner().invoke(app, ["info", str(path)]).exit_code == 2
+
+
+KEPT = """
+import sys
+from clast.errors import CaseError
+from clast.results import read_results
+kept = []
+for path in sys.argv[1:]:
+    try:
+        read_results(path)
+    except CaseError as error:
+        error.itself = error  # a cycle: it lives until the end
+        kept.append(error)
+print(len(kept))
+"""
+
+
+def test_a_process_that_keeps_the_errors_ends_well(good: Path, tmp_path: Path):
+    """HDF5 would call Python, which is gone, for a file that an error has kept open."""
+    whole, paths = good.read_bytes(), []
+    for place in (0, 9, 30, 400, len(whole) // 2, len(whole) - 10):
+        spoiled = bytearray(whole)
+        spoiled[place] ^= 255
+        paths.append(tmp_path / f"{place}.vtkhdf")
+        paths[-1].write_bytes(spoiled)
+    done = subprocess.run(
+        [sys.executable, "-c", KEPT, *map(str, paths)], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout) == (0, f"{len(paths)}\n"), done.stderr
+
+
+def test_a_file_that_somebody_has_changed_is_refused(good: Path, tmp_path: Path):
+    path = tmp_path / "out.vtkhdf"
+    shutil.copy(good, path)
+    with h5py.File(path, "r+") as file:
+        file["VTKHDF/Points"][0] = 7.0
+    assert "is damaged" in refused(path)
+
+
+def test_files_without_their_end(good: Path, tmp_path: Path):
+    whole, path = good.read_bytes(), tmp_path / "out.vtkhdf"
+    for length in (1, 100, len(whole) // 2, len(whole) - 4, len(whole) - 1):
+        path.write_bytes(whole[:length])
+        refused(path)
+
+
+# --- made up: of the first layout, which has no checksums ----------------------------------------
+
+
+def crafted(good: Path, path: Path, change: Callable[[Any], None]) -> None:
+    """Write a result file of the first layout and change it."""
+    shutil.copy(good, path)
+    with h5py.File(path, "r+") as file:
+        file["model"].attrs["format"] = 1
+        file["history"].move("left%2Fright", "left∕right")
+        change(file)
+
+
+def replaced(place: str, values: Any) -> Callable[[Any], None]:
+    def change(file: Any) -> None:
+        del file[place]
+        file[place] = values
+
+    return change
+
+
+def cell(place: str, column: str | None, row: int, value: float) -> Callable[[Any], None]:
+    def change(file: Any) -> None:
+        values = file[place][...]
+        (values if column is None else values[column])[row] = value
+        file[place][...] = values
+
+    return change
+
+
+def attribute(place: str, name: str, value: Any) -> Callable[[Any], None]:
+    return lambda file: file[place].attrs.__setitem__(name, value)
+
+
+def report_with(**entries: Any) -> Callable[[Any], None]:
+    def change(file: Any) -> None:
+        plain = json.loads(file["report/json"].asstr()[()])
+        replaced("report/json", json.dumps({**plain, **entries}))(file)
+
+    return change
+
+
+MADE_UP = {
+    "no frames": attribute("VTKHDF/Steps", "NSteps", 0),
+    "a thousand million frames": attribute("VTKHDF/Steps", "NSteps", 10**9),
+    "-1 frames": attribute("VTKHDF/Steps", "NSteps", -1),
+    "frames in words": attribute("VTKHDF/Steps", "NSteps", "many"),
+    "layout -1": attribute("model", "format", -1),
+    "layout in words": attribute("model", "format", "one"),
+    "layout of several": attribute("model", "format", [1, 1]),
+    "blocks start at 0": replaced("model/block_start", np.zeros(4, int)),
+    "blocks start far away": replaced("model/block_start", np.array([0, 4, 7, 10**15])),
+    "blocks start before 0": replaced("model/block_start", np.array([0, 4, 7, -5])),
+    "blocks start at halves": replaced("model/block_start", np.array([0.0, 4.0, 7.0, 13.0])),
+    "one start too few": replaced("model/block_start", np.array([0, 4, 13])),
+    "no start": replaced("model/block_start", np.zeros(0, int)),
+    "rocks that are not": replaced("model/block_rock", np.array([0, 0, 9])),
+    "one rock too few": replaced("model/block_rock", np.array([0, 0])),
+    "names that are numbers": replaced("model/block_name", np.zeros(3)),
+    "a case that is a number": replaced("model/case", 1.0),
+    "a point without a place": replaced("model/point_start", np.zeros((1, 2))),
+    "a point nowhere": replaced("model/point_start", np.full((2, 2), np.nan)),
+    "vertices that are no numbers": cell("VTKHDF/Points", None, 3, np.nan),
+    "vertices that are endless": cell("VTKHDF/Points", None, -1, np.inf),
+    "vertices in a plane": replaced("VTKHDF/Points", np.zeros((65, 2))),
+    "vertices in words": replaced("VTKHDF/Points", [b"x"] * 65),
+    "vertices elsewhere": replaced("VTKHDF/Points", h5py.ExternalLink("other.h5", "/x")),
+    "vertices by a link": replaced("VTKHDF/Points", h5py.SoftLink("/VTKHDF/Points")),
+    "a model elsewhere": replaced("model", h5py.ExternalLink("other.h5", "/x")),
+    "contacts that end far away": cell("frames", "contacts", -1, 10**15),
+    "contacts that end before 0": cell("frames", "contacts", 1, -3),
+    "time goes back": cell("frames", "time", -1, -1.0),
+    "no time": cell("frames", "time", 2, np.nan),
+    "more room than there is": lambda file: file["contacts"].resize((10**15,)),
+    "energies of nothing": lambda file: file["energy"].resize((10**12,)),
+    "no history left": lambda file: file["history/tip"].resize((0,)),
+    "contacts without a column": replaced("contacts", np.zeros(9, [("position", "f8", 2)])),
+    "energies in words": replaced("energy", np.zeros(21, [("time", "f8"), ("kinetic", "S4")])),
+    "connected otherwise": cell("VTKHDF/Offsets", None, 1, 10**9),
+    "other cells": cell("VTKHDF/Types", None, 0, 9),
+    **{
+        f"made as {text}": replaced("model/about", text)
+        for text in ("", "[]", "7", '{"process": 7}', '{"process": {}}', '{"rocks": [{}]}')
+    },
+    "report of nothing": replaced("report/json", "[]"),
+    "report that breaks off": replaced("report/json", '{"finished": true'),
+    "report that is deep": replaced("report/json", "[" * 100_000),
+    "report without numbers": replaced("report/json", "{}"),
+    "report that counts in words": report_with(steps="many"),
+    "report with energies in words": report_with(ledger={"kinetic": "much"}),
+    "report with one number for all": report_with(seconds=3),
+    "report that is a table": replaced("report/json", np.zeros(3)),
+    **{
+        f"without {place}": lambda file, place=place: file.__delitem__(place)
+        for place in (
+            *("frames", "contacts", "energy", "steps", "history", "history/tip", "model/case"),
+            *("model/fixed", "VTKHDF/Points", "VTKHDF/CellData/stress", "VTKHDF/CellData/rock"),
+            *("VTKHDF/Steps", "VTKHDF/Steps/PointOffsets", "VTKHDF/Connectivity", "report/json"),
+        )
+    },
+}
+
+
+@pytest.mark.parametrize("change", MADE_UP.values(), ids=MADE_UP.keys())
+def test_files_that_are_made_up(good: Path, tmp_path: Path, change: Callable[[Any], None]):
+    path = tmp_path / "out.vtkhdf"
+    crafted(good, path, change)
+    refused(path)
+    result = CliRunner().invoke(app, ["info", str(path)])
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"error: {path}: ")
+    assert len(result.stderr) < 500
+
+
+def test_a_file_of_the_first_layout_is_read(good: Path, tmp_path: Path):
+    path = tmp_path / "out.vtkhdf"
+    crafted(good, path, lambda file: file.__delitem__("model/about"))
+    everything(path)
+    assert texts(read_results(path).about) == {}
+    np.testing.assert_array_equal(
+        read_results(path).history("left/right").displacement,
+        read_results(good).history("left/right").displacement,
+    )
+
+
+def test_tables_with_more_columns_are_read(good: Path, tmp_path: Path):
+    """A later clast may write more of a contact and have more energies."""
+    path = tmp_path / "out.vtkhdf"
+
+    def wider(file: Any) -> None:
+        for place in ("contacts", "energy", "history/tip"):
+            old = file[place][...]
+            new = np.zeros(len(old), [*old.dtype.descr, ("more", "f8")])
+            for name in old.dtype.names:
+                new[name] = old[name]
+            replaced(place, new)(file)
+        report_with(more=1, ledger={"kinetic": 1.0, "more": 2.0})(file)
+
+    crafted(good, path, wider)
+    everything(path)
+    assert "more" in read_results(path).energy
+
+
+def test_a_file_that_changes_while_it_is_read_is_read_again(good: Path, monkeypatch):
+    """Where there are no locks, a frame may come in between."""
+    answers = iter([OSError("torn"), KeyError("gone"), "whole"])
+
+    def answer(path: Path, *_: object) -> str:
+        path.touch()
+        given = next(answers)
+        if isinstance(given, Exception):
+            raise given
+        return given
+
+    monkeypatch.setattr(opening, "_answer", answer)
+    assert opening.ask(good, lambda _: None) == "whole"

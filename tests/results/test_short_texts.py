@@ -1,0 +1,68 @@
+"""What objects print as: a few lines, no arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import clast
+from clast import studies
+from clast.case import Case
+from clast.casefile.templates import INCLINE
+from clast.contact.arrays import Contacts
+from systems import contacts_of, wall
+
+
+@pytest.fixture(scope="module")
+def things(tmp_path_factory) -> dict[str, object]:
+    file = tmp_path_factory.mktemp("texts") / "a.vtkhdf"
+    case = Case.from_toml(INCLINE, ["time.end=0.01", "method.process=modified"])
+    run = case.run(output=file)
+    model = wall(4, 5)
+    return {
+        "Case": case,
+        "Run": run,
+        "Results": clast.read(file),
+        "Report": run.report,
+        "State": run.final,
+        "Model": run.model,
+        "PointHistory": run.history("A"),
+        "FrameContacts": run.contacts(),
+        "BlockHistory": run.block("slider"),
+        "Frame": run.frame(),
+        "Columns": run.energy,
+        "ContactMemory": run.state.memory,
+        "Contacts": contacts_of(model),
+        "Accelerogram": clast.Accelerogram(np.arange(9.0), np.ones((9, 2))),
+        "Comparison": studies.compare(case, ["convex"], ["penalty"]),
+    }
+
+
+def test_all_are_short_and_say_what_they_are(things):
+    for name, thing in things.items():
+        text = repr(thing)
+        assert text.startswith(name), name
+        assert len(text.splitlines()) <= 4, text
+        assert max(map(len, text.splitlines())) <= 400 if name != "Comparison" else True, text
+        assert "array(" not in text, text
+
+
+def test_they_say_what_matters(things):
+    for name, words in {
+        "Run": ("2 blocks", "finished at t = 0.01 s", "measured points: A"),
+        "Results": ("2 blocks", "frames from 0 to 0.01 s", "a.vtkhdf"),
+        "Case": ("modified with penalty", "step 0.001 s to 0.01 s"),
+        "Model": ("2 blocks (0 fixed)", "6 vertices", "granite", "default"),
+        "Report": ("reached its end", "10 steps"),
+        "State": ("t = 0.01 s", "2 blocks"),
+        "Contacts": ("pairs of blocks", "smallest gap"),
+        "PointHistory": ("11 rows", "displacement_x"),
+    }.items():
+        for word in words:
+            assert word in repr(things[name]), (word, repr(things[name]))
+
+
+def test_no_contacts_print_too():
+    empty = contacts_of(wall(1, 1, gravity=0.0))
+    none = {f: getattr(empty, f)[:0] for f in vars(empty)}
+    assert repr(Contacts(**none)) == "Contacts(0 between 0 pairs of blocks)"

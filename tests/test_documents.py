@@ -1,0 +1,85 @@
+"""The examples of README and CONTRIBUTING do what is said of them."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import clast
+from clast import model_builder, script
+from clast.case import Case
+from clast.casefile.templates import INCLINE
+
+ROOT = Path(__file__).parents[1]
+
+
+def executed(text: str, name: str) -> dict[str, Any]:
+    """Return what an example leaves behind."""
+    names: dict[str, Any] = {}
+    exec(compile(text, name, "exec", dont_inherit=True), names)
+    return names
+
+
+def indented(docstring: str | None) -> str:
+    """Return the first example of a docstring: its first indented lines."""
+    lines = (docstring or "").splitlines()
+    first = next(number for number, line in enumerate(lines) if line.startswith("    "))
+    rest = itertools.takewhile(lambda line: not line or line.startswith("    "), lines[first:])
+    return textwrap.dedent("\n".join(rest))
+
+
+def snippets(document: str) -> list[str]:
+    """Return the Python examples of a document."""
+    return re.findall(r"```python\n(.*?)```", (ROOT / document).read_text("utf-8"), re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def hardening() -> Any:
+    """The contact law of CONTRIBUTING."""
+    (text,) = snippets("CONTRIBUTING.md")
+    return executed(text, "CONTRIBUTING.md")["Hardening"]
+
+
+def test_the_readme_runs_a_case(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    run = executed(snippets("README.md")[0], "README.md")["run"]
+    assert run.report.finished
+    assert run.field("stress").shape == (len(run.times), 2, 3)
+
+
+def test_the_readme_builds_and_runs_a_model():
+    names = executed(snippets("README.md")[1], "README.md")
+    run = names["run"]
+    assert len(snippets("README.md")) == 2
+    assert run.report.finished
+    assert run.block("brick").displacement[-1, 0] == pytest.approx(0.0884, rel=0.01)
+    assert run.block("brick").velocity[-1] == pytest.approx([0.0, 0.0], abs=1e-3)
+    again = Case.from_toml(names["text"]).run()
+    np.testing.assert_array_equal(again.field("vertices"), run.field("vertices"))
+
+
+@pytest.mark.parametrize("module", [clast, model_builder, script], ids=lambda m: m.__name__)
+def test_the_examples_of_docstrings_run(module, monkeypatch):
+    monkeypatch.chdir(ROOT / "cases")
+    executed(indented(module.__doc__), module.__name__)
+
+
+def test_the_law_of_contributing_is_one(hardening):
+    assert clast.check_law(hardening()) == ()
+
+
+@pytest.mark.parametrize(
+    ("process", "tolerance"), [("modified", 2e-3), ("open-close", 2e-3), ("convex", 3e-4)]
+)
+def test_the_law_of_contributing_slides_as_it_should(hardening, process, tolerance):
+    """Incline of 45 degrees, friction 20: friction lags by a step but in the convex process."""
+    case = Case.from_toml(INCLINE, [f"method.process={process}"])
+    run = case.with_method(contact_law=hardening()).run()
+    assert run.history("A").displacement[-1] == pytest.approx([1.558273, -1.558273], rel=tolerance)
+    assert not [text for text in run.report.warnings if "contact law" in text]
