@@ -13,9 +13,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from clast import ranges
 from clast.errors import ModelError
 from clast.model import Bools, Floats, Ints
-from clast.model_checks import check_numbers
+from clast.value_checks import check_numbers
 
 Vector = Sequence[float] | Floats
 """Two or three numbers."""
@@ -80,13 +81,14 @@ class OneBlock:
 
     def velocities(self, label: Label) -> Floats:
         """Return its velocity, shape (1, 3)."""
-        return check_numbers(self.velocity, 3, f"{label(0)}, velocity")[None]
+        return check_numbers(self.velocity, 3, f"{label(0)}, velocity", ranges.SPEED)[None]
 
     def stresses(self, label: Label) -> Floats | None:
         """Return its own stress, Pa, shape (1, 3), or None."""
         if self.initial_stress is None:
             return None
-        return check_numbers(self.initial_stress, 3, f"{label(0)}, initial_stress")[None]
+        where = f"{label(0)}, initial_stress"
+        return check_numbers(self.initial_stress, 3, where, ranges.STRESS)[None]
 
 
 @dataclass(frozen=True)
@@ -126,12 +128,12 @@ class ManyBlocks:
 
     def velocities(self, label: Label) -> Floats:
         """Return the velocity of each block, shape (k, 3)."""
-        return self._rows(self.velocity, "velocity")
+        return self._rows(self.velocity, "velocity", ranges.SPEED)
 
     def stresses(self, label: Label) -> Floats | None:
         """Return the stress of each block, Pa, shape (k, 3), or None."""
         given = self.initial_stress
-        return None if given is None else self._rows(given, "initial_stress")
+        return None if given is None else self._rows(given, "initial_stress", ranges.STRESS)
 
     @property
     def _count(self) -> int:
@@ -156,7 +158,7 @@ class ManyBlocks:
             raise self._error("does not run from 0 up to the number of vertices", "start")
         return np.diff(start).astype(np.int64), vertices
 
-    def _rows(self, values: Any, key: str) -> Floats:
+    def _rows(self, values: Any, key: str, limits: ranges.Range) -> Floats:
         """Return three numbers for each block (k, 3), the same for all where three are given."""
         try:
             rows = np.asarray(values, np.float64)
@@ -164,6 +166,9 @@ class ManyBlocks:
             rows = np.zeros(0)
         if rows.shape not in ((3,), (self._count, 3)) or not np.isfinite(rows).all():
             raise self._error("give 3 finite numbers, or 3 for each block", key)
+        fault = limits.fault(float(np.abs(rows).max(initial=0.0)))
+        if fault is not None:
+            raise self._error(fault, key)
         return np.broadcast_to(rows, (self._count, 3))
 
     def _error(self, what: str, key: str) -> ModelError:

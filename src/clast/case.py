@@ -27,9 +27,9 @@ from pydantic import (
     model_validator,
 )
 
-from clast import spelling
+from clast import ranges, spelling
 from clast.casefile import text as case_text
-from clast.casefile.choices import Alternatives, Choice, Chosen, Number
+from clast.casefile.choices import Alternatives, Choice, Chosen, Number, within
 from clast.casefile.faults import Fault, case_error, faults_of, refusal
 from clast.casefile.meanings import explain
 from clast.casefile.record import read_record
@@ -100,15 +100,16 @@ ALTERNATIVES = Alternatives(
         "solver": SOLVERS,
     },
     limits={
-        "normal_stiffness": Field(gt=0.0),
-        "shear_stiffness": Field(gt=0.0),
-        "passes": Field(ge=1),
-        "tolerance": Field(gt=0.0),
-        "iterations": Field(ge=1),
-        "solves": Field(ge=1),
-        "penetration_tolerance": Field(ge=0.0),
-        "friction_updates": Field(ge=0),
-        "restitution": Field(ge=0.0, le=1.0),
+        "normal_stiffness": (Field(gt=0.0), within(ranges.STIFFNESS)),
+        "shear_stiffness": (Field(gt=0.0), within(ranges.STIFFNESS)),
+        "passes": (Field(ge=1, le=ranges.MOST_REPEATS),),
+        "tolerance": (Field(gt=0.0), within(ranges.TOLERANCE)),
+        "iterations": (Field(ge=1, le=ranges.MOST_REPEATS),),
+        "plain": (Field(ge=0, le=ranges.MOST_REPEATS),),
+        "solves": (Field(ge=1, le=ranges.MOST_REPEATS),),
+        "penetration_tolerance": (Field(ge=0.0), within(ranges.LENGTH)),
+        "friction_updates": (Field(ge=0, le=ranges.MOST_REPEATS),),
+        "restitution": (Field(ge=0.0, le=1.0),),
     },
     automatic=frozenset({"normal_stiffness"}),
 )
@@ -125,14 +126,24 @@ TRAVEL_SHARE = 0.01
 """Default max_displacement, as a share of the size (square root of area) of the smallest block."""
 CRITDIS_SHARE = 0.5
 """Default critdis, as a share of max_displacement (the paper's own ratio)."""
+SECONDS_OF_A_STEP = 1e-5
+"""Wall time of a step that none falls below, s."""
 FIXED_POINT_FACTOR = 100.0
 """Fixed points are this many times stiffer than the contacts and the stiffest rock."""
 
 Positive = Annotated[Number, Field(gt=0.0)]
-NotNegative = Annotated[Number, Field(ge=0.0)]
-Two = tuple[Number, Number]
-Three = tuple[Number, Number, Number]
-Loop = list[Two]
+Length = Annotated[Positive, within(ranges.LENGTH)]
+Strength = Annotated[Number, Field(ge=0.0), within(ranges.STRESS)]
+Coordinate = Annotated[Number, within(ranges.COORDINATE)]
+Point = tuple[Coordinate, Coordinate]
+Force = Annotated[Number, within(ranges.FORCE)]
+Speed = Annotated[Number, within(ranges.SPEED)]
+Motion = tuple[Speed, Speed, Speed]
+Acceleration = Annotated[Number, within(ranges.ACCELERATION)]
+Instant = Annotated[Number, within(ranges.TIME)]
+Stress = Annotated[Number, within(ranges.STRESS)]
+Stresses = tuple[Stress, Stress, Stress]
+Loop = list[Point]
 
 
 class Table(BaseModel):
@@ -144,11 +155,11 @@ class Table(BaseModel):
 class TimeTable(Table):
     """When to simulate."""
 
-    step: Positive
+    step: Annotated[Positive, within(ranges.STEP)]
     """Length of a step, s; shorter steps are used where max_displacement asks for them."""
     end: Positive
     """End of the run, s."""
-    max_displacement: Positive | None = None
+    max_displacement: Length | None = None
     """Largest vertex movement in a step, m; 1 % of the size of the smallest block if absent."""
     dynamic_ratio: Annotated[Number, Field(ge=0.0, le=1.0)] = 1.0
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
@@ -157,6 +168,16 @@ class TimeTable(Table):
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
+        steps = self.end / self.step
+        if steps > ranges.MOST_STEPS:
+            raise refusal(
+                Fault(
+                    place=("end",),
+                    what=f"{self.end:g} s are {steps:.3g} steps of {self.step:g} s: more than "
+                    f"{steps * SECONDS_OF_A_STEP / 3600.0:.2g} hours",
+                    remedy="lower end, or raise step",
+                )
+            )
         if self.step > self.end:
             raise refusal(
                 Fault(
@@ -179,13 +200,13 @@ class TimeTable(Table):
 class RockTable(Table):
     """A linear elastic rock."""
 
-    young: Positive
+    young: Annotated[Positive, within(ranges.MODULUS)]
     """Young's modulus, Pa."""
     poisson: Annotated[Number, Field(gt=-1.0, le=0.5)]
     """Poisson's ratio, -; below 0.5 in plane strain."""
-    density: Positive
+    density: Annotated[Positive, within(ranges.DENSITY)]
     """Density, kg/m3."""
-    initial_stress: Three = (0.0, 0.0, 0.0)
+    initial_stress: Stresses = (0.0, 0.0, 0.0)
     """Stress (xx, yy, xy) in the blocks at the start, Pa, tension positive."""
 
 
@@ -194,9 +215,9 @@ class JointTable(Table):
 
     friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] = 0.0
     """Coulomb friction angle, degrees."""
-    cohesion: NotNegative = 0.0
+    cohesion: Strength = 0.0
     """Cohesion, Pa; lost where the joint has slipped or opened."""
-    tensile_strength: NotNegative = 0.0
+    tensile_strength: Strength = 0.0
     """Tension cut-off, Pa; lost where the joint has slipped or opened."""
     between: list[tuple[StrictStr, StrictStr]] = []
     """Pairs of blocks with this joint between them: [["a", "b"], ...]."""
@@ -217,9 +238,9 @@ class LoopTable(Table):
     """Rock; may be left out where there is only one."""
     fixed: StrictBool = False
     """True for a block that cannot move at all."""
-    velocity: Three = (0.0, 0.0, 0.0)
+    velocity: Motion = (0.0, 0.0, 0.0)
     """Velocity (u, v, omega) at the start, m/s and rad/s, counter-clockwise."""
-    initial_stress: Three | None = None
+    initial_stress: Stresses | None = None
     """Stress (xx, yy, xy) at the start, Pa, tension positive; the rock's if absent."""
 
 
@@ -260,16 +281,16 @@ class BlockTable(Table):
     """Rock; may be left out where there is only one."""
     fixed: StrictBool = False
     """True for a block that cannot move at all."""
-    velocity: Three = (0.0, 0.0, 0.0)
+    velocity: Motion = (0.0, 0.0, 0.0)
     """Velocity (u, v, omega) at the start, m/s and rad/s, counter-clockwise."""
-    initial_stress: Three | None = None
+    initial_stress: Stresses | None = None
     """Stress (xx, yy, xy) at the start, Pa, tension positive; the rock's if absent."""
 
 
 class FixedPointTable(Table):
     """A point of a block that is held in place by a stiff spring."""
 
-    at: Two
+    at: Point
     """Coordinates [x, y], m."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
@@ -278,9 +299,9 @@ class FixedPointTable(Table):
 class PointLoadTable(Table):
     """A constant force at a point that moves with its block."""
 
-    at: Two
+    at: Point
     """Coordinates [x, y], m."""
-    force: Two
+    force: tuple[Force, Force]
     """Force [x, y], N per metre of thickness."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
@@ -289,11 +310,11 @@ class PointLoadTable(Table):
 class LineLoadTable(Table):
     """A constant traction along a line that moves with its block, usually along an edge."""
 
-    start: Two
+    start: Point
     """First end [x, y], m."""
-    end: Two
+    end: Point
     """Second end [x, y], m."""
-    traction: Two
+    traction: tuple[Force, Force]
     """Force per length [x, y], N/m per metre of thickness."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
@@ -304,7 +325,7 @@ class MeasuredPointTable(Table):
 
     name: StrictStr
     """Name."""
-    at: Two
+    at: Point
     """Coordinates [x, y], m."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
@@ -323,13 +344,13 @@ class GroundMotionTable(Table):
     moves is held by fixed points."""
     file: StrictStr | None = None
     """Text file beside the case file, with columns t, ax and, if wanted, ay; instead of lists."""
-    time: list[Number] | None = None
+    time: list[Instant] | None = None
     """Instants, s, rising."""
-    acceleration: list[Number] | None = None
+    acceleration: list[Acceleration] | None = None
     """Horizontal acceleration of the ground at the instants, m/s2, to the right."""
-    vertical: list[Number] | None = None
+    vertical: list[Acceleration] | None = None
     """Vertical acceleration of the ground at the instants, m/s2, upwards; none if absent."""
-    scale: Number = 1.0
+    scale: Annotated[Number, within(ranges.FACTOR)] = 1.0
     """Factor on all accelerations: 9.81 for a record in g."""
 
     @model_validator(mode="after")
@@ -351,7 +372,8 @@ class GroundMotionTable(Table):
     def motion(self, folder: Path) -> GroundMotion:
         """Return the ground motion; a file is looked for in ``folder``."""
         if self.file is not None:
-            time, acceleration = read_record(folder / self.file)
+            record = read_record(folder / self.file)
+            time, acceleration = record.time, record.acceleration
         else:
             time = np.array(self.time, np.float64)
             horizontal = np.array(self.acceleration, np.float64)
@@ -365,7 +387,7 @@ class ReferenceTable(Table):
 
     point: StrictStr
     """Measured point that it is known for."""
-    displacement: Two
+    displacement: Point
     """Displacement [u, v] since the start, m."""
     time: Positive | None = None
     """When, s; the end of the run if absent."""
@@ -388,9 +410,9 @@ class MethodTable(Table):
     """Time integration."""
     solver: Annotated[Any, Choice("solver", ALTERNATIVES)] = "auto"
     """Solver of the equations of a step."""
-    critdis: Positive | None = None
+    critdis: Length | None = None
     """Edges are lengthened by this in contact detection, m; half of max_displacement if absent."""
-    fixed_point_stiffness: Positive | None = None
+    fixed_point_stiffness: Annotated[Positive, within(ranges.STIFFNESS)] | None = None
     """Springs of fixed points, N/m per m; 100 times the stiffer of contact and rock if absent."""
 
     def chosen(self, key: str) -> Chosen:
@@ -451,7 +473,7 @@ class Case(Table):
     """Title."""
     plane: Literal["stress", "strain"] = "stress"
     """Plane stress or plane strain."""
-    gravity: Two = (0.0, -9.8)
+    gravity: tuple[Acceleration, Acceleration] = (0.0, -9.8)
     """Acceleration of gravity [x, y], m/s2."""
     time: TimeTable
     """When to simulate: [time] with step and end."""

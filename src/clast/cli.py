@@ -434,9 +434,13 @@ def warmup() -> None:
 
 
 WARMUPS = (
-    ["method.integrator=constant-acceleration", "method.rotation=sine"],
-    ["method.process.friction=implicit", "method.rotation=exact"],
-    ["method.integrator=backward-euler", "method.rotation=linear", "method.process.passes=2"],
+    ["method.process=modified"],
+    ["method.process={name='modified', friction='implicit'}", "method.rotation=exact"],
+    [
+        "method.process={name='modified', passes=2}",
+        "method.integrator=backward-euler",
+        "method.rotation=linear",
+    ],
     ["method.process=convex"],
     ["method.process=convex", "method.solver=pcg", "method.corner_rule=shi"],
     ["method.process=open-close", "method.contact_law.name=augmented-lagrangian"],

@@ -21,9 +21,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 
-from clast import model_checks, spelling
+from clast import model_checks, ranges, spelling, value_checks
 from clast.block_entries import Entry, Label, ManyBlocks, OneBlock, Vector
-from clast.errors import ModelError
+from clast.errors import ModelError, shortened
 from clast.ground_motion import GroundMotion, Still
 from clast.model import (
     Bools,
@@ -40,7 +40,8 @@ from clast.model import (
     PointLoads,
     Rock,
 )
-from clast.model_checks import Outlines, check_numbers, point_text
+from clast.model_checks import Outlines, point_text
+from clast.value_checks import check_numbers
 
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""
@@ -222,35 +223,36 @@ class ModelBuilder:
     def measured_point(self, name: str, at: Vector, block: str | None = None) -> None:
         """Record displacement, velocity and rotation of a point of a block, every step."""
         self._measured_names.append(name)
-        self._measured_points.append(_Place(f"measured point '{name}'", at, block))
+        self._measured_points.append(_Place(f"measured point '{shortened(str(name))}'", at, block))
 
     def build(self) -> Model:
         """Check everything and return the Model; raise ModelError with the remedy otherwise."""
         self._check_names()
         for rock in self._rocks:
-            model_checks.check_rock(rock, self.plane)
+            value_checks.check_rock(rock, self.plane)
         for entry in self._joints:
-            model_checks.check_joint(
+            value_checks.check_joint(
                 entry.joint, allow_small_friction_angle=entry.allow_small_friction_angle
             )
         outlines = self._outlines()
         polygons = outlines.polygons()
-        model_checks.check_polygons(outlines, polygons)
+        clockwise = model_checks.check_polygons(outlines, polygons)
+        outlines = outlines.turned(clockwise)
         block_rock = self._block_rocks(outlines)
         block_number = {name: number for number, name in enumerate(outlines.names)}
         joint_table = self._joint_table(block_number)
-        model_checks.check_overlaps(outlines, polygons)
+        overlaps = model_checks.check_overlaps(outlines, polygons)
 
         def places(entries: list[_Place]) -> _Places:
             return _locate(entries, block_number, outlines, polygons)
 
         fixed, measured = places(self._fixed_points), places(self._measured_points)
         points, lines = places(self._point_loads), places(self._line_loads)
-        model_checks.check_ground_motion(self.ground_motion, len(fixed.block))
+        value_checks.check_ground_motion(self.ground_motion, len(fixed.block))
         return Model(
             title=self.title,
             plane=self.plane,
-            gravity=check_numbers(self.gravity, 2, "gravity"),
+            gravity=check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION),
             origin=outlines.origin,
             rocks=tuple(self._rocks),
             joint_table=joint_table,
@@ -271,13 +273,16 @@ class ModelBuilder:
                 block=measured.block, at=measured.at, name=tuple(self._measured_names)
             ),
             ground_motion=self.ground_motion,
+            overlaps=overlaps,
+            notes=_turned_note(outlines, clockwise),
         )
 
     def _check_names(self) -> None:
-        _refuse_twice("rock", [rock.name for rock in self._rocks])
-        _refuse_twice("joint", [entry.joint.name for entry in self._joints])
-        _refuse_twice("block", self._names())
-        _refuse_twice("measured point", self._measured_names)
+        value_checks.check_title(self.title)
+        value_checks.check_names("rock", [rock.name for rock in self._rocks])
+        value_checks.check_names("joint", [entry.joint.name for entry in self._joints])
+        value_checks.check_names("block", self._names())
+        value_checks.check_point_names(self._measured_names)
 
     def _names(self) -> list[str]:
         return [name for entry in self._entries for name in entry.names]
@@ -303,7 +308,7 @@ class ModelBuilder:
         vertices = np.concatenate([np.zeros((0, 2)), *(vertices for _, vertices in loops)])
         given = Outlines(names, start, vertices, np.zeros(2))
         model_checks.check_corner_count(given)
-        model_checks.check_finite(given)
+        model_checks.check_coordinates(given)
         origin = _origin(vertices)
         return Outlines(names, start, np.ascontiguousarray(vertices - origin), origin)
 
@@ -386,7 +391,7 @@ class ModelBuilder:
 
 
 def _three(values: Vector, where: str) -> tuple[float, float, float]:
-    first, second, third = check_numbers(values, 3, where).tolist()
+    first, second, third = check_numbers(values, 3, where, ranges.STRESS).tolist()
     return first, second, third
 
 
@@ -416,24 +421,23 @@ def _origin(vertices: Floats) -> Floats:
     return np.asarray(np.round(0.5 * (low + high) / unit) * unit)
 
 
-def _refuse_twice(kind: str, names: list[str]) -> None:
-    """Refuse a name that two things of one kind share."""
-    seen: set[str] = set()
-    for name in names:
-        if name in seen:
-            raise ModelError(
-                f"there are two {kind}s of that name",
-                where=f"{kind} '{name}'",
-                remedy="rename one of them",
-            )
-        seen.add(name)
+def _turned_note(outlines: Outlines, clockwise: Bools) -> tuple[str, ...]:
+    """Return which loops were turned round, as a note, or nothing."""
+    turned = np.flatnonzero(clockwise)
+    if len(turned) == 0:
+        return ()
+    named = ", ".join(outlines.label(int(block)) for block in turned[: model_checks.LISTED])
+    more = ", ..." if len(turned) > model_checks.LISTED else ""
+    if len(turned) == 1:
+        return (f"1 loop runs clockwise and was turned round: {named}",)
+    return (f"{len(turned)} loops run clockwise and were turned round: {named}{more}",)
 
 
 def _number_of(name: str, number: dict[str, int], kind: str, where: str) -> int:
     """Return the index of a named thing, or suggest the nearest name."""
     if name not in number:
         raise ModelError(
-            f"there is no {kind} '{name}'",
+            f"there is no {kind} '{shortened(name)}'",
             where=where,
             remedy=spelling.advice(name, number, kind=kind),
         )
@@ -484,7 +488,9 @@ def _locate(
         if entry.end is not None:
             end[k] = check_numbers(entry.end, 2, f"{entry.label}, end") - outlines.origin
         if len(entry.load):
-            load[k] = check_numbers(entry.load, 2, f"{entry.label}, force or traction")
+            load[k] = check_numbers(
+                entry.load, 2, f"{entry.label}, force or traction", ranges.FORCE
+            )
         if entry.block is not None:
             named[k] = _number_of(entry.block, block_number, "block", entry.label)
     lines = np.array([entry.end is not None for entry in entries], dtype=np.bool_)

@@ -3,39 +3,63 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from clast.casefile.text import read_text
-from clast.errors import CaseError
+from clast.casefile.text import LONGEST_ECHO, read_text
+from clast.errors import CaseError, shortened
 from clast.model import Floats
 
 SEPARATOR = re.compile(r"[,;\s]+")
 """Columns are separated by commas, semicolons or blanks."""
 REMEDY = "give lines of two or three numbers: time in s, acceleration x, acceleration y"
+UNITS = {
+    r"[(\[\s]g[)\]\s,;]|\bin (units of )?g\b|\bunits? *[:=] *g\b": ("g", 9.81),
+    r"\bgals?\b|\bcm/s|\bcm/sec|\bcm s-": ("cm/s2", 0.01),
+    r"\bmm/s": ("mm/s2", 0.001),
+    r"(?<![a-z])m/s|\bm s-": ("m/s2", 1.0),
+}
+"""How headings name the unit of acceleration -> the unit, and its size in m/s2."""
 
 
-def read_record(path: Path) -> tuple[Floats, Floats]:
-    """Return time (k,) and acceleration (k, 2) of an accelerogram as they stand in a file.
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """An accelerogram as it stands in a file."""
+
+    time: Floats
+    """Instants, shape (k,)."""
+    acceleration: Floats
+    """Acceleration (x, y), shape (k, 2)."""
+    unit: tuple[str, float] | None
+    """Unit of acceleration that the heading names and its size in m/s2, or None."""
+
+
+def read_record(path: Path) -> Record:
+    """Return the accelerogram in a file.
 
     Empty lines and those that begin with # are left out, and so is a heading.  Raises CaseError
     naming the line.
     """
     rows: list[list[float]] = []
+    heading: list[str] = []
     for number, line in enumerate(read_text(path).splitlines(), start=1):
         words = SEPARATOR.split(line.strip(" \t,;\ufeff"))
         if words == [""] or words[0].startswith("#"):
+            heading.append(line if not rows else "")
             continue
         row = _numbers(words)
-        if row is None and not rows:
-            continue  # a heading
+        if row is None and not rows and _numbers(words[:1]) is None:
+            heading.append(line)
+            continue
         columns = len(rows[0]) if rows else 0
-        if row is None or len(row) not in (2, 3) or (columns and len(row) != columns):
+        commas = "," in line.strip(" ,;") and re.search(r"[;\t]", line.strip(" \t,;"))
+        if row is None or len(row) not in (2, 3) or (columns and len(row) != columns) or commas:
             raise CaseError(
-                f"'{line.strip()}' is no line of an accelerogram",
+                f"'{shortened(line.strip(), LONGEST_ECHO)}' is no line of an accelerogram",
                 where=f"{path}: line {number}",
-                remedy=REMEDY,
+                remedy=f"{REMEDY}{'; decimals have a point, no comma' if commas else ''}",
             )
         rows.append(row)
     if not rows:
@@ -43,7 +67,17 @@ def read_record(path: Path) -> tuple[Floats, Floats]:
     table = np.array(rows)
     acceleration = np.zeros((len(table), 2))
     acceleration[:, : table.shape[1] - 1] = table[:, 1:]
-    return np.ascontiguousarray(table[:, 0]), acceleration
+    return Record(
+        time=np.ascontiguousarray(table[:, 0]),
+        acceleration=acceleration,
+        unit=_unit(" ".join(heading)),
+    )
+
+
+def _unit(heading: str) -> tuple[str, float] | None:
+    """Return the unit of acceleration that a heading names and its size in m/s2, or None."""
+    text = f" {heading.lower()} "
+    return next((unit for pattern, unit in UNITS.items() if re.search(pattern, text)), None)
 
 
 def _numbers(words: list[str]) -> list[float] | None:
