@@ -9,7 +9,9 @@ This is the only place where methods are chosen by name; the dictionaries of nam
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import dataclasses
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
@@ -33,7 +35,8 @@ from clast.casefile.choices import Alternatives, Choice, Chosen, Number, within
 from clast.casefile.faults import Fault, case_error, faults_of, refusal
 from clast.casefile.meanings import explain
 from clast.casefile.record import read_record
-from clast.errors import ModelError
+from clast.doubts import check_overlaps
+from clast.errors import ModelError, shortened
 from clast.ground_motion import Accelerogram, GroundMotion, InertialForce, MovingBase, Still
 from clast.model import Model, PlaneStrain, PlaneStress
 from clast.model_builder import ModelBuilder
@@ -41,6 +44,7 @@ from clast.model_builder import ModelBuilder
 if TYPE_CHECKING:
     from clast.interfaces import Method
     from clast.results import Run
+    from clast.sanity import Sanity
     from clast.simulate import Progress, Schedule
 
 PROCESSES = {
@@ -168,7 +172,7 @@ class TimeTable(Table):
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
-        steps = self.end / self.step
+        steps = min(self.end / self.step, 1e300)
         if steps > ranges.MOST_STEPS:
             raise refusal(
                 Fault(
@@ -381,6 +385,19 @@ class GroundMotionTable(Table):
             acceleration = np.stack([horizontal, vertical], axis=1)
         return GROUND_MOTIONS[self.acts](Accelerogram(time, self.scale * acceleration))
 
+    def remarks(self, folder: Path) -> Iterator[str]:
+        """Say where the unit that a record's heading names contradicts the scale."""
+        unit = read_record(folder / self.file).unit if self.file is not None else None
+        if unit is None:
+            return
+        name, size = unit
+        if not 0.9 * size <= abs(self.scale) <= 1.1 * size:
+            yield (
+                f"[ground_motion] scale is {self.scale:g}, but the heading of "
+                f"{shortened(str(self.file))} says that accelerations are in {name}: give scale = "
+                f"{size:g} if they are"
+            )
+
 
 class ReferenceTable(Table):
     """A displacement that is known from elsewhere, to compare a run with."""
@@ -588,14 +605,11 @@ class Case(Table):
             gravity=self.gravity,
             ground_motion=Still() if shaken is None else shaken.motion(Path(self._file).parent),
         )
-        try:
+        with self._located():
             self._add_materials(builder)
             self._add_blocks(builder)
             self._add_points(builder)
             return builder.build()
-        except ModelError as error:
-            where = f"{self._file}: {error.where}"
-            raise ModelError(error.what, where=where, remedy=error.remedy) from None
 
     def _add_materials(self, builder: ModelBuilder) -> None:
         for name, rock in self.rock.items():
@@ -624,15 +638,49 @@ class Case(Table):
             builder.measured_point(**dict(measured))
 
     def method(self, model: Model | None = None) -> Method:
-        """Return how to simulate; what the case leaves open follows from its model."""
+        """Return how to simulate; what the case leaves open follows from its model.
+
+        Raises ModelError where blocks overlap more than contacts of this stiffness explain.
+        """
         model = model or self.model()
         smallest = float(np.sqrt(model.area.min()))
-        return self.method_.method(
+        method = self.method_.method(
             model,
             step=self.time.step,
             max_displacement=self.time.max_displacement or TRAVEL_SHARE * smallest,
             dynamic_ratio=self.time.dynamic_ratio,
         )
+        with self._located():
+            check_overlaps(model, method)
+        return method
+
+    def examine(self, model: Model | None = None, method: Method | None = None) -> Sanity:
+        """Return what the case consists of, with warnings of what seems unsound about it."""
+        from clast.sanity import examine
+
+        model = model or self.model()
+        sanity = examine(model, method or self.method(model), self.schedule())
+        return dataclasses.replace(sanity, warnings=(*sanity.warnings, *self._remarks()))
+
+    def _remarks(self) -> Iterator[str]:
+        """Say what seems unsound about what only the case file knows."""
+        for number, reference in enumerate(self.reference, start=1):
+            if reference.time is not None and reference.time > self.time.end:
+                yield (
+                    f"[[reference]] {number} is for {reference.time:g} s, but the run ends at "
+                    f"{self.time.end:g} s: it is not compared. Raise time.end, or lower its time"
+                )
+        if self.ground_motion is not None:
+            yield from self.ground_motion.remarks(Path(self._file).parent)
+
+    @contextmanager
+    def _located(self) -> Iterator[None]:
+        """Name the file in the errors of its model."""
+        try:
+            yield
+        except ModelError as error:
+            where = f"{self._file}: {error.where}"
+            raise ModelError(error.what, where=where, remedy=error.remedy) from None
 
     def schedule(self) -> Schedule:
         """Return when to simulate and when to keep a frame."""
@@ -650,12 +698,14 @@ class Case(Table):
         *,
         progress: bool | Callable[[Progress], None] = False,
         output: str | Path | None = None,
+        warn: Callable[[str], None] | None = None,
     ) -> Run:
         """Simulate the case and return its results.
 
         ``progress`` is True for a line on the terminal, or a function to call after every step;
-        ``output`` is the result file to write.  Raises RunStopped, with the partial results in
-        its ``run``, where the run cannot go on.
+        ``output`` is the result file to write; ``warn`` is called before the first step with each
+        warning that is known by then (the report has them all).  Raises RunStopped, with the
+        partial results in its ``run``, where the run cannot go on.
         """
         # A bad case is refused before anything slow is loaded and anything is written.
         model = self.model()
@@ -663,11 +713,13 @@ class Case(Table):
 
         from clast.progress import shown
         from clast.results import RunRecorder
-        from clast.sanity import examine
         from clast.simulate import simulate
 
         schedule = self.schedule()
-        warnings = examine(model, method, schedule).warnings
+        warnings = self.examine(model, method).warnings
+        if warn:
+            for warning in warnings:
+                warn(warning)
         recorder = RunRecorder(
             model,
             case_text=self.text,

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from enum import Enum
 
 LONGEST_LINE = 400
 """Most characters of a line of a message: what is echoed from the input may be of any length."""
+
+
+CONTROL = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
+"""Characters that a message does not hand on to a terminal; only line feeds are."""
+
+
+def printable(text: str) -> str:
+    """Return a text with control characters as escapes, so that a terminal shows them."""
+    return CONTROL.sub(lambda found: f"\\x{ord(found[0]):02x}", text)
 
 
 def shortened(text: str, most: int = 40) -> str:
@@ -34,7 +44,7 @@ class CaseError(ClastError):
         lines = [f"{where}: {what}" if where else what]
         if remedy:
             lines.append(f"  {remedy}")
-        text = "\n".join(lines)
+        text = printable("\n".join(lines))
         super().__init__("\n".join(shortened(line, LONGEST_LINE) for line in text.split("\n")))
 
 

@@ -130,7 +130,8 @@ def simulate(
     state = recorder.state
     finished = outcome == "the run reached its end"
     report = tally.report(state.ledger, perf_counter() - start, outcome, finished)
-    run = recorder.finish(replace(report, warnings=warnings, notes=method.notes))
+    notes = (*model.notes, *method.notes)
+    run = recorder.finish(replace(report, warnings=warnings, notes=notes))
     if failure:
         raise RunStopped(f"the run {outcome}", run)
     return run

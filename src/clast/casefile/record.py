@@ -15,6 +15,7 @@ from clast.model import Floats
 SEPARATOR = re.compile(r"[,;\s]+")
 """Columns are separated by commas, semicolons or blanks."""
 REMEDY = "give lines of two or three numbers: time in s, acceleration x, acceleration y"
+BESIDE = "name a text file of numbers; its path begins at the folder of the case file"
 UNITS = {
     r"[(\[\s]g[)\]\s,;]|\bin (units of )?g\b|\bunits? *[:=] *g\b": ("g", 9.81),
     r"\bgals?\b|\bcm/s|\bcm/sec|\bcm s-": ("cm/s2", 0.01),
@@ -44,7 +45,7 @@ def read_record(path: Path) -> Record:
     """
     rows: list[list[float]] = []
     heading: list[str] = []
-    for number, line in enumerate(read_text(path).splitlines(), start=1):
+    for number, line in enumerate(read_text(path, BESIDE).splitlines(), start=1):
         words = SEPARATOR.split(line.strip(" \t,;\ufeff"))
         if words == [""] or words[0].startswith("#"):
             heading.append(line if not rows else "")

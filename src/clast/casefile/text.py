@@ -23,25 +23,29 @@ LARGEST_FILE = 1_000_000_000
 """Text files above this size are not read, bytes."""
 
 
-def read_text(path: Path) -> str:
+def read_text(path: Path, advice: str = "") -> str:
     """Return the text of a case file or a record, or say why it cannot be read.
 
-    Only regular files are read: a pipe may wait and a device go on for ever.
+    Only regular files are read: a pipe may wait and a device go on for ever.  ``advice`` says what
+    to do where there is no such file; case files nearby are named without it.
     """
     where = str(path)
     try:
         _check_regular(path)
         return path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
-        raise CaseError("there is no such file", where=where, remedy=_beside(path)) from None
+        raise CaseError(
+            "there is no such file", where=where, remedy=advice or _beside(path)
+        ) from None
     except IsADirectoryError:
-        remedy = _beside(path / "x")
+        remedy = advice or _beside(path / "x")
         raise CaseError("is a directory, not a file", where=where, remedy=remedy) from None
     except UnicodeDecodeError as error:
         raise CaseError(
             f"is not a text file (byte {error.start})",
             where=where,
-            remedy="a case file is TOML in UTF-8; results are read by clast info and clast plot",
+            remedy=advice
+            or "a case file is TOML in UTF-8; results are read by clast info and clast plot",
         ) from None
     except ValueError:  # a NUL in the name
         remedy = "write a path without it"
@@ -110,11 +114,11 @@ def parse(text: str, file: str) -> dict[str, Any]:
             remedy="close brackets and braces; none need more than a few levels",
         ) from None
     except ValueError:  # Python converts no whole number of more than some thousand digits
-        found = re.search(r"\d{1000}", text)
-        line = text.count("\n", 0, found.start()) + 1 if found else 1
+        long = re.search(r"\d{1000}", text)
+        row = text.count("\n", 0, long.start()) + 1 if long else 1
         raise CaseError(
             "holds a number of more than 1000 digits",
-            where=f"{file}: line {line}",
+            where=f"{file}: line {row}",
             remedy="write it in fewer digits",
         ) from None
 
