@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from clast.errors import CaseError, ClastError, RunStopped, shortened
+from clast.errors import CaseError, ClastError, RunStopped, printable, shortened
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -263,7 +263,8 @@ def new(
 def _check_new(name: str, path: Path) -> None:
     """Refuse names under which no new case file can be written."""
     where = shortened(name, 100) or "the name"
-    if not path.stem.strip(" .") or "\0" in name or name.endswith(("/", os.sep)):
+    last = name.replace(os.sep, "/").rpartition("/")[2].removesuffix(".toml")
+    if not last.strip(" .") or printable(name) != name or "\n" in name:
         raise CaseError("is no name of a case", where=where, remedy="e.g. clast new mywall")
     if not path.parent.is_dir():
         raise CaseError(

@@ -195,6 +195,22 @@ class ModelBuilder:
         of each block's first vertex, and nv, in ``start`` (k + 1,).  ``fixed`` is one truth value
         or (k,); ``velocity`` and ``initial_stress`` are three numbers or (k, 3).  Everything
         else, and every check, is that of :meth:`block`.
+
+        A run is gone on from with another load, joint or method by making its last state a model;
+        the contact penetration in it is no bad geometry (what contacts of the stiffness that is
+        then chosen cannot have left is refused by the next run):
+
+            state, model = run.final, run.model
+            builder.blocks(
+                vertices=state.vertices,
+                start=model.block_start,
+                names=model.block_name,
+                fixed=model.fixed,
+                velocity=state.velocity[:, :3],
+                initial_stress=state.stress,
+            )
+
+        Blocks of several rocks are added one by one: ``model.block_rock`` says which is whose.
         """
         entry = ManyBlocks(
             self._count, names, rock, vertices, start, fixed, velocity, initial_stress
@@ -274,7 +290,7 @@ class ModelBuilder:
             ),
             ground_motion=self.ground_motion,
             overlaps=overlaps,
-            notes=_turned_note(outlines, clockwise),
+            notes=model_checks.turned_note(outlines, clockwise),
         )
 
     def _check_names(self) -> None:
@@ -419,18 +435,6 @@ def _origin(vertices: Floats) -> Floats:
         return np.zeros(2)
     unit = 10.0 ** math.floor(math.log10(size))
     return np.asarray(np.round(0.5 * (low + high) / unit) * unit)
-
-
-def _turned_note(outlines: Outlines, clockwise: Bools) -> tuple[str, ...]:
-    """Return which loops were turned round, as a note, or nothing."""
-    turned = np.flatnonzero(clockwise)
-    if len(turned) == 0:
-        return ()
-    named = ", ".join(outlines.label(int(block)) for block in turned[: model_checks.LISTED])
-    more = ", ..." if len(turned) > model_checks.LISTED else ""
-    if len(turned) == 1:
-        return (f"1 loop runs clockwise and was turned round: {named}",)
-    return (f"{len(turned)} loops run clockwise and were turned round: {named}{more}",)
 
 
 def _number_of(name: str, number: dict[str, int], kind: str, where: str) -> int:

@@ -28,7 +28,7 @@ FLAT = 1e-9
 """A block whose hull has less than this share of its extent squared as area is a line."""
 TOUCHING = 1e-6
 """Overlaps and distances below this share of the block's size are round-off."""
-PENETRATION = 0.02
+PENETRATION = 0.05
 """Overlaps above this share of the narrower block's width are no contact penetration."""
 SMALLEST_BLOCK = 1e-9
 """Blocks narrower than this, m, are no blocks."""
@@ -191,6 +191,18 @@ def check_polygons(outlines: Outlines, polygons: Geometries) -> Bools:
         "give it vertices that span an area, or leave the block out",
     )
     return np.asarray(area < 0.0)
+
+
+def turned_note(outlines: Outlines, clockwise: Bools) -> tuple[str, ...]:
+    """Return which loops were turned round, as a note, or nothing."""
+    turned = np.flatnonzero(clockwise)
+    if len(turned) == 0:
+        return ()
+    named = ", ".join(outlines.label(int(block)) for block in turned[:LISTED])
+    more = ", ..." if len(turned) > LISTED else ""
+    if len(turned) == 1:
+        return (f"1 loop runs clockwise and was turned round: {named}",)
+    return (f"{len(turned)} loops run clockwise and were turned round: {named}{more}",)
 
 
 def _check_duplicates(outlines: Outlines) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clast.contact.detection import detect
-from clast.doubts import doubts
+from clast.doubts import check_overlaps, doubts
 from clast.equations.frames import block_frames
 from clast.errors import StepRejected
 from clast.model import Bools, Model
@@ -84,7 +84,11 @@ class Sanity:
 
 
 def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
-    """Return what a case consists of and what seems unsound about it."""
+    """Return what a case consists of and what seems unsound about it.
+
+    Raises ModelError where blocks overlap by more than contacts of this stiffness explain.
+    """
+    check_overlaps(model, method)
     start = initial_state(model)
     contacts = _contacts(model, method, start)
     unsupported = _unsupported(model, contacts)

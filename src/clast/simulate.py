@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
+from clast.doubts import check_overlaps
 from clast.errors import RunStopped, StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
 from clast.interrupts import held_back
@@ -107,8 +108,10 @@ def simulate(
 
     Raises RunStopped, with the partial results in its ``run``, where even the smallest step is
     rejected.  KeyboardInterrupt ends the run early, with its results kept.  ``warnings`` are put
-    into the report beside what the process itself has to say.
+    into the report beside what the process itself has to say.  Raises ModelError where blocks
+    overlap by more than contacts of this stiffness explain.
     """
+    check_overlaps(model, method)
     recorder = recorder or RunRecorder(model)
     tally = _Tally()
     start = perf_counter()

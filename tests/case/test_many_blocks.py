@@ -103,8 +103,8 @@ def test_faults_name_the_block_and_the_key(fault):
 def test_a_sliver_across_two_boxes_is_found():
     """Boxes that share an area are looked at closely, boxes that share a strip are not."""
     builder = begun()
-    builder.blocks(vertices=np.array([box(0.0, 0.0), box(1.0 - 3e-2, 0.0)]), rock="marl")
-    with pytest.raises(ModelError, match=r"depth of 0\.03 m"):
+    builder.blocks(vertices=np.array([box(0.0, 0.0), box(1.0 - 6e-2, 0.0)]), rock="marl")
+    with pytest.raises(ModelError, match=r"depth of 0\.06 m"):
         builder.build()
     for depth, known in ((1e-4, 1), (1e-8, 0)):
         builder = begun()

@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 from scipy.spatial import Voronoi
 
+from clast.case import Case
+from clast.casefile.templates import heap, wall
 from clast.errors import ModelError
 from clast.model_builder import ModelBuilder
+from clast.simulate import simulate
 
 # GEOS without a grid says that these two have the whole second block in common
 TOUCHING_TO_ROUND_OFF = (
@@ -168,7 +171,7 @@ def test_what_overlaps_is_found(place):
     for loops in (network(rng, 60), joined(network(rng, 60), rng)):
         for k in range(0, len(loops), 3):
             size = math.sqrt(area_in_common(loops[k], loops[k]))
-            way = size * 10.0 ** rng.uniform(-4.0, 0.0) * moved([(1, 0)], rng.uniform(0, 7))
+            way = size * 10.0 ** rng.uniform(-4.0, 0.3) * moved([(1, 0)], rng.uniform(0, 7))
             pushed = loops[k] + way
             near = [
                 (loop, area)
@@ -184,7 +187,7 @@ def test_what_overlaps_is_found(place):
                         *(moved(one, **PLACES[place]) for one in (loop, pushed))
                     ).overlaps
                     assert overlaps.pair.tolist() == [[0, 1]]
-                    assert overlaps.depth[0] < 0.05 * size * scale
+                    assert overlaps.depth[0] < 0.1 * size * scale
                     found += 1
                 except ModelError as error:
                     assert "block 1: overlaps block 2 to a depth of" in str(error)
@@ -201,3 +204,54 @@ def test_blocks_in_each_other_are_refused_whatever_their_size():
             built(outer, inner)
         with pytest.raises(ModelError, match="block 1: overlaps block 2"):
             built(outer, outer)
+
+
+def continued(run, **rock):
+    """Return the last state of a run as a model of its own."""
+    state, model = run.final, run.model
+    builder = ModelBuilder()
+    builder.add_rock(model.rocks[0].name, **rock)
+    builder.add_joint(friction_angle=30.0)
+    builder.blocks(
+        vertices=state.vertices,
+        start=model.block_start,
+        names=model.block_name,
+        fixed=model.fixed,
+        velocity=state.velocity[:, :3],
+        initial_stress=state.stress,
+    )
+    return builder.build()
+
+
+@pytest.mark.parametrize("stiffness", ["5e9", "5e7", "1e7"])
+def test_the_last_state_of_a_run_is_a_model(stiffness):
+    settings = ["time.end=0.1", f"method.contact_law.normal_stiffness={stiffness}"]
+    case = Case.from_toml(wall(3, 3), settings)
+    model = continued(case.run(), young=5e9, poisson=0.2, density=2000.0)
+    assert len(model.overlaps.pair) > 5
+    method = case.method(model)
+    (said,) = (text for text in case.examine(model, method).warnings if "overlap" in text)
+    assert f"overlap by {model.overlaps.depth.max():.3g} m at the start" in said
+    again = simulate(model, method, case.schedule())
+    assert again.report.finished
+    # what settles anew are the shear springs, which begin without force
+    assert np.abs(again.state.vertices - model.vertices).max() < 2.0 * model.overlaps.depth.max()
+
+
+def test_an_overlap_that_no_contact_leaves_is_refused_by_the_run():
+    text = wall(3, 3).replace("[[0, 0], [1, 0], [1, 0.5]", "[[0, 0], [1.01, 0], [1.01, 0.5]", 1)
+    soft = Case.from_toml(text, ["method.contact_law.normal_stiffness=1e6"])
+    assert any("overlap by 0.01 m at the start" in text for text in soft.examine().warnings)
+    stiff = Case.from_toml(text)
+    with pytest.raises(ModelError, match=r"block 'row 1 brick 1': overlaps .* depth of 0\.01 m"):
+        stiff.run()
+    with pytest.raises(ModelError, match=r"5e\+07 N/m, and all blocks weigh"):
+        simulate(stiff.model(), stiff.method(), stiff.schedule())
+
+
+def test_the_overlaps_of_a_moving_heap_are_explained():
+    case = Case.from_toml(heap(2, 3), ["time.end=0.5"])
+    deepest = []
+    run = case.run(progress=lambda step: deepest.append(step.penetration))
+    assert max(deepest) > 0.0
+    assert continued(run, young=5e9, poisson=0.2, density=2500.0).block_count == 9

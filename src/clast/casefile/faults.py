@@ -86,7 +86,7 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
         rest = rest[1:]
         table = f"[[{top}]] {number + 1}{_name_text(value, number)}"
     elif isinstance(value, dict) and rest and isinstance(value.get(str(rest[0])), dict):
-        key = rest.pop(0)
+        key = shortened(str(rest.pop(0)))
         table = f"[{top}.{key}]" if top in ("rock", "joint") else f"[{top}] {key}"
         if top not in ("rock", "joint") and rest:
             return f"{table}.{_keys_text(rest)}"
@@ -102,7 +102,8 @@ def _keys_text(keys: Sequence[str | int]) -> str:
     text = ""
     for depth, key in enumerate(keys):
         if isinstance(key, str):
-            text += f".{key}" if text and isinstance(keys[depth - 1], str) else f", {key}"
+            named = shortened(key) or "''"
+            text += f".{named}" if text and isinstance(keys[depth - 1], str) else f", {named}"
         elif isinstance(keys[depth - 1], int):
             text += f", number {key + 1}"
         else:
@@ -159,13 +160,20 @@ def _shown(given: Any) -> str:
     return shortened(text, 60)
 
 
+def _is_no_number(given: Any) -> str:
+    """Return the sentence for what cannot be a floating-point number."""
+    if isinstance(given, int) and not isinstance(given, bool):
+        return f"is too large a number: {_shown(given)}"
+    return f"must be a number, not {_shown(given)}"
+
+
 def _is_impossible(given: Any, _: Mapping[str, Any]) -> str:
     """Return the sentence for faults that have no sentence of their own."""
     return f"cannot be {_shown(given)}"
 
 
 SENTENCES: dict[str, Callable[[Any, Mapping[str, Any]], str]] = {
-    "float_type": lambda given, _: f"must be a number, not {_shown(given)}",
+    "float_type": lambda given, _: _is_no_number(given),
     "int_type": lambda given, _: f"must be a whole number, not {_shown(given)}",
     "bool_type": lambda given, _: f"must be true or false, not {_shown(given)}",
     "string_type": lambda given, _: f"must be a text in quotes, not {_shown(given)}",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,8 +18,8 @@ SEPARATOR = re.compile(r"[,;\s]+")
 REMEDY = "give lines of two or three numbers: time in s, acceleration x, acceleration y"
 BESIDE = "name a text file of numbers; its path begins at the folder of the case file"
 UNITS = {
-    r"[(\[\s]g[)\]\s,;]|\bin (units of )?g\b|\bunits? *[:=] *g\b": ("g", 9.81),
-    r"\bgals?\b|\bcm/s|\bcm/sec|\bcm s-": ("cm/s2", 0.01),
+    r"(?<![a-z0-9])g(?![a-z0-9])": ("g", 9.81),
+    r"(?<![a-z])gals?(?![a-z])|\bcm/s|\bcm s-": ("cm/s2", 0.01),
     r"\bmm/s": ("mm/s2", 0.001),
     r"(?<![a-z])m/s|\bm s-": ("m/s2", 1.0),
 }
@@ -51,7 +52,7 @@ def read_record(path: Path) -> Record:
             heading.append(line if not rows else "")
             continue
         row = _numbers(words)
-        if row is None and not rows and _numbers(words[:1]) is None:
+        if row is None and not rows and not _looks_like_numbers(words):
             heading.append(line)
             continue
         columns = len(rows[0]) if rows else 0
@@ -60,7 +61,8 @@ def read_record(path: Path) -> Record:
             raise CaseError(
                 f"'{shortened(line.strip(), LONGEST_ECHO)}' is no line of an accelerogram",
                 where=f"{path}: line {number}",
-                remedy=f"{REMEDY}{'; decimals have a point, no comma' if commas else ''}",
+                remedy=REMEDY
+                + ("; decimals have a point" if commas else "; headings begin with #"),
             )
         rows.append(row)
     if not rows:
@@ -76,14 +78,20 @@ def read_record(path: Path) -> Record:
 
 
 def _unit(heading: str) -> tuple[str, float] | None:
-    """Return the unit of acceleration that a heading names and its size in m/s2, or None."""
-    text = f" {heading.lower()} "
-    return next((unit for pattern, unit in UNITS.items() if re.search(pattern, text)), None)
+    """Return the one unit of acceleration that a heading names and its size in m/s2, or None."""
+    named = [unit for pattern, unit in UNITS.items() if re.search(pattern, heading.lower())]
+    return named[0] if len(named) == 1 else None
 
 
 def _numbers(words: list[str]) -> list[float] | None:
-    """Return words as numbers, or None where one is none."""
+    """Return words as finite numbers, or None where one is none."""
     try:
-        return [float(word) for word in words]
+        numbers = [float(word) for word in words]
     except ValueError:
         return None
+    return numbers if all(map(math.isfinite, numbers)) else None
+
+
+def _looks_like_numbers(words: list[str]) -> bool:
+    """Return whether a line is rather a row with a slip than a heading."""
+    return 2 * sum(word[:1] in "+-.0123456789" for word in words) >= len(words)

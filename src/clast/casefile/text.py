@@ -19,7 +19,7 @@ LONGEST_ECHO = 100
 """Most characters of a line that a message repeats."""
 
 
-LARGEST_FILE = 1_000_000_000
+LARGEST_FILE = 300_000_000
 """Text files above this size are not read, bytes."""
 
 
