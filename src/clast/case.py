@@ -32,7 +32,7 @@ from pydantic import (
 from clast import ranges, spelling
 from clast.casefile import text as case_text
 from clast.casefile.choices import Alternatives, Choice, Chosen, Number, within
-from clast.casefile.faults import Fault, case_error, faults_of, refusal
+from clast.casefile.faults import SHOWN, Fault, case_error, faults_of, refusal
 from clast.casefile.meanings import explain
 from clast.casefile.record import read_record
 from clast.errors import ModelError, shortened
@@ -105,13 +105,13 @@ ALTERNATIVES = Alternatives(
     limits={
         "normal_stiffness": (Field(gt=0.0), within(ranges.STIFFNESS)),
         "shear_stiffness": (Field(gt=0.0), within(ranges.STIFFNESS)),
-        "passes": (Field(ge=1, le=ranges.MOST_REPEATS),),
+        "passes": (Field(ge=1, le=ranges.MOST_PASSES),),
         "tolerance": (Field(gt=0.0), within(ranges.TOLERANCE)),
-        "iterations": (Field(ge=1, le=ranges.MOST_REPEATS),),
-        "plain": (Field(ge=0, le=ranges.MOST_REPEATS),),
-        "solves": (Field(ge=1, le=ranges.MOST_REPEATS),),
+        "iterations": (Field(ge=1, le=ranges.MOST_ITERATIONS),),
+        "plain": (Field(ge=0, le=ranges.MOST_ITERATIONS),),
+        "solves": (Field(ge=1, le=ranges.MOST_PASSES),),
         "penetration_tolerance": (Field(ge=0.0), within(ranges.LENGTH)),
-        "friction_updates": (Field(ge=0, le=ranges.MOST_REPEATS),),
+        "friction_updates": (Field(ge=0, le=ranges.MOST_PASSES),),
         "restitution": (Field(ge=0.0, le=1.0),),
     },
     automatic=frozenset({"normal_stiffness"}),
@@ -137,6 +137,7 @@ FIXED_POINT_FACTOR = 100.0
 """Fixed points are this many times stiffer than the contacts and the stiffest rock."""
 
 Positive = Annotated[Number, Field(gt=0.0)]
+Interval = Annotated[Positive, within(ranges.INTERVAL)]
 Length = Annotated[Positive, within(ranges.LENGTH)]
 Strength = Annotated[Number, Field(ge=0.0), within(ranges.STRESS)]
 Coordinate = Annotated[Number, within(ranges.COORDINATE)]
@@ -160,7 +161,7 @@ class Table(BaseModel):
 class TimeTable(Table):
     """When to simulate."""
 
-    step: Annotated[Positive, within(ranges.STEP)]
+    step: Interval
     """Length of a step, s; shorter steps are used where max_displacement asks for them."""
     end: Positive
     """End of the run, s."""
@@ -168,7 +169,7 @@ class TimeTable(Table):
     """Largest vertex movement in a step, m; 1 % of the size of the smallest block if absent."""
     dynamic_ratio: Annotated[Number, Field(ge=0.0, le=1.0)] = 1.0
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
-    smallest_step: Positive | None = None
+    smallest_step: Interval | None = None
     """The run stops where it would need a smaller step than this, s."""
 
     @model_validator(mode="after")
@@ -273,6 +274,17 @@ class GeometryTable(Table):
         if faults:
             raise refusal(*faults)
         return self
+
+    def remarks(self) -> Iterator[str]:
+        """Say which vertices belong to no block."""
+        used = {vertex for block in self.blocks for vertex in block.loop}
+        idle = [k for k in range(1, len(self.vertices) + 1) if k not in used]
+        if idle:
+            shown = ", ".join(map(str, idle[:SHOWN])) + (", ..." if len(idle) > SHOWN else "")
+            yield (
+                f"[geometry] {len(idle)} of {len(self.vertices)} vertices belong to no block: "
+                f"{shown}. Is a loop missing?"
+            )
 
 
 class BlockTable(Table):
@@ -476,7 +488,7 @@ class MethodTable(Table):
 class OutputTable(Table):
     """What to keep of a run."""
 
-    every: Positive | None = None
+    every: Interval | None = None
     """Time between frames, s; a hundredth of the run if absent."""
     contacts: StrictBool = True
     """True keeps the contact forces of every frame."""
@@ -649,25 +661,35 @@ class Case(Table):
             dynamic_ratio=self.time.dynamic_ratio,
         )
 
-    def examine(self, model: Model | None = None, method: Method | None = None) -> Sanity:
+    def examine(self) -> Sanity:
         """Return what the case consists of, with warnings of what seems unsound about it."""
+        model = self.model()
+        sanity = self._examined(model, self.method(model))
+        return dataclasses.replace(sanity, warnings=(*sanity.warnings, *self._not_compared()))
+
+    def _examined(self, model: Model, method: Method) -> Sanity:
+        """Return what the case consists of, with what its run warns of."""
         from clast.sanity import examine
 
-        model = model or self.model()
         with self._located():
-            sanity = examine(model, method or self.method(model), self.schedule())
+            sanity = examine(model, method, self.schedule())
         return dataclasses.replace(sanity, warnings=(*sanity.warnings, *self._remarks()))
 
     def _remarks(self) -> Iterator[str]:
         """Say what seems unsound about what only the case file knows."""
+        if self.geometry is not None:
+            yield from self.geometry.remarks()
+        if self.ground_motion is not None:
+            yield from self.ground_motion.remarks(Path(self._file).parent)
+
+    def _not_compared(self) -> Iterator[str]:
+        """Say which references the run does not reach; the run itself says so at its end."""
         for number, reference in enumerate(self.reference, start=1):
             if reference.time is not None and reference.time > self.time.end:
                 yield (
                     f"[[reference]] {number} is for {reference.time:g} s, but the run ends at "
                     f"{self.time.end:g} s: it is not compared. Raise time.end, or lower its time"
                 )
-        if self.ground_motion is not None:
-            yield from self.ground_motion.remarks(Path(self._file).parent)
 
     @contextmanager
     def _located(self) -> Iterator[None]:
@@ -712,7 +734,7 @@ class Case(Table):
         from clast.simulate import simulate
 
         schedule = self.schedule()
-        warnings = self.examine(model, method).warnings
+        warnings = self._examined(model, method).warnings
         if warn:
             for warning in warnings:
                 warn(warning)

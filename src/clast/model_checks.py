@@ -226,10 +226,10 @@ def _crossing(outlines: Outlines, block: int) -> str:
     here = outlines.vertices[rows]
     count = len(rows)
     edges = shapely.linestrings(np.stack([here, np.roll(here, -1, axis=0)], axis=1))
-    first, second = np.triu_indices(count, k=2)
-    apart = ~((first == 0) & (second == count - 1))
+    first, second = _ordered(*shapely.STRtree(edges).query(edges, predicate="intersects"))
+    apart = (second > first + 1) & ~((first == 0) & (second == count - 1))
     first, second = first[apart], second[apart]
-    meet = np.flatnonzero(shapely.intersects(edges[first], edges[second]))
+    meet = np.lexsort((second, first))
     if len(meet) == 0:
         return "its loop folds back on itself"
     one, other = int(first[meet[0]]), int(second[meet[0]])

@@ -43,7 +43,7 @@ DENSITY = Range(1e-9, 1e12, "kg/m3")
 STIFFNESS = Range(1e-6, 1e36, "N/m per m")
 LENGTH = Range(1e-12, 1e18, "m")
 COORDINATE = Range(0.0, 1e18, "m")
-STEP = Range(1e-15, 1e12, "s")
+INTERVAL = Range(1e-15, 1e12, "s")
 TIME = Range(0.0, 1e18, "s")
 ACCELERATION = Range(0.0, 1e9, "m/s2")
 SPEED = Range(0.0, 1e9, "m/s or rad/s")
@@ -54,8 +54,10 @@ TOLERANCE = Range(1e-15, 1e15, "")
 
 MOST_STEPS = 1e12
 """Most steps of a run: four months at 10 microseconds each."""
-MOST_REPEATS = 1_000_000
-"""Most repetitions within a step: passes, iterations, solves."""
+MOST_PASSES = 1000
+"""Most passes, solves and renewals within a step."""
+MOST_ITERATIONS = 1_000_000
+"""Most iterations of one solution."""
 
 
 def check_size(value: float, limits: Range, where: str, remedy: str) -> None:

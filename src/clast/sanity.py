@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clast.contact.detection import detect
-from clast.doubts import check_overlaps, doubts
 from clast.equations.frames import block_frames
 from clast.errors import StepRejected
+from clast.method_doubts import check_overlaps, method_doubts
 from clast.model import Bools, Model
+from clast.model_doubts import model_doubts
 from clast.state import State, initial_state
 from clast.stepping.modified import STABILITY_LIMIT, reach_of, stability_number
 
@@ -121,7 +122,8 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
         warnings=(
             *_duration_doubts(model, method, schedule, start),
             *method.process.advice(model, method, start, schedule.step),
-            *doubts(model, method, schedule),
+            *model_doubts(model, schedule.end),
+            *method_doubts(model, method, schedule),
         ),
         notes=(*model.notes, *method.notes),
     )

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
-from clast.doubts import check_overlaps
 from clast.errors import RunStopped, StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
 from clast.interrupts import held_back
 from clast.kernels.threads import threads_worth
+from clast.method_doubts import check_overlaps
 from clast.model import Model
 from clast.results import Report, Run, RunRecorder
 from clast.state import Ledger, State, initial_state

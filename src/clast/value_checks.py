@@ -140,7 +140,7 @@ def check_names(kind: str, names: Sequence[str]) -> None:
             remedy='names are texts, e.g. "1"',
         )
     for what, bad in (
-        ("has a name without a letter", lambda name: not name.strip()),
+        ("has no name", lambda name: not name.strip()),
         (f"has a name of more than {LONGEST_NAME} characters", lambda n: len(n) > LONGEST_NAME),
         ("has a name with a character that cannot be printed", CONTROL.search),
     ):

@@ -13,6 +13,7 @@ from clast.case import Case
 from clast.casefile.templates import heap, wall
 from clast.errors import ModelError
 from clast.model_builder import ModelBuilder
+from clast.sanity import examine
 from clast.simulate import simulate
 
 # GEOS without a grid says that these two have the whole second block in common
@@ -230,7 +231,9 @@ def test_the_last_state_of_a_run_is_a_model(stiffness):
     model = continued(case.run(), young=5e9, poisson=0.2, density=2000.0)
     assert len(model.overlaps.pair) > 5
     method = case.method(model)
-    (said,) = (text for text in case.examine(model, method).warnings if "overlap" in text)
+    (said,) = (
+        text for text in examine(model, method, case.schedule()).warnings if "overlap" in text
+    )
     assert f"overlap by {model.overlaps.depth.max():.3g} m at the start" in said
     again = simulate(model, method, case.schedule())
     assert again.report.finished
