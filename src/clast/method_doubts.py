@@ -9,7 +9,7 @@ import numpy as np
 
 from clast.errors import ModelError
 from clast.model import Model
-from clast.model_doubts import named, size_of_smallest
+from clast.model_doubts import load_on, named, size_of_smallest, weight_of
 
 if TYPE_CHECKING:
     from clast.interfaces import Method
@@ -70,7 +70,8 @@ def check_overlaps(model: Model, method: Method) -> None:
     if len(model.overlaps.depth) == 0:
         return
     stiffness = method.contact_law.normal_stiffness
-    weight, load = _weight(model), _load(model)
+    weight = weight_of(model)
+    load = load_on(model) + _stress_force(model)
     mass = np.where(model.fixed, np.inf, model.mass)[model.overlaps.pair].min(axis=1)
     mass = np.where(np.isfinite(mass), mass, 0.0)
     fall = float(np.ptp(model.vertices @ model.gravity))
@@ -91,28 +92,16 @@ def _refuse_overlap(model: Model, stiffness: float, worst: int, count: int) -> N
     raise ModelError(
         f"overlaps block {named(model, np.array([other]))} to a depth of {depth:.3g} m{more}: "
         f"with normal_stiffness = {stiffness:.3g} a contact would press them apart with "
-        f"{stiffness * depth:.3g} N/m, and all blocks weigh {_weight(model):.3g} N/m",
+        f"{stiffness * depth:.3g} N/m, and all blocks weigh {weight_of(model):.3g} N/m",
         where=f"block {named(model, np.array([one]))}",
         remedy="move or cut the blocks so that they touch at most (coordinates rounded too "
         "coarsely overlap as well: give more digits)",
     )
 
 
-def _weight(model: Model) -> float:
-    """Return the weight of all blocks that can move, N/m."""
-    return float(model.mass[~model.fixed].sum() * np.hypot(*model.gravity))
-
-
-def _load(model: Model) -> float:
-    """Return the sum of all loads, and of the stress on the largest block, N/m."""
-    lines = model.line_loads
-    length = np.hypot(*(lines.end - lines.start).T)
-    stress = np.abs(model.initial_stress).max(axis=1) * np.sqrt(model.area)
-    return float(
-        np.hypot(*model.point_loads.force.T).sum()
-        + (np.hypot(*lines.traction.T) * length).sum()
-        + stress.max()
-    )
+def _stress_force(model: Model) -> float:
+    """Return the largest force that initial stress gives a block's edge, N/m."""
+    return float((np.abs(model.initial_stress).max(axis=1) * np.sqrt(model.area)).max())
 
 
 def _overlap_doubts(model: Model, method: Method) -> Iterator[str]:
@@ -146,7 +135,7 @@ def _stiffness_doubts(model: Model, method: Method) -> Iterator[str]:
             f"shear_stiffness is {shear:.3g} N/m per m, {shear / normal:.2g} times "
             "normal_stiffness: leave it out, and it is equal"
         )
-    sinking = _weight(model) / normal / max(1, int(model.block_count**0.5))
+    sinking = weight_of(model) / normal / max(1, int(model.block_count**0.5))
     share = sinking / size_of_smallest(model)
     if share > SINKING:
         yield (
@@ -154,12 +143,13 @@ def _stiffness_doubts(model: Model, method: Method) -> Iterator[str]:
             f"{sinking:.2g} m under their weight, {100.0 * share:.2g} % of the smallest block: "
             f'raise it to {normal * share / 1e-4:.1g}, or give "auto"'
         )
-    tolerance = getattr(method.process, "tolerance", 0.0)
-    if tolerance > LOOSE:
-        yield (
-            f"tolerance of the process is {tolerance:g}, so loose that steps are hardly solved: "
-            "lower it to 1e-7, or leave it out"
-        )
+    for kind, part in (("process", method.process), ("solver", method.solver)):
+        tolerance = getattr(part, "tolerance", 0.0)
+        if tolerance > LOOSE:
+            yield (
+                f"tolerance of the {kind} is {tolerance:g}, so loose that steps are hardly solved: "
+                "leave it out"
+            )
 
 
 def _static_doubts(model: Model, method: Method) -> Iterator[str]:

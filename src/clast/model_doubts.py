@@ -18,6 +18,8 @@ WEAKEST, STRONGEST = 1e3, 1e9
 """Strengths and stresses outside look like kPa or MPa, Pa."""
 WEAKEST_GRAVITY, STRONGEST_GRAVITY = 0.1, 5e3
 """Gravity outside is that of no planet and no centrifuge, m/s2."""
+LIGHTEST_LOAD, HEAVIEST_LOAD = 1e-4, 1e4
+"""Loads outside these shares of the weight of the blocks look like kN or MN."""
 STEEPEST = 75.0
 """Friction angles above are steeper than any joint's, degrees."""
 NO_DIGITS = 1e-7
@@ -28,8 +30,8 @@ THIN = 1e-5
 """Parts of a block thinner than this share of its extent are spikes or cracks."""
 DRIFTING = 0.1
 """A ground that goes on by more than this share of the smallest block after its record drifts."""
-HARDEST_SHAKING = 50.0
-"""No ground has been accelerated by more than this, m/s2."""
+SOFTEST_SHAKING, HARDEST_SHAKING = 1e-3, 50.0
+"""Ground motions outside are felt by nobody, or by nobody yet, m/s2."""
 NAMED = 5
 """Most things that a warning names."""
 
@@ -56,6 +58,18 @@ def named(model: Model, blocks: Ints) -> str:
 def size_of_smallest(model: Model) -> float:
     """Return the size of the smallest block, m."""
     return float(np.sqrt(model.area.min()))
+
+
+def weight_of(model: Model) -> float:
+    """Return the weight of all blocks that can move, N/m."""
+    return float(model.mass[~model.fixed].sum() * np.hypot(*model.gravity))
+
+
+def load_on(model: Model) -> float:
+    """Return the sum of the sizes of all loads, N/m."""
+    points, lines = model.point_loads, model.line_loads
+    length = np.hypot(*(lines.end - lines.start).T)
+    return float(np.hypot(*points.force.T).sum() + (np.hypot(*lines.traction.T) * length).sum())
 
 
 def _support_doubts(model: Model) -> Iterator[str]:
@@ -96,6 +110,13 @@ def _idle_doubts(model: Model) -> Iterator[str]:
         zero = int((~load.any(axis=1)).sum())
         if zero:
             yield f"{zero} {kind}(s) are zero: give a force, or remove them"
+    total, weight = load_on(model), weight_of(model)
+    if total and weight and not LIGHTEST_LOAD <= total / weight <= HEAVIEST_LOAD:
+        size = "next to nothing beside" if total < weight else "out of proportion to"
+        yield (
+            f"all loads together are {total:.3g} N/m, {size} the weight of the blocks, "
+            f"{weight:.3g} N/m; they are meant in N/m: 5 kN/m are 5000"
+        )
     unused = np.setdiff1d(np.arange(len(model.rocks)), model.block_rock)
     for rock in unused[:NAMED].tolist():
         name = shortened(model.rocks[rock].name)
@@ -136,6 +157,11 @@ def _unit_doubts(model: Model) -> Iterator[str]:
             yield (
                 f"{where}: young is {rock.young:g} Pa, which no rock or brick has (1e8 to 2e12); "
                 "it is meant in Pa: 50 GPa are 50e9"
+            )
+        if rock.poisson < 0.0:
+            yield (
+                f"{where}: poisson is {rock.poisson:g}: under pressure it would become narrower; "
+                "rocks have 0.1 to 0.4"
             )
         if not LIGHTEST <= rock.density <= HEAVIEST:
             yield (
@@ -283,5 +309,8 @@ def _motion_doubts(model: Model, end: float) -> Iterator[str]:
             f"the ground is accelerated by up to {peak:.3g} m/s2, more than any earthquake: give "
             "m/s2, or a scale (0.01 for a record in cm/s2)"
         )
-    if peak == 0.0:
-        yield "the ground motion is zero throughout: check its columns and scale"
+    if peak < SOFTEST_SHAKING:
+        yield (
+            f"the ground is accelerated by no more than {peak:.3g} m/s2, which nobody feels: check "
+            "the columns and the scale of the record"
+        )

@@ -85,7 +85,7 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
     if is_tables(value) and isinstance(number, int):
         rest = rest[1:]
         table = f"[[{top}]] {number + 1}{_name_text(value, number)}"
-    elif isinstance(value, dict) and rest and isinstance(value.get(str(rest[0])), dict):
+    elif isinstance(value, dict) and rest and _is_table(top, value.get(str(rest[0]))):
         key = shortened(str(rest.pop(0)))
         table = f"[{top}.{key}]" if top in ("rock", "joint") else f"[{top}] {key}"
         if top not in ("rock", "joint") and rest:
@@ -95,6 +95,11 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
     else:
         return _keys_text([top, *rest])
     return f"{table} {_keys_text(rest)}" if rest else table
+
+
+def _is_table(top: str, value: Any) -> bool:
+    """Return whether a value within a table is a table of its own, as rocks and joints are."""
+    return isinstance(value, dict) or top in ("rock", "joint")
 
 
 def _keys_text(keys: Sequence[str | int]) -> str:
