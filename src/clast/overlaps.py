@@ -19,6 +19,8 @@ from clast.model import Floats, Ints
 
 GRID = 1e-9
 """Overlays are rounded to this share of the larger block's size."""
+MANY_CORNERS = 200
+"""Blocks of more corners are overlaid at once: no line along an edge is likely to part them."""
 CHUNK = 1_000_000
 """Vertices that are projected at once."""
 
@@ -31,21 +33,20 @@ def touching_at_most(
     The strips tried run along the edges of both blocks: of convex blocks that touch, one fits.
     ``vertices`` (nv, 2) by block in m; ``first`` and ``second`` (m,) are blocks.
     """
-    owner = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    count = np.diff(start)
     normal = _normals(vertices, start)
-    _, far = _span(normal, owner, vertices, start)
     apart = np.zeros(len(first), np.bool_)
+    few = np.maximum(count[first], count[second]) <= MANY_CORNERS
     for one, other in ((first, second), (second, first)):
-        left = np.flatnonzero(~apart)
+        left = np.flatnonzero(few & ~apart)
         if len(left) == 0:
             break
-        count = np.diff(start)[one[left]]
-        row_start = np.concatenate([[0], np.cumsum(count)[:-1]])
-        within = np.arange(count.sum()) - np.repeat(row_start, count)
-        edge = np.repeat(start[one[left]], count) + within
-        near, _ = _span(normal[edge], np.repeat(other[left], count), vertices, start)
-        between = np.maximum.reduceat(near - far[edge], row_start)
-        apart[left] = between >= -thickness[left]
+        edges = count[one[left]]
+        row_start = np.concatenate([[0], np.cumsum(edges)[:-1]])
+        edge = np.repeat(start[one[left]] - row_start, edges) + np.arange(edges.sum())
+        _, far = _span(normal[edge], np.repeat(one[left], edges), vertices, start)
+        near, _ = _span(normal[edge], np.repeat(other[left], edges), vertices, start)
+        apart[left] = np.maximum.reduceat(near - far, row_start) >= -thickness[left]
     return apart
 
 

@@ -50,7 +50,7 @@ SPEED = Range(0.0, 1e9, "m/s or rad/s")
 FORCE = Range(0.0, 1e24, "N/m")
 FACTOR = Range(0.0, 1e12, "")
 
-TOLERANCE = Range(1e-15, 1e15, "")
+TOLERANCE = Range(1e-14, 1e15, "")
 
 MOST_STEPS = 1e12
 """Most steps of a run: four months at 10 microseconds each."""
