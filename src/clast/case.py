@@ -26,6 +26,7 @@ from pydantic import (
     StrictInt,
     StrictStr,
     ValidationError,
+    field_validator,
     model_validator,
 )
 
@@ -256,7 +257,7 @@ class GeometryTable(Table):
     vertices: Loop
     """Coordinates [x, y] of all vertices, m; the first is number 1."""
     blocks: list[LoopTable]
-    """Blocks as counter-clockwise loops of vertex numbers."""
+    """Blocks as counter-clockwise loops of vertex numbers; others are turned round."""
 
     @model_validator(mode="after")
     def _vertices_exist(self) -> Self:
@@ -346,6 +347,14 @@ class MeasuredPointTable(Table):
     """Coordinates [x, y], m."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
+
+    @field_validator("name")
+    @classmethod
+    def _has_no_slash(cls, name: str) -> str:
+        if "/" in name:
+            what = f"'{shortened(name)}' has a /, but names places in the result file"
+            raise refusal(Fault(what=what, remedy="give it a name without /"))
+        return name
 
 
 class GroundMotionTable(Table):

@@ -28,6 +28,8 @@ LONG = 3600.0
 """Runs that are expected to take longer are said to, s of wall time."""
 MANY_STEPS = 1e6
 """Runs of more steps are said to have so many."""
+MOST_TRIALS, LONGEST_TRIAL = 4, 10.0
+"""The first step is tried so often, or for so long, s, to find its time."""
 QUICKEST = 1e-5, 5e-6
 """Wall time of a step, and more for each block, below which none is on any machine, s."""
 
@@ -141,7 +143,10 @@ def _duration_doubts(
     base, more = QUICKEST
     if steps < MANY_STEPS and steps * (base + more * model.block_count) < 0.1 * LONG:
         return
-    seconds = min(_seconds_of_a_step(model, method, schedule, start) for _ in range(4))
+    tried: list[float] = []
+    while len(tried) < MOST_TRIALS and sum(tried) < LONGEST_TRIAL:
+        tried.append(_seconds_of_a_step(model, method, schedule, start))
+    seconds = min(tried)
     if steps < MANY_STEPS and steps * seconds < LONG:
         return
     yield (

@@ -165,17 +165,20 @@ def check_point_names(names: Sequence[str]) -> None:
     """Refuse names of measured points that cannot be those of tables in the result file."""
     check_names("measured point", names)
     for name in names:
-        if "/" in name or name in (".", ".."):
+        if name in (".", ".."):
             raise ModelError(
-                "its history is kept in the result file under its name, which cannot hold a / or "
-                "be . or ..",
-                where=f"measured point '{shortened(name)}'",
+                "its history is kept in the result file under its name, where . and .. are none",
+                where=f"measured point '{name}'",
                 remedy="give it another name",
             )
 
 
 def check_title(title: str) -> None:
     """Refuse titles that a result file cannot hold."""
+    if not isinstance(title, str):
+        raise ModelError(
+            f"{shortened(repr(title))} is no text", where="title", remedy="give it in quotes"
+        )
     if "\0" in title or len(title) > LONGEST_TITLE:
         what = "holds a NUL character" if "\0" in title else f"has {len(title)} characters"
         raise ModelError(

@@ -201,10 +201,16 @@ TEXTS = {
         ["block 1 'xxx", "...", "200 characters"],
     ),
     "measured point without a name": (INCLINE.replace('= "A"', '= ""'), ["has no name"]),
-    "measured point called .": (INCLINE.replace('= "A"', '= "."'), ["point '.'", "another"]),
+    "measured point called .": (INCLINE.replace('= "A"', '= "."'), ["point '.'", "another name"]),
     "measured point called ..": (INCLINE.replace('= "A"', '= ".."'), ["point '..'"]),
-    "measured point above": (INCLINE.replace('= "A"', '= "../energy"'), ["'../energy'"]),
-    "measured point with a slash": (INCLINE.replace('= "A"', '= "a/b"'), ["point 'a/b'"]),
+    "measured point above": (
+        INCLINE.replace('= "A"', '= "../energy"'),
+        ["[[measured_point]] 1 '../energy' name", "without /"],
+    ),
+    "measured point with a slash": (
+        INCLINE.replace('= "A"', '= "a/b"'),
+        ["'a/b' has a /", "without /"],
+    ),
     "measured point with a NUL": (INCLINE.replace('= "A"', '= "A\\u0000"'), ["measured point 1"]),
     "rock that is a number": (
         changed("[rock.granite]", "[rock]\ngranite = 7\n[rock.other]"),

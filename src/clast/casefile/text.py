@@ -15,6 +15,7 @@ from clast.errors import CaseError, shortened
 
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 """Keys that TOML allows without quotes."""
+BYTE_ORDER_MARK = "\ufeff"
 LONGEST_ECHO = 100
 """Most characters of a line that a message repeats."""
 
@@ -32,7 +33,7 @@ def read_text(path: Path, advice: str = "") -> str:
     where = str(path)
     try:
         _check_regular(path)
-        return path.read_text(encoding="utf-8-sig")
+        return path.read_text(encoding="utf-8")
     except FileNotFoundError:
         raise CaseError(
             "there is no such file", where=where, remedy=advice or _beside(path)
@@ -91,7 +92,7 @@ def _beside(path: Path) -> str:
 def parse(text: str, file: str) -> dict[str, Any]:
     """Return the content of a TOML text, or say in which line it is no TOML."""
     try:
-        return tomllib.loads(text)
+        return tomllib.loads(text.removeprefix(BYTE_ORDER_MARK))
     except tomllib.TOMLDecodeError as error:
         message = str(error)
         found = re.search(r"\(at line (\d+), column (\d+)\)", message)
