@@ -14,7 +14,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from clast import ranges
-from clast.errors import ModelError
+from clast.errors import ModelError, shortened
 from clast.model import Bools, Floats, Ints
 from clast.value_checks import check_numbers
 
@@ -77,6 +77,12 @@ class OneBlock:
 
     def held(self, label: Label) -> Bools:
         """Return whether it is fixed, shape (1,)."""
+        if not isinstance(self.fixed, bool | np.bool_):
+            raise ModelError(
+                f"{shortened(repr(self.fixed))} is neither True nor False",
+                where=f"{label(0)}, fixed",
+                remedy="give True for a block that cannot move",
+            )
         return np.array([self.fixed], np.bool_)
 
     def velocities(self, label: Label) -> Floats:
@@ -110,7 +116,10 @@ class ManyBlocks:
         """Their names: their numbers from 1, unless some are given."""
         if self.given_names is None:
             return tuple(map(str, range(self.first + 1, self.first + self._count + 1)))
-        names = tuple(self.given_names)
+        try:
+            names = tuple(self.given_names)
+        except TypeError:
+            raise self._error("are no list of names", "names") from None
         if len(names) != self._count:
             raise self._error(f"{len(names)} names are given for {self._count} blocks", "names")
         return names
@@ -144,7 +153,7 @@ class ManyBlocks:
         try:
             vertices = np.asarray(self.vertices, np.float64)
             start = None if self.start is None else np.asarray(self.start)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise self._error("are no arrays of numbers", "vertices and start") from None
         if start is None:
             if vertices.ndim != 3 or vertices.shape[2] != 2:
@@ -162,7 +171,7 @@ class ManyBlocks:
         """Return three numbers for each block (k, 3), the same for all where three are given."""
         try:
             rows = np.asarray(values, np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             rows = np.zeros(0)
         if rows.shape not in ((3,), (self._count, 3)) or not np.isfinite(rows).all():
             raise self._error("give 3 finite numbers, or 3 for each block", key)
@@ -188,7 +197,7 @@ def _loop(vertices: Any, label: Label) -> Floats:
             return np.zeros((0, 2))
         if loop.ndim == 2 and loop.shape[1] == 2:
             return loop
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         pass
     raise ModelError(
         "vertices are no list of (x, y) pairs of numbers",

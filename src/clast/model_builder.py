@@ -41,8 +41,10 @@ from clast.model import (
     Rock,
 )
 from clast.model_checks import Outlines, point_text
-from clast.value_checks import check_numbers
+from clast.value_checks import check_name, check_number, check_numbers
 
+NO_LOAD: Vector = ()
+"""Load of a place that has none."""
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""
 
@@ -63,7 +65,7 @@ class _Place:
     at: Vector
     block: str | None
     end: Vector | None = None
-    load: Vector = ()
+    load: Vector = NO_LOAD
 
 
 @dataclass(frozen=True)
@@ -115,9 +117,9 @@ class ModelBuilder:
         self._rocks.append(
             Rock(
                 name=name,
-                young=float(young),
-                poisson=float(poisson),
-                density=float(density),
+                young=check_number(young, f"rock '{name}', young"),
+                poisson=check_number(poisson, f"rock '{name}', poisson"),
+                density=check_number(density, f"rock '{name}', density"),
                 initial_stress=(xx, yy, xy),
             )
         )
@@ -143,9 +145,9 @@ class ModelBuilder:
         """
         joint = Joint(
             name=name,
-            friction_angle=float(friction_angle),
-            cohesion=float(cohesion),
-            tensile_strength=float(tensile_strength),
+            friction_angle=check_number(friction_angle, f"joint '{name}', friction_angle"),
+            cohesion=check_number(cohesion, f"joint '{name}', cohesion"),
+            tensile_strength=check_number(tensile_strength, f"joint '{name}', tensile_strength"),
         )
         self._joints.append(
             _Joint(
@@ -413,14 +415,19 @@ def _three(values: Vector, where: str) -> tuple[float, float, float]:
 
 def _pairs(pairs: Iterable[tuple[str, str]], where: str) -> tuple[tuple[str, str], ...]:
     """Return pairs of names as tuples, or say that they are none."""
-    found = []
-    for pair in pairs:
-        if isinstance(pair, str) or len(pair) != 2:
-            raise ModelError(
-                f"{pair!r} is no pair of names", where=where, remedy='give pairs: [["a", "b"]]'
-            )
-        found.append((pair[0], pair[1]))
-    return tuple(found)
+    given: object = pairs
+    try:
+        given = list(pairs)
+        found = [tuple(pair) for pair in given if not isinstance(pair, str)]
+        if len(found) == len(given) and all(len(pair) == 2 for pair in found):
+            return tuple((one, other) for one, other in found)
+    except TypeError:
+        pass
+    raise ModelError(
+        f"{shortened(repr(given))} are no pairs of names",
+        where=where,
+        remedy='give pairs: [["a", "b"]]',
+    )
 
 
 def _origin(vertices: Floats) -> Floats:
@@ -439,6 +446,7 @@ def _origin(vertices: Floats) -> Floats:
 
 def _number_of(name: str, number: dict[str, int], kind: str, where: str) -> int:
     """Return the index of a named thing, or suggest the nearest name."""
+    name = check_name(name, kind, where)
     if name not in number:
         raise ModelError(
             f"there is no {kind} '{shortened(name)}'",
@@ -491,7 +499,7 @@ def _locate(
         at[k] = check_numbers(entry.at, 2, entry.label) - outlines.origin
         if entry.end is not None:
             end[k] = check_numbers(entry.end, 2, f"{entry.label}, end") - outlines.origin
-        if len(entry.load):
+        if entry.load is not NO_LOAD:
             load[k] = check_numbers(
                 entry.load, 2, f"{entry.label}, force or traction", ranges.FORCE
             )

@@ -130,6 +130,27 @@ def check_numbers(
     return array
 
 
+def check_number(value: Any, where: str) -> float:
+    """Return a number as a float, or say that it is none."""
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ModelError(
+            f"{shortened(repr(value))} is no number", where=where, remedy="give it in SI units"
+        ) from None
+
+
+def check_name(name: Any, kind: str, where: str) -> str:
+    """Return the name of something, or say that it is none."""
+    if isinstance(name, str):
+        return name
+    raise ModelError(
+        f"{shortened(repr(name))} is no name of a {kind}",
+        where=where,
+        remedy=f'name the {kind} by its text, e.g. "1"',
+    )
+
+
 def check_names(kind: str, names: Sequence[str]) -> None:
     """Refuse names that are no text, blank, too long, not printable, or there twice."""
     if not all(isinstance(name, str) for name in names):

@@ -282,6 +282,54 @@ def test_places_and_names(place, phrases):
         assert phrase in message
 
 
+ODD = (None, 5, -1, 0, "x", "", [], {}, (1, 2), [1, 2, 3], math.nan, math.inf, 1e308, True, b"a")
+ODD += (object(), [["a", "b"]], [("1", "2")], "a\0", "\ud800", np.zeros((2, 2)), 10**400, 1j)
+ENTRIES = {
+    "add_rock": {
+        "name": "r",
+        "young": 5e9,
+        "poisson": 0.2,
+        "density": 2e3,
+        "initial_stress": (0,) * 3,
+    },
+    "add_joint": {
+        "name": "default",
+        "friction_angle": 30.0,
+        "cohesion": 0.0,
+        "tensile_strength": 0.0,
+    }
+    | {"between": (), "between_rocks": ()},
+    "block": {"name": "1", "vertices": SQUARE, "rock": "r", "fixed": False, "velocity": (0, 0, 0)}
+    | {"initial_stress": (0, 0, 0)},
+    "blocks": {"vertices": np.array([SQUARE]) + 3.0, "start": None, "names": ["b"], "rock": "r"}
+    | {"fixed": False, "velocity": (0, 0, 0), "initial_stress": None},
+    "fixed_point": {"at": (0, 0), "block": None},
+    "point_load": {"at": (0, 0), "force": (1, 1), "block": None},
+    "line_load": {"start": (0, 0), "end": (1, 0), "traction": (1, 1), "block": None},
+    "measured_point": {"name": "A", "at": (0, 0), "block": "1"},
+}
+
+
+@pytest.mark.parametrize(
+    ("method", "key"), [(method, key) for method, entries in ENTRIES.items() for key in entries]
+)
+def test_whatever_a_script_hands_over_is_taken_or_refused_in_words(method, key):
+    refused = 0
+    for value in ODD:
+        builder = ModelBuilder()
+        try:
+            for name, entries in ENTRIES.items():
+                changes = {key: value} if name == method else {}
+                getattr(builder, name)(**{**entries, **changes})
+            builder.build()
+        except ModelError as error:
+            assert error.where
+            assert error.remedy
+            assert len(str(error)) < 2000
+            refused += 1
+    assert refused >= 8
+
+
 def test_a_pair_belongs_to_one_joint():
     builder = builder_with(SQUARE, moved(SQUARE, 1, 0))
     builder.add_joint("a", between=[("1", "2")])
