@@ -39,6 +39,10 @@ INTERRUPTED = 130
 
 PIPE_WIDTH = 160
 """Width of tables where there is no terminal, characters."""
+UsageError: Any = typer.BadParameter.__base__
+"""What typer raises where a command line cannot be read; it has no public name."""
+LONGEST_USAGE = 200
+"""Most characters that are said of such a command line."""
 LONGEST_FILE_NAME = 255
 """Bytes of the longest name of a file."""
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -58,6 +62,9 @@ class Commands(TyperGroup):
         except ClastError as error:
             _say(f"error: {error}")
             raise typer.Exit(BAD_INPUT) from None
+        except UsageError as error:
+            error.message = shortened(printable(error.message), LONGEST_USAGE)
+            raise
         except BrokenPipeError:
             raise
         except OSError as error:

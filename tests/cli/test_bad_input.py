@@ -330,6 +330,16 @@ def test_pipes_and_devices_are_not_waited_for(tmp_path):
         assert "is no regular file but a pipe, a socket or a device" in message
 
 
+@pytest.mark.parametrize(
+    "command", [["{}"], ["check", "{}"], ["check", "a", "--{}"], ["plot", "{}"]]
+)
+def test_words_of_any_length_are_said_in_short(command):
+    result = CliRunner().invoke(app, [word.format("x" * 10_000) for word in command])
+    assert result.exit_code == 2
+    assert "xxx" in result.stderr
+    assert len(result.stderr) < 600
+
+
 def test_a_file_of_terabytes_is_not_read(tmp_path):
     case = tmp_path / "case.toml"
     with case.open("wb") as file:
