@@ -498,7 +498,7 @@ class OutputTable(Table):
     """What to keep of a run."""
 
     every: Interval | None = None
-    """Time between frames, s; a hundredth of the run if absent."""
+    """Time between frames, s; a hundredth of the run, or a step, if absent."""
     contacts: StrictBool = True
     """True keeps the contact forces of every frame."""
 
@@ -716,7 +716,7 @@ class Case(Table):
         return Schedule(
             step=self.time.step,
             end=self.time.end,
-            every=self.output.every or self.time.end / FRAMES,
+            every=self.output.every or max(self.time.step, self.time.end / FRAMES),
             smallest_step=self.time.smallest_step,
         )
 

@@ -7,7 +7,7 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from clast.casefile.templates import INCLINE
+from clast.casefile.templates import INCLINE, TEMPLATES
 from clast.cli import app
 
 FIXED = 'geometry.blocks.1={loop=[1,2,3], name="incline", rock="granite", fixed=true}'
@@ -170,8 +170,15 @@ def test_doubts(name, tmp_path):
     assert len(said) < 1500
 
 
-def test_there_are_no_doubts_about_the_templates(tmp_path):
-    assert checked(tmp_path, [])[0] == ""
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_there_are_no_doubts_about_the_templates(name, tmp_path):
+    case = tmp_path / "case.toml"
+    case.write_text(TEMPLATES[name](), encoding="utf-8")
+    assert CliRunner().invoke(app, ["check", str(case)]).stderr == ""
+
+
+def test_frames_that_nobody_asked_for_are_not_doubted(tmp_path):
+    assert checked(tmp_path, ["output={}", "time.end=0.01", "reference=[]"])[0] == ""
 
 
 @pytest.mark.parametrize(
