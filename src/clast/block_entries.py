@@ -13,9 +13,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from clast.errors import ModelError
+from clast import ranges
+from clast.errors import ModelError, shortened
 from clast.model import Bools, Floats, Ints
-from clast.model_checks import check_numbers
+from clast.value_checks import check_numbers
 
 Vector = Sequence[float] | Floats
 """Two or three numbers."""
@@ -76,17 +77,24 @@ class OneBlock:
 
     def held(self, label: Label) -> Bools:
         """Return whether it is fixed, shape (1,)."""
+        if not isinstance(self.fixed, bool | np.bool_):
+            raise ModelError(
+                f"{shortened(repr(self.fixed))} is neither True nor False",
+                where=f"{label(0)}, fixed",
+                remedy="give True for a block that cannot move",
+            )
         return np.array([self.fixed], np.bool_)
 
     def velocities(self, label: Label) -> Floats:
         """Return its velocity, shape (1, 3)."""
-        return check_numbers(self.velocity, 3, f"{label(0)}, velocity")[None]
+        return check_numbers(self.velocity, 3, f"{label(0)}, velocity", ranges.SPEED)[None]
 
     def stresses(self, label: Label) -> Floats | None:
         """Return its own stress, Pa, shape (1, 3), or None."""
         if self.initial_stress is None:
             return None
-        return check_numbers(self.initial_stress, 3, f"{label(0)}, initial_stress")[None]
+        where = f"{label(0)}, initial_stress"
+        return check_numbers(self.initial_stress, 3, where, ranges.STRESS)[None]
 
 
 @dataclass(frozen=True)
@@ -108,7 +116,10 @@ class ManyBlocks:
         """Their names: their numbers from 1, unless some are given."""
         if self.given_names is None:
             return tuple(map(str, range(self.first + 1, self.first + self._count + 1)))
-        names = tuple(self.given_names)
+        try:
+            names = tuple(self.given_names)
+        except TypeError:
+            raise self._error("are no list of names", "names") from None
         if len(names) != self._count:
             raise self._error(f"{len(names)} names are given for {self._count} blocks", "names")
         return names
@@ -126,12 +137,12 @@ class ManyBlocks:
 
     def velocities(self, label: Label) -> Floats:
         """Return the velocity of each block, shape (k, 3)."""
-        return self._rows(self.velocity, "velocity")
+        return self._rows(self.velocity, "velocity", ranges.SPEED)
 
     def stresses(self, label: Label) -> Floats | None:
         """Return the stress of each block, Pa, shape (k, 3), or None."""
         given = self.initial_stress
-        return None if given is None else self._rows(given, "initial_stress")
+        return None if given is None else self._rows(given, "initial_stress", ranges.STRESS)
 
     @property
     def _count(self) -> int:
@@ -142,7 +153,7 @@ class ManyBlocks:
         try:
             vertices = np.asarray(self.vertices, np.float64)
             start = None if self.start is None else np.asarray(self.start)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise self._error("are no arrays of numbers", "vertices and start") from None
         if start is None:
             if vertices.ndim != 3 or vertices.shape[2] != 2:
@@ -156,14 +167,17 @@ class ManyBlocks:
             raise self._error("does not run from 0 up to the number of vertices", "start")
         return np.diff(start).astype(np.int64), vertices
 
-    def _rows(self, values: Any, key: str) -> Floats:
+    def _rows(self, values: Any, key: str, limits: ranges.Range) -> Floats:
         """Return three numbers for each block (k, 3), the same for all where three are given."""
         try:
             rows = np.asarray(values, np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             rows = np.zeros(0)
         if rows.shape not in ((3,), (self._count, 3)) or not np.isfinite(rows).all():
             raise self._error("give 3 finite numbers, or 3 for each block", key)
+        fault = limits.fault(float(np.abs(rows).max(initial=0.0)))
+        if fault is not None:
+            raise self._error(fault, key)
         return np.broadcast_to(rows, (self._count, 3))
 
     def _error(self, what: str, key: str) -> ModelError:
@@ -183,7 +197,7 @@ def _loop(vertices: Any, label: Label) -> Floats:
             return np.zeros((0, 2))
         if loop.ndim == 2 and loop.shape[1] == 2:
             return loop
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         pass
     raise ModelError(
         "vertices are no list of (x, y) pairs of numbers",

@@ -9,7 +9,9 @@ This is the only place where methods are chosen by name; the dictionaries of nam
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import dataclasses
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
@@ -24,17 +26,18 @@ from pydantic import (
     StrictInt,
     StrictStr,
     ValidationError,
+    field_validator,
     model_validator,
 )
 
-from clast import spelling
+from clast import ranges, spelling
 from clast.casefile import text as case_text
 from clast.casefile import writing as case_writing
-from clast.casefile.choices import Alternatives, Choice, Chosen, Given, Number
-from clast.casefile.faults import Fault, case_error, faults_of, refusal
+from clast.casefile.choices import Alternatives, Choice, Chosen, Given, Number, within
+from clast.casefile.faults import SHOWN, Fault, case_error, faults_of, refusal
 from clast.casefile.meanings import explain
 from clast.casefile.record import read_record
-from clast.errors import ModelError
+from clast.errors import ModelError, shortened
 from clast.ground_motion import Accelerogram, GroundMotion, InertialForce, MovingBase, Still
 from clast.model import Model, PlaneStrain, PlaneStress
 from clast.model_builder import ModelBuilder
@@ -42,6 +45,7 @@ from clast.model_builder import ModelBuilder
 if TYPE_CHECKING:
     from clast.interfaces import Method
     from clast.results import Run
+    from clast.sanity import Sanity
     from clast.simulate import Progress, Schedule
 
 PROCESSES = {
@@ -101,15 +105,16 @@ ALTERNATIVES = Alternatives(
         "solver": SOLVERS,
     },
     limits={
-        "normal_stiffness": Field(gt=0.0),
-        "shear_stiffness": Field(gt=0.0),
-        "passes": Field(ge=1),
-        "tolerance": Field(gt=0.0),
-        "iterations": Field(ge=1),
-        "solves": Field(ge=1),
-        "penetration_tolerance": Field(ge=0.0),
-        "friction_updates": Field(ge=0),
-        "restitution": Field(ge=0.0, le=1.0),
+        "normal_stiffness": (Field(gt=0.0), within(ranges.STIFFNESS)),
+        "shear_stiffness": (Field(gt=0.0), within(ranges.STIFFNESS)),
+        "passes": (Field(ge=1, le=ranges.MOST_PASSES),),
+        "tolerance": (Field(gt=0.0), within(ranges.TOLERANCE)),
+        "iterations": (Field(ge=1, le=ranges.MOST_ITERATIONS),),
+        "plain": (Field(ge=0, le=ranges.MOST_ITERATIONS),),
+        "solves": (Field(ge=1, le=ranges.MOST_PASSES),),
+        "penetration_tolerance": (Field(ge=0.0), within(ranges.LENGTH)),
+        "friction_updates": (Field(ge=0, le=ranges.MOST_PASSES),),
+        "restitution": (Field(ge=0.0, le=1.0),),
     },
     automatic=frozenset({"normal_stiffness"}),
     needs={
@@ -136,14 +141,27 @@ TRAVEL_SHARE = 0.01
 """Default max_displacement, as a share of the size (square root of area) of the smallest block."""
 CRITDIS_SHARE = 0.5
 """Default critdis, as a share of max_displacement (the paper's own ratio)."""
+OTHER_UNIT = 5.0
+"""A scale that is off by more than this factor belongs to another unit."""
+SECONDS_OF_A_STEP = 1e-5
+"""Wall time of a step that none falls below, s."""
 FIXED_POINT_FACTOR = 100.0
 """Fixed points are this many times stiffer than the contacts and the stiffest rock."""
 
 Positive = Annotated[Number, Field(gt=0.0)]
-NotNegative = Annotated[Number, Field(ge=0.0)]
-Two = tuple[Number, Number]
-Three = tuple[Number, Number, Number]
-Loop = list[Two]
+Interval = Annotated[Positive, within(ranges.INTERVAL)]
+Length = Annotated[Positive, within(ranges.LENGTH)]
+Strength = Annotated[Number, Field(ge=0.0), within(ranges.STRESS)]
+Coordinate = Annotated[Number, within(ranges.COORDINATE)]
+Point = tuple[Coordinate, Coordinate]
+Force = Annotated[Number, within(ranges.FORCE)]
+Speed = Annotated[Number, within(ranges.SPEED)]
+Motion = tuple[Speed, Speed, Speed]
+Acceleration = Annotated[Number, within(ranges.ACCELERATION)]
+Instant = Annotated[Number, within(ranges.TIME)]
+Stress = Annotated[Number, within(ranges.STRESS)]
+Stresses = tuple[Stress, Stress, Stress]
+Loop = list[Point]
 
 
 class Table(BaseModel):
@@ -155,19 +173,29 @@ class Table(BaseModel):
 class TimeTable(Table):
     """When to simulate."""
 
-    step: Positive
+    step: Interval
     """Length of a step, s; shorter steps are used where max_displacement asks for them."""
     end: Positive
     """End of the run, s."""
-    max_displacement: Positive | None = None
+    max_displacement: Length | None = None
     """Largest vertex movement in a step, m; 1 % of the size of the smallest block if absent."""
     dynamic_ratio: Annotated[Number, Field(ge=0.0, le=1.0)] = 1.0
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
-    smallest_step: Positive | None = None
+    smallest_step: Interval | None = None
     """The run stops where it would need a smaller step than this, s."""
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
+        steps = min(self.end / self.step, 1e300)
+        if steps > ranges.MOST_STEPS:
+            raise refusal(
+                Fault(
+                    place=("end",),
+                    what=f"{self.end:g} s are {steps:.3g} steps of {self.step:g} s: more than "
+                    f"{steps * SECONDS_OF_A_STEP / 3600.0:.2g} hours",
+                    remedy="lower end, or raise step",
+                )
+            )
         if self.step > self.end:
             raise refusal(
                 Fault(
@@ -190,13 +218,13 @@ class TimeTable(Table):
 class RockTable(Table):
     """A linear elastic rock."""
 
-    young: Positive
+    young: Annotated[Positive, within(ranges.MODULUS)]
     """Young's modulus, Pa."""
     poisson: Annotated[Number, Field(gt=-1.0, le=0.5)]
     """Poisson's ratio, -; below 0.5 in plane strain."""
-    density: Positive
+    density: Annotated[Positive, within(ranges.DENSITY)]
     """Density, kg/m3."""
-    initial_stress: Three = (0.0, 0.0, 0.0)
+    initial_stress: Stresses = (0.0, 0.0, 0.0)
     """Stress (xx, yy, xy) in the blocks at the start, Pa, tension positive."""
 
 
@@ -205,9 +233,9 @@ class JointTable(Table):
 
     friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] = 0.0
     """Coulomb friction angle, degrees."""
-    cohesion: NotNegative = 0.0
+    cohesion: Strength = 0.0
     """Cohesion, Pa; lost where the joint has slipped or opened."""
-    tensile_strength: NotNegative = 0.0
+    tensile_strength: Strength = 0.0
     """Tension cut-off, Pa; lost where the joint has slipped or opened."""
     between: list[tuple[StrictStr, StrictStr]] = []
     """Pairs of blocks with this joint between them: [["a", "b"], ...]."""
@@ -228,9 +256,9 @@ class LoopTable(Table):
     """Rock; may be left out where there is only one."""
     fixed: StrictBool = False
     """True for a block that cannot move at all."""
-    velocity: Three = (0.0, 0.0, 0.0)
+    velocity: Motion = (0.0, 0.0, 0.0)
     """Velocity (u, v, omega) at the start, m/s and rad/s, counter-clockwise."""
-    initial_stress: Three | None = None
+    initial_stress: Stresses | None = None
     """Stress (xx, yy, xy) at the start, Pa, tension positive; the rock's if absent."""
 
 
@@ -240,7 +268,7 @@ class GeometryTable(Table):
     vertices: Loop
     """Coordinates [x, y] of all vertices, m; the first is number 1."""
     blocks: list[LoopTable]
-    """Blocks as counter-clockwise loops of vertex numbers."""
+    """Blocks as counter-clockwise loops of vertex numbers; others are turned round."""
 
     @model_validator(mode="after")
     def _vertices_exist(self) -> Self:
@@ -259,6 +287,17 @@ class GeometryTable(Table):
             raise refusal(*faults)
         return self
 
+    def remarks(self) -> Iterator[str]:
+        """Say which vertices belong to no block."""
+        used = {vertex for block in self.blocks for vertex in block.loop}
+        idle = [k for k in range(1, len(self.vertices) + 1) if k not in used]
+        if idle:
+            shown = ", ".join(map(str, idle[:SHOWN])) + (", ..." if len(idle) > SHOWN else "")
+            yield (
+                f"[geometry] {len(idle)} of {len(self.vertices)} vertices belong to no block: "
+                f"{shown}. Is a loop missing?"
+            )
+
 
 class BlockTable(Table):
     """A block by its coordinates."""
@@ -271,16 +310,16 @@ class BlockTable(Table):
     """Rock; may be left out where there is only one."""
     fixed: StrictBool = False
     """True for a block that cannot move at all."""
-    velocity: Three = (0.0, 0.0, 0.0)
+    velocity: Motion = (0.0, 0.0, 0.0)
     """Velocity (u, v, omega) at the start, m/s and rad/s, counter-clockwise."""
-    initial_stress: Three | None = None
+    initial_stress: Stresses | None = None
     """Stress (xx, yy, xy) at the start, Pa, tension positive; the rock's if absent."""
 
 
 class FixedPointTable(Table):
     """A point of a block that is held in place by a stiff spring."""
 
-    at: Two
+    at: Point
     """Coordinates [x, y], m."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
@@ -289,9 +328,9 @@ class FixedPointTable(Table):
 class PointLoadTable(Table):
     """A constant force at a point that moves with its block."""
 
-    at: Two
+    at: Point
     """Coordinates [x, y], m."""
-    force: Two
+    force: tuple[Force, Force]
     """Force [x, y], N per metre of thickness."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
@@ -300,11 +339,11 @@ class PointLoadTable(Table):
 class LineLoadTable(Table):
     """A constant traction along a line that moves with its block, usually along an edge."""
 
-    start: Two
+    start: Point
     """First end [x, y], m."""
-    end: Two
+    end: Point
     """Second end [x, y], m."""
-    traction: Two
+    traction: tuple[Force, Force]
     """Force per length [x, y], N/m per metre of thickness."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
@@ -315,10 +354,18 @@ class MeasuredPointTable(Table):
 
     name: StrictStr
     """Name."""
-    at: Two
+    at: Point
     """Coordinates [x, y], m."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
+
+    @field_validator("name")
+    @classmethod
+    def _has_no_slash(cls, name: str) -> str:
+        if "/" in name:
+            what = f"'{shortened(name)}' has a /, but names places in the result file"
+            raise refusal(Fault(what=what, remedy="give it a name without /"))
+        return name
 
 
 class GroundMotionTable(Table):
@@ -334,13 +381,13 @@ class GroundMotionTable(Table):
     moves is held by fixed points."""
     file: StrictStr | None = None
     """Text file beside the case file, with columns t, ax and, if wanted, ay; instead of lists."""
-    time: list[Number] | None = None
+    time: list[Instant] | None = None
     """Instants, s, rising."""
-    acceleration: list[Number] | None = None
+    acceleration: list[Acceleration] | None = None
     """Horizontal acceleration of the ground at the instants, m/s2, to the right."""
-    vertical: list[Number] | None = None
+    vertical: list[Acceleration] | None = None
     """Vertical acceleration of the ground at the instants, m/s2, upwards; none if absent."""
-    scale: Number = 1.0
+    scale: Annotated[Number, within(ranges.FACTOR)] = 1.0
     """Factor on all accelerations: 9.81 for a record in g."""
 
     @model_validator(mode="after")
@@ -362,7 +409,8 @@ class GroundMotionTable(Table):
     def motion(self, folder: Path) -> GroundMotion:
         """Return the ground motion; a file is looked for in ``folder``."""
         if self.file is not None:
-            time, acceleration = read_record(folder / self.file)
+            record = read_record(folder / self.file)
+            time, acceleration = record.time, record.acceleration
         else:
             time = np.array(self.time, np.float64)
             horizontal = np.array(self.acceleration, np.float64)
@@ -370,13 +418,26 @@ class GroundMotionTable(Table):
             acceleration = np.stack([horizontal, vertical], axis=1)
         return GROUND_MOTIONS[self.acts](Accelerogram(time, self.scale * acceleration))
 
+    def remarks(self, folder: Path) -> Iterator[str]:
+        """Say where the unit that a record's heading names contradicts the scale."""
+        unit = read_record(folder / self.file).unit if self.file is not None else None
+        if unit is None:
+            return
+        name, size = unit
+        if not size / OTHER_UNIT <= abs(self.scale) <= size * OTHER_UNIT:
+            yield (
+                f"[ground_motion] scale is {self.scale:g}, but the heading of "
+                f"{shortened(str(self.file))} says that accelerations are in {name}: give scale = "
+                f"{size:g} if they are"
+            )
+
 
 class ReferenceTable(Table):
     """A displacement that is known from elsewhere, to compare a run with."""
 
     point: StrictStr
     """Measured point that it is known for."""
-    displacement: Two
+    displacement: Point
     """Displacement [u, v] since the start, m."""
     time: Positive | None = None
     """When, s; the end of the run if absent."""
@@ -399,9 +460,9 @@ class MethodTable(Table):
     """Time integration."""
     solver: Annotated[Any, Choice("solver", ALTERNATIVES)] = "auto"
     """Solver of the equations of a step."""
-    critdis: Positive | None = None
+    critdis: Length | None = None
     """Edges are lengthened by this in contact detection, m; half of max_displacement if absent."""
-    fixed_point_stiffness: Positive | None = None
+    fixed_point_stiffness: Annotated[Positive, within(ranges.STIFFNESS)] | None = None
     """Springs of fixed points, N/m per m; 100 times the stiffer of contact and rock if absent."""
 
     def chosen(self, key: str) -> Chosen | Given:
@@ -451,8 +512,8 @@ class MethodTable(Table):
 class OutputTable(Table):
     """What to keep of a run."""
 
-    every: Positive | None = None
-    """Time between frames, s; a hundredth of the run if absent."""
+    every: Interval | None = None
+    """Time between frames, s; a hundredth of the run, or a step, if absent."""
     contacts: StrictBool = True
     """True keeps the contact forces of every frame."""
 
@@ -466,7 +527,7 @@ class Case(Table):
     """Title."""
     plane: Literal["stress", "strain"] = "stress"
     """Plane stress or plane strain."""
-    gravity: Two = (0.0, -9.8)
+    gravity: tuple[Acceleration, Acceleration] = (0.0, -9.8)
     """Acceleration of gravity [x, y], m/s2."""
     time: TimeTable
     """When to simulate: [time] with step and end."""
@@ -590,14 +651,11 @@ class Case(Table):
             gravity=self.gravity,
             ground_motion=Still() if shaken is None else shaken.motion(Path(self._file).parent),
         )
-        try:
+        with self._located():
             self._add_materials(builder)
             self._add_blocks(builder)
             self._add_points(builder)
             return builder.build()
-        except ModelError as error:
-            where = f"{self._file}: {error.where}"
-            raise ModelError(error.what, where=where, remedy=error.remedy) from None
 
     def _add_materials(self, builder: ModelBuilder) -> None:
         for name, rock in self.rock.items():
@@ -636,6 +694,45 @@ class Case(Table):
             dynamic_ratio=self.time.dynamic_ratio,
         )
 
+    def examine(self) -> Sanity:
+        """Return what the case consists of, with warnings of what seems unsound about it."""
+        model = self.model()
+        sanity = self._examined(model, self.method(model))
+        return dataclasses.replace(sanity, warnings=(*sanity.warnings, *self._not_compared()))
+
+    def _examined(self, model: Model, method: Method) -> Sanity:
+        """Return what the case consists of, with what its run warns of."""
+        from clast.sanity import examine
+
+        with self._located():
+            sanity = examine(model, method, self.schedule())
+        return dataclasses.replace(sanity, warnings=(*sanity.warnings, *self._remarks()))
+
+    def _remarks(self) -> Iterator[str]:
+        """Say what seems unsound about what only the case file knows."""
+        if self.geometry is not None:
+            yield from self.geometry.remarks()
+        if self.ground_motion is not None:
+            yield from self.ground_motion.remarks(Path(self._file).parent)
+
+    def _not_compared(self) -> Iterator[str]:
+        """Say which references the run does not reach; the run itself says so at its end."""
+        for number, reference in enumerate(self.reference, start=1):
+            if reference.time is not None and reference.time > self.time.end:
+                yield (
+                    f"[[reference]] {number} is for {reference.time:g} s, but the run ends at "
+                    f"{self.time.end:g} s: it is not compared. Raise time.end, or lower its time"
+                )
+
+    @contextmanager
+    def _located(self) -> Iterator[None]:
+        """Name the file in the errors of its model."""
+        try:
+            yield
+        except ModelError as error:
+            where = f"{self._file}: {error.where}"
+            raise ModelError(error.what, where=where, remedy=error.remedy) from None
+
     def schedule(self) -> Schedule:
         """Return when to simulate and when to keep a frame."""
         from clast.simulate import Schedule
@@ -643,7 +740,7 @@ class Case(Table):
         return Schedule(
             step=self.time.step,
             end=self.time.end,
-            every=self.output.every or self.time.end / FRAMES,
+            every=self.output.every or max(self.time.step, self.time.end / FRAMES),
             smallest_step=self.time.smallest_step,
         )
 
@@ -652,12 +749,14 @@ class Case(Table):
         *,
         progress: bool | Callable[[Progress], None] = False,
         output: str | Path | None = None,
+        warn: Callable[[str], None] | None = None,
     ) -> Run:
         """Simulate the case and return its results.
 
         ``progress`` is True for a line on the terminal, or a function to call after every step;
-        ``output`` is the result file to write.  Raises RunStopped, with the partial results in
-        its ``run``, where the run cannot go on.
+        ``output`` is the result file to write; ``warn`` is called before the first step with each
+        warning that is known by then (the report has them all).  Raises RunStopped, with the
+        partial results in its ``run``, where the run cannot go on.
         """
         # A bad case is refused before anything slow is loaded and anything is written.
         model = self.model()
@@ -665,11 +764,13 @@ class Case(Table):
 
         from clast.progress import shown
         from clast.results import RunRecorder
-        from clast.sanity import examine
         from clast.simulate import simulate
 
         schedule = self.schedule()
-        warnings = examine(model, method, schedule).warnings
+        warnings = self._examined(model, method).warnings
+        if warn:
+            for warning in warnings:
+                warn(warning)
         recorder = RunRecorder(
             model,
             case_text=self.text,

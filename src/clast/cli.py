@@ -22,9 +22,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from clast.errors import CaseError, ClastError, RunStopped
+from clast.errors import CaseError, ClastError, RunStopped, shortened
 from clast.interrupts import heard
-from clast.spelling import shortened, visible
+from clast.spelling import visible, without_long_words
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -45,6 +45,10 @@ SIGNALLED = 128
 
 PIPE_WIDTH = 160
 """Width of tables where there is no terminal, characters."""
+LONGEST_USAGE = 200
+"""Most characters that are said of a command line that cannot be read."""
+LONGEST_FILE_NAME = 255
+"""Bytes of the longest name of a file."""
 
 
 class Commands(TyperGroup):
@@ -61,12 +65,12 @@ class Commands(TyperGroup):
             _say(f"error: {error}")
             raise typer.Exit(BAD_INPUT) from None
         except USAGE_ERROR as error:
-            error.message = visible(shortened(error.message))
+            error.message = visible(shortened(error.message, LONGEST_USAGE))
             raise
         except BrokenPipeError:
             raise
         except OSError as error:
-            _say(f"error: {error.filename or 'a file'}: {error.strerror}")
+            _say(f"error: {shortened(str(error.filename or 'a file'), 200)}: {error.strerror}")
             raise typer.Exit(BAD_INPUT) from None
         except (KeyboardInterrupt, SystemError) as error:
             # Python makes a SystemError of the key where numba is loading a kernel
@@ -165,15 +169,21 @@ def _run(case: Path, target: Path, settings: Sequence[str], as_json: bool, quiet
     from clast.studies import deviations
 
     loaded = Case.from_toml(case, settings)
+    foreseen: list[str] = []
+
+    def foresee(warning: str) -> None:
+        foreseen.append(warning)
+        _print_warnings([warning])
+
     try:
-        done = loaded.run(progress=not quiet, output=target)
+        done = loaded.run(progress=not quiet, output=target, warn=foresee)
     except RunStopped as stopped:
         partial: Any = stopped.run
-        _print_warnings(partial.report.warnings)
+        _print_warnings(text for text in partial.report.warnings if text not in foreseen)
         _print_run(partial, deviations(loaded, partial), as_json=as_json, quiet=quiet)
         _say(f"the results until then are in {target}")
         raise
-    _print_warnings(done.report.warnings)
+    _print_warnings(text for text in done.report.warnings if text not in foreseen)
     _print_run(done, deviations(loaded, done), as_json=as_json, quiet=quiet)
     if not done.report.finished:
         _say(f"{done.report.outcome}; the results until then are in {target}")
@@ -184,16 +194,13 @@ def _run(case: Path, target: Path, settings: Sequence[str], as_json: bool, quiet
 def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) -> None:
     """Look at a case before its first step: counts, masses, supports, stability, units."""
     from clast.case import Case
-    from clast.sanity import examine
 
     loaded = Case.from_toml(case, settings or ())
-    model = loaded.model()
-    method = loaded.method(model)
-    sanity = examine(model, method, loaded.schedule())
+    sanity = loaded.examine()
     if as_json:
-        _print_json({**dataclasses.asdict(sanity), "notes": method.notes})
+        _print_json(dataclasses.asdict(sanity))
         return
-    _print_table(_sanity_table(sanity, method.notes))
+    _print_table(_sanity_table(sanity))
     _print_warnings(sanity.warnings)
     if not sanity.warnings:
         typer.echo("nothing to object to")
@@ -278,15 +285,32 @@ def new(
 
     if template not in TEMPLATES:
         raise CaseError(
-            f"there is no template '{template}'",
+            f"there is no template '{shortened(template)}'",
             where="--template",
             remedy=spelling.advice(template, TEMPLATES, kind="template"),
         )
     path = Path(name) if name.endswith(".toml") else Path(f"{name}.toml")
-    if path.exists():
-        raise CaseError("exists already", where=str(path), remedy="choose another name")
+    _check_new(name, path)
     path.write_text(TEMPLATES[template](), encoding="utf-8")
     _tell(f"wrote {path}; next: clast run {path}")
+
+
+def _check_new(name: str, path: Path) -> None:
+    """Refuse names under which no new case file can be written."""
+    where = shortened(name, 100) or "the name"
+    last = name.replace(os.sep, "/").rpartition("/")[2].removesuffix(".toml")
+    if not last.strip(" .") or visible(name) != name or "\n" in name:
+        raise CaseError("is no name of a case", where=where, remedy="e.g. clast new mywall")
+    if not path.parent.is_dir():
+        raise CaseError(
+            f"the folder {shortened(str(path.parent), 100)} does not exist",
+            where=where,
+            remedy="make it first, or choose a name without a folder",
+        )
+    if len(os.fsencode(path.name)) > LONGEST_FILE_NAME:
+        raise CaseError("is too long a name", where=where, remedy="choose a shorter one")
+    if path.exists() or path.is_symlink():
+        raise CaseError("exists already", where=where, remedy="choose another name")
 
 
 @app.command()
@@ -469,9 +493,13 @@ def warmup() -> None:
 
 
 WARMUPS = (
-    ["method.integrator=constant-acceleration", "method.rotation=sine"],
-    ["method.process.friction=implicit", "method.rotation=exact"],
-    ["method.integrator=backward-euler", "method.rotation=linear", "method.process.passes=2"],
+    ["method.process=modified"],
+    ["method.process={name='modified', friction='implicit'}", "method.rotation=exact"],
+    [
+        "method.process={name='modified', passes=2}",
+        "method.integrator=backward-euler",
+        "method.rotation=linear",
+    ],
     ["method.process=convex"],
     ["method.process=convex", "method.solver=pcg", "method.corner_rule=shi"],
     ["method.process=open-close", "method.contact_law.name=augmented-lagrangian"],
@@ -585,7 +613,7 @@ def _print_points(points: dict[str, dict[str, Any]]) -> None:
     _print_table(table)
 
 
-def _sanity_table(sanity: Sanity, notes: Sequence[str]) -> Table:
+def _sanity_table(sanity: Sanity) -> Table:
     """Return what a case consists of and what clast chose by itself, as a table."""
     left, low, right, high = sanity.box
     names = ", ".join(sanity.unsupported[:5]) + (", ..." if len(sanity.unsupported) > 5 else "")
@@ -608,7 +636,7 @@ def _sanity_table(sanity: Sanity, notes: Sequence[str]) -> Table:
         "critdis": f"{sanity.critdis:.4g} m",
         "p h2/m": f"{sanity.stability_number:.4g} "
         f"(without passes at most {sanity.stability_limit:g})",
-        **_notes_rows(notes),
+        **_notes_rows(sanity.notes),
     }
     return _two_columns(sanity.title, rows)
 
@@ -788,7 +816,7 @@ def _print_warnings(warnings: Iterable[str]) -> None:
 
 def _say(message: str) -> None:
     """Print a message for the user on stderr."""
-    typer.echo(visible(shortened(message)), err=True)
+    typer.echo(visible(without_long_words(message)), err=True)
 
 
 def _tell(message: str) -> None:

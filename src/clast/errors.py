@@ -4,6 +4,17 @@ from __future__ import annotations
 
 from enum import Enum
 
+LONGEST_LINE = 400
+"""Most characters of a line of a message: what is echoed from the input may be of any length."""
+
+
+def shortened(text: str, most: int = 40) -> str:
+    """Return a text of at most ``most`` characters: what is longer loses its middle."""
+    if len(text) <= most:
+        return text
+    kept = most - 3
+    return f"{text[: kept - kept // 3]}...{text[len(text) - kept // 3 :]}"
+
 
 class ClastError(Exception):
     """Base of every error that clast raises on purpose; its text is meant for the user."""
@@ -23,7 +34,8 @@ class CaseError(ClastError):
         lines = [f"{where}: {what}" if where else what]
         if remedy:
             lines.append(f"  {remedy}")
-        super().__init__("\n".join(lines))
+        text = "\n".join(lines).split("\n")
+        super().__init__("\n".join(shortened(line, LONGEST_LINE) for line in text))
 
 
 class ModelError(CaseError):

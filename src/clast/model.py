@@ -151,6 +151,16 @@ class JointTable:
     """Joint index of each such pair, shape (k,)."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class StartOverlaps:
+    """Pairs of blocks that lie in each other at the start, by more than round-off."""
+
+    pair: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    """Blocks of each pair, the lower first, shape (k, 2)."""
+    depth: Floats = field(default_factory=lambda: np.zeros(0))
+    """Width of their common area, m, shape (k,)."""
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Model:
     """A system of blocks with its materials, supports and loads."""
@@ -193,6 +203,10 @@ class Model:
     """Points recorded every step."""
     ground_motion: GroundMotion = field(default_factory=Still)
     """What the ground does: nothing, a body force, or a motion of the fixed points."""
+    overlaps: StartOverlaps = field(default_factory=StartOverlaps)
+    """Blocks that overlap at the start, as contacts in penetration do."""
+    notes: tuple[str, ...] = ()
+    """What was changed of the input, e.g. loops that were turned round."""
 
     @property
     def block_count(self) -> int:

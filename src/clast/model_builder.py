@@ -23,9 +23,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 
-from clast import model_checks, spelling
+from clast import model_checks, ranges, spelling, value_checks
 from clast.block_entries import Entry, Label, ManyBlocks, OneBlock, Vector
-from clast.errors import ModelError
+from clast.errors import ModelError, shortened
 from clast.ground_motion import GroundMotion, Still
 from clast.model import (
     Bools,
@@ -42,8 +42,11 @@ from clast.model import (
     PointLoads,
     Rock,
 )
-from clast.model_checks import Outlines, check_numbers, point_text
+from clast.model_checks import Outlines, point_text
+from clast.value_checks import check_name, check_number, check_numbers
 
+NO_LOAD: Vector = ()
+"""Load of a place that has none."""
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""
 
@@ -64,7 +67,7 @@ class _Place:
     at: Vector
     block: str | None
     end: Vector | None = None
-    load: Vector = ()
+    load: Vector = NO_LOAD
 
 
 @dataclass(frozen=True)
@@ -116,9 +119,9 @@ class ModelBuilder:
         self._rocks.append(
             Rock(
                 name=name,
-                young=float(young),
-                poisson=float(poisson),
-                density=float(density),
+                young=check_number(young, f"rock '{name}', young"),
+                poisson=check_number(poisson, f"rock '{name}', poisson"),
+                density=check_number(density, f"rock '{name}', density"),
                 initial_stress=(xx, yy, xy),
             )
         )
@@ -144,9 +147,9 @@ class ModelBuilder:
         """
         joint = Joint(
             name=name,
-            friction_angle=float(friction_angle),
-            cohesion=float(cohesion),
-            tensile_strength=float(tensile_strength),
+            friction_angle=check_number(friction_angle, f"joint '{name}', friction_angle"),
+            cohesion=check_number(cohesion, f"joint '{name}', cohesion"),
+            tensile_strength=check_number(tensile_strength, f"joint '{name}', tensile_strength"),
         )
         self._joints.append(
             _Joint(
@@ -196,6 +199,22 @@ class ModelBuilder:
         of each block's first vertex, and nv, in ``start`` (k + 1,).  ``fixed`` is one truth value
         or (k,); ``velocity`` and ``initial_stress`` are three numbers or (k, 3).  Everything
         else, and every check, is that of :meth:`block`.
+
+        A run is gone on from with another load, joint or method by making its last state a model;
+        the contact penetration in it is no bad geometry (what contacts of the stiffness that is
+        then chosen cannot have left is refused by the next run):
+
+            state, model = run.final, run.model
+            builder.blocks(
+                vertices=state.vertices,
+                start=model.block_start,
+                names=model.block_name,
+                fixed=model.fixed,
+                velocity=state.velocity[:, :3],
+                initial_stress=state.stress,
+            )
+
+        Blocks of several rocks are added one by one: ``model.block_rock`` says which is whose.
         """
         entry = ManyBlocks(
             self._count, names, rock, vertices, start, fixed, velocity, initial_stress
@@ -230,35 +249,36 @@ class ModelBuilder:
         ``block`` names the block of a point; it may be left out where only one is there.
         """
         self._measured_names.append(name)
-        self._measured_points.append(_Place(f"measured point '{name}'", at, block))
+        self._measured_points.append(_Place(f"measured point '{shortened(str(name))}'", at, block))
 
     def build(self) -> Model:
         """Check everything and return the Model; raise ModelError with the remedy otherwise."""
         self._check_names()
         for rock in self._rocks:
-            model_checks.check_rock(rock, self.plane)
+            value_checks.check_rock(rock, self.plane)
         for entry in self._joints:
-            model_checks.check_joint(
+            value_checks.check_joint(
                 entry.joint, allow_small_friction_angle=entry.allow_small_friction_angle
             )
         outlines = self._outlines()
         polygons = outlines.polygons()
-        model_checks.check_polygons(outlines, polygons)
+        clockwise = model_checks.check_polygons(outlines, polygons)
+        outlines = outlines.turned(clockwise)
         block_rock = self._block_rocks(outlines)
         block_number = {name: number for number, name in enumerate(outlines.names)}
         joint_table = self._joint_table(block_number)
-        model_checks.check_overlaps(outlines, polygons)
+        overlaps = model_checks.check_overlaps(outlines, polygons)
 
         def places(entries: list[_Place]) -> _Places:
             return _locate(entries, block_number, outlines, polygons)
 
         fixed, measured = places(self._fixed_points), places(self._measured_points)
         points, lines = places(self._point_loads), places(self._line_loads)
-        model_checks.check_ground_motion(self.ground_motion, len(fixed.block))
+        value_checks.check_ground_motion(self.ground_motion, len(fixed.block))
         return Model(
             title=self.title,
             plane=self.plane,
-            gravity=check_numbers(self.gravity, 2, "gravity"),
+            gravity=check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION),
             origin=outlines.origin,
             rocks=tuple(self._rocks),
             joint_table=joint_table,
@@ -279,13 +299,16 @@ class ModelBuilder:
                 block=measured.block, at=measured.at, name=tuple(self._measured_names)
             ),
             ground_motion=self.ground_motion,
+            overlaps=overlaps,
+            notes=model_checks.turned_note(outlines, clockwise),
         )
 
     def _check_names(self) -> None:
-        _refuse_twice("rock", [rock.name for rock in self._rocks])
-        _refuse_twice("joint", [entry.joint.name for entry in self._joints])
-        _refuse_twice("block", self._names())
-        _refuse_twice("measured point", self._measured_names)
+        value_checks.check_title(self.title)
+        value_checks.check_names("rock", [rock.name for rock in self._rocks])
+        value_checks.check_names("joint", [entry.joint.name for entry in self._joints])
+        value_checks.check_names("block", self._names())
+        value_checks.check_point_names(self._measured_names)
 
     def _names(self) -> list[str]:
         return [name for entry in self._entries for name in entry.names]
@@ -311,7 +334,7 @@ class ModelBuilder:
         vertices = np.concatenate([np.zeros((0, 2)), *(vertices for _, vertices in loops)])
         given = Outlines(names, start, vertices, np.zeros(2))
         model_checks.check_corner_count(given)
-        model_checks.check_finite(given)
+        model_checks.check_coordinates(given)
         origin = _origin(vertices)
         return Outlines(names, start, np.ascontiguousarray(vertices - origin), origin)
 
@@ -394,20 +417,25 @@ class ModelBuilder:
 
 
 def _three(values: Vector, where: str) -> tuple[float, float, float]:
-    first, second, third = check_numbers(values, 3, where).tolist()
+    first, second, third = check_numbers(values, 3, where, ranges.STRESS).tolist()
     return first, second, third
 
 
 def _pairs(pairs: Iterable[tuple[str, str]], where: str) -> tuple[tuple[str, str], ...]:
     """Return pairs of names as tuples, or say that they are none."""
-    found = []
-    for pair in pairs:
-        if isinstance(pair, str) or len(pair) != 2:
-            raise ModelError(
-                f"{pair!r} is no pair of names", where=where, remedy='give pairs: [["a", "b"]]'
-            )
-        found.append((pair[0], pair[1]))
-    return tuple(found)
+    given: object = pairs
+    try:
+        given = list(pairs)
+        found = [tuple(pair) for pair in given if not isinstance(pair, str)]
+        if len(found) == len(given) and all(len(pair) == 2 for pair in found):
+            return tuple((one, other) for one, other in found)
+    except TypeError:
+        pass
+    raise ModelError(
+        f"{shortened(repr(given))} are no pairs of names",
+        where=where,
+        remedy='give pairs: [["a", "b"]]',
+    )
 
 
 def _origin(vertices: Floats) -> Floats:
@@ -424,24 +452,12 @@ def _origin(vertices: Floats) -> Floats:
     return np.asarray(np.round(0.5 * (low + high) / unit) * unit)
 
 
-def _refuse_twice(kind: str, names: list[str]) -> None:
-    """Refuse a name that two things of one kind share."""
-    seen: set[str] = set()
-    for name in names:
-        if name in seen:
-            raise ModelError(
-                f"there are two {kind}s of that name",
-                where=f"{kind} '{name}'",
-                remedy="rename one of them",
-            )
-        seen.add(name)
-
-
 def _number_of(name: str, number: dict[str, int], kind: str, where: str) -> int:
     """Return the index of a named thing, or suggest the nearest name."""
+    name = check_name(name, kind, where)
     if name not in number:
         raise ModelError(
-            f"there is no {kind} '{name}'",
+            f"there is no {kind} '{shortened(name)}'",
             where=where,
             remedy=spelling.advice(name, number, kind=kind),
         )
@@ -491,8 +507,10 @@ def _locate(
         at[k] = check_numbers(entry.at, 2, entry.label) - outlines.origin
         if entry.end is not None:
             end[k] = check_numbers(entry.end, 2, f"{entry.label}, end") - outlines.origin
-        if len(entry.load):
-            load[k] = check_numbers(entry.load, 2, f"{entry.label}, force or traction")
+        if entry.load is not NO_LOAD:
+            load[k] = check_numbers(
+                entry.load, 2, f"{entry.label}, force or traction", ranges.FORCE
+            )
         if entry.block is not None:
             named[k] = _number_of(entry.block, block_number, "block", entry.label)
     lines = np.array([entry.end is not None for entry in entries], dtype=np.bool_)

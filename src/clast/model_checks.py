@@ -7,18 +7,17 @@ at once: ten thousand blocks are checked within a second or two.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, NoReturn
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from clast.errors import ModelError
-from clast.ground_motion import GroundMotion, InertialForce, MovingBase
-from clast.model import Floats, Ints, Joint, Plane, PlaneStrain, Rock
+from clast import overlaps, ranges
+from clast.errors import ModelError, shortened
+from clast.model import Bools, Floats, Ints, StartOverlaps
 
 Geometries = NDArray[Any]
 """Array of shapely geometries."""
@@ -29,8 +28,12 @@ FLAT = 1e-9
 """A block whose hull has less than this share of its extent squared as area is a line."""
 TOUCHING = 1e-6
 """Overlaps and distances below this share of the block's size are round-off."""
-SMALL_ANGLE = 1.6
-"""Friction angles up to this many degrees look like radians (pi/2 is 1.57)."""
+PENETRATION = 0.05
+"""Overlaps above this share of the narrower block's width are no contact penetration."""
+SMALLEST_BLOCK = 1e-9
+"""Blocks narrower than this, m, are no blocks."""
+LISTED = 10
+"""Most faults that one message lists."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +49,18 @@ class Outlines:
     origin: Floats
     """Point that the vertices are relative to, m, shape (2,)."""
 
+    def turned(self, clockwise: Bools) -> Outlines:
+        """Return the outlines with some loops (n,) in the other order, first vertices as before."""
+        vertex = np.arange(len(self.vertices))
+        within = vertex - self.start[self.owner]
+        count = np.diff(self.start)[self.owner]
+        back = self.start[self.owner] + (count - within) % count
+        order = np.where(clockwise[self.owner], back, vertex)
+        return replace(self, vertices=np.ascontiguousarray(self.vertices[order]))
+
     def label(self, block: int) -> str:
         """Return how a message calls a block: its number from 1, and its name."""
-        number, name = str(block + 1), self.names[block]
+        number, name = str(block + 1), shortened(self.names[block])
         return f"block {number}" if name == number else f"block {number} '{name}'"
 
     def vertex_label(self, vertex: int) -> str:
@@ -100,6 +112,22 @@ def point_text(at: Sequence[float] | Floats) -> str:
     return f"({float(at[0]):.9g}, {float(at[1]):.9g})"
 
 
+def _refuse_all(bad: Ints, fault: Callable[[int], tuple[str, str]], remedy: str) -> None:
+    """Raise one ModelError for all that is ``bad`` (k,), if anything is.
+
+    ``fault`` gives the place of one of them and what is wrong there.
+    """
+    if len(bad) == 0:
+        return
+    where, what = fault(int(bad[0]))
+    if len(bad) > 1:
+        lines = [f"  {place}: {said}" for place, said in map(fault, bad[:LISTED].tolist())]
+        if len(bad) > LISTED:
+            lines.append(f"  and {len(bad) - LISTED} more")
+        where, what = "geometry", "\n".join([f"{len(bad)} things to put right", *lines])
+    raise ModelError(what, where=where, remedy=remedy)
+
+
 def check_corner_count(outlines: Outlines) -> None:
     """Refuse blocks with fewer than three vertices, and a system without any block."""
     if not outlines.names:
@@ -109,70 +137,87 @@ def check_corner_count(outlines: Outlines) -> None:
             remedy="give [geometry] vertices and blocks, or one [[block]] table for each block",
         )
     counts = np.diff(outlines.start)
-    for block in np.flatnonzero(counts < 3)[:1]:
-        raise ModelError(
-            f"has {counts[block]} vertices",
-            where=outlines.label(block),
-            remedy="a block needs at least 3 vertices, counter-clockwise",
-        )
+    _refuse_all(
+        np.flatnonzero(counts < 3),
+        lambda block: (outlines.label(block), f"has {counts[block]} vertices"),
+        "a block needs at least 3 vertices, counter-clockwise",
+    )
 
 
-def check_finite(outlines: Outlines) -> None:
-    """Refuse coordinates that are not numbers."""
-    bad = ~np.isfinite(outlines.vertices).all(axis=1)
-    for vertex in np.flatnonzero(bad)[:1]:
-        raise ModelError(
-            "is not a finite number",
-            where=outlines.vertex_label(vertex),
-            remedy="nan and inf are no coordinates: give both in m",
-        )
+def check_coordinates(outlines: Outlines) -> None:
+    """Refuse coordinates that are not numbers, or too large to be meant."""
+    _refuse_all(
+        np.flatnonzero(~np.isfinite(outlines.vertices).all(axis=1)),
+        lambda vertex: (outlines.vertex_label(vertex), "is not a finite number"),
+        "nan and inf are no coordinates: give both in m",
+    )
+    limit = ranges.COORDINATE.high
+    _refuse_all(
+        np.flatnonzero(np.abs(outlines.vertices).max(axis=1) > limit),
+        lambda vertex: (outlines.vertex_label(vertex), "is too far away to be meant"),
+        f"give coordinates in m, at most {limit:g}",
+    )
 
 
-def check_polygons(outlines: Outlines, polygons: Geometries) -> None:
-    """Refuse duplicate vertices, loops without area, self-crossing loops and clockwise ones."""
+def check_polygons(outlines: Outlines, polygons: Geometries) -> Bools:
+    """Return True for blocks whose loop runs clockwise; refuse loops that are no polygon.
+
+    These are loops with duplicate vertices, without area, or that cross or touch themselves.
+    """
+    extent, area = outlines.extent, outlines.area
+
+    def said(what: Callable[[int], str]) -> Callable[[int], tuple[str, str]]:
+        return lambda block: (outlines.label(block), what(block))
+
+    _refuse_all(
+        np.flatnonzero(extent < SMALLEST_BLOCK),
+        said(lambda block: f"is only {extent[block]:.3g} m wide"),
+        f"give coordinates in m; a block is at least {SMALLEST_BLOCK:g} m wide",
+    )
     _check_duplicates(outlines)
-    extent = outlines.extent
-    hull_area = shapely.area(shapely.convex_hull(polygons))
-    for block in np.flatnonzero(hull_area <= FLAT * extent**2)[:1]:
-        raise ModelError(
-            "has no area: its vertices lie on one line",
-            where=outlines.label(block),
-            remedy="give it at least 3 vertices that span an area",
-        )
-    for block in np.flatnonzero(~shapely.is_valid(polygons))[:1]:
-        raise ModelError(
-            _crossing(outlines, block),
-            where=outlines.label(block),
-            remedy="order the vertices along the outline, counter-clockwise, each once",
-        )
-    area = outlines.area
-    for block in np.flatnonzero(np.abs(area) <= FLAT * extent**2)[:1]:
-        raise ModelError(
-            f"has no area ({abs(area[block]):.3g} m2)",
-            where=outlines.label(block),
-            remedy="give it vertices that span an area, or leave the block out",
-        )
-    for block in np.flatnonzero(area < 0.0)[:1]:
-        raise ModelError(
-            "its loop runs clockwise",
-            where=outlines.label(block),
-            remedy="reverse the order of its vertices: loops run counter-clockwise",
-        )
+    _refuse_all(
+        np.flatnonzero(shapely.area(shapely.convex_hull(polygons)) <= FLAT * extent**2),
+        said(lambda _: "has no area: its vertices lie on one line"),
+        "give it at least 3 vertices that span an area",
+    )
+    _refuse_all(
+        np.flatnonzero(~shapely.is_valid(polygons)),
+        said(lambda block: _crossing(outlines, block)),
+        "order the vertices along the outline, counter-clockwise, each once",
+    )
+    _refuse_all(
+        np.flatnonzero(np.abs(area) <= FLAT * extent**2),
+        said(lambda block: f"has no area ({abs(area[block]):.3g} m2)"),
+        "give it vertices that span an area, or leave the block out",
+    )
+    return np.asarray(area < 0.0)
+
+
+def turned_note(outlines: Outlines, clockwise: Bools) -> tuple[str, ...]:
+    """Return which loops were turned round, as a note, or nothing."""
+    turned = np.flatnonzero(clockwise)
+    if len(turned) == 0:
+        return ()
+    named = ", ".join(outlines.label(int(block)) for block in turned[:LISTED])
+    more = ", ..." if len(turned) > LISTED else ""
+    if len(turned) == 1:
+        return (f"1 loop runs clockwise and was turned round: {named}",)
+    return (f"{len(turned)} loops run clockwise and were turned round: {named}{more}",)
 
 
 def _check_duplicates(outlines: Outlines) -> None:
     """Refuse consecutive vertices that are the same point."""
     following = outlines.following
     side = np.hypot(*(outlines.vertices[following] - outlines.vertices).T)
-    twice = side <= SAME_POINT * outlines.extent[outlines.owner]
-    for vertex in np.flatnonzero(twice)[:1]:
-        again = int(following[vertex])
-        first = int(outlines.start[outlines.owner[vertex]])
-        raise ModelError(
-            f"is the same point as vertex {again - first + 1}",
-            where=outlines.vertex_label(vertex),
-            remedy="remove one of the two (a loop closes by itself, without its first vertex)",
-        )
+    number = following - outlines.start[outlines.owner] + 1
+    _refuse_all(
+        np.flatnonzero(side <= SAME_POINT * outlines.extent[outlines.owner]),
+        lambda vertex: (
+            outlines.vertex_label(vertex),
+            f"is the same point as vertex {number[vertex]}",
+        ),
+        "remove one of the two (a loop closes by itself, without its first vertex)",
+    )
 
 
 def _crossing(outlines: Outlines, block: int) -> str:
@@ -181,10 +226,10 @@ def _crossing(outlines: Outlines, block: int) -> str:
     here = outlines.vertices[rows]
     count = len(rows)
     edges = shapely.linestrings(np.stack([here, np.roll(here, -1, axis=0)], axis=1))
-    first, second = np.triu_indices(count, k=2)
-    apart = ~((first == 0) & (second == count - 1))
+    first, second = _ordered(*shapely.STRtree(edges).query(edges, predicate="intersects"))
+    apart = (second > first + 1) & ~((first == 0) & (second == count - 1))
     first, second = first[apart], second[apart]
-    meet = np.flatnonzero(shapely.intersects(edges[first], edges[second]))
+    meet = np.lexsort((second, first))
     if len(meet) == 0:
         return "its loop folds back on itself"
     one, other = int(first[meet[0]]), int(second[meet[0]])
@@ -196,31 +241,53 @@ def _crossing(outlines: Outlines, block: int) -> str:
     )
 
 
-def check_overlaps(outlines: Outlines, polygons: Geometries) -> None:
-    """Refuse blocks that overlap by more than round-off; shared edges and corners are normal."""
+def check_overlaps(outlines: Outlines, polygons: Geometries) -> StartOverlaps:
+    """Return the pairs that overlap by more than round-off; refuse deep ones.
+
+    Shared edges and corners are normal, and so is the penetration that contacts need to bear:
+    blocks at the end of a run lie a little in each other.
+    """
     first, second = shapely.STRtree(polygons).query(polygons)
-    size = np.sqrt(np.abs(outlines.area))
-    first, second = _deep_boxes(outlines, *_ordered(first, second), size)
-    shared = shapely.intersection(polygons[first], polygons[second])
-    # A pair that only touches shares lines and points; only shared areas overlap.
-    parts, pair = shapely.get_parts(shared, return_index=True)
-    areal = shapely.area(parts) > 0.0
-    parts, pair = parts[areal], pair[areal]
-    # Twice area over perimeter is the thickness of a sliver and half the width of a square.
-    depth = 2.0 * shapely.area(parts) / shapely.length(parts)
-    limit = TOUCHING * np.maximum(size[first[pair]], size[second[pair]])
-    bad = np.flatnonzero(depth > limit)
-    if len(bad) == 0:
-        return
-    worst = bad[np.argmax(depth[bad])]
-    one, other = int(first[pair[worst]]), int(second[pair[worst]])
-    middle = shapely.centroid(parts[worst])
-    others = len(np.unique(pair[bad])) - 1
+    first, second = _ordered(first, second)
+    size = np.sqrt(outlines.area)
+    finest = overlaps.GRID * 4.0 * np.maximum(outlines.extent[first], outlines.extent[second])
+    limit = np.maximum(TOUCHING * np.minimum(size[first], size[second]), finest)
+    vertices, start = outlines.vertices, outlines.start
+    deep = _deep_boxes(outlines, first, second, limit)
+    deep = deep[~overlaps.touching_at_most(vertices, start, first[deep], second[deep], limit[deep])]
+    first, second, limit = first[deep], second[deep], limit[deep]
+    pair, width, middle = overlaps.common_parts(vertices, start, first, second)
+    over = width > limit[pair]
+    pair, width, middle = pair[over], width[over], middle[over]
+    slender = overlaps.widths(polygons)
+    allowed = PENETRATION * np.minimum(slender[first], slender[second])
+    bad = np.flatnonzero(width > allowed[pair])
+    if len(bad):
+        worst = bad[np.argmax(width[bad])]
+        _refuse_overlap(
+            outlines,
+            (int(first[pair[worst]]), int(second[pair[worst]])),
+            float(width[worst]),
+            middle[worst] + outlines.origin,
+            others=len(np.unique(pair[bad])) - 1,
+        )
+    deepest = np.zeros(len(first))
+    np.maximum.at(deepest, pair, width)
+    some = np.unique(pair)
+    return StartOverlaps(
+        pair=np.stack([first[some], second[some]], axis=1).astype(np.int64), depth=deepest[some]
+    )
+
+
+def _refuse_overlap(
+    outlines: Outlines, pair: tuple[int, int], depth: float, at: Floats, others: int
+) -> NoReturn:
+    """Raise ModelError for two blocks that lie deep in each other."""
     more = f"; so do {others} more pairs" if others else ""
     raise ModelError(
-        f"overlaps {outlines.label(other)} to a depth of {depth[worst]:.3g} m near "
-        f"{point_text(np.array([middle.x, middle.y]) + outlines.origin)}{more}",
-        where=outlines.label(one),
+        f"overlaps {outlines.label(pair[1])} to a depth of {depth:.3g} m near "
+        f"{point_text(at)}{more}",
+        where=outlines.label(pair[0]),
         remedy="move or cut the blocks so that they touch at most (coordinates rounded too "
         "coarsely overlap as well: give more digits)",
     )
@@ -232,16 +299,15 @@ def _ordered(first: Ints, second: Ints) -> tuple[Ints, Ints]:
     return first[once], second[once]
 
 
-def _deep_boxes(outlines: Outlines, first: Ints, second: Ints, size: Floats) -> tuple[Ints, Ints]:
-    """Return the pairs whose bounding boxes share more than round-off in both directions.
+def _deep_boxes(outlines: Outlines, first: Ints, second: Ints, limit: Floats) -> Ints:
+    """Return which pairs have bounding boxes that share more than ``limit`` in both directions.
 
     The others share at most a strip of the thickness allowed; in a wall these are all pairs.
     """
     low = np.minimum.reduceat(outlines.vertices, outlines.start[:-1])
     high = np.maximum.reduceat(outlines.vertices, outlines.start[:-1])
     shared = np.minimum(high[first], high[second]) - np.maximum(low[first], low[second])
-    deep = shared.min(axis=1) > TOUCHING * np.maximum(size[first], size[second])
-    return first[deep], second[deep]
+    return np.flatnonzero(shared.min(axis=1) > limit)
 
 
 def locate(
@@ -306,95 +372,3 @@ def _carrier(
         where=where,
         remedy="move it into a block or onto its boundary",
     )
-
-
-def check_rock(rock: Rock, plane: Plane) -> None:
-    """Refuse moduli, densities and Poisson's ratios that no rock has."""
-    where = f"rock '{rock.name}'"
-    _positive(rock.young, f"{where}, young", "give Young's modulus in Pa, e.g. 50e9")
-    _positive(rock.density, f"{where}, density", "give the density in kg/m3, e.g. 2700")
-    check_numbers(rock.initial_stress, 3, f"{where}, initial_stress")
-    limit = "below 0.5" if isinstance(plane, PlaneStrain) else "at most 0.5"
-    inside = -1.0 < rock.poisson <= 0.5
-    if not inside or (isinstance(plane, PlaneStrain) and rock.poisson == 0.5):
-        raise ModelError(
-            f"{rock.poisson:g} is impossible in plane {plane.name}",
-            where=f"{where}, poisson",
-            remedy=f"Poisson's ratio is above -1 and {limit}; rocks have 0.1 to 0.4",
-        )
-
-
-def check_joint(joint: Joint, *, allow_small_friction_angle: bool) -> None:
-    """Refuse strengths that no joint has, and friction angles that look like radians."""
-    where = f"joint '{joint.name}'"
-    angle = joint.friction_angle
-    if not 0.0 <= angle < 90.0:
-        raise ModelError(
-            f"{angle:g} is no friction angle",
-            where=f"{where}, friction_angle",
-            remedy="give it in degrees, from 0 to below 90",
-        )
-    if 0.0 < angle < SMALL_ANGLE and not allow_small_friction_angle:
-        raise ModelError(
-            f"{angle:g} looks like radians, but friction angles are in degrees",
-            where=f"{where}, friction_angle",
-            remedy=f"write {math.degrees(angle):.6g}, or 0 for no friction; if {angle:g} degrees "
-            "is meant, add allow_small_friction_angle = true to the joint",
-        )
-    for key, value in (("cohesion", joint.cohesion), ("tensile_strength", joint.tensile_strength)):
-        if not 0.0 <= value < math.inf:
-            raise ModelError(
-                f"{value:g} is no strength",
-                where=f"{where}, {key}",
-                remedy="give it in Pa, 0 or more",
-            )
-
-
-def _positive(value: float, where: str, remedy: str) -> None:
-    if not 0.0 < value < math.inf:
-        raise ModelError(f"{value:g} must be above 0 and finite", where=where, remedy=remedy)
-
-
-def check_ground_motion(motion: GroundMotion, fixed_points: int) -> None:
-    """Refuse accelerograms that are none, and a moving base without fixed points."""
-    where = "ground_motion"
-    if isinstance(motion, InertialForce | MovingBase):
-        time, acceleration = motion.accelerogram.time, motion.accelerogram.acceleration
-        if time.ndim != 1 or len(time) < 2 or acceleration.shape != (len(time), 2):
-            raise ModelError(
-                f"time has the shape {time.shape} and acceleration {acceleration.shape}",
-                where=where,
-                remedy="give at least 2 instants, and an acceleration (x, y) for each",
-            )
-        if not (np.isfinite(time).all() and np.isfinite(acceleration).all()):
-            raise ModelError(
-                "is not finite", where=where, remedy="give times in s and accelerations in m/s2"
-            )
-        for k in np.flatnonzero(np.diff(time) <= 0.0)[:1]:
-            raise ModelError(
-                f"instant {k + 2}, {time[k + 1]:g} s, is not after instant {k + 1}, {time[k]:g} s",
-                where=where,
-                remedy="order the instants by time, each once",
-            )
-    if isinstance(motion, MovingBase) and fixed_points == 0:
-        raise ModelError(
-            "the base moves, but nothing is held by it",
-            where=where,
-            remedy="hold the base by fixed points (a fixed block does not move), or let the motion "
-            "act as a body force",
-        )
-
-
-def check_numbers(values: Any, count: int, where: str) -> Floats:
-    """Return ``count`` finite numbers as an array, shape (count,), or say which is none."""
-    try:
-        array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        array = np.zeros(0)
-    if array.shape != (count,) or not np.isfinite(array).all():
-        raise ModelError(
-            f"{values!r} is no list of {count} finite numbers",
-            where=where,
-            remedy=f"give {count} numbers in SI units",
-        )
-    return array

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
+from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clast.contact.detection import detect
 from clast.equations.frames import block_frames
-from clast.ground_motion import MovingBase
+from clast.errors import StepRejected
+from clast.method_doubts import check_overlaps, method_doubts
 from clast.model import Bools, Model
+from clast.model_doubts import model_doubts
 from clast.state import State, initial_state
 from clast.stepping.modified import STABILITY_LIMIT, reach_of, stability_number
 
@@ -19,12 +24,14 @@ if TYPE_CHECKING:
     from clast.interfaces import Method
     from clast.simulate import Schedule
 
-SOFTEST = 1e5
-"""Young's moduli below this look like kPa, MPa or GPa, Pa."""
-LIGHTEST = 50.0
-"""Densities below this look like t/m3 or g/cm3, kg/m3."""
-LARGE_SHARE = 0.1
-"""max_displacement and critdis above this share of the smallest block's size are coarse."""
+LONG = 3600.0
+"""Runs that are expected to take longer are said to, s of wall time."""
+MANY_STEPS = 1e6
+"""Runs of more steps are said to have so many."""
+MOST_TRIALS, LONGEST_TRIAL = 4, 10.0
+"""The first step is tried so often, or for so long, s, to find its time."""
+QUICKEST = 1e-5, 5e-6
+"""Wall time of a step, and more for each block, below which none is on any machine, s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,10 +82,16 @@ class Sanity:
     """Largest p h2/m with which contacts settle without passes."""
     warnings: tuple[str, ...]
     """What seems unsound, each with its remedy."""
+    notes: tuple[str, ...]
+    """What clast changed or chose by itself."""
 
 
 def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
-    """Return what a case consists of and what seems unsound about it."""
+    """Return what a case consists of and what seems unsound about it.
+
+    Raises ModelError where blocks overlap by more than contacts of this stiffness explain.
+    """
+    check_overlaps(model, method)
     start = initial_state(model)
     contacts = _contacts(model, method, start)
     unsupported = _unsupported(model, contacts)
@@ -109,13 +122,46 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
         stability_number=number,
         stability_limit=STABILITY_LIMIT,
         warnings=(
+            *_duration_doubts(model, method, schedule, start),
             *method.process.advice(model, method, start, schedule.step),
-            *_support_warnings(model),
-            *_base_warnings(model),
-            *_unit_warnings(model),
-            *_length_warnings(model, method),
+            *model_doubts(model, schedule.end),
+            *method_doubts(model, method, schedule),
         ),
+        notes=(*model.notes, *method.notes),
     )
+
+
+def _duration_doubts(
+    model: Model, method: Method, schedule: Schedule, start: State
+) -> Iterable[str]:
+    """Say how many steps a long run has, and how many hours they are expected to take.
+
+    Where a guess leaves that open, the first step is made some times: what is compiled for the
+    first of them does not count.
+    """
+    steps = schedule.end / schedule.step
+    base, more = QUICKEST
+    if steps < MANY_STEPS and steps * (base + more * model.block_count) < 0.1 * LONG:
+        return
+    tried: list[float] = []
+    while len(tried) < MOST_TRIALS and sum(tried) < LONGEST_TRIAL:
+        tried.append(_seconds_of_a_step(model, method, schedule, start))
+    seconds = min(tried)
+    if steps < MANY_STEPS and steps * seconds < LONG:
+        return
+    yield (
+        f"{steps:.3g} steps of {schedule.step:g} s: at {1e3 * seconds:.2g} ms each, as the first "
+        f"one takes, about {steps * seconds / 3600.0:.2g} hours. Lower time.end or raise time.step "
+        "if that is not meant"
+    )
+
+
+def _seconds_of_a_step(model: Model, method: Method, schedule: Schedule, start: State) -> float:
+    """Return how long the first step takes, s of wall time."""
+    begin = perf_counter()
+    with suppress(StepRejected):
+        method.process.step(model, method, start, schedule.step)
+    return perf_counter() - begin
 
 
 def _contacts(model: Model, method: Method, state: State) -> Contacts:
@@ -136,51 +182,3 @@ def _unsupported(model: Model, contacts: Contacts) -> Bools:
     held[model.fixed_points.block] = True
     held[contacts.pairs.ravel()] = True
     return ~held
-
-
-def _support_warnings(model: Model) -> list[str]:
-    """Warn where nothing holds the blocks."""
-    held = bool(model.fixed.any()) or len(model.fixed_points.block) > 0
-    if held or not model.gravity.any():
-        return []
-    return ["nothing is fixed: all blocks fall. Give a [[fixed_point]] or fixed = true"]
-
-
-def _base_warnings(model: Model) -> list[str]:
-    """Warn where a base moves and fixed blocks stay behind."""
-    if not isinstance(model.ground_motion, MovingBase) or not model.fixed.any():
-        return []
-    return [
-        f"{int(model.fixed.sum())} fixed block(s) stay where they are while the base moves: hold "
-        "what moves with the ground by fixed points"
-    ]
-
-
-def _unit_warnings(model: Model) -> list[str]:
-    """Warn of numbers that look like other units than SI."""
-    found = []
-    for rock in model.rocks:
-        if rock.young < SOFTEST:
-            found.append(f"rock '{rock.name}': young is {rock.young:g}; it is meant in Pa")
-        if rock.density < LIGHTEST:
-            found.append(f"rock '{rock.name}': density is {rock.density:g}; it is meant in kg/m3")
-    default = model.joint_table.joints[0]
-    several = model.block_count > 1
-    if several and default.friction_angle == 0.0 and default.cohesion == 0.0:
-        found.append(
-            f"joint '{default.name}' is frictionless, and with it every contact that no other "
-            "joint names: give friction_angle in [joint.default] if that is not meant"
-        )
-    return found
-
-
-def _length_warnings(model: Model, method: Method) -> list[str]:
-    """Warn of steps and reaches that are coarse against the smallest block."""
-    size = float(np.sqrt(model.area.min()))
-    lengths = {"time.max_displacement": method.max_displacement, "critdis": method.critdis}
-    return [
-        f"{key} is {length:g} m, but the smallest block is only {size:.3g} m wide: lower it to "
-        f"{0.01 * size:.2g} m"
-        for key, length in lengths.items()
-        if length > LARGE_SHARE * size
-    ]

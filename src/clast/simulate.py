@@ -13,6 +13,7 @@ from clast.errors import ResultsLost, RunStopped, StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
 from clast.interrupts import held_back
 from clast.kernels.threads import threads_worth
+from clast.method_doubts import check_overlaps
 from clast.model import Model
 from clast.results import Report, Run, RunRecorder
 from clast.results.about import about_method
@@ -116,8 +117,10 @@ def simulate(
     rejected or a frame cannot be written.  The interrupt key, SIGTERM and SIGHUP end the run early,
     with its results kept; the latter two then end the process.  ``warnings`` are put into the
     report beside what the process itself has to say; a contact law of one's own is tried on the
-    run's contacts (see :func:`clast.check_law`), and its faults are warnings too.
+    run's contacts (see :func:`clast.check_law`), and its faults are warnings too.  Raises
+    ModelError where blocks overlap by more than contacts of this stiffness explain.
     """
+    check_overlaps(model, method)
     recorder = recorder or RunRecorder(model)
     tally = _Tally()
     start = perf_counter()
@@ -143,7 +146,8 @@ def simulate(
         report = tally.report(state.ledger, perf_counter() - start, outcome, finished)
         if tally.touching is not None:
             warnings += law_check.warnings_of(method.contact_law, tally.touching)
-        run = recorder.finish(replace(report, warnings=warnings, notes=method.notes))
+        notes = (*model.notes, *method.notes)
+        run = recorder.finish(replace(report, warnings=warnings, notes=notes))
         run = replace(run, ended_by=ended_by)
     if failure:
         raise RunStopped(f"the run {outcome}", run)

@@ -43,6 +43,6 @@ def visible(text: str) -> str:
     return UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
-def shortened(text: str) -> str:
+def without_long_words(text: str) -> str:
     """Return a message without the middle of words and lines that are far too long."""
     return LONG_LINE.sub(r"\1 ... \2", LONG_WORD.sub(r"\1...\2", text))

@@ -14,7 +14,7 @@ from clast.casefile.choices import Alternatives, Choice, class_at
 from clast.casefile.templates import INCLINE, TEMPLATES
 from clast.errors import CaseError
 from clast.stepping.convex import Convex
-from clast.stepping.modified import ImplicitFriction, LaggedFriction, Modified
+from clast.stepping.modified import ImplicitFriction, Modified
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -31,7 +31,7 @@ def test_the_incline_is_the_papers():
     assert model.area.tolist() == [50.0, 4.5]
     assert model.fixed_points.at.tolist() == [[0.0, 0.0], [10.0, 0.0]]
     assert model.joint_table.joints[0].friction_angle == 20.0
-    assert method.process == Modified(friction=LaggedFriction(), passes=1)
+    assert method.process == Convex()
     assert method.contact_law.normal_stiffness == 1e9
     assert (method.critdis, method.max_displacement) == (0.005, 0.01)
     assert method.fixed_point_stiffness == 100 * 50e9
@@ -107,7 +107,7 @@ traction = [-5.0, 0.0]
         ("fixed_point.2.at=[0, 10]", lambda case: case.fixed_point[1].at == (0.0, 10.0)),
         ("method.rotation=exact", lambda case: case.method_.rotation.name == "exact"),
         ("method.solver.name=scipy", lambda case: case.method_.solver.name == "scipy"),
-        ("method.process.passes=3", lambda case: case.method().process.passes == 3),
+        ("method.process.iterations=30", lambda case: case.method().process.iterations == 30),
     ],
 )
 def test_settings(setting, found):
@@ -128,8 +128,9 @@ def test_settings_that_cannot_be(setting, phrase):
 
 
 def test_choices_nest():
-    case = Case.from_toml(INCLINE, ["method.process.friction=implicit"])
-    assert case.method().process == Modified(friction=ImplicitFriction())
+    settings = ["method.process=modified", "method.process.friction=implicit"]
+    case = Case.from_toml(INCLINE, settings)
+    assert case.method().process == Modified(friction=ImplicitFriction(), passes=1)
 
 
 @pytest.mark.parametrize(

@@ -86,7 +86,6 @@ FAULTS = {
     "rock": ({"rock": "granit"}, "did you mean 'granite'?"),
     "no rock": ({"rock": None}, "does not say which rock"),
     "moving": ({"fixed": True, "velocity": (1, 0, 0)}, "block 1, velocity: a fixed block"),
-    "clockwise": ({"vertices": SQUARES[:, ::-1]}, "block 1: its loop runs clockwise"),
     "overlap": ({"vertices": SQUARES[[0, 0, 1]]}, "block 1: overlaps block 2 to a depth"),
     "nan": ({"vertices": np.where(SQUARES == 5.0, np.nan, SQUARES)}, "block 3, vertex 2"),
 }
@@ -104,9 +103,24 @@ def test_faults_name_the_block_and_the_key(fault):
 def test_a_sliver_across_two_boxes_is_found():
     """Boxes that share an area are looked at closely, boxes that share a strip are not."""
     builder = begun()
-    builder.blocks(vertices=np.array([box(0.0, 0.0), box(1.0 - 1e-4, 0.0)]), rock="marl")
-    with pytest.raises(ModelError, match=r"depth of 0\.0001 m"):
+    builder.blocks(vertices=np.array([box(0.0, 0.0), box(1.0 - 6e-2, 0.0)]), rock="marl")
+    with pytest.raises(ModelError, match=r"depth of 0\.06 m"):
         builder.build()
+    for depth, known in ((1e-4, 1), (1e-8, 0)):
+        builder = begun()
+        builder.blocks(vertices=np.array([box(0.0, 0.0), box(1.0 - depth, 0.0)]), rock="marl")
+        overlaps = builder.build().overlaps
+        assert overlaps.pair.tolist() == [[0, 1]] * known
+        assert overlaps.depth == pytest.approx([depth] * known, rel=1e-4)
+
+
+def test_clockwise_loops_are_turned_round_and_said():
     builder = begun()
-    builder.blocks(vertices=np.array([box(0.0, 0.0), box(1.0 - 1e-8, 0.0)]), rock="marl")
-    assert builder.build().block_count == 2
+    clockwise = SQUARES[:, ::-1]
+    builder.blocks(vertices=clockwise, rock="granite")
+    model = builder.build()
+    assert (model.area > 0.0).all()
+    for block, loop in enumerate(clockwise):
+        assert model.polygon(block).tolist() == [loop[0].tolist(), *loop[:0:-1].tolist()]
+    (note,) = model.notes
+    assert note == "3 loops run clockwise and were turned round: block 1, block 2, block 3"

@@ -11,10 +11,14 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from clast.casefile.templates import INCLINE
+from clast.casefile import templates
 from clast.cli import app
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+INCLINE = templates.INCLINE.replace(
+    'process = "convex"', 'process = {name="modified", friction="lagged", passes=1}'
+)
+CONTROL = {chr(code) for code in range(32)} - {"\n"}
 OLD_RESULT = HDF5_SIGNATURE + b"an older result"
 
 
@@ -29,7 +33,10 @@ def refused(folder: Path, text: str, *options: str) -> str:
     assert sorted(path.name for path in folder.iterdir()) == ["case.toml", "out.vtkhdf"]
     assert result.stdout == ""
     message = result.stderr
-    assert message.startswith(f"error: {case}")
+    assert message.startswith("error: ")
+    assert str(folder) in message or "/dev/" in message
+    assert len(message) < 4000, "what is echoed of the input is shortened"
+    assert not set(message) & CONTROL
     assert "\n  " in message, "every message offers a remedy"
     assert "Traceback" not in message
     assert "pydantic" not in message
@@ -42,6 +49,8 @@ def changed(old: str, new: str) -> str:
 
 
 SLIDER = "vertices = [[0,0],[10,0],[0,10],[1,9],[4,6],[4,9]]"
+
+RECORD = '[ground_motion]\nacts = "body-force"\nfile = "{}"\n'
 
 TEXTS = {
     "unknown key": (
@@ -61,10 +70,6 @@ TEXTS = {
     ),
     "vertex number 0": (changed("[4,5,6]", "[0,5,6]"), ["blocks 2, loop 1", "no vertex 0"]),
     "too few vertices": (changed("[4,5,6]", "[4,5]"), ["block 2 'slider'", "at least 3"]),
-    "clockwise loop": (
-        changed("[4,5,6]", "[4,6,5]"),
-        ["block 2 'slider'", "clockwise", "reverse the order"],
-    ),
     "self-crossing loop": (
         INCLINE + '[[block]]\nvertices=[[20,0],[21,1],[21,0],[20,1]]\nrock="granite"\n',
         ["block 3", "edge 1-2 meets edge 3-4", "(20.5, 0.5)"],
@@ -134,6 +139,95 @@ TEXTS = {
         changed("shear_stiffness=1e9", "shear_stiffness=-1"),
         ["[method] contact_law.shear_stiffness", "above 0"],
     ),
+    "negative stiffness that may be auto": (
+        changed("normal_stiffness=1e9", "normal_stiffness=-1"),
+        ["[method] contact_law.normal_stiffness: must be above 0, not -1\n"],
+    ),
+    "stiffness that is neither a number nor auto": (
+        changed("normal_stiffness=1e9", 'normal_stiffness="soft"'),
+        ['must be a number or "auto", not "soft"'],
+    ),
+    "stiffness of nothing": (
+        changed("normal_stiffness=1e9", "normal_stiffness=1e-308"),
+        ["1e-308 N/m per m is too small to be meant", "at least"],
+    ),
+    "end of all times": (
+        changed("end = 1.0", "end = 1e308"),
+        ["[time] end", "steps of 0.001 s", "hours", "lower end, or raise step"],
+    ),
+    "more steps than can be made": (
+        changed("end = 1.0", "end = 1e30"),
+        ["1e+33 steps", "2.8e+24 hours"],
+    ),
+    "step of no length": (changed("step = 1e-3", "step = 1e-308"), ["[time] step", "small"]),
+    "frames without time between": (
+        changed("every = 0.01", "every = 1e-310"),
+        ["[output] every", "too small to be meant"],
+    ),
+    "huge critdis": (changed("critdis = 0.005", "critdis = 1e308"), ["critdis", "too large"]),
+    "tiny critdis": (changed("critdis = 0.005", "critdis = 1e-308"), ["critdis", "at least 1e-12"]),
+    "huge density": (changed("2700.0", "1e308"), ["density", "too large", "kg/m3"]),
+    "tiny density": (changed("2700.0", "1e-308"), ["density", "too small", "kg/m3"]),
+    "huge modulus": (changed("50e9", "1e308"), ["young", "too large", "Pa"]),
+    "tiny modulus": (changed("50e9", "1e-308"), ["young", "too small", "Pa"]),
+    "huge cohesion": (changed("cohesion = 0.0", "cohesion = 1e300"), ["cohesion", "too large"]),
+    "huge gravity": (changed("-9.8]", "-9.8e200]"), ["gravity 2", "too large", "m/s2"]),
+    "huge velocity": (changed("[0,0,0]", "[1e200,0,0]"), ["velocity 1", "too large", "m/s"]),
+    "tolerance of nothing": (
+        changed('name="modified", friction="lagged", passes=1', 'name="convex", tolerance=1e-300'),
+        ["[method] process.tolerance", "too small to be meant"],
+    ),
+    "passes without end": (changed("passes=1", "passes=1000000000"), ["passes", "1000 or less"]),
+    "coordinates without bounds": (
+        changed(SLIDER, SLIDER.replace(",9]]", ",9e150]]")),
+        ["[geometry] vertices 6, number 2", "9e+150 m is too large"],
+    ),
+    "blocks of no size": (
+        changed(SLIDER, "vertices = [[0,0],[1e-149,0],[0,1e-149],[1,9],[4,6],[4,9]]"),
+        ["block 1 'incline'", "is only 1.41e-149 m wide"],
+    ),
+    "number of a thousand digits": (changed("50e9", "9" * 5000), ["line 13", "1000 digits"]),
+    "number of many digits": (changed("50e9", "9" * 400), ["young", "too large a number"]),
+    "hexadecimal number of many digits": (changed("50e9", "0x" + "f" * 9000), ["too large a num"]),
+    "brackets within brackets": (INCLINE + "x = " + "[" * 5000, ["nested too deeply"]),
+    "tables within tables": ("x = " + "{a = " * 5000, ["nested too deeply"]),
+    "NUL in a title": (changed("Block on", "Block\\u0000on"), ["title", "NUL"]),
+    "title as long as a book": (changed("Block on", "B" * 70_000), ["title", "70", "1000"]),
+    "NUL in a block's name": (changed('"incline"', '"in\\u0000cline"'), ["block 1", "printed"]),
+    "escape code in a block's name": (changed('"incline"', '"\\u001b[31m"'), ["block 1 ", "x1b"]),
+    "name of a block that is blank": (changed('"incline"', '" "'), ["block 1", "has no name"]),
+    "name of a rock that is blank": (changed("[rock.granite]", '[rock.""]'), ["rock 1", "no name"]),
+    "name of ten thousand letters": (
+        changed('name="incline"', f'name="{"x" * 10_000}"'),
+        ["block 1 'xxx", "...", "200 characters"],
+    ),
+    "measured point without a name": (INCLINE.replace('= "A"', '= ""'), ["has no name"]),
+    "measured point called .": (INCLINE.replace('= "A"', '= "."'), ["point '.'", "another name"]),
+    "measured point called ..": (INCLINE.replace('= "A"', '= ".."'), ["point '..'"]),
+    "measured point above": (
+        INCLINE.replace('= "A"', '= "../energy"'),
+        ["[[measured_point]] 1 '../energy' name", "without /"],
+    ),
+    "measured point with a slash": (
+        INCLINE.replace('= "A"', '= "a/b"'),
+        ["'a/b' has a /", "without /"],
+    ),
+    "measured point with a NUL": (INCLINE.replace('= "A"', '= "A\\u0000"'), ["measured point 1"]),
+    "rock that is a number": (
+        changed("[rock.granite]", "[rock]\ngranite = 7\n[rock.other]"),
+        ["[rock.granite]", "must be a table, not 7", "young, poisson, density"],
+    ),
+    "time that is a number": ("time = 3\n" + INCLINE[: INCLINE.index("[time]")], ["step, end"]),
+    "times in two brackets": (changed("[time]", "[[time]]"), ["write [time], in one bracket"]),
+    "block in one bracket": (INCLINE + "[block]\nname = 'x'\n", ["write [[block]], in two"]),
+    "table for a pair of numbers": (changed("at = [0,0]", "at = {x=0, y=0}"), ["at", "a list"]),
+    "date for a number": (changed("50e9", "2020-01-01"), ["young", "must be a number, not datet"]),
+    "key without a name": (INCLINE + '"" = 3\n', ["[output] ''", "no such key"]),
+    "key of many letters": (INCLINE + "x" * 9000 + " = 3\n", ["[output] xxx", "no such key"]),
+    "line of many letters": (INCLINE + "'" + "x" * 9000 + "\n", ["is not TOML"]),
+    "directory for a record": (INCLINE + RECORD.format("."), ["is a directory", "text file"]),
+    "NUL in the name of a record": (INCLINE + RECORD.format("a\\u0000b"), ["no name of a file"]),
+    "endless record": (INCLINE + RECORD.format("/dev/zero"), ["/dev/zero", "no regular file"]),
     "schema of the future": (changed("schema = 1", "schema = 2"), ["schema", "2 is not known"]),
     "no blocks": (changed("[geometry]", "[geometry_]"), ["mean 'geometry'"]),
     "no TOML": (changed("[rock.granite]", "[rock.granite"), ["line 12", "is not TOML"]),
@@ -157,6 +251,34 @@ def test_several_faults_are_said_at_once(tmp_path):
     assert "3 things to put right" in message
     assert "[time] step" in message
     assert "[rock.granite] young: is missing" in message
+
+
+@pytest.mark.parametrize(
+    ("setting", "phrase"),
+    [
+        ("=3", "sets nothing"),
+        ("time..step=1", "no such key"),
+        ("geometry.blocks.0.fixed=true", "entries 1 to 2, not '0'"),
+        ("geometry.blocks.²=true", "entries 1 to 2, not '²'"),
+        ("geometry.blocks." + "9" * 5000 + "=1", "entries 1 to 2, not '999"),
+        ("title=" + "[" * 5000, "nested too deeply"),
+        ("rock.granite.young=" + "9" * 5000, "too many digits"),
+        ("x" * 10_000 + "=1", "no such key"),
+        ("x" * 10_000, "sets nothing"),
+        ("time.end=" + "x" * 10_000, "must be a number, not 'xxx"),
+        ("method.process={name='convex'", "there is no process"),
+        ("time=\x1b[31m", "must be a table"),
+    ],
+)
+def test_settings_that_cannot_be(tmp_path, setting, phrase):
+    case = tmp_path / "case.toml"
+    case.write_text(INCLINE, encoding="utf-8")
+    result = CliRunner().invoke(app, ["check", str(case), "--set", setting])
+    assert result.exit_code == 2, result.exception
+    assert phrase in result.stderr
+    assert "\n  " in result.stderr
+    assert len(result.stderr) < 1500
+    assert not set(result.stderr) & CONTROL
 
 
 def test_bad_setting(tmp_path):
@@ -191,6 +313,98 @@ def test_missing_file(tmp_path, incline):
 
 def test_directory_for_a_case(tmp_path):
     assert "is a directory" in run_with(tmp_path, tmp_path / "out.vtkhdf")
+
+
+def test_a_byte_order_mark_is_read_over(tmp_path):
+    case = tmp_path / "case.toml"
+    case.write_bytes(b"\xef\xbb\xbf" + INCLINE.encode())
+    assert CliRunner().invoke(app, ["check", str(case)]).exit_code == 0
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
+def test_pipes_and_devices_are_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    case = tmp_path / "case.toml"
+    case.write_text(INCLINE + RECORD.format("pipe"), encoding="utf-8")
+    for path in (case, tmp_path / "pipe", Path("/dev/zero")):
+        message = run_with(path, tmp_path / "out.vtkhdf")
+        assert "is no regular file but a pipe, a socket or a device" in message
+
+
+@pytest.mark.parametrize(
+    "command", [["{}"], ["check", "{}"], ["check", "a", "--{}"], ["plot", "{}"]]
+)
+def test_words_of_any_length_are_said_in_short(command):
+    result = CliRunner().invoke(app, [word.format("x" * 10_000) for word in command])
+    assert result.exit_code == 2
+    assert "xxx" in result.stderr
+    assert len(result.stderr) < 600
+
+
+def test_a_file_of_terabytes_is_not_read(tmp_path):
+    case = tmp_path / "case.toml"
+    with case.open("wb") as file:
+        file.truncate(10**12)
+    assert "has 1e+12 bytes" in run_with(case, tmp_path / "out.vtkhdf")
+
+
+def test_a_link_to_itself(tmp_path):
+    case = tmp_path / "case.toml"
+    case.symlink_to(case)
+    assert "cannot be read" in run_with(case, tmp_path / "out.vtkhdf")
+
+
+RECORDS = {
+    "decimal commas": ("0;0,1\n1;0,2\n", ["line 1: '0;0,1'", "decimals have a point"]),
+    "decimal commas and tabs": ("0\t0,1\n1\t0,2\n", ["line 1", "decimals have a point"]),
+    "a slip in the first row": ("t,a\n0.O,0\n1,1\n", ["line 2: '0.O,0'"]),
+    "not a number": ("0,0\n1,nan\n", ["line 2: '1,nan'"]),
+    "infinite": ("0,0\n1,1e999\n", ["line 2: '1,1e999'"]),
+    "immense": ("0,0\n1,1e300\n2,0\n", ["acceleration: 1e+300 m/s2 is too large"]),
+    "endless word": ("0,0\n1," + "x" * 10_000, ["line 2: '1,xxx", "..."]),
+    "five columns": ("PEER\n.1 .2 .3 .4 .5\n", ["line 2"]),
+    "nothing": ("", ["holds no numbers"]),
+    "one instant": ("0,0\n", ["at least 2 instants"]),
+    "no text": ("\x00\x01,\x02\n", ["holds no numbers"]),
+}
+
+
+@pytest.mark.parametrize("name", RECORDS)
+def test_bad_records(name, tmp_path):
+    content, phrases = RECORDS[name]
+    (tmp_path / "record.csv").write_text(content, encoding="utf-8")
+    case = tmp_path / "case.toml"
+    case.write_text(INCLINE + RECORD.format("record.csv"), encoding="utf-8")
+    message = run_with(case, tmp_path / "out.vtkhdf")
+    assert len(message) < 1000
+    for phrase in phrases:
+        assert phrase in message
+
+
+@pytest.mark.parametrize(
+    ("name", "phrase"),
+    [
+        ("", "no name of a case"),
+        (".", "no name of a case"),
+        ("..", "no name of a case"),
+        ("/", "no name of a case"),
+        (" ", "no name of a case"),
+        (".toml", "no name of a case"),
+        ("a/", "no name of a case"),
+        ("a\nb", "no name of a case"),
+        ("a/b/c", "the folder a/b does not exist"),
+        ("x" * 300, "too long a name"),
+        ("old", "exists already"),
+    ],
+)
+def test_names_of_no_new_case(name, phrase, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("old.toml").write_text("", encoding="utf-8")
+    result = CliRunner().invoke(app, ["new", name])
+    assert result.exit_code == 2
+    assert phrase in result.stderr
+    assert "\n  " in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["old.toml"]
 
 
 def test_case_that_is_no_text(tmp_path):

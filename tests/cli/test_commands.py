@@ -151,7 +151,7 @@ def test_check_for_a_program(incline):
 @pytest.mark.parametrize(
     ("settings", "phrase"),
     [
-        (["method.contact_law.normal_stiffness=1e12"], "p h2/m"),
+        (["method.process=modified", "method.contact_law.normal_stiffness=1e12"], "p h2/m"),
         (["rock.granite.young=50"], "Pa"),
         (["rock.granite.density=2.7"], "kg/m3"),
         (["joint.default.friction_angle=0"], "frictionless"),

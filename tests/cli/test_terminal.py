@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from clast.casefile.templates import INCLINE
 from clast.cli import app
 from clast.results import read_results
-from clast.spelling import shortened, visible
+from clast.spelling import visible, without_long_words
 
 EVIL = "\x1b[31mred\x1b]0;title\x07\x9b2J\x7f\u202egnp"
 SHOWN = "\\u001b[31mred\\u001b]0;title\\u0007\\u009b2J\\u007f\\u202egnp"
@@ -98,5 +98,8 @@ def test_a_file_where_a_folder_is_needed(arguments, place, tmp_path: Path, monke
 def test_ordinary_words_stay_as_they_are():
     text = "Böschung „Süd“, 45°\n\tσ = 3 MPa — /a/long/path/" + "name" * 50
     assert visible(text) == text
-    assert shortened(text) == text
-    assert shortened("a" * 1000 + " is no word") == "a" * 120 + "..." + "a" * 60 + " is no word"
+    assert without_long_words(text) == text
+    assert (
+        without_long_words("a" * 1000 + " is no word")
+        == "a" * 120 + "..." + "a" * 60 + " is no word"
+    )

@@ -16,6 +16,7 @@ from importlib import import_module
 from typing import Annotated, Any, Literal
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
@@ -26,17 +27,32 @@ from pydantic import (
     StrictInt,
     StrictStr,
     ValidationError,
+    ValidatorFunctionWrapHandler,
     create_model,
 )
-from pydantic.fields import FieldInfo
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
 from clast import spelling
 from clast.casefile.faults import Fault, faults_of, refusal
 from clast.casefile.meanings import field_docstrings
+from clast.errors import shortened
+from clast.ranges import Range
 
 Number = Annotated[float, Strict()]
+
+
+def within(limits: Range) -> AfterValidator:
+    """Return the annotation of a number that is refused outside its range."""
+
+    def validate(value: Any) -> Any:
+        fault = None if value is None else limits.fault(value)
+        if fault is not None:
+            raise refusal(Fault(what=fault))
+        return value
+
+    return AfterValidator(validate)
+
 
 AUTO = "auto"
 """Value that leaves a number to clast."""
@@ -58,8 +74,8 @@ class Alternatives:
 
     classes: Mapping[str, Mapping[str, str]]
     """Key -> name -> "module:class"; a field of a class that is such a key is a choice too."""
-    limits: Mapping[str, FieldInfo]
-    """Field name -> what pydantic is to check of it."""
+    limits: Mapping[str, tuple[Any, ...]]
+    """Field name -> what pydantic is to check of it, as annotations."""
     automatic: frozenset[str] = frozenset()
     """Fields that may be "auto", and are unless given: whoever builds the class provides them."""
     needs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -171,7 +187,8 @@ class Choice:
         name = table["name"]
         if name not in self.names:
             remedy = spelling.advice(name, self.names, kind=self.key)
-            raise refusal(Fault(what=f"there is no {self.key} '{name}'", remedy=remedy))
+            what = f"there is no {self.key} '{shortened(name)}'"
+            raise refusal(Fault(what=what, remedy=remedy))
         try:
             parsed = options_table(self, name).model_validate(table)
         except ValidationError as error:
@@ -253,12 +270,36 @@ def _option(choice: Choice, option: Any, meaning: str | None) -> tuple[Any, Any]
         written = ... if default is MISSING else _name_of(default, inner)
         return Annotated[Any, inner, Field(description=meaning)], written
     kind = option.type if isinstance(option.type, str) else option.type.__name__
-    limit = choice.alternatives.limits.get(option.name, Field())
     written = ... if default is MISSING else default
-    number: Any = Annotated[OPTION_TYPES[kind], limit]
+    number: Any = OPTION_TYPES[kind]
+    for limit in choice.alternatives.limits.get(option.name, ()):
+        number = Annotated[number, limit]
     if option.name in choice.alternatives.automatic:
-        return Annotated[number | Literal["auto"], Field(description=meaning)], AUTO
+        return Annotated[number, OrAuto(), Field(description=meaning)], AUTO
     return Annotated[number, Field(description=meaning)], written
+
+
+@dataclass(frozen=True)
+class OrAuto:
+    """Annotation of a number that may be "auto" as well; what else it may be stays as it is."""
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        return core_schema.no_info_wrap_validator_function(self._validate, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [handler(schema), {"const": AUTO, "type": "string"}]}
+
+    @staticmethod
+    def _validate(value: Any, number: ValidatorFunctionWrapHandler) -> Any:
+        if isinstance(value, str):
+            if value != AUTO:
+                raise refusal(Fault(what=f'must be a number or "{AUTO}", not "{shortened(value)}"'))
+            return value
+        return number(value)
 
 
 def _name_of(default: Any, choice: Choice) -> str:

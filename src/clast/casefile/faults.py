@@ -16,7 +16,7 @@ from pydantic_core import PydanticCustomError
 
 from clast import spelling
 from clast.casefile.text import is_tables
-from clast.errors import CaseError
+from clast.errors import CaseError, shortened
 
 Place = tuple[str | int, ...]
 """Keys and list positions (from 0) that lead to a value."""
@@ -49,9 +49,12 @@ def faults_of(error: ValidationError, table: type[BaseModel]) -> list[Fault]:
         place = tuple(item["loc"])
         context = item.get("ctx", {})
         if item["type"] == "faults":
-            found += [replace(fault, place=place + fault.place) for fault in context["faults"]]
+            for fault in context["faults"]:
+                at = place + fault.place
+                remedy = fault.remedy or _meaning(at, table)
+                found.append(replace(fault, place=at, remedy=remedy))
         else:
-            found.append(_in_words(item["type"], place, item["input"], context, item["msg"], table))
+            found.append(_in_words(item["type"], place, item["input"], context, table))
     return found
 
 
@@ -82,8 +85,8 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
     if is_tables(value) and isinstance(number, int):
         rest = rest[1:]
         table = f"[[{top}]] {number + 1}{_name_text(value, number)}"
-    elif isinstance(value, dict) and rest and isinstance(value.get(str(rest[0])), dict):
-        key = rest.pop(0)
+    elif isinstance(value, dict) and rest and _is_table(top, value.get(str(rest[0]))):
+        key = shortened(str(rest.pop(0)))
         table = f"[{top}.{key}]" if top in ("rock", "joint") else f"[{top}] {key}"
         if top not in ("rock", "joint") and rest:
             return f"{table}.{_keys_text(rest)}"
@@ -94,12 +97,18 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
     return f"{table} {_keys_text(rest)}" if rest else table
 
 
+def _is_table(top: str, value: Any) -> bool:
+    """Return whether a value within a table is a table of its own, as rocks and joints are."""
+    return isinstance(value, dict) or top in ("rock", "joint")
+
+
 def _keys_text(keys: Sequence[str | int]) -> str:
     """Return keys and positions below a table: ``vertices 3, number 2``."""
     text = ""
     for depth, key in enumerate(keys):
         if isinstance(key, str):
-            text += f".{key}" if text and isinstance(keys[depth - 1], str) else f", {key}"
+            named = shortened(key) or "''"
+            text += f".{named}" if text and isinstance(keys[depth - 1], str) else f", {named}"
         elif isinstance(keys[depth - 1], int):
             text += f", number {key + 1}"
         else:
@@ -111,7 +120,7 @@ def _name_text(tables: Any, number: int) -> str:
     """Return the name of one of several tables, quoted, or nothing."""
     table = tables[number] if number < len(tables) else None
     name = table.get("name") if isinstance(table, dict) else None
-    return f" '{name}'" if isinstance(name, str) else ""
+    return f" '{shortened(name)}'" if isinstance(name, str) else ""
 
 
 def _in_words(
@@ -119,14 +128,13 @@ def _in_words(
     place: Place,
     given: Any,
     context: Mapping[str, Any],
-    message: str,
     table: type[BaseModel],
 ) -> Fault:
     """Return pydantic's fault as a sentence and a remedy."""
     if kind == "extra_forbidden":
         return Fault(place=place, what="there is no such key", remedy=_known_keys(place, table))
     known = field_at(table, place)
-    meaning = known.description or "" if known else ""
+    meaning = _meaning(place, table)
     if kind == "missing" and isinstance(place[-1], int):
         return Fault(place=place[:-1], what=f"number {place[-1] + 1} is missing", remedy=meaning)
     if kind == "missing":
@@ -134,19 +142,43 @@ def _in_words(
         return Fault(place=place, what="is missing", remedy=remedy)
     if kind == "literal_error":
         return _not_a_choice(place, given, known)
-    if kind in SENTENCES:
-        return Fault(place=place, what=SENTENCES[kind](given, context), remedy=meaning)
-    return Fault(place=place, what=message[:1].lower() + message[1:], remedy=meaning)
+    if kind in NO_TABLE or (kind in NO_LIST and isinstance(given, dict)):
+        return _not_a_table(kind, place, given, table)
+    say = SENTENCES.get(kind, _is_impossible)
+    return Fault(place=place, what=say(given, context), remedy=meaning)
+
+
+def _meaning(place: Place, table: type[BaseModel]) -> str:
+    """Return what the key at a place means, or nothing."""
+    known = field_at(table, place)
+    return known.description or "" if known else ""
 
 
 def _shown(given: Any) -> str:
     """Return a value as it looks in a case file, shortened."""
-    text = str(given).lower() if isinstance(given, bool) else repr(given)
-    return text if len(text) <= 60 else text[:57] + "..."
+    if isinstance(given, dict):
+        return "a table"
+    try:
+        text = str(given).lower() if isinstance(given, bool) else repr(given)
+    except ValueError:  # Python writes no whole number of more than some thousand digits
+        text = "a number of thousands of digits"
+    return shortened(text, 60)
+
+
+def _is_no_number(given: Any) -> str:
+    """Return the sentence for what cannot be a floating-point number."""
+    if isinstance(given, int) and not isinstance(given, bool):
+        return f"is too large a number: {_shown(given)}"
+    return f"must be a number, not {_shown(given)}"
+
+
+def _is_impossible(given: Any, _: Mapping[str, Any]) -> str:
+    """Return the sentence for faults that have no sentence of their own."""
+    return f"cannot be {_shown(given)}"
 
 
 SENTENCES: dict[str, Callable[[Any, Mapping[str, Any]], str]] = {
-    "float_type": lambda given, _: f"must be a number, not {_shown(given)}",
+    "float_type": lambda given, _: _is_no_number(given),
     "int_type": lambda given, _: f"must be a whole number, not {_shown(given)}",
     "bool_type": lambda given, _: f"must be true or false, not {_shown(given)}",
     "string_type": lambda given, _: f"must be a text in quotes, not {_shown(given)}",
@@ -159,10 +191,29 @@ SENTENCES: dict[str, Callable[[Any, Mapping[str, Any]], str]] = {
     "too_short": lambda _, c: f"has {c['actual_length']} items instead of {c['min_length']}",
     "list_type": lambda given, _: f"must be a list in brackets, not {_shown(given)}",
     "tuple_type": lambda given, _: f"must be a list in brackets, not {_shown(given)}",
-    "dict_type": lambda given, _: f"must be a table, not {_shown(given)}",
-    "model_type": lambda given, _: f"must be a table, not {_shown(given)}",
 }
 """What pydantic's kinds of fault mean, from the value given and the limit in the context."""
+
+
+NO_TABLE = frozenset({"dict_type", "model_type", "model_attributes_type", "dataclass_type"})
+NO_LIST = frozenset({"list_type", "tuple_type"})
+"""pydantic's kinds of fault where something else is given than a table or a list."""
+
+
+def _not_a_table(kind: str, place: Place, given: Any, table: type[BaseModel]) -> Fault:
+    """Return the fault of a value that is no table, or of one table where several are due."""
+    name = ".".join(str(part) for part in place if isinstance(part, str))
+    here = _table_at(table, place)
+    keys = ", ".join(keys_of(here)) if here else "those of the schema"
+    if kind in NO_LIST:
+        remedy = f"write [[{name}]], in two brackets" if len(place) == 1 else ""
+        remedy = remedy or _meaning(place, table) or "write it in brackets: [1.0, 2.0]"
+        return Fault(place=place, what="must be a list, not one table", remedy=remedy)
+    what = f"must be a table, not {'a list' if isinstance(given, list) else _shown(given)}"
+    if isinstance(given, list) and len(place) == 1:
+        return Fault(place=place, what=what, remedy=f"write [{name}], in one bracket")
+    heading = _meaning(place, table) if kind == "dict_type" else ""
+    return Fault(place=place, what=what, remedy=heading or f"it has the keys {keys}")
 
 
 def _not_a_choice(place: Place, given: Any, known: FieldInfo | None) -> Fault:

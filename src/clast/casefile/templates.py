@@ -53,7 +53,7 @@ displacement = [1.558273, -1.558273]
 source = "closed form: (g/2)(sin 45 - cos 45 tan phi) cos 45 t2, phi = 20 degrees"
 
 [method]
-process = {name="modified", friction="lagged", passes=1}
+process = "convex"                     # the default; "modified" (the paper's), "open-close"
 contact_law = {name="penalty", normal_stiffness=1e9, shear_stiffness=1e9}
 corner_rule = "bisector"
 rotation = "sine"

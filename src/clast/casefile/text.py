@@ -5,39 +5,78 @@ from __future__ import annotations
 import copy
 import json
 import re
+import stat
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from clast.errors import CaseError
+from clast.errors import CaseError, shortened
 
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 """Keys that TOML allows without quotes."""
+BYTE_ORDER_MARK = "\ufeff"
+LONGEST_ECHO = 100
+"""Most characters of a line that a message repeats."""
 
 
-def read_text(path: Path) -> str:
-    """Return the text of a case file, or say why it cannot be read."""
+LARGEST_FILE = 300_000_000
+"""Text files above this size are not read, bytes."""
+
+
+def read_text(path: Path, advice: str = "") -> str:
+    """Return the text of a case file or a record, or say why it cannot be read.
+
+    Only regular files are read: a pipe may wait and a device go on for ever.  ``advice`` says what
+    to do where there is no such file; case files nearby are named without it.
+    """
+    where = str(path)
     try:
+        _check_regular(path)
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise CaseError("there is no such file", where=str(path), remedy=_beside(path)) from None
-    except IsADirectoryError:
         raise CaseError(
-            "is a directory, not a case file", where=str(path), remedy=_beside(path / "x")
+            "there is no such file", where=where, remedy=advice or _beside(path)
         ) from None
+    except IsADirectoryError:
+        remedy = advice or _beside(path / "x")
+        raise CaseError("is a directory, not a file", where=where, remedy=remedy) from None
     except UnicodeDecodeError as error:
         raise CaseError(
             f"is not a text file (byte {error.start})",
-            where=str(path),
-            remedy="a case file is TOML in UTF-8; results are read by clast info and clast plot",
+            where=where,
+            remedy=advice
+            or "a case file is TOML in UTF-8; results are read by clast info and clast plot",
         ) from None
+    except ValueError:  # a NUL in the name
+        remedy = "write a path without it"
+        raise CaseError("is no name of a file", where=repr(where), remedy=remedy) from None
     except OSError as error:
         raise CaseError(
             f"cannot be read: {error.strerror}",
-            where=str(path),
-            remedy="see to the file's permissions",
+            where=where,
+            remedy="see to the file's name and permissions",
         ) from None
+
+
+def _check_regular(path: Path) -> None:
+    """Refuse what is no regular file, or too large to be a text."""
+    status = path.stat()
+    if stat.S_ISDIR(status.st_mode):
+        raise IsADirectoryError
+    if not stat.S_ISREG(status.st_mode):
+        raise CaseError(
+            "is no regular file but a pipe, a socket or a device",
+            where=str(path),
+            remedy="write its content into a file first",
+        )
+    if status.st_size > LARGEST_FILE:
+        raise CaseError(
+            f"has {status.st_size:.3g} bytes, which is more than a text file can be meant to have",
+            where=str(path),
+            remedy=f"files of up to {LARGEST_FILE:.0e} bytes are read; make large systems with "
+            "clast.ModelBuilder",
+        )
 
 
 def _beside(path: Path) -> str:
@@ -53,19 +92,35 @@ def _beside(path: Path) -> str:
 def parse(text: str, file: str) -> dict[str, Any]:
     """Return the content of a TOML text, or say in which line it is no TOML."""
     try:
-        return tomllib.loads(text)
+        return tomllib.loads(text.removeprefix(BYTE_ORDER_MARK))
     except tomllib.TOMLDecodeError as error:
         message = str(error)
         found = re.search(r"\(at line (\d+), column (\d+)\)", message)
         place = f"{file}: line {found[1]}, column {found[2]}" if found else f"{file}: at its end"
-        what = message.partition(" (at ")[0]
+        what = shortened(message.partition(" (at ")[0], LONGEST_ECHO)
         lines = text.splitlines()
         number = int(found[1]) if found else 0
-        line = lines[number - 1].strip() if 1 <= number <= len(lines) else ""
+        line = (
+            shortened(lines[number - 1].strip(), LONGEST_ECHO) if 1 <= number <= len(lines) else ""
+        )
         raise CaseError(
             f"is not TOML: {what[:1].lower()}{what[1:]}",
             where=place,
             remedy=f"the line reads: {line}" if line else "something is not closed before the end",
+        ) from None
+    except RecursionError:
+        raise CaseError(
+            "is nested too deeply",
+            where=file,
+            remedy="close brackets and braces; none need more than a few levels",
+        ) from None
+    except ValueError:  # Python converts no whole number of more than some thousand digits
+        long = re.search(r"\d{1000}", text)
+        row = text.count("\n", 0, long.start()) + 1 if long else 1
+        raise CaseError(
+            "holds a number of more than 1000 digits",
+            where=f"{file}: line {row}",
+            remedy="write it in fewer digits",
         ) from None
 
 
@@ -79,37 +134,45 @@ def with_values(content: Mapping[str, Any], settings: Iterable[str]) -> dict[str
         path, equals, written = setting.partition("=")
         if not equals or not path.strip():
             raise CaseError(
-                f"'{setting}' sets nothing",
+                f"'{shortened(setting)}' sets nothing",
                 where="--set",
                 remedy="write it as table.key=value, e.g. --set time.end=2",
             )
-        _set(result, path.strip().split("."), _value(written.strip()), setting)
+        where = f"--set {shortened(setting, LONGEST_ECHO)}"
+        _set(result, path.strip().split("."), _value(written.strip(), where), where)
     return dict(result)
 
 
-def _value(written: str) -> Any:
+def _value(written: str, where: str) -> Any:
     """Return a value written as in TOML; anything else is a text."""
     try:
-        return tomllib.loads(f"value = {written}")["value"]
+        table = tomllib.loads(f"value = {written}")
     except tomllib.TOMLDecodeError:
         return written
+    except (RecursionError, ValueError):
+        raise CaseError(
+            "is nested too deeply, or a number of too many digits",
+            where=where,
+            remedy="write a number, a text or a list",
+        ) from None
+    return table["value"] if len(table) == 1 else written
 
 
-def _set(table: Any, keys: list[str], value: Any, setting: str) -> None:
+def _set(table: Any, keys: list[str], value: Any, where: str) -> None:
     """Replace one value, making tables on the way."""
     here = table
     for depth, key in enumerate(keys):
         last = depth == len(keys) - 1
+        position: Any = key
         if isinstance(here, list):
-            if not key.isdigit() or not 1 <= int(key) <= len(here):
+            position = _position(key, len(here)) - 1
+            if position < 0:
                 raise CaseError(
-                    f"'{'.'.join(keys[:depth])}' has the entries 1 to {len(here)}, not '{key}'",
-                    where=f"--set {setting}",
+                    f"'{shortened('.'.join(keys[:depth]))}' has the entries 1 to {len(here)}, not "
+                    f"'{shortened(key)}'",
+                    where=where,
                     remedy="give the number of an entry, from 1",
                 )
-            position: Any = int(key) - 1
-        else:
-            position = key
         if last:
             here[position] = value
             return
@@ -119,11 +182,17 @@ def _set(table: Any, keys: list[str], value: Any, setting: str) -> None:
             inner = here[position] = {"name": inner}
         if not isinstance(inner, dict | list):
             raise CaseError(
-                f"'{'.'.join(keys[: depth + 1])}' is a single value",
-                where=f"--set {setting}",
+                f"'{shortened('.'.join(keys[: depth + 1]))}' is a single value",
+                where=where,
                 remedy="set it as a whole",
             )
         here = inner
+
+
+def _position(key: str, count: int) -> int:
+    """Return the number from 1 of an entry of a list, 0 where there is none."""
+    is_number = re.fullmatch("[0-9]{1,9}", key) is not None
+    return int(key) if is_number and 1 <= int(key) <= count else 0
 
 
 def to_toml(content: Mapping[str, Any]) -> str:
@@ -160,7 +229,12 @@ def is_tables(value: Any) -> bool:
 
 
 def _key(key: str) -> str:
-    return key if BARE_KEY.fullmatch(key) else json.dumps(key, ensure_ascii=False)
+    return key if BARE_KEY.fullmatch(key) else _text(key)
+
+
+def _text(text: str) -> str:
+    """Return a text in quotes; TOML wants DEL escaped, which JSON does not."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _written(value: Any) -> str:
@@ -168,7 +242,7 @@ def _written(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
+        return _text(value)
     if isinstance(value, dict):
         return "{" + ", ".join(f"{_key(k)} = {_written(v)}" for k, v in value.items()) + "}"
     if isinstance(value, list | tuple):

@@ -1,0 +1,67 @@
+"""Which numbers can be meant at all, once for case files and for scripts.
+
+The ranges are far wider than rock and masonry need: they leave out what no system of units
+explains, and keep the products that the equations make of these numbers (E A / h2, rho L4, ...)
+inside what a floating-point number holds.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from clast.errors import ModelError
+
+
+@dataclass(frozen=True)
+class Range:
+    """Sizes that a quantity can have, and its unit."""
+
+    low: float
+    """Smallest size other than 0."""
+    high: float
+    """Largest size."""
+    unit: str
+    """Unit, as messages write it."""
+
+    def fault(self, value: float) -> str | None:
+        """Return what is wrong with the size of a number, or None; 0 is not judged."""
+        size = abs(value)
+        if size == 0.0 or self.low <= size <= self.high:
+            return None
+        if not math.isfinite(size):
+            return f"must be a finite number, not {value:g}"
+        side, limit = ("small", self.low) if size < self.low else ("large", self.high)
+        bound = "at least" if size < self.low else "at most"
+        unit = f" {self.unit}" if self.unit else ""
+        return f"{value:g}{unit} is too {side} to be meant: {bound} {limit:g}{unit}"
+
+
+MODULUS = Range(1e-6, 1e24, "Pa")
+STRESS = Range(0.0, 1e24, "Pa")
+DENSITY = Range(1e-9, 1e12, "kg/m3")
+STIFFNESS = Range(1e-6, 1e36, "N/m per m")
+LENGTH = Range(1e-12, 1e18, "m")
+COORDINATE = Range(0.0, 1e18, "m")
+INTERVAL = Range(1e-15, 1e12, "s")
+TIME = Range(0.0, 1e18, "s")
+ACCELERATION = Range(0.0, 1e9, "m/s2")
+SPEED = Range(0.0, 1e9, "m/s or rad/s")
+FORCE = Range(0.0, 1e24, "N/m")
+FACTOR = Range(0.0, 1e12, "")
+
+TOLERANCE = Range(1e-14, 1e15, "")
+
+MOST_STEPS = 1e12
+"""Most steps of a run: four months at 10 microseconds each."""
+MOST_PASSES = 1000
+"""Most passes, solves and renewals within a step."""
+MOST_ITERATIONS = 1_000_000
+"""Most iterations of one solution."""
+
+
+def check_size(value: float, limits: Range, where: str, remedy: str) -> None:
+    """Raise ModelError for a number outside its range."""
+    fault = limits.fault(value)
+    if fault is not None:
+        raise ModelError(fault, where=where, remedy=remedy)
