@@ -20,6 +20,8 @@ from clast.results.tables import CONTACT_ROW, POINT_ROW
 
 PLANE_VECTORS = ("displacement", "velocity")
 """Fields that VTK wants with a third component, which is zero."""
+LARGEST = 1e150
+"""No place and no force is that large."""
 QUICKLY_CHECKED = 2**28
 """Size of a file that is checked from end to end in less than half a second, bytes."""
 
@@ -96,12 +98,7 @@ class Results:
         """Return the vertices of a frame, m, shape (nv, 2); frame -1 is the last."""
         count = int(self.block_start[-1])
         vertices: Floats = self._rows("VTKHDF/Points", frame, count)[:, :2]
-        if not np.isfinite(vertices).all():
-            raise CaseError(
-                f"is damaged: frame {self.frame_index(frame)} has vertices that are no numbers",
-                where=str(self.path),
-                remedy=AGAIN,
-            )
+        self._check_sound(vertices, "vertices", frame)
         return vertices
 
     def field(self, name: str, frame: int = -1) -> NDArray[Any]:
@@ -125,7 +122,11 @@ class Results:
         ends = self.frame_rows["contacts"]
         first = ends[index - 1] if index else 0
         rows = ask(self.path, lambda file: file["contacts"][first : ends[index]])
-        return FrameContacts(**{name: rows[name] for name in CONTACT_ROW.names or ()})
+        found = FrameContacts(**{name: rows[name] for name in CONTACT_ROW.names or ()})
+        with np.errstate(over="ignore", invalid="ignore"):
+            self._check_sound(found.force, "contact forces", frame)
+        self._check_sound(found.position, "contacts", frame)
+        return found
 
     def history(self, name: str) -> PointHistory:
         """Return the history of the measured point ``name``."""
@@ -154,6 +155,15 @@ class Results:
                 remedy=f"the file has {count} frames: 0 to {count - 1}, or -1 for the last",
             )
         return frame % count
+
+    def _check_sound(self, values: Floats, what: str, frame: int) -> None:
+        """Raise CaseError where values are no numbers, or none that can be squared."""
+        if not (np.abs(values) < LARGEST).all():
+            raise CaseError(
+                f"is damaged: frame {self.frame_index(frame)} has {what} that are no numbers",
+                where=str(self.path),
+                remedy=AGAIN,
+            )
 
     def _rows(self, place: str, frame: int, count: int) -> NDArray[Any]:
         first = self.frame_index(frame) * count
