@@ -29,7 +29,7 @@ for number in range(1, 100_000):
     recorder.step(result, 0.01)
     recorder.frame(result.state, result.contacts, result.response)
 """
-READINGS = 60
+READINGS = 30
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs the locks of POSIX systems")

@@ -26,6 +26,7 @@ from clast.results.layout import (
 from clast.results.opening import MalformedError
 from clast.results.run import Report, report_from_dict
 from clast.results.tables import CONTACT_ROW, POINT_ROW, STEP_ROW
+from clast.state import Ledger
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -186,7 +187,9 @@ def _fits(value: object, hint: Any) -> bool:
         return isinstance(value, hint)
     if get_origin(hint) is tuple:
         return isinstance(value, list)
-    return isinstance(value, Mapping)
+    if hint is Ledger or get_origin(hint) is Mapping:
+        return isinstance(value, Mapping)
+    return True
 
 
 def _group(file: Any, place: str) -> Any:
