@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -29,13 +30,15 @@ from clast.results.recorded import (
 )
 from clast.results.run import Report
 
-<<<<<<< HEAD
-=======
-PLANE_VECTORS = ("displacement", "velocity")
-"""Fields that VTK wants with a third component, which is zero."""
 LARGEST = 1e150
 """No place and no force is that large."""
->>>>>>> results
+SOUND = {
+    "position": "contacts",
+    "normal": "normals",
+    "normal_force": "normal forces",
+    "shear_force": "shear forces",
+}
+"""Columns of the contacts that are looked at, and what they are called."""
 QUICKLY_CHECKED = 2**28
 """Size of a file that is checked from end to end in less than half a second, bytes."""
 
@@ -94,14 +97,7 @@ class Results:
 
     def vertices(self, frame: int = -1) -> Floats:
         """Return the vertices of a frame, m, shape (nv, 2); frame -1 is the last."""
-<<<<<<< HEAD
         return field_of(self, VERTICES, frame)
-=======
-        count = int(self.block_start[-1])
-        vertices: Floats = self._rows("VTKHDF/Points", frame, count)[:, :2]
-        self._check_sound(vertices, "vertices", frame)
-        return vertices
->>>>>>> results
 
     def contacts(self, frame: int = -1) -> FrameContacts:
         """Return the contacts of a frame that carry a force, as a table."""
@@ -137,31 +133,18 @@ class Results:
             return np.stack([file[place][start : start + past - first] for start in starts])
 
         values = ask(self.path, rows)
-        if name == VERTICES and not np.isfinite(values).all():
-            at = frames[int(np.flatnonzero(~np.isfinite(values).all(axis=(1, 2)))[0])]
-            raise CaseError(
-                f"is damaged: frame {at} has vertices that are no numbers",
-                where=str(self.path),
-                remedy=AGAIN,
-            )
+        if name == VERTICES:
+            self._check_sound(values, "vertices", frames)
         return values[:, :, :2] if name in (*PLANE_VECTORS, VERTICES) else values
 
     def contact_rows(self, frame: int) -> NDArray[Any]:
         """Return a row for every contact of a frame that carries a force."""
         ends = self.frame_rows["contacts"]
-<<<<<<< HEAD
         first = ends[frame - 1] if frame else 0
         rows: NDArray[Any] = ask(self.path, lambda file: file["contacts"][first : ends[frame]])
+        for name, what in SOUND.items():
+            self._check_sound(rows[name][None], what, [frame])
         return rows
-=======
-        first = ends[index - 1] if index else 0
-        rows = ask(self.path, lambda file: file["contacts"][first : ends[index]])
-        found = FrameContacts(**{name: rows[name] for name in CONTACT_ROW.names or ()})
-        with np.errstate(over="ignore", invalid="ignore"):
-            self._check_sound(found.force, "contact forces", frame)
-        self._check_sound(found.position, "contacts", frame)
-        return found
->>>>>>> results
 
     def history(self, name: str) -> PointHistory:
         """Return the history of the measured point ``name``, a row per instant, as a table.
@@ -180,36 +163,17 @@ class Results:
     @property
     def steps(self) -> Columns:
         """Accepted steps: time, step, passes, contacts, penetration, travel, each of shape (t,)."""
-<<<<<<< HEAD
         return Columns(self._table("steps", "steps"))
-=======
-        return columns(self._table("steps", "steps"))
 
-    def frame_index(self, frame: int) -> int:
-        """Return a frame's number counted from 0; negative ones count from the end."""
-        count = len(self.times)
-        if not -count <= frame < count:
+    def _check_sound(self, values: Floats, what: str, frames: Sequence[int]) -> None:
+        """Raise CaseError where values (frames, ...) are no numbers, or cannot be squared."""
+        sound = (np.abs(values) < LARGEST).reshape(len(values), -1).all(axis=1)
+        if not sound.all():
             raise CaseError(
-                f"there is no frame {frame}",
-                where=str(self.path),
-                remedy=f"the file has {count} frames: 0 to {count - 1}, or -1 for the last",
-            )
-        return frame % count
-
-    def _check_sound(self, values: Floats, what: str, frame: int) -> None:
-        """Raise CaseError where values are no numbers, or none that can be squared."""
-        if not (np.abs(values) < LARGEST).all():
-            raise CaseError(
-                f"is damaged: frame {self.frame_index(frame)} has {what} that are no numbers",
+                f"is damaged: frame {frames[int(np.argmin(sound))]} has {what} that are no numbers",
                 where=str(self.path),
                 remedy=AGAIN,
             )
-
-    def _rows(self, place: str, frame: int, count: int) -> NDArray[Any]:
-        first = self.frame_index(frame) * count
-        rows: NDArray[Any] = ask(self.path, lambda file: file[place][first : first + count])
-        return rows
->>>>>>> results
 
     def _table(self, place: str, counter: str) -> NDArray[Any]:
         # Until the run is finished only what belongs to whole frames is sure to be there.
