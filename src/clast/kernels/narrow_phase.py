@@ -235,8 +235,8 @@ def _of_pairs(low, high, outlines, blocks, pairs, pair_depth, travel, reach, roo
     group_start[0] = 0
     groups, found = 0, 0
     for q in range(low, high):
-        depth = depth_reach + pair_depth[q]
-        before = front + travel[pairs[q, 0]] + travel[pairs[q, 1]]
+        moves = travel[pairs[q, 0]] + travel[pairs[q, 1]]
+        depth, before = depth_reach + pair_depth[q] + moves, front + moves
         around = before + max(critdis, tip_reach)  # in front of an edge and beyond its end
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
@@ -336,10 +336,10 @@ def candidates(outlines, blocks, pairs, pair_depth, travel, reach):
     ``outlines`` are the vertices (nv, 2), how far the velocities would carry each in the step
     (nv, 2), m, and directions and lengths of the edges that start there; ``blocks`` the first
     vertex of each block and the boxes (n, 4), not widened.  ``reach`` is how far to look, m, in
-    front of an edge (beside the ``travel`` (n,) of the two blocks), behind it (beyond the
-    penetration ``pair_depth`` (q,) that the pair had at the end of the last step), beyond an end
-    where corners coincide, and for a tip.  Result: group starts, and per candidate vertex, edge,
-    pair, gap, distance along the edge.
+    front of an edge and behind it (beside the ``travel`` (n,) of the two blocks, and behind it
+    beyond the penetration ``pair_depth`` (q,) that the pair had at the end of the last step),
+    beyond an end where corners coincide, and for a tip.  Result: group starts, and per candidate
+    vertex, edge, pair, gap, distance along the edge.
     """
     found = np.zeros((max(parts(len(pairs)), 1), 2), np.int64)
     most = 64 + 6 * min(PART, len(pairs))
@@ -465,7 +465,7 @@ def depth_inside(px, py, vertices, first, last):
 
 
 @kernel()
-def _deepest(low, high, vertices, block_start, box, pairs, pair_depth):
+def _deepest(low, high, before, vertices, block_start, box, pairs, pair_depth):
     """Return the deepest jump among pairs ``low`` to ``high`` - 1."""
     worst, worst_vertex, worst_block = 0.0, -1, -1
     for q in range(low, high):
@@ -479,32 +479,37 @@ def _deepest(low, high, vertices, block_start, box, pairs, pair_depth):
                     continue
                 depth = depth_inside(px, py, vertices, block_start[j], block_start[j + 1])
                 depth -= 2.0 * pair_depth[q]
+                if depth <= worst:
+                    continue
+                first, last = block_start[j], block_start[j + 1]
+                depth -= depth_inside(before[p, 0], before[p, 1], before, first, last)
                 if depth > worst:
                     worst, worst_vertex, worst_block = depth, p, j
     return worst, worst_vertex, worst_block
 
 
 @kernel(parallel=True)
-def _deepest_of_parts(vertices, block_start, box, pairs, pair_depth, depth, which):
+def _deepest_of_parts(before, vertices, block_start, box, pairs, pair_depth, depth, which):
     progress = nothing_done()
     for thread in prange(threads_of(progress)):
         for part in to_do(thread, progress, len(depth)):
             low, high = part * PART, min((part + 1) * PART, len(pairs))
             depth[part], which[part, 0], which[part, 1] = _deepest(
-                low, high, vertices, block_start, box, pairs, pair_depth
+                low, high, before, vertices, block_start, box, pairs, pair_depth
             )
 
 
 @kernel()
-def deepest_jump(vertices, block_start, box, pairs, pair_depth):
-    """Return how much deeper than its pair's penetration a vertex lies in a block, and which.
+def deepest_jump(before, vertices, block_start, box, pairs, pair_depth):
+    """Return how much deeper than its pair's penetration a vertex has got into a block, and which.
 
     ``pair_depth`` (q,) is the penetration of each pair that the contacts know of, m.  A vertex
-    that is much deeper has jumped there within the step.  (0, -1, -1) where none is deeper.
+    that is much deeper, and was not as deep ``before`` the step, has jumped there within it.
+    (0, -1, -1) where none is deeper.
     """
     if len(pairs) == 0:
         return 0.0, -1, -1
     depth, which = np.empty(parts(len(pairs))), np.empty((parts(len(pairs)), 2), np.int64)
-    _deepest_of_parts(vertices, block_start, box, pairs, pair_depth, depth, which)
+    _deepest_of_parts(before, vertices, block_start, box, pairs, pair_depth, depth, which)
     at = np.argmax(depth)
     return depth[at], which[at, 0], which[at, 1]
