@@ -10,6 +10,7 @@ import numpy as np
 from numba import prange
 
 from clast.kernels.compiled import kernel
+from clast.kernels.edge_lists import FEW, edges_near, edges_within, left_to_right
 from clast.kernels.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
 from clast.kernels.shares import PART, parts
@@ -129,6 +130,8 @@ def _vertex_candidates(
     p,
     i,
     j,
+    first_edge,
+    last_edge,
     vertices,
     shift,
     block_start,
@@ -143,7 +146,10 @@ def _vertex_candidates(
     out_along,
     found,
 ):
-    """Append the candidate edges of block j for vertex p of block i; return the new count."""
+    """Append the candidate edges of block j for vertex p of block i; return the new count.
+
+    Of the edges ``first_edge`` to ``last_edge`` - 1.
+    """
     first_i, last_i = block_start[i], block_start[i + 1]
     first_j, last_j = block_start[j], block_start[j + 1]
     before = vertex_before(p, first_i, last_i)
@@ -155,7 +161,7 @@ def _vertex_candidates(
     # into its own block: the sum of the two edges' inward normals
     inward_x, inward_y = ay - by, bx - ax
     px, py = vertices[p, 0], vertices[p, 1]
-    for e in range(first_j, last_j):
+    for e in range(first_edge, last_edge):
         tx, ty = direction[e, 0], direction[e, 1]
         nx, ny = ty, -tx
         rx, ry = px - vertices[e, 0], py - vertices[e, 1]
@@ -223,6 +229,14 @@ def _is_around(p, vertices, box, j, distance):
 
 
 @kernel()
+def _edges_around(window, reach, vertices, first, last):
+    """Return the edges of a block within ``reach``, m, of a window, as ``left_to_right`` does."""
+    found = np.empty(last - first, np.int64)
+    count = edges_within(window, reach, vertices, first, last, found)
+    return left_to_right(found[:count], vertices, first, last)
+
+
+@kernel()
 def _of_pairs(low, high, outlines, blocks, pairs, pair_depth, travel, reach, room):
     """Write the candidates of pairs ``low`` to ``high`` - 1 into ``room``; return their number.
 
@@ -234,34 +248,53 @@ def _of_pairs(low, high, outlines, blocks, pairs, pair_depth, travel, reach, roo
     group_start, vertex, edge, pair, gap, along = room
     group_start[0] = 0
     groups, found = 0, 0
+    left, listed, widest = np.empty(0), np.empty(0, np.int64), 0.0
+    near, first, last = np.empty(0, np.int64), 0, 0
     for q in range(low, high):
         moves = travel[pairs[q, 0]] + travel[pairs[q, 1]]
         depth, before = depth_reach + pair_depth[q] + moves, front + moves
         around = before + max(critdis, tip_reach)  # in front of an edge and beyond its end
+        # an edge behind or beyond whose end a vertex lies further counts for nothing
+        far = 1.5 * max(before, depth, critdis, tip_reach)
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
+            few = block_start[j + 1] - block_start[j] <= FEW
+            if not few:
+                first, last = block_start[j], block_start[j + 1]
+                left, listed, widest = _edges_around(box[i], far, vertices, first, last)
             for p in range(block_start[i], block_start[i + 1]):
                 if not _is_around(p, vertices, box, j, around):
                     continue
                 start = found
-                found = _vertex_candidates(
-                    p,
-                    i,
-                    j,
-                    vertices,
-                    shift,
-                    block_start,
-                    direction,
-                    length,
-                    before,
-                    depth,
-                    critdis,
-                    tip_reach,
-                    edge,
-                    gap,
-                    along,
-                    found,
-                )
+                ranges = 1
+                if not few:
+                    px, py = vertices[p, 0], vertices[p, 1]
+                    if len(near) < len(listed):
+                        near = np.empty(len(listed), np.int64)
+                    ranges = edges_near(
+                        px, py, far, left, listed, widest, vertices, first, last, near
+                    )
+                for k in range(ranges):
+                    found = _vertex_candidates(
+                        p,
+                        i,
+                        j,
+                        block_start[j] if few else near[k],
+                        block_start[j + 1] if few else near[k] + 1,
+                        vertices,
+                        shift,
+                        block_start,
+                        direction,
+                        length,
+                        before,
+                        depth,
+                        critdis,
+                        tip_reach,
+                        edge,
+                        gap,
+                        along,
+                        found,
+                    )
                 if found > start and found <= len(edge):
                     vertex[start:found] = p
                     pair[start:found] = q
@@ -465,17 +498,43 @@ def depth_inside(px, py, vertices, first, last):
 
 
 @kernel()
+def _is_inside(px, py, left, edges, widest, vertices, first, last):
+    """Return whether a point lies inside a polygon, by its edges from left to right."""
+    inside = False
+    for k in range(np.searchsorted(left, px - widest), len(left)):
+        if left[k] > px:
+            break
+        e = edges[k]
+        f = vertex_after(e, first, last)
+        x1, y1 = vertices[e, 0] - px, vertices[e, 1] - py
+        x2, y2 = vertices[f, 0] - px, vertices[f, 1] - py
+        if (x1 > 0.0) != (x2 > 0.0) and y1 + (y2 - y1) * (-x1) / (x2 - x1) > 0.0:
+            inside = not inside
+    return inside
+
+
+@kernel()
 def _deepest(low, high, before, vertices, block_start, box, pairs, pair_depth):
     """Return the deepest jump among pairs ``low`` to ``high`` - 1."""
     worst, worst_vertex, worst_block = 0.0, -1, -1
+    left, listed, widest = np.empty(0), np.empty(0, np.int64), 0.0
     for q in range(low, high):
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
+            few = block_start[j + 1] - block_start[j] <= FEW
+            if not few:
+                window = (box[i, 0], box[j, 1], box[i, 2], box[j, 3])
+                first, last = block_start[j], block_start[j + 1]
+                left, listed, widest = _edges_around(window, 0.0, vertices, first, last)
             for p in range(block_start[i], block_start[i + 1]):
                 px, py = vertices[p, 0], vertices[p, 1]
                 # the outline is nearer than the sides of the box around it
                 most = min(px - box[j, 0], box[j, 2] - px, py - box[j, 1], box[j, 3] - py)
                 if most - 2.0 * pair_depth[q] <= worst:
+                    continue
+                if not few and not _is_inside(
+                    px, py, left, listed, widest, vertices, block_start[j], block_start[j + 1]
+                ):
                     continue
                 depth = depth_inside(px, py, vertices, block_start[j], block_start[j + 1])
                 depth -= 2.0 * pair_depth[q]
