@@ -283,9 +283,10 @@ the same answer moved, turned, renumbered, in another unit, and repeat bit for b
 
 Random systems of 2 to 11 blocks (`tests/random_systems.py`: sizes 1:100, half of them not convex,
 tight and loose, p/E 1e-3 to 50, h 0.2 to 20 ms, friction 0 to 60 degrees, some with cohesion,
-velocities up to 20 m/s) are run for 50 to 150 steps and looked at with a polygon clipper: of COUNT
-none stops, none gains energy, and no overlap deeper than the contacts of the two blocks know goes
-untold.
+velocities up to 20 m/s) are run for 50 to 150 steps and looked at with a polygon clipper. Of 386
+one with p = E/950 gains 8 % of the energy turned over and is stopped for it; no other stops or
+gains more than 0.1 %. Five overlap by more than 1.5 times what their contacts know, 2 micrometres
+to 0.4 mm deep, and each of them is warned of.
 
 critdis (default 5 mm) belongs below a tenth of the thinnest block, max_displacement below its
 thickness: 0.5 mm and 1 mm for cubes of 1 cm below a block of 10 m.

@@ -46,17 +46,16 @@ class Watch:
         self._thinnest = float(self._thickness.min())
         self._deepest: tuple[float, str] = (DEEP, "")
         self._first = self.state
-        self._highest = self._lowest = 0.0
-        self._fastest = self.state.ledger.kinetic
+        self._highest = _held(self.state.ledger)
+        self._lowest = np.minimum(self._highest, np.array([np.inf] * 6 + [0.0]))
         self._step = 0.0
 
     def step(self, result: StepResult, step: float) -> None:
         """Look at an accepted step of length ``step``, s."""
         self.state, self._step = result.state, step
-        ledger = result.state.ledger
-        self._fastest = max(self._fastest, ledger.kinetic)
-        self._highest = max(self._highest, ledger.gravity)
-        self._lowest = min(self._lowest, ledger.gravity)
+        held = _held(result.state.ledger)
+        self._lowest = np.minimum(self._lowest, held)
+        self._highest = np.maximum(self._highest, held)
         if result.penetration > self._deepest[0] * self._thinnest:
             self._look_at_penetration(result)
 
@@ -121,7 +120,7 @@ class Watch:
         """
         if self.method.dynamic_ratio < 1.0 or self.method.integrator.theta > 0.5:
             return ""
-        turned_over = max(self._fastest, self._highest - self._lowest, abs(ledger.loads))
+        turned_over = float((self._highest - self._lowest).max())
         share = abs(ledger.numerical) / turned_over if turned_over > 0.0 else 0.0
         size = np.sqrt(self.model.area[~self.model.fixed])
         weight = self.model.mass[~self.model.fixed] * float(np.hypot(*self.model.gravity))
@@ -183,3 +182,21 @@ class Watch:
 def watch_of(model: Model, method: Method, state: State) -> Watch:
     """Return a watch on a run that begins with ``state``."""
     return Watch(model=model, method=method, state=state)
+
+
+def _held(ledger: Ledger) -> Floats:
+    """Return the energies whose largest change is the energy turned over, J/m, shape (7,).
+
+    Kinetic energy counts from rest: a flight that nothing slows down is no small change.
+    """
+    return np.array(
+        [
+            ledger.elastic,
+            ledger.gravity,
+            ledger.contact,
+            ledger.fixed_points,
+            ledger.loads,
+            ledger.friction,
+            ledger.kinetic,
+        ]
+    )
