@@ -198,7 +198,7 @@ def main() -> None:
     parser.add_argument("--stiffness", type=float, default=1.0, help="p/E")
     parser.add_argument("--heap-step", type=float, default=0.0025, help="h of heaps, s")
     parser.add_argument(
-        "--heap-travel", type=float, default=10.0, help="max_displacement of heaps over the default"
+        "--heap-travel", type=float, default=2.0, help="max_displacement of heaps over the default"
     )
     parser.add_argument("--heap-stiffness", type=float, default=0.1, help="p/E of heaps")
     parser.add_argument("--programs", nargs="+", help="clast, chipmunk, box2d: only these")

@@ -27,8 +27,8 @@ Walls at rest are where implicit steps pay: fifty to a hundred times as long as 
 others, with less drift. In heaps of falling blocks everywhere contacts open, close, stick and
 slide at once, and a step of 2.5 ms takes 10 to 35 iterations. It pays that groups of blocks that
 touch are worked on one by one, as long as they have not come to rest (docs/decisions/0021, 0039),
-and more so the more blocks there are. In heaps blocks may go a tenth of their size in a step, ten
-times the default max_displacement.
+and more so the more blocks there are. In heaps blocks may go a tenth of their size in a step, twice
+the default max_displacement.
 
 A run that is *stopped* after ten minutes of wall time is measured over what it had simulated by
 then.

@@ -137,10 +137,10 @@ SYSTEM = frozenset(
 """What a reference depends on."""
 FRAMES = 100
 """Frames of a run that does not say how many it wants."""
-TRAVEL_SHARE = 0.01
+TRAVEL_SHARE = 0.05
 """Default max_displacement, as a share of the size (square root of area) of the smallest block."""
-CRITDIS_SHARE = 0.5
-"""Default critdis, as a share of max_displacement (the paper's own ratio)."""
+CRITDIS_SHARE = 0.005
+"""Default critdis, likewise."""
 OTHER_UNIT = 5.0
 """A scale that is off by more than this factor belongs to another unit."""
 SECONDS_OF_A_STEP = 1e-5
@@ -178,7 +178,8 @@ class TimeTable(Table):
     end: Positive
     """End of the run, s."""
     max_displacement: Length | None = None
-    """Largest vertex movement in a step, m; 1 % of the size of the smallest block if absent."""
+    """Largest movement of a vertex in a step against blocks that it might touch, m; 5 % of the size
+    (square root of the area) of the smallest block if absent."""
     dynamic_ratio: Annotated[Number, Field(ge=0.0, le=1.0)] = 1.0
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
     smallest_step: Interval | None = None
@@ -461,7 +462,8 @@ class MethodTable(Table):
     solver: Annotated[Any, Choice("solver", ALTERNATIVES)] = "auto"
     """Solver of the equations of a step."""
     critdis: Length | None = None
-    """Edges are lengthened by this in contact detection, m; half of max_displacement if absent."""
+    """Edges are lengthened by this in contact detection, m; 0.5 % of the smallest block's size
+    (square root of its area) if absent."""
     fixed_point_stiffness: Annotated[Positive, within(ranges.STIFFNESS)] | None = None
     """Springs of fixed points, N/m per m; 100 times the stiffer of contact and rock if absent."""
 
@@ -502,7 +504,7 @@ class MethodTable(Table):
             integrator=self.build("integrator"),
             solver=self.build("solver"),
             fixed_point_stiffness=self.fixed_point_stiffness or FIXED_POINT_FACTOR * stiffest,
-            critdis=self.critdis or CRITDIS_SHARE * max_displacement,
+            critdis=self.critdis or CRITDIS_SHARE * float(np.sqrt(model.area.min())),
             max_displacement=max_displacement,
             dynamic_ratio=dynamic_ratio,
             notes=notes,

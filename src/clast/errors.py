@@ -47,48 +47,32 @@ class ResultsLost(CaseError):
 
 
 class StepOutcome(Enum):
-    """How a step ended; the value is the text that a user reads, with advice."""
+    """How a step ended; the value is the text that a user reads."""
 
     ACCEPTED = "the step was accepted"
-    TRAVELLED_TOO_FAR = (
-        "a vertex moved further than max_displacement; a smaller step is tried. If it persists, "
-        "the system is flying apart: lower normal_stiffness or time.step, or use passes >= 2"
-    )
-    TUNNELLED = (
-        "a vertex jumped deeper into a block than the reach of contact detection; "
-        "a smaller step is tried. If it persists, lower time.max_displacement"
-    )
-    ROTATED_TOO_FAR = (
-        "a block turned further in one step than the linearised equations bear; "
-        "a smaller step is tried. If it persists, lower time.max_displacement"
-    )
-    NOT_FINITE = (
-        "the equations gave a displacement that is not a number; a smaller step is tried. "
-        "If it persists, look for a block with zero mass or a stiffness that is far too large"
-    )
-    SINGULAR = (
-        "the equations have no unique solution; a smaller step is tried. If it persists, a block "
-        "is free to move without mass or support: set dynamic_ratio > 0 or fix it"
-    )
-    ENERGY_CREATED = (
-        "the blocks hold more energy than gravity, loads and the start gave them, so the process "
-        "is unstable here. Lower normal_stiffness or time.step, use passes >= 2 or integrator = "
-        '"backward-euler"'
-    )
-    NOT_CONVERGED = (
-        "the step did not meet its tolerance; a smaller step is tried. If it persists, lower "
-        "normal_stiffness or time.step"
-    )
+    TRAVELLED_TOO_FAR = "a vertex moved further than max_displacement"
+    TUNNELLED = "a vertex jumped into a block unseen by any contact"
+    ROTATED_TOO_FAR = "a block turned further in one step than the linearised equations bear"
+    NOT_FINITE = "the equations gave a displacement that is not a number"
+    SINGULAR = "the equations have no unique solution"
+    ENERGY_CREATED = "the blocks hold more energy than gravity, loads and the start gave them"
+    NOT_CONVERGED = "the step did not meet its tolerance"
 
 
 class StepRejected(ClastError):
-    """A step that must not be kept; the caller retries from the same state with ``cut`` of h."""
+    """A step that must not be kept; the caller retries from the same state with ``cut`` of h.
 
-    def __init__(self, outcome: StepOutcome, detail: str = "", cut: float = 0.5) -> None:
+    ``remedy`` is what a user can do where no retry is left.
+    """
+
+    def __init__(
+        self, outcome: StepOutcome, detail: str = "", cut: float = 0.5, remedy: str = ""
+    ) -> None:
         self.outcome = outcome
         self.detail = detail
         self.cut = cut
-        super().__init__(f"{outcome.value} ({detail})" if detail else outcome.value)
+        what = f"{outcome.value} ({detail})" if detail else outcome.value
+        super().__init__(f"{what}. {remedy}" if remedy else what)
 
 
 class RunStopped(ClastError):

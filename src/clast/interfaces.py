@@ -140,6 +140,8 @@ class StepResult:
     """Wall time of each stage of the step, s."""
     outcome: StepOutcome = StepOutcome.ACCEPTED
     """How the step ended."""
+    approach: float = 0.0
+    """Largest movement of a vertex against a block that it might touch in the step, m."""
 
     @property
     def passes(self) -> int:
@@ -184,7 +186,7 @@ class Method:
     critdis: float
     """Critical distance: edges are lengthened by it in contact detection, m."""
     max_displacement: float
-    """Largest vertex movement allowed in a step, m."""
+    """Largest vertex movement allowed in a step against blocks that may be touched, m."""
     dynamic_ratio: float = 1.0
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
     notes: tuple[str, ...] = ()

@@ -19,11 +19,14 @@ from clast.results import Report, Run, RunRecorder
 from clast.results.about import about_method
 from clast.state import Ledger, State, initial_state
 from clast.stepping import energy
+from clast.stepping.remedies import remedy
+from clast.stepping.watch import Watch
 
 GROW = 1.5
 """After a step that was far from its limits the next one is longer by this factor."""
 COMFORT = 0.8
-"""The step grows only while vertices move less than this share of max_displacement."""
+"""The step grows only while blocks near each other move less than this share of
+max_displacement."""
 SMALLEST_SHARE = 2.0**-12
 """The smallest step tried, as a share of the wanted one, unless the schedule names it."""
 
@@ -99,6 +102,7 @@ class _Tally:
             outcome=outcome,
             finished=finished,
             warnings=(),
+            overlaps=(),
         )
 
 
@@ -129,12 +133,13 @@ def simulate(
     advice = method.process.advice(model, method, state, schedule.step)
     warnings = tuple(dict.fromkeys((*warnings, *advice)))
     recorder.start(state, about_method(method, schedule.step, schedule.end))
+    on_watch = Watch(model=model, method=method, state=state)
     failure = ""
     outcome = "the run reached its end"
     ended_by = 0
     with held_back() as let_go, threads_worth(model.block_count):
         try:
-            _march(model, method, schedule, state, recorder, watch, tally, let_go)
+            _march(model, method, schedule, state, recorder, watch, on_watch, tally, let_go)
         except (StepRejected, ResultsLost) as gave_up:
             failure = str(gave_up)
             outcome = f"stopped at t = {recorder.state.time:.6g} s: {failure}"
@@ -144,11 +149,17 @@ def simulate(
         state = recorder.state
         finished = not failure and not ended_by
         report = tally.report(state.ledger, perf_counter() - start, outcome, finished)
+        on_watch.frame(state)
+        warnings += on_watch.warnings()
         if tally.touching is not None:
             warnings += law_check.warnings_of(method.contact_law, tally.touching)
-        notes = (*model.notes, *method.notes)
-        run = recorder.finish(replace(report, warnings=warnings, notes=notes))
-        run = replace(run, ended_by=ended_by)
+        report = replace(
+            report,
+            warnings=warnings,
+            overlaps=tuple(on_watch.overlaps.values()),
+            notes=(*model.notes, *method.notes),
+        )
+        run = replace(recorder.finish(report), ended_by=ended_by)
     if failure:
         raise RunStopped(f"the run {outcome}", run)
     return run
@@ -166,6 +177,7 @@ def _march(
     state: State,
     recorder: RunRecorder,
     watch: Callable[[Progress], None] | None,
+    on_watch: Watch,
     tally: _Tally,
     let_go: Callable[[], None],
 ) -> State:
@@ -180,9 +192,12 @@ def _march(
         let_go()
         wanted = min(step, schedule.end - state.time)
         result, taken = _accepted_step(model, method, state, wanted, smallest, tally)
+        if state.time == 0.0:
+            first = energy.with_overlap(first, method, result.contacts)
         state = result.state
         tally.add(result)
         recorder.step(result, taken)
+        on_watch.step(result, taken)
         if watch:
             watch(
                 Progress(
@@ -196,19 +211,23 @@ def _march(
             )
         if state.time >= frame * schedule.every - 1e-9 * schedule.step:
             recorder.frame(state, result.contacts, result.response)
+            on_watch.frame(state)
             frame = int((state.time + 1e-9 * schedule.step) / schedule.every) + 1
-        _reject_created_energy(model, state, first)
+        _reject_created_energy(model, method, state, first)
         step = _next_step(taken, result, schedule, method)
     return state
 
 
-def _reject_created_energy(model: Model, state: State, first: Ledger) -> None:
+def _reject_created_energy(model: Model, method: Method, state: State, first: Ledger) -> None:
     """Raise StepRejected where the blocks hold far more energy than they can have."""
     created = energy.created(state.ledger, first)
     allowed = energy.tolerated(model, state.ledger, first)
+    allowed += energy.round_off(method, state, len(state.memory))
     if created > allowed:
         raise StepRejected(
-            StepOutcome.ENERGY_CREATED, f"{created:.3g} J/m too much at t = {state.time:.6g} s"
+            StepOutcome.ENERGY_CREATED,
+            f"{created:.3g} J/m too much at t = {state.time:.6g} s",
+            remedy=remedy(StepOutcome.ENERGY_CREATED, model, method, state, 0.0),
         )
 
 
@@ -225,7 +244,11 @@ def _accepted_step(
         except StepRejected as rejected:
             tally.cut_steps += 1
             if step * rejected.cut < smallest:
-                raise StepRejected(rejected.outcome, _last_words(rejected, step)) from rejected
+                raise StepRejected(
+                    rejected.outcome,
+                    _last_words(rejected, step),
+                    remedy=remedy(rejected.outcome, model, method, state, step),
+                ) from rejected
             step *= rejected.cut
 
 
@@ -236,7 +259,7 @@ def _last_words(rejected: StepRejected, step: float) -> str:
 
 def _next_step(taken: float, result: StepResult, schedule: Schedule, method: Method) -> float:
     """Return the length of the next step, s: grown back where the last one was comfortable."""
-    comfortable = result.travel * GROW < COMFORT * method.max_displacement
+    comfortable = result.approach * GROW < COMFORT * method.max_displacement
     return min(schedule.step, taken * GROW if comfortable else taken)
 
 

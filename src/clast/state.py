@@ -118,6 +118,22 @@ class State:
         )
 
 
+@dataclass(frozen=True, kw_only=True)
+class Overlap:
+    """Two blocks that overlap deeper than their contacts know."""
+
+    blocks: tuple[str, str]
+    """Names of the blocks."""
+    time: float
+    """Time at which it was deepest, s."""
+    depth: float
+    """Diameter of the largest circle in what they share, m."""
+    area: float
+    """What they share, m2."""
+    known: float
+    """Largest penetration of their contacts, m."""
+
+
 def initial_state(model: Model) -> State:
     """Return the state of a model at time zero, at rest but for its initial velocities."""
     return State(

@@ -58,8 +58,8 @@ def test_defaults_follow_from_the_blocks():
     text = case.to_toml().replace("max_displacement = 0.01\n", "")
     case = Case.from_toml(text)
     method = case.method()
-    assert method.max_displacement == pytest.approx(0.01 * 4.5**0.5)
-    assert method.critdis == pytest.approx(0.5 * method.max_displacement)
+    assert method.max_displacement == pytest.approx(0.05 * 4.5**0.5)
+    assert method.critdis == pytest.approx(0.005 * 4.5**0.5)
     assert method.process == Convex()
     assert case.schedule().every == pytest.approx(0.01)
 

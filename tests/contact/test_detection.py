@@ -9,7 +9,7 @@ import pytest
 import shapely
 from encounters import FAMILIES, encounters, normal_of
 
-from systems import REACH, Touch, box, candidates_of, flat, touches_of, turned
+from systems import REACH, Touch, box, candidates_of, flat, star, touches_of, turned
 
 CASES = 300
 
@@ -76,6 +76,18 @@ def test_candidates_are_those_of_the_definition(family, tip):
             assert gap == pytest.approx(wanted[key].gap, abs=1e-12)
         total += len(wanted)
     assert total > CASES  # the cases are not empty
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_candidates_of_blocks_with_many_edges(seed):
+    """Only edges near a vertex are tried there, which must not make a difference."""
+    rng = np.random.default_rng(seed)
+    one, other = star(rng, 150), star(rng, 120, 0.7)
+    outlines = [one, other + np.array([1.0, rng.uniform(-0.5, 0.5)]), box(-0.1, 0.55, 0.2, 1.0)]
+    found = keyed(outlines, candidates_of(outlines))
+    wanted = oracle.every_candidate(outlines, REACH)
+    assert len(wanted) > 2
+    assert set(found) == set(wanted)
 
 
 @pytest.mark.parametrize("family", FAMILIES)

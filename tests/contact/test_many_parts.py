@@ -120,6 +120,6 @@ def test_the_deepest_jump_is_found_wherever_it_is():
         vertex = 4 * (copy * len(OUTLINES) + 20) + 1
         vertices = vertices.copy()
         vertices[vertex, 1] -= depth
-        found, which, _ = find_tunnelled(model, vertices, ContactMemory())
+        found, which, _ = find_tunnelled(model, at_start(model).vertices, vertices, ContactMemory())
         assert which == vertex
         assert found == pytest.approx(depth, rel=0.3)

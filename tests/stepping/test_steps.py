@@ -256,12 +256,15 @@ def outcome_of(model, how, step, state=None):
 
 @pytest.mark.parametrize("process", PROCESSES)
 def test_step_is_rejected_where_a_vertex_travels_too_far(process):
-    model = system([box(0, 0)], velocity={0: (2.0, 0.0, 0.0)})
+    """Against a block that it might touch."""
+    beside = system([box(0, 0), box(0, -1.0)], velocity={0: (2.0, 0.0, 0.0)}, gravity=(0, 0))
     how = method(process=PROCESSES[process], max_displacement=0.01)
-    rejected = outcome_of(model, how, 6e-3)
+    rejected = outcome_of(beside, how, 6e-3)
     assert rejected.outcome is StepOutcome.TRAVELLED_TOO_FAR
     assert "0.012 m" in rejected.detail
-    how.process.step(model, how, open_ledger(model, how, at_start(model)), 4e-3)
+    how.process.step(beside, how, open_ledger(beside, how, at_start(beside)), 4e-3)
+    apart = system([box(0, 0), box(0, -1.1)], velocity={0: (2.0, 0.0, 0.0)}, gravity=(0, 0))
+    how.process.step(apart, how, open_ledger(apart, how, at_start(apart)), 6e-3)
 
 
 @pytest.mark.parametrize("process", PROCESSES)
@@ -314,12 +317,19 @@ def test_vertex_that_jumps_deeper_than_the_reach_has_tunnelled():
     reach = reach_of(method()).depth
     model, state = sunk(1.01 * reach)
     with pytest.raises(StepRejected) as caught:
-        reject_tunnelled(model, state.vertices, ContactMemory(), reach)
+        reject_tunnelled(model, model.vertices, state.vertices, ContactMemory(), reach)
     assert caught.value.outcome is StepOutcome.TUNNELLED
     assert "block '2'" in caught.value.detail
     assert "inside '1'" in caught.value.detail
     model, state = sunk(0.99 * reach)
-    reject_tunnelled(model, state.vertices, ContactMemory(), reach)
+    reject_tunnelled(model, model.vertices, state.vertices, ContactMemory(), reach)
+
+
+def test_vertex_that_was_as_deep_before_has_not_jumped():
+    """To try a smaller step again and again would be of no use."""
+    reach = reach_of(method()).depth
+    model, state = sunk(3.0 * reach)
+    reject_tunnelled(model, state.vertices, state.vertices, ContactMemory(), reach)
 
 
 def test_depth_that_the_contacts_of_the_pair_know_is_no_tunnelling():
@@ -327,15 +337,26 @@ def test_depth_that_the_contacts_of_the_pair_know_is_no_tunnelling():
     reach = reach_of(method()).depth
     model, state = sunk(4.0 * reach)
     for vertex in (4, 5):
-        reject_tunnelled(model, state.vertices, remembered(3.9 * reach, vertex), reach)
+        reject_tunnelled(
+            model, model.vertices, state.vertices, remembered(3.9 * reach, vertex), reach
+        )
     with pytest.raises(StepRejected):
-        reject_tunnelled(model, state.vertices, remembered(0.5 * reach), reach)
+        reject_tunnelled(model, model.vertices, state.vertices, remembered(0.5 * reach), reach)
+
+
+class Blind:
+    """A corner rule that keeps nothing."""
+
+    def choose(self, candidates, vertices):
+        """Return False for all."""
+        return np.zeros(len(candidates.vertex), np.bool_)
 
 
 def test_step_that_ends_too_deep_is_rejected():
-    """A block that starts deep inside another, unknown to any contact."""
-    model, state = sunk(0.3)
-    assert outcome_of(model, method(), 1e-3, state).outcome is StepOutcome.TUNNELLED
+    """A block that enters another unseen by any contact."""
+    model = system([box(-1, -1, 3.0), box(0, 0)], fixed=[0], velocity={1: (0.0, -8.0, 0.0)})
+    how = method(process=PROCESSES["convex"], corner_rule=Blind(), max_displacement=0.1)
+    assert outcome_of(model, how, 4e-3).outcome is StepOutcome.TUNNELLED
 
 
 @pytest.mark.parametrize("process", ["modified", "passes", "convex"])

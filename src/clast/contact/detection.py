@@ -13,6 +13,7 @@ import numpy as np
 
 from clast.contact import neighbourhood
 from clast.contact.arrays import Contacts
+from clast.contact.crossings import with_crossings
 from clast.contact.memory import recall
 from clast.contact.rows import levers_of, movement
 from clast.interfaces import CornerRule, DisplacementFunction
@@ -36,7 +37,7 @@ class Reach:
     tip: float = 0.0
     """Length by which edges are extended for a vertex that touches with its tip alone."""
     travel: Floats | None = None
-    """How far a vertex of each block may move in the step, added to ``front``, shape (n,)."""
+    """How far a vertex of each block may move in a step, m, shape (n,); added to both."""
 
     def travel_of(self, count: int) -> Floats:
         """Return the travel of ``count`` blocks, m, shape (count,); 0 where none is given."""
@@ -199,7 +200,22 @@ def detect(
         state.vertices, model.block_start, pairs, state.memory, reach, shift, strain
     )
     keep = corner_rule.choose(candidates, state.vertices)
-    return _contacts(model, displacement, state, centroid, pairs, candidates, keep, reach)
+    chosen = (
+        candidates.vertex[keep],
+        candidates.edge[keep],
+        candidates.pair[keep],
+        candidates.gap[keep],
+    )
+    chosen = with_crossings(
+        chosen,
+        pairs,
+        (state.vertices, candidates.direction, model.block_start),
+        model.vertex_block,
+        state.memory,
+        travel,
+        reach.critdis,
+    )
+    return _contacts(model, displacement, state, centroid, pairs, candidates, chosen, reach)
 
 
 @lru_cache(maxsize=8)
@@ -219,14 +235,14 @@ def _contacts(
     centroid: Floats,
     pairs: Ints,
     candidates: Candidates,
-    keep: Bools,
+    chosen: tuple[Ints, Ints, Ints, Floats],
     reach: Reach,
 ) -> Contacts:
-    """Return the candidates to be kept (m,) with memory, strength and levers."""
+    """Return the contacts of vertex, edge, pair and gap (m,) with memory, strength and levers."""
     found, memory = candidates, state.memory
     vertex, edge, i, j, pair, gap, foot, levers, touching = kernel.chosen(
-        keep,
-        (found.vertex, found.edge, found.pair, found.gap),
+        np.ones(len(chosen[0]), np.bool_),
+        chosen,
         pairs,
         (state.vertices, found.direction, found.vertex_block),
         centroid,
@@ -285,13 +301,18 @@ def _contacts(
     )
 
 
-def find_tunnelled(model: Model, vertices: Floats, memory: ContactMemory) -> tuple[float, int, int]:
+def find_tunnelled(
+    model: Model, before: Floats, vertices: Floats, memory: ContactMemory
+) -> tuple[float, int, int]:
     """Return depth beyond what contacts know, m, vertex and block of the deepest jump.
 
-    (0, -1, -1) where no vertex lies deeper in a block than the contacts of the two do.
+    From where the vertices (nv, 2) were ``before`` the step.  (0, -1, -1) where no vertex has got
+    deeper into a block than the contacts of the two have.
     """
     pairs = near_pairs(vertices, model.block_start, model.fixed, 0.0)
     box = polygon.boxes(vertices, model.block_start)
     depth = pair_penetration(model.block_start, pairs, memory)
-    jump, vertex, block = narrow_phase.deepest_jump(vertices, model.block_start, box, pairs, depth)
+    jump, vertex, block = narrow_phase.deepest_jump(
+        before, vertices, model.block_start, box, pairs, depth
+    )
     return float(jump), int(vertex), int(block)

@@ -30,7 +30,7 @@ def _bear(gap, p, joints, memory, normal):
         n = trial if bearing else -tension
         force[c] = n if counting else 0.0
         stiffness[c] = p if bearing else 0.0
-        energy[c] = 0.5 * (n - multiplier[c]) ** 2 / p if counting else 0.0
+        energy[c] = 0.5 * (n - max(0.0, multiplier[c])) ** 2 / p if counting else 0.0
         bears[c], counts[c] = bearing, counting
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numba import prange
 
 from clast.kernels.compiled import kernel
+from clast.kernels.edge_lists import FEW, edges_near, edges_within, left_to_right
 from clast.kernels.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
 from clast.kernels.seams import is_covered
 from clast.kernels.shared_loops import nothing_done, threads_of, to_do
@@ -130,6 +131,8 @@ def _vertex_candidates(
     p,
     i,
     j,
+    first_edge,
+    last_edge,
     vertices,
     shift,
     block_start,
@@ -146,7 +149,10 @@ def _vertex_candidates(
     outlines,
     bearing,
 ):
-    """Append the candidate edges of block j for vertex p of block i; return the new count."""
+    """Append the candidate edges of block j for vertex p of block i; return the new count.
+
+    Of the edges ``first_edge`` to ``last_edge`` - 1.
+    """
     first_i, last_i = block_start[i], block_start[i + 1]
     first_j, last_j = block_start[j], block_start[j + 1]
     before = vertex_before(p, first_i, last_i)
@@ -158,7 +164,7 @@ def _vertex_candidates(
     # into its own block: the sum of the two edges' inward normals
     inward_x, inward_y = ay - by, bx - ax
     px, py = vertices[p, 0], vertices[p, 1]
-    for e in range(first_j, last_j):
+    for e in range(first_edge, last_edge):
         tx, ty = direction[e, 0], direction[e, 1]
         nx, ny = ty, -tx
         rx, ry = px - vertices[e, 0], py - vertices[e, 1]
@@ -229,6 +235,14 @@ def _is_around(p, vertices, box, j, distance):
 
 
 @kernel()
+def _edges_around(window, reach, vertices, first, last):
+    """Return the edges of a block within ``reach``, m, of a window, as ``left_to_right`` does."""
+    found = np.empty(last - first, np.int64)
+    count = edges_within(window, reach, vertices, first, last, found)
+    return left_to_right(found[:count], vertices, first, last)
+
+
+@kernel()
 def _of_pairs(low, high, outlines, blocks, pairs, pair_depth, travel, reach, bearing, room):
     """Write the candidates of pairs ``low`` to ``high`` - 1 into ``room``; return their number.
 
@@ -241,36 +255,55 @@ def _of_pairs(low, high, outlines, blocks, pairs, pair_depth, travel, reach, bea
     group_start, vertex, edge, pair, gap, along = room
     group_start[0] = 0
     groups, found = 0, 0
+    left, listed, widest = np.empty(0), np.empty(0, np.int64), 0.0
+    near, first, last = np.empty(0, np.int64), 0, 0
     for q in range(low, high):
-        depth = depth_reach + pair_depth[q]
-        before = front + travel[pairs[q, 0]] + travel[pairs[q, 1]]
+        moves = travel[pairs[q, 0]] + travel[pairs[q, 1]]
+        depth, before = depth_reach + pair_depth[q] + moves, front + moves
         around = before + max(critdis, tip_reach)  # in front of an edge and beyond its end
+        # an edge behind or beyond whose end a vertex lies further counts for nothing
+        far = 1.5 * max(before, depth, critdis, tip_reach)
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
+            few = block_start[j + 1] - block_start[j] <= FEW
+            if not few:
+                first, last = block_start[j], block_start[j + 1]
+                left, listed, widest = _edges_around(box[i], far, vertices, first, last)
             for p in range(block_start[i], block_start[i + 1]):
                 if not _is_around(p, vertices, box, j, around):
                     continue
                 start = found
-                found = _vertex_candidates(
-                    p,
-                    i,
-                    j,
-                    vertices,
-                    shift,
-                    block_start,
-                    direction,
-                    length,
-                    before,
-                    depth,
-                    critdis,
-                    tip_reach,
-                    edge,
-                    gap,
-                    along,
-                    found,
-                    outlined,
-                    bearing,
-                )
+                ranges = 1
+                if not few:
+                    px, py = vertices[p, 0], vertices[p, 1]
+                    if len(near) < len(listed):
+                        near = np.empty(len(listed), np.int64)
+                    ranges = edges_near(
+                        px, py, far, left, listed, widest, vertices, first, last, near
+                    )
+                for k in range(ranges):
+                    found = _vertex_candidates(
+                        p,
+                        i,
+                        j,
+                        block_start[j] if few else near[k],
+                        block_start[j + 1] if few else near[k] + 1,
+                        vertices,
+                        shift,
+                        block_start,
+                        direction,
+                        length,
+                        before,
+                        depth,
+                        critdis,
+                        tip_reach,
+                        edge,
+                        gap,
+                        along,
+                        found,
+                        outlined,
+                        bearing,
+                    )
                 if found > start and found <= len(edge):
                     vertex[start:found] = p
                     pair[start:found] = q
@@ -345,11 +378,11 @@ def candidates(outlines, blocks, pairs, pair_depth, travel, reach, bearing):
     ``outlines`` are the vertices (nv, 2), how far the velocities would carry each in the step
     (nv, 2), m, and directions and lengths of the edges that start there; ``blocks`` the first
     vertex of each block, the boxes (n, 4), not widened, and the block of each vertex.  ``reach`` is
-    how far to look, m, in front of an edge (beside the ``travel`` (n,) of the two blocks), behind
-    it (beyond the penetration ``pair_depth`` (q,) that the pair had at the end of the last step),
-    beyond an end where corners coincide, and for a tip.  ``bearing`` is what blocks stand on
-    (kernels/seams.py).  Result: group starts, and per candidate vertex, edge, pair, gap, distance
-    along the edge.
+    how far to look, m, in front of an edge and behind it (beside the ``travel`` (n,) of the two
+    blocks, and behind it beyond the penetration ``pair_depth`` (q,) that the pair had at the end of
+    the last step), beyond an end where corners coincide, and for a tip.  ``bearing`` is what blocks
+    stand on (kernels/seams.py).  Result: group starts, and per candidate vertex, edge, pair, gap,
+    distance along the edge.
     """
     found = np.zeros((max(parts(len(pairs)), 1), 2), np.int64)
     most = 64 + 6 * min(PART, len(pairs))
@@ -475,46 +508,77 @@ def depth_inside(px, py, vertices, first, last):
 
 
 @kernel()
-def _deepest(low, high, vertices, block_start, box, pairs, pair_depth):
+def _is_inside(px, py, left, edges, widest, vertices, first, last):
+    """Return whether a point lies inside a polygon, by its edges from left to right."""
+    inside = False
+    for k in range(np.searchsorted(left, px - widest), len(left)):
+        if left[k] > px:
+            break
+        e = edges[k]
+        f = vertex_after(e, first, last)
+        x1, y1 = vertices[e, 0] - px, vertices[e, 1] - py
+        x2, y2 = vertices[f, 0] - px, vertices[f, 1] - py
+        if (x1 > 0.0) != (x2 > 0.0) and y1 + (y2 - y1) * (-x1) / (x2 - x1) > 0.0:
+            inside = not inside
+    return inside
+
+
+@kernel()
+def _deepest(low, high, before, vertices, block_start, box, pairs, pair_depth):
     """Return the deepest jump among pairs ``low`` to ``high`` - 1."""
     worst, worst_vertex, worst_block = 0.0, -1, -1
+    left, listed, widest = np.empty(0), np.empty(0, np.int64), 0.0
     for q in range(low, high):
         for side in range(2):
             i, j = pairs[q, side], pairs[q, 1 - side]
+            few = block_start[j + 1] - block_start[j] <= FEW
+            if not few:
+                window = (box[i, 0], box[j, 1], box[i, 2], box[j, 3])
+                first, last = block_start[j], block_start[j + 1]
+                left, listed, widest = _edges_around(window, 0.0, vertices, first, last)
             for p in range(block_start[i], block_start[i + 1]):
                 px, py = vertices[p, 0], vertices[p, 1]
                 # the outline is nearer than the sides of the box around it
                 most = min(px - box[j, 0], box[j, 2] - px, py - box[j, 1], box[j, 3] - py)
                 if most - 2.0 * pair_depth[q] <= worst:
                     continue
+                if not few and not _is_inside(
+                    px, py, left, listed, widest, vertices, block_start[j], block_start[j + 1]
+                ):
+                    continue
                 depth = depth_inside(px, py, vertices, block_start[j], block_start[j + 1])
                 depth -= 2.0 * pair_depth[q]
+                if depth <= worst:
+                    continue
+                first, last = block_start[j], block_start[j + 1]
+                depth -= depth_inside(before[p, 0], before[p, 1], before, first, last)
                 if depth > worst:
                     worst, worst_vertex, worst_block = depth, p, j
     return worst, worst_vertex, worst_block
 
 
 @kernel(parallel=True)
-def _deepest_of_parts(vertices, block_start, box, pairs, pair_depth, depth, which):
+def _deepest_of_parts(before, vertices, block_start, box, pairs, pair_depth, depth, which):
     progress = nothing_done()
     for thread in prange(threads_of(progress)):
         for part in to_do(thread, progress, len(depth)):
             low, high = part * PART, min((part + 1) * PART, len(pairs))
             depth[part], which[part, 0], which[part, 1] = _deepest(
-                low, high, vertices, block_start, box, pairs, pair_depth
+                low, high, before, vertices, block_start, box, pairs, pair_depth
             )
 
 
 @kernel()
-def deepest_jump(vertices, block_start, box, pairs, pair_depth):
-    """Return how much deeper than its pair's penetration a vertex lies in a block, and which.
+def deepest_jump(before, vertices, block_start, box, pairs, pair_depth):
+    """Return how much deeper than its pair's penetration a vertex has got into a block, and which.
 
     ``pair_depth`` (q,) is the penetration of each pair that the contacts know of, m.  A vertex
-    that is much deeper has jumped there within the step.  (0, -1, -1) where none is deeper.
+    that is much deeper, and was not as deep ``before`` the step, has jumped there within it.
+    (0, -1, -1) where none is deeper.
     """
     if len(pairs) == 0:
         return 0.0, -1, -1
     depth, which = np.empty(parts(len(pairs))), np.empty((parts(len(pairs)), 2), np.int64)
-    _deepest_of_parts(vertices, block_start, box, pairs, pair_depth, depth, which)
+    _deepest_of_parts(before, vertices, block_start, box, pairs, pair_depth, depth, which)
     at = np.argmax(depth)
     return depth[at], which[at, 0], which[at, 1]

@@ -26,7 +26,7 @@ from clast.results.recorded import (
     unknown_name,
 )
 from clast.results.tables import rows_of_point
-from clast.state import Ledger, State
+from clast.state import Ledger, Overlap, State
 
 if TYPE_CHECKING:
     from clast.results.kept import KeptFrames
@@ -57,7 +57,9 @@ class Report:
     seconds: Mapping[str, float] = field(default_factory=dict)
     """Wall clock per stage of the step, s."""
     warnings: tuple[str, ...] = ()
-    """Warnings given before and during the run."""
+    """Warnings given before the run, and by what was measured in it."""
+    overlaps: tuple[Overlap, ...] = ()
+    """Blocks that overlapped in a frame deeper than their contacts knew, each pair's worst."""
     notes: tuple[str, ...] = ()
     """What was chosen automatically, and why."""
     counts: Mapping[str, int] = field(default_factory=dict)
@@ -70,6 +72,7 @@ class Report:
         plain["seconds"] = dict(self.seconds)
         plain["counts"] = dict(self.counts)
         plain["warnings"] = list(self.warnings)
+        plain["overlaps"] = [dataclasses.asdict(one) for one in self.overlaps]
         plain["notes"] = list(self.notes)
         return plain
 
@@ -95,6 +98,9 @@ def report_from_dict(plain: Mapping[str, Any]) -> Report:
     entries["ledger"] = Ledger(**{k: v for k, v in plain["ledger"].items() if k in ledger})
     entries["warnings"] = tuple(plain["warnings"])
     entries["notes"] = tuple(plain.get("notes", ()))
+    entries["overlaps"] = tuple(
+        Overlap(**{**one, "blocks": tuple(one["blocks"])}) for one in plain.get("overlaps", ())
+    )
     return Report(**entries)
 
 

@@ -57,7 +57,7 @@ def conclude(
         gap = contacts.gap + opening
         memory = renew(contacts, response, gap, method.critdis)
     with stages("tunnelling"):
-        reject_tunnelled(model, motion.vertices, memory, solved.depth)
+        reject_tunnelled(model, state.vertices, motion.vertices, memory, solved.depth)
     with stages("ledger"):
         ledger = balance(
             model,
@@ -91,16 +91,17 @@ def conclude(
         response=response,
         counts=solved.counts,
         travel=motion.travel,
+        approach=motion.approach,
         penetration=float(max(0.0, -gap.min(initial=0.0))),
         seconds=stages.seconds,
     )
 
 
 def reject_tunnelled(
-    model: Model, vertices: Floats, memory: ContactMemory, depth_reach: float
+    model: Model, before: Floats, vertices: Floats, memory: ContactMemory, depth_reach: float
 ) -> None:
     """Raise StepRejected where a vertex has jumped deeper into a block than ``depth_reach``, m."""
-    depth, vertex, block = find_tunnelled(model, vertices, memory)
+    depth, vertex, block = find_tunnelled(model, before, vertices, memory)
     if depth > depth_reach:
         own = int(model.vertex_block[vertex])
         raise StepRejected(

@@ -17,8 +17,10 @@ them, are renewed after convergence.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -30,22 +32,25 @@ from clast.equations.reuse import FactorOfStep
 from clast.equations.solvers import DIRECTION, inexact
 from clast.equations.system import contact_motions, graph_of, inverse_of_blocks
 from clast.equations.terms import diagonal_terms
+from clast.errors import StepOutcome
 from clast.interfaces import Method, StepResult
 from clast.kernels import approach
 from clast.model import Floats, Model
 from clast.state import State
 from clast.stepping.conclude import Solved, conclude
+from clast.stepping.energy import round_off
 from clast.stepping.impact import theta_by_block
 from clast.stepping.newton import best_of, minimise
 from clast.stepping.potential import Point, Potential, regions_of
 from clast.stepping.reach import (
+    JUMP,
     closes_unseen,
-    depth_within_step,
     farther,
     reach_within_step,
     travel_expected,
     travel_of,
 )
+from clast.stepping.relief import relieved
 from clast.stepping.rough import bound_by, with_new_bounds
 from clast.stepping.stages import Stages
 from clast.stepping.touched import as_numbered, touched_part, with_flight
@@ -100,6 +105,13 @@ class Convex:
     restitution: float = 0.0
     """Share of the closing velocity with which impacts rebound, 0 to 1."""
 
+    remedies: ClassVar[Mapping[StepOutcome, str]] = {
+        StepOutcome.NOT_CONVERGED: (
+            "Raise method.process.iterations, or lower method.contact_law.normal_stiffness or "
+            "time.step"
+        ),
+    }
+
     def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected."""
         stages = Stages()
@@ -144,6 +156,7 @@ class Convex:
         model, method, frames, velocity = begun.model, begun.method, begun.frames, begun.velocity
         step = begun.step
         with stages("contacts"):
+            contacts = relieved(model, method, begun.state, contacts)
             theta = theta_by_block(model, method, contacts, velocity, self.restitution, step)
         with stages("base system"):
             base = diagonal_terms(model, method, frames, begun.state, velocity, theta, step)
@@ -159,8 +172,11 @@ class Convex:
         # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
         starts = (*starts, whole.untouched())
         base_force = first_friction_base(begun, whole)
+        enough = max(
+            self.tolerance**2 * whole.yardstick(), round_off(method, begun.state, len(contacts))
+        )
         unknowns, contacts, response = self._found(
-            whole, starts, base_force, method, counts, stages
+            whole, starts, base_force, enough, method, counts, stages
         )
         return Solved(
             frames=frames,
@@ -170,7 +186,7 @@ class Convex:
             contacts=contacts,
             response=response,
             applied=(response.normal_force, response.shear_force),
-            depth=depth_within_step(method),
+            depth=JUMP * method.critdis,
             counts=counts,
         )
 
@@ -179,16 +195,16 @@ class Convex:
         whole: Potential,
         starts: tuple[Floats, ...],
         base: Floats,
+        enough: float,
         method: Method,
         counts: dict[str, int],
         stages: Stages,
     ) -> tuple[Floats, Contacts, ContactResponse]:
-        """Return d (n, 6), the contacts and what the law answers, at the minimum.
+        """Return d (n, 6), the contacts and what the law answers, within ``enough`` of the minimum.
 
         The last of the ``starts`` is that of blocks that nothing touches; where these are many
         only the others are minimised.  ``base`` (m,) bounds friction to begin with, N/m.
         """
-        enough = self.tolerance**2 * whole.yardstick()
         with stages("law"):
             part = touched_part(whole)
         if part is None:

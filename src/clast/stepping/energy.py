@@ -8,6 +8,8 @@ time integration removed.  Kinetic energy is compared with the inertia terms of 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from clast.contact.arrays import ContactResponse, Contacts
@@ -41,6 +43,25 @@ def opening(model: Model, method: Method, state: State) -> Ledger:
 def created(ledger: Ledger, first: Ledger) -> float:
     """Return the energy, J/m, held beyond what the start and the loads gave (negative: lost)."""
     return ledger.stored - ledger.loads - first.stored
+
+
+def round_off(method: Method, state: State, contacts: int) -> float:
+    """Return the energy, J/m, of so many contacts that penetrate by the rounding of coordinates.
+
+    Where nothing acts at all there is no other energy to compare with.
+    """
+    finest = 4.0 * float(np.finfo(float).eps) * float(np.abs(state.vertices).max())
+    return contacts * method.contact_law.normal_stiffness * finest**2
+
+
+def with_overlap(ledger: Ledger, method: Method, contacts: Contacts) -> Ledger:
+    """Return the ledger at the start of a run with what overlaps there already, J/m.
+
+    ``contacts`` are those of the first step; coordinates are rounded, and blocks may be wedged in.
+    """
+    closed = np.minimum(contacts.gap, 0.0)
+    held = 0.5 * method.contact_law.normal_stiffness * float(closed @ closed)
+    return replace(ledger, contact=ledger.contact + held)
 
 
 def tolerated(model: Model, ledger: Ledger, first: Ledger) -> float:

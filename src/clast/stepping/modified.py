@@ -6,8 +6,9 @@ and the model; (15) and (17), the step size and the next step, to :mod:`clast.si
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -18,11 +19,18 @@ from clast.equations.frames import block_frames
 from clast.equations.reuse import FactorOfStep
 from clast.equations.system import assemble, contact_motions, slip_in_step
 from clast.equations.terms import DiagonalTerms, diagonal_terms
+from clast.errors import StepOutcome
 from clast.interfaces import ContactLaw, Method, StepResult
 from clast.model import Floats, Model
 from clast.state import State
 from clast.stepping.conclude import Solved, conclude
 from clast.stepping.stages import Stages
+
+THROWN = (
+    "The contacts throw blocks apart: lower method.contact_law.normal_stiffness or time.step, or "
+    "use method.process.passes >= 2"
+)
+"""What helps where contacts do not settle in one pass."""
 
 
 class Friction(Protocol):
@@ -79,6 +87,12 @@ class Modified:
     """Sliding friction, lagged (the paper's) or inside the solve."""
     passes: int = 1
     """Assemblies and solves per step, at most."""
+
+    remedies: ClassVar[Mapping[StepOutcome, str]] = {
+        StepOutcome.TRAVELLED_TOO_FAR: THROWN,
+        StepOutcome.ROTATED_TOO_FAR: THROWN,
+        StepOutcome.ENERGY_CREATED: f'{THROWN}, or set method.integrator = "backward-euler"',
+    }
 
     def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected."""

@@ -16,7 +16,9 @@ gives the modes of the next.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -32,8 +34,13 @@ from clast.interfaces import Method, StepResult
 from clast.model import Floats, Model
 from clast.state import State
 from clast.stepping.conclude import Solved, conclude
-from clast.stepping.modified import PassResult, pass_result
-from clast.stepping.reach import reach_within_step
+from clast.stepping.modified import (
+    STABILITY_LIMIT,
+    PassResult,
+    pass_result,
+    stability_number,
+)
+from clast.stepping.reach import JUMP, reach_within_step
 from clast.stepping.stages import Stages
 
 CUT = 1.0 / 3.0
@@ -45,12 +52,26 @@ SHI_FACTOR = 40.0
 """Automatic normal stiffness in units of Young's modulus times 1 m; Shi advises 10 to 100."""
 
 
+THROWN = "The contacts throw blocks apart: lower method.contact_law.normal_stiffness or time.step"
+"""What helps where stiff contacts give back too much."""
+
+
 @dataclass(frozen=True)
 class OpenClose:
     """Open-close iteration with lock, slide and open."""
 
     iterations: int = 6
     """Solves per step at most; a step that needs more is cut to a third."""
+
+    remedies: ClassVar[Mapping[StepOutcome, str]] = {
+        StepOutcome.TRAVELLED_TOO_FAR: THROWN,
+        StepOutcome.ROTATED_TOO_FAR: THROWN,
+        StepOutcome.ENERGY_CREATED: f'{THROWN}, or set method.integrator = "backward-euler"',
+        StepOutcome.NOT_CONVERGED: (
+            "Raise method.process.iterations, or lower method.contact_law.normal_stiffness or "
+            "time.step"
+        ),
+    }
 
     def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected."""
@@ -81,14 +102,28 @@ class OpenClose:
             contacts=found.contacts,
             response=found.response,
             applied=found.applied,
-            depth=reach.depth,
+            depth=JUMP * method.critdis,
             counts=found.counts,
         )
         return conclude(model, method, state, solved, step, stages)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
-        """Warn of carried multipliers; the process itself cuts steps that do not settle."""
-        return multipliers.advice(method.contact_law, model, step)
+        """Warn where p h2/m is beyond what impacts bear, or carried multipliers swing up.
+
+        Blocks at rest bear more: steps whose modes do not settle are cut.
+        """
+        swing = multipliers.advice(method.contact_law, model, step)
+        number = stability_number(model, method, state, step)
+        if method.integrator.theta > 0.5 or number <= STABILITY_LIMIT:
+            return swing
+        soft = method.contact_law.normal_stiffness * STABILITY_LIMIT / number
+        return (
+            f"p h2/m = {number:.3g} is above {STABILITY_LIMIT:g} (m: mass per contact): constant "
+            "acceleration throws back what hits such stiff contacts, with more energy than it had. "
+            f"Use normal_stiffness <= {soft:.2g}, time.step <= "
+            f'{step * np.sqrt(STABILITY_LIMIT / number):.2g} or integrator = "backward-euler".',
+            *swing,
+        )
 
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:
         """Return 40 E of the stiffest rock, within Shi's 10 to 100 E L for a length of 1 m."""

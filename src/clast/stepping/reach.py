@@ -1,10 +1,11 @@
 """How far contacts are looked for: whatever may close within the step.
 
 A contact that closes within the step must be among those of the step, or the vertex ends up inside
-the block unopposed.  Every block could move by max_displacement; but a fall of loose blocks would
-then carry tens of contacts that stay open for every one that closes.  So contacts are looked for as
-far as the velocities go, with critdis to spare, and once more where a block was found to have moved
-further than that.
+the block unopposed.  Blocks near each other could move by max_displacement; but a fall of loose
+blocks would then carry tens of contacts that stay open for every one that closes.  So contacts are
+looked for as far as the velocities go, with critdis to spare, and once more where a block was found
+to have moved further than that.  Behind an edge they are looked for as far, beyond what the pair of
+blocks remembers: a limit that users lower to be careful must not make contacts harder to find.
 """
 
 from __future__ import annotations
@@ -25,22 +26,19 @@ SPARE = 0.4
 """Share of critdis that a block may move further than expected; half would be the whole."""
 PUSH = 0.5
 """What others are expected to push a block, in units of critdis."""
+JUMP = 4.0
+"""How deep a vertex may get into a block within a step unseen, in units of critdis."""
 GROWTH = 1.5
 """Where a block went too far it is expected to go so much further than it went."""
-
-
-def depth_within_step(method: Method) -> float:
-    """Return how deep a vertex may move into a block within a step, m."""
-    return method.critdis + 2.0 * method.max_displacement
 
 
 def reach_within_step(method: Method, travel: Floats) -> Reach:
     """Return the reach for blocks whose vertices move by ``travel`` (n,) at most, m."""
     return Reach(
         front=method.critdis,
-        depth=depth_within_step(method),
+        depth=method.critdis,
         critdis=method.critdis,
-        travel=np.minimum(travel, method.max_displacement),
+        travel=travel,
     )
 
 
@@ -65,10 +63,10 @@ def travel_expected(
 def farther(method: Method, expected: Floats, travel: Floats) -> Floats | None:
     """Return the travel to expect instead, m, shape (n,), or None where none went too far.
 
-    A step in which a block moves by more than max_displacement is cut whatever its contacts are.
+    A block that is thrown further than max_displacement has the step cut if anything is near.
     """
     too_far = travel > expected + SPARE * method.critdis
-    if not too_far.any() or not np.all(travel <= method.max_displacement):
+    if not too_far.any() or not np.all(travel[too_far] <= method.max_displacement):
         return None
     return np.where(too_far, np.maximum(expected, GROWTH * travel), expected)
 

@@ -7,10 +7,13 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from clast.case import CRITDIS_SHARE, FIXED_POINT_FACTOR, MethodTable
+from clast.case import FIXED_POINT_FACTOR, MethodTable
 from clast.interfaces import Method
 from clast.kinematics.first_order import FirstOrder
 from clast.model import Model
+
+CRITDIS = 0.5
+"""critdis in units of max_displacement: the paper's own ratio."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,8 +43,8 @@ class Variant:
     ) -> Method:
         """Return the method with the numbers of a problem: p in N/m per m, lengths in m.
 
-        What case files may leave open is as there: critdis is half of ``max_displacement``, fixed
-        points are 100 times stiffer than the contacts and the stiffest rock.
+        critdis is half of ``max_displacement``, as in the paper; fixed points are, as in case
+        files, 100 times stiffer than the contacts and the stiffest rock.
         """
         law = {**self.contact_law, "normal_stiffness": normal_stiffness}
         table = MethodTable.model_validate(
@@ -61,7 +64,7 @@ class Variant:
             integrator=table.build("integrator"),
             solver=table.build("solver"),
             fixed_point_stiffness=FIXED_POINT_FACTOR * stiffest,
-            critdis=CRITDIS_SHARE * max_displacement,
+            critdis=CRITDIS * max_displacement,
             max_displacement=max_displacement,
             dynamic_ratio=dynamic_ratio,
         )

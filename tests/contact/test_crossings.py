@@ -1,0 +1,185 @@
+"""Overlap that no vertex shows: edges that cross, and what is made of them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+from clast.contact import detection
+from clast.contact.crossings import with_crossings
+from clast.contact.overlap import unseen_overlaps
+from clast.kernels import crossings, polygon
+from clast.state import ContactMemory
+from systems import (
+    at_start,
+    box,
+    by_convex,
+    finish,
+    march,
+    regular,
+    star,
+    system,
+    turned,
+    wall,
+)
+
+NONE = (np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0), np.zeros(0, np.int64))
+NO_PAIR = np.zeros(0, np.int64)
+
+
+def crossings_of(outlines, floor=0.0):
+    """Return the crossings of two outlines, as if there were no contacts."""
+    vertices = np.concatenate(outlines)
+    start = np.cumsum([0, *map(len, outlines)])
+    direction, _ = polygon.edges(vertices, start)
+    owner = polygon.owners(start)
+    box_of = polygon.boxes(vertices, start)
+    pairs = np.array([[0, 1]])
+    contacts = (*NONE[:3], owner)
+    return crossings.unseen(
+        (vertices, direction, start), box_of, pairs, contacts, NO_PAIR, 1.01, floor
+    )
+
+
+def toothed(teeth, depth, y):
+    """Return a block whose upper side is a row of teeth."""
+    x = np.linspace(0.0, 10.0, 2 * teeth + 1)
+    top = y + depth * (np.arange(len(x)) % 2)
+    return np.array([[0.0, y - 1.0], [10.0, y - 1.0], *zip(x[::-1], top[::-1], strict=True)])
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("corners", [5, 14, 60])
+def test_all_crossings_are_found(seed, corners):
+    """Few edges are tried each with each, many in a sweep: both find what a clipper finds."""
+    rng = np.random.default_rng(seed)
+    outlines = [star(rng, corners), star(rng, corners) + rng.uniform(-0.6, 0.6, 2)]
+    meet = shapely.intersection(*(shapely.LinearRing(one) for one in outlines))
+    assert len(crossings_of(outlines)[0]) == len(shapely.get_parts(meet))
+
+
+def test_crossings_among_many_teeth():
+    lower, upper = toothed(400, 0.02, 0.0), toothed(371, 0.03, 0.0) * [1.0, -1.0] + [0.0017, 0.0291]
+    outlines = [lower, upper[::-1]]
+    meet = shapely.intersection(*(shapely.LinearRing(one) for one in outlines))
+    assert len(crossings_of(outlines)[0]) == len(shapely.get_parts(meet)) > 700
+
+
+def test_the_way_out_is_the_shorter_one():
+    """A corner 2 cm below a floor, 30 cm from its end."""
+    floor = box(0, 0, 3.0)
+    corner = np.array([[0.3, 0.98], [1.3, 1.5], [0.5, 2.0]])
+    _, exits, depth, _ = crossings_of([floor, corner])
+    assert set(map(tuple, exits)) == {(4, 2)}
+    assert depth == pytest.approx(0.02)
+    assert not len(crossings_of([floor, corner], floor=0.03)[0])
+
+
+SLAB = np.array([[-1.0, -1.5], [4.0, -1.5], [4.0, 0.0], [1.0, 0.0], [-1.0, -0.8]])
+WEDGE = np.array([[0.7, -0.1], [2.7, 0.2], [2.7, 0.4]])
+"""Has cut through the obtuse corner of the slab and is out again on the other side."""
+
+
+def test_wedge_through_a_corner_has_no_vertex_inside():
+    one, other = shapely.Polygon(SLAB), shapely.Polygon(WEDGE)
+    assert one.intersection(other).area > 1e-3
+    assert not any(one.contains(shapely.Point(p)) for p in WEDGE)
+    assert not any(other.contains(shapely.Point(p)) for p in SLAB)
+    model = system([SLAB, WEDGE + 5.0], fixed=[0])
+    state = at_start(model, np.concatenate([SLAB, WEDGE]) - model.origin)
+    assert len(unseen_overlaps(model, state, 1e8, 0.005)) == 1
+
+
+def unseen_while_it_comes():
+    """Return the overlaps that contacts do not know of while the wedge comes to that corner."""
+    velocity = {1: (-2.0, -0.7, 0.0)}
+    above = WEDGE + np.array([0.6, 0.25])
+    model = system([SLAB, above], fixed=[0], velocity=velocity, friction_angle=20.0)
+    how = by_convex(5e5, max_displacement=0.02)
+    found = []
+    for result in march(model, how, 5e-3, 0.6):
+        found += unseen_overlaps(model, result.state, 5e5, how.critdis)
+    return found
+
+
+def test_wedge_through_a_corner_is_a_contact(monkeypatch):
+    assert not unseen_while_it_comes()
+    monkeypatch.setattr(detection, "with_crossings", lambda chosen, *rest: chosen)
+    assert unseen_while_it_comes()
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3])
+@pytest.mark.parametrize("bonded", [True, False])
+def test_joints_of_a_wall_ask_for_nothing(monkeypatch, angle, bonded):
+    """Where corners meet across joints no contact is added, however the wall stands."""
+    added = []
+
+    def spied(chosen, *rest):
+        found = with_crossings(chosen, *rest)
+        added.append(len(found[0]) - len(chosen[0]))
+        return found
+
+    monkeypatch.setattr(detection, "with_crossings", spied)
+    base = wall(4, 4, bonded=bonded)
+    outlines = [turned(one, angle) for one in np.split(base.vertices, base.block_start[1:-1])]
+    pull = turned(np.array([[0.0, -9.8]]), angle)[0]
+    model = system(outlines, fixed=[0], friction_angle=30.0, gravity=pull)
+    last = march(model, by_convex(5e9), 1e-3, 0.02)[-1]
+    assert len(added) >= 20
+    assert not any(added)
+    assert not unseen_overlaps(model, last.state, 5e9, 0.005)
+
+
+def sunk(depth):
+    model = system([box(-1, -1, 3.0), box(0, 0)], fixed=[0])
+    down = np.where(model.vertex_block == 1, depth, 0.0)
+    return model, at_start(model, model.vertices - np.stack([0.0 * down, down], axis=1))
+
+
+def test_overlap_that_no_contact_knows_is_found():
+    model, state = sunk(0.1)
+    (found,) = unseen_overlaps(model, state, 1e8, 0.005)
+    assert found.blocks == ("1", "2")
+    assert found.depth == pytest.approx(0.1, rel=0.01)
+    assert found.area == pytest.approx(0.1)
+    assert found.known == 0.0
+
+
+@pytest.mark.parametrize(("known", "seen"), [(0.1, True), (0.05, False)])
+def test_overlap_that_contacts_know_is_not_told(known, seen):
+    model, state = sunk(0.1)
+    memory = ContactMemory(
+        vertex=np.array([4, 5]),
+        block=np.array([0, 0]),
+        edge=np.array([2, 2]),
+        gap=np.array([-known, -known]),
+        normal_force=np.ones(2),
+        shear_force=np.zeros(2),
+        multiplier=np.zeros(2),
+        mode=np.ones(2, np.int64),
+        bonded=np.zeros(2, np.bool_),
+    )
+    found = unseen_overlaps(model, replace(state, memory=memory), 1e8, 0.005)
+    assert (not found) == seen
+    # a spring that rests where it is knows nothing
+    resting = replace(memory, multiplier=np.full(2, -1e8 * known))
+    assert unseen_overlaps(model, replace(state, memory=resting), 1e8, 0.005)
+
+
+def test_block_inside_another_is_found():
+    """Nothing crosses there."""
+    model = system([box(0, 0, 3.0, 3.0), box(3.0, 0.0)], gravity=(0.0, 0.0))
+    vertices = model.vertices.copy()
+    vertices[4:] -= [2.0, -1.0]
+    (found,) = unseen_overlaps(model, at_start(model, vertices), 1e8, 0.005)
+    assert found.area == pytest.approx(1.0)
+
+
+def test_soft_wheel_gains_nothing_from_vertex_to_vertex():
+    """Contacts come up and go deep inside; what is new there must not begin stretched."""
+    floor = box(-2, -1, 8.0)
+    wheel = regular(7, 0.5, 0.2) + np.array([0.0, 0.6])
+    model = system([floor, wheel], fixed=[0], velocity={1: (2.0, -1.0, -6.0)}, friction_angle=40.0)
+    done = finish(model, by_convex(2e5, max_displacement=0.05), 2e-3, 0.8)
+    assert done.created < 1e-6
