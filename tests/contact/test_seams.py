@@ -170,7 +170,9 @@ BENDS = {
 }
 
 
-@pytest.mark.parametrize(("bends", "phi"), zip(BENDS, [0.0, 15.0, 0.0, 15.0, 0.0], strict=True))
+@pytest.mark.parametrize(
+    ("bends", "phi"), list(zip(BENDS, [0.0, 15.0, 0.0, 15.0, 0.0], strict=True))
+)
 def test_terrain_in_pieces_is_terrain_in_one(bends, phi):
     """Each piece ends where the ground bends; one outline with all bends is right."""
     rise = np.tan(np.radians(BENDS[bends]))

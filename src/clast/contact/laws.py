@@ -79,20 +79,22 @@ def with_friction(
     )
 
 
+def _strengths(contacts: Contacts) -> tuple[Floats, ...]:
+    """Return the strengths of contacts as the kernels take them."""
+    return contacts.friction, contacts.cohesion, contacts.tensile_strength, contacts.length
+
+
 def _joints_and_memory(contacts: Contacts) -> tuple[tuple[Floats, ...], tuple[Any, ...]]:
     """Return strengths and memory of contacts as the kernels take them."""
-    return (
-        (contacts.friction, contacts.cohesion, contacts.tensile_strength, contacts.length),
-        (contacts.bonded, contacts.shear_force, contacts.multiplier, contacts.friction_base),
-    )
+    memory = contacts.bonded, contacts.shear_force, contacts.multiplier, contacts.friction_base
+    return _strengths(contacts), memory
 
 
 def limits_of_springs(
     contacts: Contacts, normal_stiffness: float, shear_stiffness: float | None
 ) -> SpringLimits:
     """Return the bounds of ``springs`` for contacts whose friction bound is given."""
-    joints, _ = _joints_and_memory(contacts)
-    tension, strength = kernel.most(joints, contacts.friction_base)
+    tension, strength = kernel.most(_strengths(contacts), contacts.friction_base)
     return SpringLimits(
         normal_stiffness=normal_stiffness,
         shear_stiffness=normal_stiffness if shear_stiffness is None else shear_stiffness,
