@@ -129,6 +129,7 @@ class ModelBuilder:
         friction_angle: float = 0.0,
         cohesion: float = 0.0,
         tensile_strength: float = 0.0,
+        restitution: float | None = None,
         between: Iterable[tuple[str, str]] = (),
         between_rocks: Iterable[tuple[str, str]] = (),
         allow_small_friction_angle: bool = False,
@@ -138,13 +139,15 @@ class ModelBuilder:
         The joint called "default" serves every contact that no other joint names with
         ``between`` (pairs of blocks) or ``between_rocks`` (pairs of rocks, equal ones allowed);
         a pair of blocks goes before a pair of rocks.  Without any default, contacts are
-        frictionless.  ``allow_small_friction_angle`` confirms an angle that looks like radians.
+        frictionless.  ``restitution``, 0 to 1, goes before that of the process.
+        ``allow_small_friction_angle`` confirms an angle that looks like radians.
         """
         joint = Joint(
             name=name,
             friction_angle=float(friction_angle),
             cohesion=float(cohesion),
             tensile_strength=float(tensile_strength),
+            restitution=None if restitution is None else float(restitution),
         )
         self._joints.append(
             _Joint(

@@ -348,6 +348,12 @@ def check_joint(joint: Joint, *, allow_small_friction_angle: bool) -> None:
                 where=f"{where}, {key}",
                 remedy="give it in Pa, 0 or more",
             )
+    if joint.restitution is not None and not 0.0 <= joint.restitution <= 1.0:
+        raise ModelError(
+            f"{joint.restitution:g} is no restitution",
+            where=f"{where}, restitution",
+            remedy="give the share of the closing velocity that rebounds, from 0 to 1",
+        )
 
 
 def _positive(value: float, where: str, remedy: str) -> None:

@@ -24,6 +24,7 @@ from clast.contact import multipliers
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.contact.detection import detect
 from clast.equations.frames import block_frames
+from clast.equations.integration import Scheme
 from clast.equations.reuse import FactorOfStep
 from clast.equations.system import assemble, slip_in_step
 from clast.equations.terms import DiagonalTerms, diagonal_terms
@@ -32,6 +33,7 @@ from clast.interfaces import Method, StepResult
 from clast.model import Floats, Model
 from clast.state import State
 from clast.stepping.conclude import Solved, conclude
+from clast.stepping.impact import advice_without
 from clast.stepping.modified import PassResult, pass_result
 from clast.stepping.reach import reach_within_step
 from clast.stepping.stages import Stages
@@ -56,10 +58,10 @@ class OpenClose:
         """Return the state ``step`` seconds later, or raise StepRejected."""
         stages = Stages()
         velocity = method.dynamic_ratio * state.velocity
-        theta = np.full(model.block_count, method.integrator.theta)
+        scheme = Scheme(theta=method.integrator.theta, step=step)
         with stages("base system"):
             frames = block_frames(model, method.displacement, state)
-            base = diagonal_terms(model, method, frames, state, velocity, theta, step)
+            base = diagonal_terms(model, method, frames, state, step * velocity, scheme)
         with stages("contacts"):
             farthest = np.full(model.block_count, method.max_displacement)
             reach = reach_within_step(method, farthest)
@@ -76,11 +78,13 @@ class OpenClose:
         solved = Solved(
             frames=frames,
             velocity=velocity,
-            theta=theta,
+            drift=step * velocity,
+            scheme=scheme,
             unknowns=found.unknowns,
             contacts=found.contacts,
             response=found.response,
             applied=found.applied,
+            bearing=found.response.normal_force,
             depth=reach.depth,
             counts=found.counts,
         )
@@ -88,7 +92,7 @@ class OpenClose:
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn of carried multipliers; the process itself cuts steps that do not settle."""
-        return multipliers.advice(method.contact_law, model, step)
+        return *multipliers.advice(method.contact_law, model, step), *advice_without(model)
 
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:
         """Return 40 E of the stiffest rock, within Shi's 10 to 100 E L for a length of 1 m."""
