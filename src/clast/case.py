@@ -238,6 +238,8 @@ class JointTable(Table):
     """Cohesion, Pa; lost where the joint has slipped or opened."""
     tensile_strength: Strength = 0.0
     """Tension cut-off, Pa; lost where the joint has slipped or opened."""
+    restitution: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
+    """Share of the closing velocity with which impacts rebound, 0 to 1; else the process' own."""
     between: list[tuple[StrictStr, StrictStr]] = []
     """Pairs of blocks with this joint between them: [["a", "b"], ...]."""
     between_rocks: list[tuple[StrictStr, StrictStr]] = []

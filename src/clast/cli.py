@@ -564,8 +564,8 @@ def _report_table(run: Run) -> Table:
         "penetration": f"at most {report.largest_penetration:.3g} m",
         "energy": f"kinetic {ledger.kinetic:.4g}, elastic {ledger.elastic:.4g}, "
         f"gravity {ledger.gravity:.4g} J/m",
-        "dissipated": f"friction {ledger.friction:.4g}, numerical {ledger.numerical:.4g}, "
-        f"unaccounted {ledger.unaccounted:.2g} J/m",
+        "dissipated": f"friction {ledger.friction:.4g}, impacts {ledger.impacts:.4g}, "
+        f"numerical {ledger.numerical:.4g}, unaccounted {ledger.unaccounted:.2g} J/m",
         "wall time": f"{report.wall_seconds:.3g} s: "
         + ", ".join(f"{name} {seconds:.2g}" for name, seconds in stages),
         **_notes_rows(report.notes),

@@ -95,6 +95,8 @@ class Joint:
     """Cohesion, Pa; lost where the joint has slipped or opened."""
     tensile_strength: float = 0.0
     """Tension cut-off, Pa; lost where the joint has slipped or opened."""
+    restitution: float | None = None
+    """Share of the closing velocity with which impacts rebound, 0 to 1; None: the process' own."""
 
 
 @dataclass(frozen=True, kw_only=True)

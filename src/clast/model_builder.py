@@ -134,6 +134,7 @@ class ModelBuilder:
         friction_angle: float = 0.0,
         cohesion: float = 0.0,
         tensile_strength: float = 0.0,
+        restitution: float | None = None,
         between: Iterable[tuple[str, str]] = (),
         between_rocks: Iterable[tuple[str, str]] = (),
         allow_small_friction_angle: bool = False,
@@ -143,13 +144,17 @@ class ModelBuilder:
         The joint called "default" serves every contact that no other joint names with
         ``between`` (pairs of blocks) or ``between_rocks`` (pairs of rocks, equal ones allowed);
         a pair of blocks goes before a pair of rocks.  Without any default, contacts are
-        frictionless.  ``allow_small_friction_angle`` confirms an angle that looks like radians.
+        frictionless.  ``restitution``, 0 to 1, goes before that of the process.
+        ``allow_small_friction_angle`` confirms an angle that looks like radians.
         """
         joint = Joint(
             name=name,
             friction_angle=check_number(friction_angle, f"joint '{name}', friction_angle"),
             cohesion=check_number(cohesion, f"joint '{name}', cohesion"),
             tensile_strength=check_number(tensile_strength, f"joint '{name}', tensile_strength"),
+            restitution=None
+            if restitution is None
+            else check_number(restitution, f"joint '{name}', restitution"),
         )
         self._joints.append(
             _Joint(

@@ -59,9 +59,10 @@ class ContactMemory:
 class Ledger:
     """The energy of the system and where it went, J per metre of thickness.
 
-    Stored energies are those of the instant; ``loads``, ``friction`` and ``numerical`` are sums
-    since the start.  Kinetic + elastic + gravity + contact + fixed_points - loads + friction +
-    numerical stays at its first value but for ``unaccounted``, which is measured, not assumed.
+    Stored energies are those of the instant; ``loads``, ``friction``, ``impacts`` and ``numerical``
+    are sums since the start.  Kinetic + elastic + gravity + contact + fixed_points - loads +
+    friction + impacts + numerical stays at its first value but for ``unaccounted``, which is
+    measured, not assumed.
     """
 
     kinetic: float = 0.0
@@ -78,6 +79,8 @@ class Ledger:
     """Work done by point and line loads and by the ground motion."""
     friction: float = 0.0
     """Work lost in sliding, >= 0 (and in the breaking of bonds)."""
+    impacts: float = 0.0
+    """Energy lost in impacts: by restitution, and by friction within them."""
     numerical: float = 0.0
     """Energy removed by the time integration (positive) or brought in by it (negative)."""
     unaccounted: float = 0.0

@@ -70,6 +70,12 @@ def check_joint(joint: Joint, *, allow_small_friction_angle: bool) -> None:
                 remedy="give it in Pa, 0 or more",
             )
         ranges.check_size(value, ranges.STRESS, f"{where}, {key}", "give it in Pa")
+    if joint.restitution is not None and not 0.0 <= joint.restitution <= 1.0:
+        raise ModelError(
+            f"{joint.restitution:g} is no restitution",
+            where=f"{where}, restitution",
+            remedy="give the share of the closing velocity that rebounds, from 0 to 1",
+        )
 
 
 def _positive(value: float, limits: ranges.Range, where: str, remedy: str) -> None:

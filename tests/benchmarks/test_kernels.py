@@ -17,6 +17,7 @@ from clast.contact.arrays import Contacts
 from clast.contact.detection import Reach, find_candidates, near_pairs
 from clast.equations.coarse import aggregates_of
 from clast.equations.frames import block_frames
+from clast.equations.integration import Scheme
 from clast.equations.solvers import with_aggregates
 from clast.equations.system import BlockSystem, graph_of, symmetric_system
 from clast.equations.terms import diagonal_terms
@@ -96,8 +97,8 @@ def test_assembly(benchmark, wall):
     model, method = wall.model, wall.method
     contacts = replace(wall.contacts, friction_base=wall.contacts.normal_force)
     frames = block_frames(model, method.displacement, wall.state)
-    theta = np.full(model.block_count, 0.5)
-    base = diagonal_terms(model, method, frames, wall.state, wall.state.velocity, theta, STEP)
+    scheme, drift = Scheme(theta=0.5, step=STEP), STEP * wall.state.velocity
+    base = diagonal_terms(model, method, frames, wall.state, drift, scheme)
     response = method.contact_law.respond(contacts, contacts.gap, np.zeros(len(contacts)))
     graph = graph_of(contacts, model.block_count)
     system = benchmark(symmetric_system, base, contacts, response, base.force, model.fixed, graph)

@@ -9,6 +9,7 @@ from clast.contact.arrays import Contacts
 from clast.contact.laws import Penalty
 from clast.equations.couplings import Blocks
 from clast.equations.frames import block_frames
+from clast.equations.integration import Scheme
 from clast.equations.solvers import PCG, Direct, Scipy, solve, sparse_matrix
 from clast.equations.system import (
     BlockSystem,
@@ -53,9 +54,9 @@ def wall(implicit=False, fixed=(0, 1, 2), seed=0):
     contacts = replace(contacts, shear_force=1e4 * rng.normal(size=len(contacts)))
     how = method(contact_law=Penalty(normal_stiffness=1e8, shear_stiffness=3e7))
     frames = block_frames(model, how.displacement, state)
-    theta = np.full(model.block_count, 0.5)
+    scheme = Scheme(theta=0.5, step=STEP)
     velocity = 0.01 * rng.normal(size=(model.block_count, 6)) * ~model.fixed[:, None]
-    base = diagonal_terms(model, how, frames, state, velocity, theta, STEP)
+    base = diagonal_terms(model, how, frames, state, STEP * velocity, scheme)
     unknowns = 1e-5 * rng.normal(size=(model.block_count, 6))
     gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
     response = how.contact_law.respond(contacts, gap, slip)

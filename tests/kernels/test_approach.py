@@ -1,4 +1,4 @@
-"""Which contacts collide and which hold at first, against the same as conditions on arrays."""
+"""Which contacts close and which hold at first, against the same as conditions on arrays."""
 
 import numpy as np
 import pytest
@@ -14,17 +14,11 @@ def some(count, seed):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_blocks_that_collide(seed):
-    gap, rate, _, _ = some(200, seed)
-    ends = np.random.default_rng(seed).integers(0, 60, (2, 200))
-    threshold, step = 0.1, 0.5
-    of_blocks = np.full(60, 0.5)
-    approach.collide(gap, rate, threshold, step, tuple(ends), 1.0, of_blocks)
-    colliding = (rate < -threshold) & (gap + step * rate < 0.0)
-    expected = np.full(60, 0.5)
-    expected[ends[:, colliding]] = 1.0
-    assert 0 < colliding.sum() < 200
-    assert np.array_equal(of_blocks, expected)
+def test_contacts_that_close(seed):
+    gap, rate, moved, _ = some(200, seed)
+    found = approach.closing(gap, moved, rate, 0.1)
+    assert 0 < found.sum() < 200
+    assert np.array_equal(found, (rate < -0.1) & (gap + moved < 0.0))
 
 
 @pytest.mark.parametrize("begins", [True, False])

@@ -22,17 +22,17 @@ def test_works_of_blocks(count):
     rng = np.random.default_rng(count)
     d, entering, leaving = rng.normal(size=(3, count, 6))
     mass_matrix, compliance = definite(rng, count, 6), definite(rng, count, 3)
-    theta, area, mass = rng.uniform(0.5, 1.0, (3, count))
+    area, mass = rng.uniform(0.5, 1.0, (2, count))
     before, after = rng.normal(size=(2, count, 3))
     gravity, inertial, step = np.array([0.3, -9.8]), np.array([1.5, 0.25]), 0.01
     found = works.of_blocks(
         (d, entering, leaving),
-        (mass_matrix, theta, step),
+        (mass_matrix, step),
         (before, after),
         (area, compliance),
         (mass, gravity, inertial),
     )
-    acceleration = (d / step - entering) / (theta[:, None] * step)
+    acceleration = (leaving - entering) / step
     weighed = area[:, None, None] * compliance
     wanted = [
         0.5 * form(mass_matrix, entering),
@@ -59,20 +59,19 @@ def test_works_of_contacts(count):
 def test_terms_of_blocks(count):
     rng = np.random.default_rng(2)
     mass_matrix, elasticity = definite(rng, count, 6), definite(rng, count, 3)
-    of_mass, of_momentum, area, mass = rng.uniform(1.0, 2.0, (4, count))
-    velocity, stress = rng.normal(size=(count, 6)), rng.normal(size=(count, 3))
+    area, mass = rng.uniform(1.0, 2.0, (2, count))
+    drift, stress, factor = rng.normal(size=(count, 6)), rng.normal(size=(count, 3)), 1.7
     acceleration = np.array([0.5, -9.0])
     matrix, force, momentum = block_terms.terms(
-        (mass_matrix, of_mass, of_momentum),
-        velocity,
+        (mass_matrix, factor, drift),
         (area, elasticity),
         stress,
         mass,
         acceleration,
     )
-    stiffness = of_mass[:, None, None] * mass_matrix
+    stiffness = factor * mass_matrix
     stiffness[:, 3:, 3:] += area[:, None, None] * elasticity
-    moved = of_momentum[:, None] * np.einsum("nij,nj->ni", mass_matrix, velocity)
+    moved = factor * np.einsum("nij,nj->ni", mass_matrix, drift)
     loads = np.zeros((count, 6))
     loads[:, :2] = mass[:, None] * acceleration
     loads[:, 3:] = -area[:, None] * stress

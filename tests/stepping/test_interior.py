@@ -177,6 +177,6 @@ def test_blocks_without_weight_collide():
     model = replace(model, gravity=np.zeros(2), velocity=velocity)
     results = march(model, by_convex(2.5e11, max_displacement=1.0), 5e-3, 0.01)
     assert sum(result.counts.get("interior", 0) for result in results) > 0
-    kinetic = [result.state.ledger.kinetic for result in results]
-    assert 0.0 < kinetic[-1] < kinetic[0]
+    stored = [result.state.ledger.stored for result in results]
+    assert 0.0 < stored[-1] < stored[0]
     assert max(result.penetration for result in results) < 1e-3

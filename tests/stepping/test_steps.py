@@ -111,7 +111,7 @@ def test_collision_keeps_the_momentum(process, scheme):
     """Action equals reaction, with friction: to round-off at every step."""
     model, how, results = collision(process, scheme, 20.0)
     before = momentum(model, how, at_start(model))
-    assert max(one.response.normal_force.max(initial=0.0) for one in results) > 1e4
+    assert results[-1].state.ledger.kinetic < 0.9 * results[0].state.ledger.kinetic
     for one in results:
         after = momentum(model, how, one.state)
         assert after[:2] == pytest.approx(before[:2], abs=1e-10 * np.abs(before).max())
@@ -131,19 +131,20 @@ def test_collision_keeps_the_angular_momentum(process):
         assert couple < 0.02 * abs(before)
 
 
-@pytest.mark.parametrize(("restitution", "least", "most"), [(0.0, 0.0, 0.1), (0.5, 0.1, 0.5)])
-def test_convex_process_stops_a_dropped_block(restitution, least, most):
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+def test_convex_process_stops_a_dropped_block(restitution):
     """A square dropped from 0.5 m hits stiff springs at 3 m/s; energy never grows."""
     model = system([box(-1, -1, 3.0), box(0, 0.5)], fixed=[0])
     how = method(process=Convex(restitution=restitution), contact_law=Penalty(1e10))
-    results = march(model, how, 2e-3, 0.5)
+    results = march(model, how, 2e-3, 0.7)
     height = np.array([centroids(model, one.state)[1, 1] - 0.5 for one in results])
     energy = np.array([one.state.ledger.stored for one in results])
     weight = model.mass[1] * GRAVITY
     assert height.min() > -1e-3
     assert np.diff(energy).max() < 1e-6 * weight
-    first = int(np.argmax(height < 1e-4))
-    assert least <= np.sqrt(height[first:].max() / 0.5) < most
+    first = int(np.sqrt(2.0 * 0.5 / GRAVITY) / 2e-3) + 1
+    rebound = np.sqrt(max(0.0, height[first:].max()) / 0.5)
+    assert rebound == pytest.approx(restitution, abs=1e-3)
     if restitution == 0.0:
         assert results[-1].response.normal_force.sum() == pytest.approx(weight, rel=1e-3)
 
@@ -191,7 +192,8 @@ def test_ledger_explains_all_energy_at_every_step(process, scheme):
     assert moved > 1e4
     for one in results:
         ledger = one.state.ledger
-        total = ledger.stored - ledger.loads + ledger.friction + ledger.numerical
+        lost = ledger.friction + ledger.impacts + ledger.numerical
+        total = ledger.stored - ledger.loads + lost
         assert total - first.stored == pytest.approx(ledger.unaccounted, abs=1e-9 * moved)
         assert abs(ledger.unaccounted) < 1e-6 * moved
         assert ledger.friction >= 0.0
@@ -237,8 +239,9 @@ def test_corners_that_meet_at_speed_stop_each_other(offset):
     how = method(process=Convex(), contact_law=Penalty(1e9))
     results = march(model, how, 1e-3, 0.02)
     energy = np.array([one.state.ledger.stored for one in results])
-    assert max(one.response.normal_force.max(initial=0.0) for one in results) > 1e5
-    assert np.diff(energy).max() < 1e-5 * energy[0]
+    assert results[-1].state.ledger.impacts > 0.1 * energy[0]
+    # then it slides round the corner: forces act along normals of the start of each step
+    assert np.diff(energy).max() < 3e-5 * energy[0]
     # pressed in by its own speed within a step or two, not found there
     found_deep = [one.contacts.gap[~one.contacts.known].min(initial=0.0) for one in results]
     assert min(found_deep) > -1e-3

@@ -1,30 +1,55 @@
-"""The theta family of implicit schemes, block by block.
+"""The theta family of implicit schemes.
 
     M (v+ - v) = h F,   d = h ((1 - theta) v + theta v+)
 
 with F the forces at the end of the step.  theta = 1/2 is constant acceleration (Shi 1988), 1 is
-backward Euler.  Eliminating v+ gives (M/(theta h2)) d = (M/(theta h)) v + F.  Every block receives
-the impulse h F whatever its theta, so blocks with different theta still exchange momentum exactly.
+backward Euler.  Eliminating v+ gives M/(theta h2) (d - h v) = F.  Every block receives the impulse
+h F whatever its theta, so blocks with different theta still exchange momentum exactly.
+
+theta may be 1 for some motions of a block and the scheme's for all others: with Q that takes of a
+motion what contacts stop, orthogonally in the sense of M, M (1/theta + (1 - 1/theta) Q) stands in
+place of M/theta.  What is free of these contacts moves as if they were not there.
+
+Where impacts change a block's velocity within the step (stepping/impact.py) v is that after them,
+and in place of h v stands how far the block would go, its ``drift``.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from clast.kernels import block_terms
-from clast.model import Floats
+from clast.kernels import stopping
+from clast.model import Floats, Ints
 
 
-def inertia_factor(theta: Floats, step: float) -> Floats:
-    """Return 1/(theta h2) of each block, 1/s2, shape (n,)."""
-    return 1.0 / (theta * step**2)
+@dataclass(frozen=True, kw_only=True)
+class Scheme:
+    """How blocks take a step."""
+
+    theta: float
+    """Share of the end velocity in the displacement."""
+    step: float
+    """h, s."""
+    stopped: tuple[Ints, Floats, Floats] | None = None
+    """Motions with theta = 1, as kernels take them (kernels/stopping.py)."""
+
+    @property
+    def inertia(self) -> float:
+        """1/(theta h2), 1/s2."""
+        return 1.0 / (self.theta * self.step**2)
+
+    @property
+    def of_stopped(self) -> float:
+        """What stopped motions have beside that, (1 - 1/theta)/h2, 1/s2."""
+        return (1.0 - 1.0 / self.theta) / self.step**2
 
 
-def velocity_factor(theta: Floats, step: float) -> Floats:
-    """Return 1/(theta h) of each block, 1/s, shape (n,)."""
-    return 1.0 / (theta * step)
-
-
-def end_velocity(theta: Floats, displacement: Floats, velocity: Floats, step: float) -> Floats:
-    """Return v+ = (d/h - (1 - theta) v)/theta of each block, shape (n, 6)."""
-    return np.asarray(block_terms.end_velocities(theta, displacement, velocity, step))
+def end_velocity(scheme: Scheme, displacement: Floats, drift: Floats, velocity: Floats) -> Floats:
+    """Return v+ of each block, shape (n, 6), from d, the ``drift``, m, and v, (n, 6) each."""
+    change = displacement - drift
+    result: Floats = velocity + scheme.inertia * scheme.step * change
+    if scheme.stopped is not None:
+        stopping.add_velocities(scheme.stopped, scheme.of_stopped * scheme.step, change, result)
+    return np.asarray(result)

@@ -15,9 +15,9 @@ from itertools import accumulate, pairwise
 import numpy as np
 
 from clast.equations.frames import BlockFrames
-from clast.equations.integration import inertia_factor, velocity_factor
+from clast.equations.integration import Scheme
 from clast.interfaces import DisplacementFunction, Method
-from clast.kernels import block_terms
+from clast.kernels import block_terms, stopping
 from clast.model import Floats, Ints, Model
 from clast.state import State
 
@@ -31,7 +31,7 @@ class DiagonalTerms:
     force: Floats
     """Right-hand side, shape (n, 6)."""
     momentum: Floats
-    """The part of it that is momentum, M v/(theta h), shape (n, 6)."""
+    """The part of it that is momentum, M/(theta h2) drift, shape (n, 6)."""
     centroid: Floats
     """Centroids of the blocks, m, shape (n, 2)."""
 
@@ -109,21 +109,22 @@ def diagonal_terms(
     method: Method,
     frames: BlockFrames,
     state: State,
-    velocity: Floats,
-    theta: Floats,
-    step: float,
+    drift: Floats,
+    scheme: Scheme,
 ) -> DiagonalTerms:
-    """Return everything of a step but its contacts; ``theta`` (n,) is the scheme's, by block."""
-    end = state.time + step
+    """Return everything of a step but its contacts; ``drift`` (n, 6) is h v, m."""
+    end = state.time + scheme.step
     acceleration = model.gravity + model.ground_motion.body_acceleration(state.time, end)
     matrix, force, momentum = block_terms.terms(
-        (frames.mass_matrix, inertia_factor(theta, step), velocity_factor(theta, step)),
-        velocity,
+        (frames.mass_matrix, scheme.inertia, drift),
         (model.area, model.elasticity),
         state.stress,
         model.mass,
         acceleration,
     )
+    if scheme.stopped is not None:
+        terms = matrix, force, momentum
+        stopping.add_inertia(scheme.stopped, scheme.of_stopped, drift, terms)
     block, load = load_rows(model, frames, method.displacement, state)
     if len(block):
         np.add.at(force, block, load)

@@ -1,4 +1,4 @@
-"""How contacts are approached at the start of a step: which collide, and which hold at first."""
+"""How contacts are approached at the start of a step: which of them close, and which hold first."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from clast.kernels.compiled import kernel
 
 
 @kernel()
-def collide(gap, rate, threshold, step, ends, value, of_blocks):
-    """Write ``value`` for the blocks of contacts that collide, in place.
+def closing(gap, moved, rate, threshold):
+    """Return which contacts (m,) close faster than ``threshold``, m/s, and within the step.
 
-    These close faster than ``threshold``, m/s, and within the ``step``, s.  ``gap`` (m,) in m and
-    its ``rate`` (m,) in m/s are those at the start, ``ends`` the contacts' two blocks (m,).
+    ``gap`` (m,), m, and its ``rate`` (m,), m/s, are those at the start; ``moved`` (m,), m, is what
+    velocities would change of the gap in the step.
     """
-    vertex_block, edge_block = ends
+    found = np.empty(len(gap), np.bool_)
     for c in range(len(gap)):
-        if rate[c] < -threshold and gap[c] + step * rate[c] < 0.0:
-            of_blocks[vertex_block[c]] = of_blocks[edge_block[c]] = value
+        found[c] = (rate[c] < -threshold) & (gap[c] + moved[c] < 0.0)
+    return found
 
 
 @kernel()

@@ -15,7 +15,7 @@ from clast.kernels.six import line, plus_scaled, put_line, put_row, row, zeros
 def _inertia(b, mass_matrix, factor, matrix):
     """Write M/(theta h2) into block b of the matrix."""
     for a in range(6):
-        put_line(matrix, b, a, plus_scaled(zeros(), factor[b], line(mass_matrix, b, a)))
+        put_line(matrix, b, a, plus_scaled(zeros(), factor, line(mass_matrix, b, a)))
 
 
 @kernel()
@@ -43,14 +43,14 @@ def _weight(b, mass, acceleration, force):
 @kernel()
 def _of_blocks(first, last, inertia, elastic, stress, mass, acceleration, found):
     """Write the terms of blocks ``first`` to ``last`` - 1."""
-    mass_matrix, mass_factor, velocity, momentum_factor = inertia
+    mass_matrix, factor, drift = inertia
     area, elasticity = elastic
     matrix, force, momentum = found
     for b in range(first, last):
-        _inertia(b, mass_matrix, mass_factor, matrix)
+        _inertia(b, mass_matrix, factor, matrix)
         _elasticity(b, area, elasticity, matrix)
-        mv = times(mass_matrix, b, velocity, b)
-        put_row(momentum, b, plus_scaled(zeros(), momentum_factor[b], mv))
+        md = times(mass_matrix, b, drift, b)
+        put_row(momentum, b, plus_scaled(zeros(), factor, md))
         put_row(force, b, row(momentum, b))
         _stress(b, area, stress, force)
         _weight(b, mass, acceleration, force)
@@ -66,45 +66,16 @@ def _of_blocks_shared(inertia, elastic, stress, mass, acceleration, found):
 
 
 @kernel()
-def terms(inertia, velocity, elastic, stress, mass, acceleration):
-    """Return K (n, 6, 6), F and its part that is momentum, M v/(theta h), (n, 6) each.
+def terms(inertia, elastic, stress, mass, acceleration):
+    """Return K (n, 6, 6), F and its part that is momentum, M/(theta h2) drift, (n, 6) each.
 
-    ``inertia``: mass matrix (n, 6, 6), 1/(theta h2) and 1/(theta h), (n,) each.  ``elastic``: area
+    ``inertia``: mass matrix (n, 6, 6), 1/(theta h2) and the drift (n, 6), m.  ``elastic``: area
     (n,) and E' (n, 3, 3).  ``stress`` (n, 3) in Pa, ``acceleration`` (2,) of every mass, m/s2.
     """
-    mass_matrix, mass_factor, momentum_factor = inertia
-    moving = mass_matrix, mass_factor, velocity, momentum_factor
-    found = np.empty_like(mass_matrix), np.empty_like(velocity), np.empty_like(velocity)
+    mass_matrix, _, drift = inertia
+    found = np.empty_like(mass_matrix), np.empty_like(drift), np.empty_like(drift)
     if len(mass) >= SHARED:
-        _of_blocks_shared(moving, elastic, stress, mass, acceleration, found)
+        _of_blocks_shared(inertia, elastic, stress, mass, acceleration, found)
     else:
-        _of_blocks(0, len(mass), moving, elastic, stress, mass, acceleration, found)
+        _of_blocks(0, len(mass), inertia, elastic, stress, mass, acceleration, found)
     return found
-
-
-@kernel()
-def _end_velocities(first, last, theta, displacement, velocity, step, result):
-    for b in range(first, last):
-        for a in range(6):
-            before = (1.0 - theta[b]) * velocity[b, a]
-            result[b, a] = (displacement[b, a] / step - before) / theta[b]
-
-
-@kernel(parallel=True)
-def _end_velocities_shared(theta, displacement, velocity, step, result):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(theta))):
-            last = min((c + 1) * CHUNK, len(theta))
-            _end_velocities(c * CHUNK, last, theta, displacement, velocity, step, result)
-
-
-@kernel()
-def end_velocities(theta, displacement, velocity, step):
-    """Return (d/h - (1 - theta) v)/theta (n, 6) of d and v (n, 6), theta (n,) and a step h, s."""
-    result = np.empty_like(displacement)
-    if len(theta) >= SHARED:
-        _end_velocities_shared(theta, displacement, velocity, step, result)
-    else:
-        _end_velocities(0, len(theta), theta, displacement, velocity, step, result)
-    return result

@@ -35,7 +35,7 @@ def _strain_energy(b, area, compliance, stress):
 def _of_chunk(first, last, motion, inertia, stresses, elastic, mass, accelerations, s):
     """Add up the energies and works of blocks ``first`` to ``last`` - 1 in s (8,)."""
     d, entering, leaving = motion
-    mass_matrix, theta, step = inertia
+    mass_matrix, step = inertia
     before, after = stresses
     area, compliance = elastic
     gravity, inertial = accelerations
@@ -44,7 +44,7 @@ def _of_chunk(first, last, motion, inertia, stresses, elastic, mass, acceleratio
         s[0] += _kinetic(b, mass_matrix, entering)
         s[1] += _kinetic(b, mass_matrix, leaving)
         for k in range(6):
-            force[0, k] = (d[b, k] / step - entering[b, k]) / (theta[b] * step)
+            force[0, k] = (leaving[b, k] - entering[b, k]) / step
         s[2] += total(plus_product(zeros(), times(mass_matrix, b, force, 0), row(d, b)))
         s[3] += _strain_energy(b, area, compliance, before)
         s[4] += _strain_energy(b, area, compliance, after)
@@ -73,8 +73,8 @@ def of_blocks(motion, inertia, stresses, elastic, weights):
     work on the elastic terms; work of gravity, work of the inertial force.
 
     ``motion``: d and the velocities that entered and left, (n, 6) each.  ``inertia``: mass matrix
-    (n, 6, 6), theta (n,) and h.  ``stresses``: before and after the step, unturned, Pa, (n, 3)
-    each.  ``elastic``: area (n,) and compliance (n, 3, 3).  ``weights``: mass (n,), gravity and the
+    (n, 6, 6) and h.  ``stresses``: before and after the step, unturned, Pa, (n, 3) each.
+    ``elastic``: area (n,) and compliance (n, 3, 3).  ``weights``: mass (n,), gravity and the
     acceleration of the inertial force, m/s2, (2,) each.
     """
     mass, gravity, inertial = weights

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.contact.detection import find_tunnelled
 from clast.contact.memory import renew
 from clast.equations.frames import BlockFrames
-from clast.equations.integration import end_velocity
+from clast.equations.integration import Scheme, end_velocity
 from clast.equations.system import contact_motions
 from clast.errors import StepOutcome, StepRejected
 from clast.interfaces import Method, StepResult
@@ -27,8 +27,10 @@ class Solved:
     """Block frames at the start."""
     velocity: Floats
     """Velocity that entered the equations, shape (n, 6)."""
-    theta: Floats
-    """Share of the end velocity in the displacement, by block, shape (n,)."""
+    drift: Floats
+    """Displacements that it would bring, m, shape (n, 6)."""
+    scheme: Scheme
+    """How the blocks took the step."""
     unknowns: Floats
     """Displacements d, shape (n, 6)."""
     contacts: Contacts
@@ -37,8 +39,12 @@ class Solved:
     """The law's answer at the end of the step."""
     applied: tuple[Floats, Floats]
     """Normal and shear forces (m,) that the equations held at the end of the step, N/m."""
+    bearing: Floats
+    """Normal forces that contacts go on with, N/m, shape (m,)."""
     depth: float
     """How deep a vertex may have moved into a block, m (see Reach.depth)."""
+    lost: float = 0.0
+    """Kinetic energy that impacts took before it entered, J/m."""
     counts: dict[str, int] = field(default_factory=dict)
     """Counts of the process: "passes" and whatever else it counts."""
 
@@ -49,13 +55,14 @@ def conclude(
     """Return the result of a solved step, or raise StepRejected where it must not be kept."""
     unknowns, contacts, response = solved.unknowns, solved.contacts, solved.response
     with stages("advance"):
-        velocity = end_velocity(solved.theta, unknowns, solved.velocity, step)
+        velocity = end_velocity(solved.scheme, unknowns, solved.drift, solved.velocity)
         velocity[model.fixed] = 0.0
         stress = end_stress(model, state, unknowns)
         motion = advance(model, method, state, solved.frames, unknowns, velocity, stress)
         opening, slip = contact_motions(contacts, unknowns)
         gap = contacts.gap + opening
-        memory = renew(contacts, response, gap, method.critdis)
+        kept = replace(response, normal_force=solved.bearing)
+        memory = renew(contacts, kept, gap, method.critdis)
     with stages("tunnelling"):
         reject_tunnelled(model, state.vertices, motion.vertices, memory, solved.depth)
     with stages("ledger"):
@@ -65,7 +72,7 @@ def conclude(
             state,
             solved.frames,
             solved.velocity,
-            solved.theta,
+            solved.lost,
             unknowns,
             velocity,
             stress,

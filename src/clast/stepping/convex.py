@@ -39,7 +39,7 @@ from clast.model import Floats, Model
 from clast.state import State
 from clast.stepping.conclude import Solved, conclude
 from clast.stepping.energy import round_off
-from clast.stepping.impact import theta_by_block
+from clast.stepping.impact import after_impacts, bearing, scheme_of
 from clast.stepping.newton import best_of, minimise
 from clast.stepping.potential import Point, Potential, regions_of
 from clast.stepping.reach import (
@@ -121,7 +121,7 @@ class Convex:
             begun = Begun(model, method, state, frames, velocity, step)
             travel = travel_expected(model, method, frames, state, begun.drift, step)
             contacts = begun.contacts(travel)
-        starts: tuple[Floats, ...] = (begun.drift, np.zeros_like(velocity))
+        starts: tuple[Floats, ...] = (np.zeros_like(velocity),)
         counts = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}
         while True:
             solved = self._solved(begun, contacts, starts, counts, stages)
@@ -157,20 +157,24 @@ class Convex:
         step = begun.step
         with stages("contacts"):
             contacts = relieved(model, method, begun.state, contacts)
-            theta = theta_by_block(model, method, contacts, velocity, self.restitution, step)
+            graph = graph_of(contacts, model.block_count)
+            entering = after_impacts(
+                model, frames, begun.state, contacts, graph, velocity, self.restitution, step
+            )
+            scheme = scheme_of(model, method, frames, contacts, graph, entering, step)
         with stages("base system"):
-            base = diagonal_terms(model, method, frames, begun.state, velocity, theta, step)
+            base = diagonal_terms(model, method, frames, begun.state, entering.drift, scheme)
             whole = Potential(
                 base=base,
                 inverse=inverse_of_blocks(base.diagonal),
                 law=method.contact_law,
                 contacts=contacts,
                 fixed=model.fixed,
-                graph=graph_of(contacts, model.block_count),
+                graph=graph,
                 regions=regions_of(contacts, model.fixed),
             )
         # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
-        starts = (*starts, whole.untouched())
+        starts = (entering.drift, *starts, whole.untouched())
         base_force = first_friction_base(begun, whole)
         enough = max(
             self.tolerance**2 * whole.yardstick(), round_off(method, begun.state, len(contacts))
@@ -180,13 +184,16 @@ class Convex:
         )
         return Solved(
             frames=frames,
-            velocity=velocity,
-            theta=theta,
+            velocity=entering.velocity,
+            drift=entering.drift,
+            scheme=scheme,
             unknowns=unknowns,
             contacts=contacts,
             response=response,
             applied=(response.normal_force, response.shear_force),
+            bearing=bearing(contacts, entering, response.normal_force),
             depth=JUMP * method.critdis,
+            lost=entering.lost,
             counts=counts,
         )
 

@@ -32,7 +32,7 @@ def opening(model: Model, method: Method, state: State) -> Ledger:
     velocity, stress = state.velocity, state.stress
     energies = works.of_blocks(  # those of a step in which nothing moves
         (np.zeros_like(velocity), velocity, velocity),
-        (frames.mass_matrix, np.ones(model.block_count), 1.0),
+        (frames.mass_matrix, 1.0),
         (stress, stress),
         (model.area, model.compliance),
         (model.mass, model.gravity, model.gravity),
@@ -103,7 +103,7 @@ def balance(
     state: State,
     frames: BlockFrames,
     velocity: Floats,
-    theta: Floats,
+    lost: float,
     unknowns: Floats,
     end_velocity: Floats,
     end_stress: Floats,
@@ -116,16 +116,16 @@ def balance(
 ) -> Ledger:
     """Return the ledger at the end of a step.
 
-    ``velocity`` (n, 6) is the velocity that entered the equations, ``theta`` (n,) the scheme's
-    weight by block, ``end_velocity`` the velocity and ``end_stress`` (n, 3) the stress, Pa, that
-    came out, in directions of the start, ``applied`` the normal and shear forces (m,) that the
-    equations held at the end of the step, ``response`` the forces of the law.
+    ``velocity`` (n, 6) is the velocity that entered the equations, ``lost`` what impacts took
+    before, J/m, ``end_velocity`` the velocity and ``end_stress`` (n, 3) the stress, Pa, that came
+    out, in directions of the start, ``applied`` the normal and shear forces (m,) that the equations
+    held at the end of the step, ``response`` the forces of the law.
     """
     before, end = state.ledger, state.time + step
     inertial = model.ground_motion.body_acceleration(state.time, end)
     of_blocks = works.of_blocks(
         (unknowns, velocity, end_velocity),
-        (frames.mass_matrix, theta, step),
+        (frames.mass_matrix, step),
         (state.stress, end_stress),
         (model.area, model.compliance),
         (model.mass, model.gravity, inertial),
@@ -155,6 +155,7 @@ def balance(
         fixed_points=fixed,
         loads=before.loads + load_work + base_work,
         friction=before.friction + friction,
-        numerical=before.numerical + removed + (before.kinetic - entering),
+        impacts=before.impacts + lost,
+        numerical=before.numerical + removed + (before.kinetic - entering) - lost,
         unaccounted=before.unaccounted + inertia_work - done,
     )

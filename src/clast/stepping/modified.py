@@ -16,6 +16,7 @@ from clast.contact import multipliers
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.contact.detection import Reach, detect
 from clast.equations.frames import block_frames
+from clast.equations.integration import Scheme
 from clast.equations.reuse import FactorOfStep
 from clast.equations.system import assemble, contact_motions, slip_in_step
 from clast.equations.terms import DiagonalTerms, diagonal_terms
@@ -24,6 +25,7 @@ from clast.interfaces import ContactLaw, Method, StepResult
 from clast.model import Floats, Model
 from clast.state import State
 from clast.stepping.conclude import Solved, conclude
+from clast.stepping.impact import advice_without
 from clast.stepping.stages import Stages
 
 THROWN = (
@@ -102,8 +104,8 @@ class Modified:
             # (4) where the blocks are; (5) inertia and elasticity; (6) stress, weight, loads;
             # (7) fixed points
             frames = block_frames(model, method.displacement, state)
-            theta = np.full(model.block_count, method.integrator.theta)
-            base = diagonal_terms(model, method, frames, state, velocity, theta, step)
+            scheme = Scheme(theta=method.integrator.theta, step=step)
+            base = diagonal_terms(model, method, frames, state, step * velocity, scheme)
         with stages("contacts"):
             # (8) blocks near each other; (9) entrance edges by the angle bisector
             reach = reach_of(method)
@@ -114,11 +116,13 @@ class Modified:
         solved = Solved(
             frames=frames,
             velocity=velocity,
-            theta=theta,
+            drift=step * velocity,
+            scheme=scheme,
             unknowns=found.unknowns,
             contacts=found.contacts,
             response=found.response,
             applied=found.applied,
+            bearing=found.response.normal_force,
             depth=reach.depth,
             counts=found.counts,
         )
@@ -128,7 +132,7 @@ class Modified:
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn where p h2/m is beyond what one pass bears, or carried multipliers swing up."""
-        swing = multipliers.advice(method.contact_law, model, step)
+        swing = *multipliers.advice(method.contact_law, model, step), *advice_without(model)
         number = stability_number(model, method, state, step)
         if self.passes > 1 or number <= STABILITY_LIMIT:
             return swing

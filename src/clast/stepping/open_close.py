@@ -26,6 +26,7 @@ from clast.contact import multipliers
 from clast.contact.arrays import ContactResponse, Contacts
 from clast.contact.detection import detect
 from clast.equations.frames import block_frames
+from clast.equations.integration import Scheme
 from clast.equations.reuse import FactorOfStep
 from clast.equations.system import assemble, slip_in_step
 from clast.equations.terms import DiagonalTerms, diagonal_terms
@@ -34,6 +35,7 @@ from clast.interfaces import Method, StepResult
 from clast.model import Floats, Model
 from clast.state import State
 from clast.stepping.conclude import Solved, conclude
+from clast.stepping.impact import advice_without
 from clast.stepping.modified import (
     STABILITY_LIMIT,
     PassResult,
@@ -77,10 +79,10 @@ class OpenClose:
         """Return the state ``step`` seconds later, or raise StepRejected."""
         stages = Stages()
         velocity = method.dynamic_ratio * state.velocity
-        theta = np.full(model.block_count, method.integrator.theta)
+        scheme = Scheme(theta=method.integrator.theta, step=step)
         with stages("base system"):
             frames = block_frames(model, method.displacement, state)
-            base = diagonal_terms(model, method, frames, state, velocity, theta, step)
+            base = diagonal_terms(model, method, frames, state, step * velocity, scheme)
         with stages("contacts"):
             farthest = np.full(model.block_count, method.max_displacement)
             reach = reach_within_step(method, farthest)
@@ -97,11 +99,13 @@ class OpenClose:
         solved = Solved(
             frames=frames,
             velocity=velocity,
-            theta=theta,
+            drift=step * velocity,
+            scheme=scheme,
             unknowns=found.unknowns,
             contacts=found.contacts,
             response=found.response,
             applied=found.applied,
+            bearing=found.response.normal_force,
             depth=JUMP * method.critdis,
             counts=found.counts,
         )
@@ -112,17 +116,17 @@ class OpenClose:
 
         Blocks at rest bear more: steps whose modes do not settle are cut.
         """
-        swing = multipliers.advice(method.contact_law, model, step)
+        usual = *multipliers.advice(method.contact_law, model, step), *advice_without(model)
         number = stability_number(model, method, state, step)
         if method.integrator.theta > 0.5 or number <= STABILITY_LIMIT:
-            return swing
+            return usual
         soft = method.contact_law.normal_stiffness * STABILITY_LIMIT / number
         return (
             f"p h2/m = {number:.3g} is above {STABILITY_LIMIT:g} (m: mass per contact): constant "
             "acceleration throws back what hits such stiff contacts, with more energy than it had. "
             f"Use normal_stiffness <= {soft:.2g}, time.step <= "
             f'{step * np.sqrt(STABILITY_LIMIT / number):.2g} or integrator = "backward-euler".',
-            *swing,
+            *usual,
         )
 
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:

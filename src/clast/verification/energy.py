@@ -58,7 +58,7 @@ def examine(variant: Variant) -> Outcome:
     ledger = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION)).energy
     stored = np.sum([ledger[entry] for entry in STORED], axis=0) - ledger["loads"]
     start = stored[0]
-    total = (stored + ledger["friction"] + ledger["numerical"]) / start
+    total = (stored + ledger["friction"] + ledger["impacts"] + ledger["numerical"]) / start
     reason = "of the energy at the start"
     rows = (
         absolute(
@@ -84,8 +84,8 @@ PROBLEM = Problem(
     title="Energy of a struck pile",
     text="A turned block of 0.65 m2 is thrown at 3 m/s against a pile of three blocks of 1 m2; "
     "phi = 30 degrees, p = 0.1 GPa, h = 1 ms, 0.5 s.",
-    formula="stored + friction + numerical - loads = constant; stored - loads never above its "
-    "start",
+    formula="stored + friction + impacts + numerical - loads = constant; stored - loads never "
+    "above its start",
     source="first law of thermodynamics",
     set_up=struck_pile,
     examine=examine,
