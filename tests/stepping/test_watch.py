@@ -37,20 +37,21 @@ def warnings_of(text, *settings):
     return Case.from_toml(HEAD + text, settings).run().report.warnings
 
 
-RAM = """
+SUNK = """
 [[block]]
-name = "ram"
-vertices = [[-1, 0.2], [1, 0.2], [1, 1.2], [-1, 1.2]]
-velocity = [0.0, -300.0, 0.0]
+name = "heavy"
+vertices = [[-1, 0.0], [1, 0.0], [1, 1], [-1, 1]]
+[method]
+contact_law = {name = "penalty", normal_stiffness = 2e5}
 [time]
-step = 1e-4
-end = 0.002
+step = 1e-3
+end = 0.3
 """
 
 
 def test_deep_penetration_is_said():
-    (text,) = (one for one in warnings_of(RAM) if "thinner" in one)
-    assert "'ram'" in text and "'floor'" in text
+    (text,) = (one for one in warnings_of(SUNK) if "thinner" in one)
+    assert "'heavy'" in text and "'floor'" in text
     assert "normal_stiffness" in text
 
 
