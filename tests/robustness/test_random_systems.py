@@ -20,6 +20,14 @@ def check(seed):
     assert {frozenset(one.blocks) for one in found.unseen} <= told
 
 
+def overlap_at_start(seed):
+    """Return whether the blocks were drawn in each other."""
+    try:
+        return len(drawn(seed).model().overlaps.depth) > 0
+    except CaseError:
+        return True
+
+
 @pytest.mark.parametrize("seed", SEEDS)
 def test_systems_that_failed(seed):
     check(seed)
@@ -28,7 +36,6 @@ def test_systems_that_failed(seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", MORE)
 def test_more_systems(seed):
-    try:
-        check(seed)
-    except CaseError:
+    if overlap_at_start(seed):
         pytest.skip("the blocks drawn overlap")
+    check(seed)

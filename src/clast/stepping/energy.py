@@ -55,12 +55,14 @@ def round_off(method: Method, state: State, contacts: int) -> float:
 
 
 def with_overlap(ledger: Ledger, method: Method, contacts: Contacts) -> Ledger:
-    """Return the ledger at the start of a run with what overlaps there already, J/m.
+    """Return the ledger at the start of a run with what contacts hold there already, J/m.
 
-    ``contacts`` are those of the first step; coordinates are rounded, and blocks may be wedged in.
+    ``contacts`` are those of the first step; coordinates are rounded, blocks may be wedged in, and
+    bonds reach over gaps.
     """
-    closed = np.minimum(contacts.gap, 0.0)
-    held = 0.5 * method.contact_law.normal_stiffness * float(closed @ closed)
+    stretched = contacts.bonded & (contacts.tensile_strength > 0.0)
+    held_by = np.where(stretched, contacts.gap, np.minimum(contacts.gap, 0.0))
+    held = 0.5 * method.contact_law.normal_stiffness * float(held_by @ held_by)
     return replace(ledger, contact=ledger.contact + held)
 
 

@@ -36,15 +36,17 @@ def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> 
         return contacts
     stiffness = law.normal_stiffness
     slack = stiffness * SLACK * method.critdis
-    held = np.maximum(contacts.normal_force, 0.0)
-    rest = held + stiffness * contacts.gap + slack
-    if rest.min() >= 0.0:
-        return (
-            contacts if not contacts.multiplier.any() else replace(contacts, multiplier=0.0 * rest)
-        )
-    taken_over = _left_over(model, state, contacts, rest < 0.0)
-    rest = np.hypot(held, taken_over) + stiffness * contacts.gap + slack
-    return replace(contacts, multiplier=np.minimum(rest, 0.0))
+    held, before = np.maximum(contacts.normal_force, 0.0), contacts.multiplier
+    rest = held + stiffness * contacts.gap
+    sunk = rest < before - slack
+    if not sunk.any() and not before.any():
+        return contacts
+    if sunk.any():
+        taken_over = _left_over(model, state, contacts, sunk)
+        rest = np.where(sunk, np.hypot(held, taken_over) + stiffness * contacts.gap, rest)
+    # a spring that bears keeps its point of rest; where it is open that follows the vertex out
+    follows = np.where(held > 0.0, before, np.maximum(rest, before))
+    return replace(contacts, multiplier=np.minimum(np.where(sunk, rest, follows), 0.0))
 
 
 def _left_over(model: Model, state: State, contacts: Contacts, wanting: np.ndarray) -> Floats:
