@@ -82,8 +82,9 @@ class Report:
             f"  {self.steps} steps ({self.cut_steps} cut), {self.passes} passes, at most "
             f"{self.largest_contacts} contacts, {self.wall_seconds:.3g} s of wall time",
             f"  penetration at most {self.largest_penetration:.3g} m; kinetic "
-            f"{self.ledger.kinetic:.4g}, friction {self.ledger.friction:.4g}, numerical "
-            f"{self.ledger.numerical:.4g}, unaccounted {self.ledger.unaccounted:.2g} J/m",
+            f"{self.ledger.kinetic:.4g}, friction {self.ledger.friction:.4g}, impacts "
+            f"{self.ledger.impacts:.4g}, numerical {self.ledger.numerical:.4g}, "
+            f"unaccounted {self.ledger.unaccounted:.2g} J/m",
         ]
         if self.warnings:
             lines.append(f"  {len(self.warnings)} warnings: .warnings")
