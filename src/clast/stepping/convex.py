@@ -153,14 +153,11 @@ class Convex:
         stages: Stages,
     ) -> Solved:
         """Return what the step comes to with these contacts; ``counts`` is added to."""
-        model, method, frames, velocity = begun.model, begun.method, begun.frames, begun.velocity
-        step = begun.step
+        model, method, frames, step = begun.model, begun.method, begun.frames, begun.step
         with stages("contacts"):
             contacts = relieved(model, method, begun.state, contacts)
             graph = graph_of(contacts, model.block_count)
-            entering = after_impacts(
-                model, frames, begun.state, contacts, graph, velocity, self.restitution, step
-            )
+            entering = after_impacts(begun, contacts, graph, self.restitution)
             scheme = scheme_of(model, method, frames, contacts, graph, entering, step)
         with stages("base system"):
             base = diagonal_terms(model, method, frames, begun.state, entering.drift, scheme)

@@ -24,6 +24,7 @@ and these in their next step, keep the scheme of the run.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -40,8 +41,11 @@ from clast.kernels import approach, collisions, stopping
 from clast.model import Floats, Model
 from clast.state import State
 
+if TYPE_CHECKING:
+    from clast.stepping.convex import Begun
+
 IMPACT = 1.0
-"""Closing velocity that counts as an impact, in units of g h, the speed of one step of fall."""
+"""Closing velocity that counts as an impact, in units of the speeds of :func:`slowest_impact`."""
 NOISE = 1e-4
 """The same in units of the fastest approach, which is all there is without weight."""
 EVEN = 1e-5
@@ -75,20 +79,13 @@ class Entering:
     """Closing velocity from which contacts were struck, m/s."""
 
 
-def after_impacts(
-    model: Model,
-    frames: BlockFrames,
-    state: State,
-    contacts: Contacts,
-    graph: Graph,
-    velocity: Floats,
-    restitution: float,
-    step: float,
-) -> Entering:
-    """Return what the impacts of a step leave that starts with ``velocity`` (n, 6)."""
+def after_impacts(begun: Begun, contacts: Contacts, graph: Graph, restitution: float) -> Entering:
+    """Return what the impacts of a step that has begun leave for its equations."""
+    model, frames, state = begun.model, begun.frames, begun.state
+    velocity, step = begun.velocity, begun.step
     rate = gap_rate(contacts, velocity)
-    fall = float(np.hypot(*model.gravity)) * step
-    impact = max(IMPACT * fall, NOISE * float(-rate.min(initial=0.0)))
+    slow = slowest_impact(model, begun.method.contact_law, step)
+    impact = max(slow, NOISE * float(-rate.min(initial=0.0)))
     unchanged = Entering(
         velocity=velocity, drift=step * velocity, lost=0.0, rate=rate, impact=impact
     )
@@ -123,6 +120,18 @@ def after_impacts(
         rate=gap_rate(contacts, after),
         impact=impact,
     )
+
+
+def slowest_impact(model: Model, law: ContactLaw, step: float) -> float:
+    """Return the closing velocity from which contacts strike, m/s.
+
+    The speed of one step of fall, g h; where the step resolves the contacts that of a block that
+    swings about its sag on them, g/w with w^2 = 2 p/m.  What rests on soft springs opens and closes
+    by less than it sags, and its springs answer that.
+    """
+    mass = float(model.mass[~model.fixed].min(initial=np.inf))
+    swings = np.sqrt(mass / (2.0 * law.normal_stiffness)) if np.isfinite(mass) else 0.0
+    return IMPACT * float(np.hypot(*model.gravity)) * max(step, float(swings))
 
 
 def restitutions(model: Model, contacts: Contacts, restitution: float) -> Floats:
