@@ -10,7 +10,17 @@ from clast.model_builder import ModelBuilder
 from clast.stepping.convex import Convex
 from clast.stepping.modified import Modified
 from clast.stepping.open_close import OpenClose
-from systems import GRAVITY, at_start, box, centroids, march, method
+from systems import (
+    GRAVITY,
+    at_start,
+    box,
+    by_convex,
+    centroids,
+    march,
+    method,
+    regular,
+    system,
+)
 
 FLOOR = box(-4.0, -1.0, 12.0, 1.0)
 
@@ -187,3 +197,23 @@ def test_processes_without_restitution_say_so(process):
     plain = scene([box(0.0, 0.0)])
     said = process.advice(plain, made, at_start(plain), 1e-4)
     assert not any("restitution" in one for one in said)
+
+
+@pytest.mark.parametrize("corners", [4, 6, 8])
+@pytest.mark.parametrize("stiffness", [5e7, 5e9])
+def test_a_polygon_that_rolls_loses_what_plastic_impacts_take(corners, stiffness):
+    """From corner to corner: w+/w = (i + R^2 cos(2 pi/n))/(i + R^2), i = I/m of the polygon."""
+    outline = regular(corners, 0.5, -0.5 * np.pi)
+    outline -= outline[0]
+    arm = outline.mean(axis=0)
+    spin = -1.5
+    velocity = {1: (-spin * arm[1], spin * arm[0], spin)}
+    floor = box(-3.0, -1.0, 9.0, 1.0)
+    model = system([floor, outline], fixed=[0], friction_angle=60.0, velocity=velocity)
+    results = march(model, by_convex(stiffness, max_displacement=0.05), 5e-4, 0.6)
+    spins = np.array([one.state.velocity[1, 2] for one in results])
+    lands = int(np.argmax(np.diff(spins)))
+    turn = np.cos(2.0 * np.pi / corners)
+    inertia = 0.25 * (2.0 + turn) / 6.0
+    exact = (inertia + 0.25 * turn) / (inertia + 0.25)
+    assert spins[lands + 1] / spins[lands] == pytest.approx(exact, abs=2e-3)
