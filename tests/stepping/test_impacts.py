@@ -200,9 +200,12 @@ def test_processes_without_restitution_say_so(process):
 
 
 @pytest.mark.parametrize("corners", [4, 6, 8])
-@pytest.mark.parametrize("stiffness", [5e7, 5e9])
-def test_a_polygon_that_rolls_loses_what_plastic_impacts_take(corners, stiffness):
-    """From corner to corner: w+/w = (i + R^2 cos(2 pi/n))/(i + R^2), i = I/m of the polygon."""
+@pytest.mark.parametrize(("stiffness", "within"), [(5e7, 1e-2), (5e9, 2e-3)])
+def test_a_polygon_that_rolls_loses_what_plastic_impacts_take(corners, stiffness, within):
+    """From corner to corner: w+/w = (i + R^2 cos(2 pi/n))/(i + R^2), i = I/m of the polygon.
+
+    On soft springs it swings on the corner that it turns about.
+    """
     outline = regular(corners, 0.5, -0.5 * np.pi)
     outline -= outline[0]
     arm = outline.mean(axis=0)
@@ -212,8 +215,9 @@ def test_a_polygon_that_rolls_loses_what_plastic_impacts_take(corners, stiffness
     model = system([floor, outline], fixed=[0], friction_angle=60.0, velocity=velocity)
     results = march(model, by_convex(stiffness, max_displacement=0.05), 5e-4, 0.6)
     spins = np.array([one.state.velocity[1, 2] for one in results])
-    lands = int(np.argmax(np.diff(spins)))
+    lost = np.array([one.state.ledger.impacts for one in results])
+    lands = int(np.argmax(np.diff(lost) > 0.2 * lost[-1]))
     turn = np.cos(2.0 * np.pi / corners)
     inertia = 0.25 * (2.0 + turn) / 6.0
     exact = (inertia + 0.25 * turn) / (inertia + 0.25)
-    assert spins[lands + 1] / spins[lands] == pytest.approx(exact, abs=2e-3)
+    assert spins[lands + 1] / spins[lands] == pytest.approx(exact, abs=within)
