@@ -193,7 +193,7 @@ def test_terrain_in_pieces_is_terrain_in_one(bends, phi):
         )
         ends.append(march(model, by_convex(5e9), 2e-3, 0.8)[-1].state.vertices[-4:])
     went = np.abs(ends[0] - block).max()
-    assert np.abs(ends[1] - ends[0]).max() < 0.005 * went
+    assert np.abs(ends[1] - ends[0]).max() < 0.001 * went
 
 
 def test_a_block_beside_another_on_one_floor_is_pushed_by_it():

@@ -111,19 +111,19 @@ def _passes_by(p, e, gap, at_end, ax, ay, bx, by, vertices, shift, direction, le
 
 
 @kernel()
-def _crosses_within(p, e, e_end, gap, along, shift, tx, ty, length):
-    """Return True if the step's motion takes vertex p across edge e between its ends.
+def _meeting_point(p, e, e_end, gap, along, shift, tx, ty, length):
+    """Return where the step's motion takes vertex p across the line of edge e, m along it.
 
-    ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m.
+    ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m.  Infinity
+    where it does not come there.
     """
     share = along / length
     mx = shift[p, 0] - (1.0 - share) * shift[e, 0] - share * shift[e_end, 0]
     my = shift[p, 1] - (1.0 - share) * shift[e, 1] - share * shift[e_end, 1]
     closing = -(mx * ty - my * tx)
     if closing <= gap:
-        return False
-    meets = along + (gap / closing) * (mx * tx + my * ty)
-    return 0.0 <= meets <= length
+        return np.inf
+    return along + (gap / closing) * (mx * tx + my * ty)
 
 
 @kernel(inline="always")
@@ -206,10 +206,20 @@ def _vertex_candidates(
             if _is_behind_next(px, py, gap, e, at_end, vertices, direction, first_j, last_j):
                 allowance = depth
             e_end = vertex_after(e, first_j, last_j)
-            if beyond > allowance and not (
-                gap >= 0.0 and _crosses_within(p, e, e_end, gap, along, shift, tx, ty, length[e])
-            ):
-                continue
+            if beyond > allowance:
+                if gap < 0.0:
+                    continue
+                meets = _meeting_point(p, e, e_end, gap, along, shift, tx, ty, length[e])
+                # one that is pressed in a little meets the line before the seam where it bends
+                over = length[e] if at_end else 0.0
+                behind = vertex_after(e, first_j, last_j)
+                if not at_end:
+                    behind = vertex_before(e, first_j, last_j)
+                if not 0.0 <= meets <= length[e] and not (
+                    abs(meets - over) <= depth
+                    and is_covered(p, i, j, behind, not at_end, ax, ay, bx, by, outlines, bearing)
+                ):
+                    continue
         if gap < 0.0 and _is_hidden(
             px, py, e, along, critdis, vertices, direction, length, first_j, last_j
         ):
