@@ -13,6 +13,7 @@ import pytest
 from recorded_run import moved, three_blocks
 
 from clast.results import read_results, summary
+from clast.results.journal import read_journal
 
 KILLED = 30
 
@@ -57,7 +58,9 @@ def test_vtk_opens_what_is_left(killed: list[tuple[Path, int]]):
     from vtk.util.numpy_support import vtk_to_numpy
 
     model = three_blocks()
-    for path, written in killed:
+    whole = [entry for entry in killed if not is_torn(entry[0])]
+    assert len(whole) >= KILLED - 3
+    for path, written in whole:
         reader = vtk.vtkHDFReader()
         assert reader.CanReadFile(str(path))
         reader.SetFileName(str(path))
@@ -67,6 +70,15 @@ def test_vtk_opens_what_is_left(killed: list[tuple[Path, int]]):
         reader.Update()
         points = vtk_to_numpy(reader.GetOutput().GetPoints().GetData())
         np.testing.assert_array_equal(points[:, :2], moved(model, 0.01 * (written - 1)).vertices)
+
+
+def is_torn(path: Path) -> bool:
+    """Whether the writer was killed while a frame took effect, which a few in a thousand are.
+
+    Such a file has a whole journal at its end, which only clast looks at (decision 42).
+    """
+    with open(path, "rb") as file:
+        return read_journal(file) is not None
 
 
 def test_summary_says_that_the_run_did_not_end(killed: list[tuple[Path, int]]):
