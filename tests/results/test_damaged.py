@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 from clast.cli.commands import app
 from clast.errors import CaseError
 from clast.results import opening, read_results, summary
-from clast.results.about import texts
+from clast.results.provenance import texts
 
 
 @pytest.fixture(scope="module")

@@ -16,8 +16,8 @@ from recorded_run import Recorded, moved, record, report, step_result, three_blo
 from clast.contact.laws import AugmentedLagrangian
 from clast.errors import CaseError
 from clast.results import RunRecorder, read_results, summary
-from clast.results.about import texts
 from clast.results.layout import CELL_ARRAYS
+from clast.results.provenance import texts
 from clast.results.writing import _Column
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate

@@ -13,8 +13,8 @@ from recorded_run import SPIN, STEP, TRANSLATION, moved, record, report, step_re
 from clast.block import polygon
 from clast.errors import CaseError
 from clast.results import RunRecorder
-from clast.results.points import point_velocity
 from clast.results.run import report_from_dict
+from clast.results.sampling import point_velocity
 
 
 def test_history_of_a_point_is_its_exact_motion():
