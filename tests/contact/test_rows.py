@@ -10,7 +10,7 @@ from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
 from clast.linear import assembly
 from clast.linear.system import contact_motions, graph_of, with_contact_forces
-from systems import (
+from scenes.systems import (
     REACH,
     at_start,
     by_convex,

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recorded_run import moved, record, three_blocks
 
 import clast
 from clast.errors import CaseError
 from clast.results import Run
 from clast.results.tables import Columns
+from scenes.recorded_run import moved, record, three_blocks
 
 
 @pytest.fixture

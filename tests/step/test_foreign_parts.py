@@ -11,7 +11,7 @@ from clast.contact.jacobian import levers_of, movement
 from clast.step.convex import Convex
 from clast.step.modified import ImplicitFriction, Modified
 from clast.step.motion import move
-from systems import at_start, box, centroids, incline, march, method, slide, system
+from scenes.systems import at_start, box, centroids, incline, march, method, slide, system
 
 PROCESSES = {
     "lagged": Modified(),
