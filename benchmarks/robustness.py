@@ -283,10 +283,10 @@ the same answer moved, turned, renumbered, in another unit, and repeat bit for b
 
 Random systems of 2 to 11 blocks (`tests/scenes/random_systems.py`: sizes 1:100, half of them not
 convex, tight and loose, p/E 1e-3 to 50, h 0.2 to 20 ms, friction 0 to 60 degrees, some with
-cohesion, velocities up to 20 m/s) are run for 50 to 150 steps and looked at with a polygon clipper. Of 2,088
-none stops and none gains more than 0.1 % of the energy turned over. In 32 two blocks overlap by
-more than 1.5 times what their contacts know, 29 by micrometres, three by 1 to 92 mm, and each is
-warned of.
+cohesion, velocities up to 20 m/s) are run for 50 to 150 steps and looked at with a polygon
+clipper. Of 2,088 none stops and none gains more than 0.1 % of the energy turned over. In 32 two
+blocks overlap by more than 1.5 times what their contacts know, 29 by micrometres, three by 1 to 92
+mm, and each is warned of.
 
 critdis (default 5 mm) belongs below a tenth of the thinnest block, max_displacement below its
 thickness: 0.5 mm and 1 mm for cubes of 1 cm below a block of 10 m.
