@@ -36,7 +36,7 @@ def claim(file: BinaryIO) -> bool:
 
 @contextmanager
 def changing(file: BinaryIO, patience: float = PATIENCE) -> Iterator[None]:
-    """Keep readers of the content out in the block, but one that reads longer than ``patience``, s."""
+    """Keep readers of the content out in the block; ``patience``, s, is what one may still take."""
     with _held(file, "F_WRLCK", patience):
         yield
 
