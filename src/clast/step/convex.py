@@ -84,7 +84,7 @@ class Convex:
         stages = Stages()
         velocity = method.dynamic_ratio * state.velocity
         with stages("contacts"):
-            frames = block_frames(model, method.displacement, state)
+            frames = block_frames(model, state)
             begun = Begun(model, method, state, frames, velocity, step)
             travel = travel_expected(model, method, frames, state, begun.drift, step)
             contacts = begun.contacts(travel)
