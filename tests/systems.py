@@ -11,7 +11,6 @@ import numpy as np
 import shapely
 
 from clast.block import polygon
-from clast.block.displacement import FirstOrder
 from clast.block.inertia import block_frames
 from clast.block.rotation import Sine
 from clast.contact.candidates import Candidates, find_candidates
@@ -170,7 +169,7 @@ def method(**changes: object) -> Method:
         process=Modified(),
         contact_law=Penalty(normal_stiffness=1e8),
         corner_rule=Bisector(),
-        displacement=FirstOrder(Sine()),
+        rotation=Sine(),
         integrator=ConstantAcceleration(),
         solver=Scipy(),
         fixed_point_stiffness=1e11,
@@ -294,9 +293,8 @@ def contacts_of(
 ) -> Contacts:
     """Return the contacts of a state as a step sees them."""
     state = state or at_start(model)
-    displacement = FirstOrder(Sine())
     centroid = polygon.moments(state.vertices, model.block_start)[1]
-    return detect(model, rule, displacement, state, centroid, reach)
+    return detect(model, rule, state, centroid, reach)
 
 
 # --- runs to their end -----------------------------------------------------------------------
@@ -446,7 +444,7 @@ def centroids(model: Model, state: State) -> Floats:
 
 def momentum(model: Model, how: Method, state: State) -> Floats:
     """Return linear momentum and angular momentum about (0, 0), shape (3,)."""
-    frames = block_frames(model, how.displacement, state)
+    frames = block_frames(model, state)
     linear = model.mass[:, None] * state.velocity[:, :2]
     at = frames.centroid
     orbital = at[:, 0] * linear[:, 1] - at[:, 1] * linear[:, 0]

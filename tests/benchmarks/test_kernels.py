@@ -102,7 +102,7 @@ def test_law(benchmark, wall):
 def test_assembly(benchmark, wall):
     model, method = wall.model, wall.method
     contacts = replace(wall.contacts, friction_base=wall.contacts.normal_force)
-    frames = block_frames(model, method.displacement, wall.state)
+    frames = block_frames(model, wall.state)
     scheme, drift = Scheme(theta=0.5, step=STEP), STEP * wall.state.velocity
     base = diagonal_terms(model, method, frames, wall.state, drift, scheme)
     response = method.contact_law.respond(contacts, contacts.gap, np.zeros(len(contacts)))

@@ -53,7 +53,7 @@ def wall(implicit=False, fixed=(0, 1, 2), seed=0):
     contacts = contacts_of(model, state)
     contacts = replace(contacts, shear_force=1e4 * rng.normal(size=len(contacts)))
     how = method(contact_law=Penalty(normal_stiffness=1e8, shear_stiffness=3e7))
-    frames = block_frames(model, how.displacement, state)
+    frames = block_frames(model, state)
     scheme = Scheme(theta=0.5, step=STEP)
     velocity = 0.01 * rng.normal(size=(model.block_count, 6)) * ~model.fixed[:, None]
     base = diagonal_terms(model, how, frames, state, STEP * velocity, scheme)

@@ -166,11 +166,10 @@ def _seconds_of_a_step(model: Model, method: Method, schedule: Schedule, start: 
 
 
 def _contacts(model: Model, method: Method, state: State) -> Contacts:
-    frames = block_frames(model, method.displacement, state)
+    frames = block_frames(model, state)
     return detect(
         model,
         method.corner_rule,
-        method.displacement,
         state,
         frames.centroid,
         reach_of(method),

@@ -39,7 +39,6 @@ class Begun:
         return detect(
             self.model,
             self.method.corner_rule,
-            self.method.displacement,
             self.state,
             self.frames.centroid,
             reach_within_step(self.method, travel),

@@ -92,7 +92,7 @@ class Convex:
         stages, workspace = Stages(), workspace or Workspace()
         velocity = method.dynamic_ratio * state.velocity
         with stages("contacts"):
-            frames = block_frames(model, method.displacement, state)
+            frames = block_frames(model, state)
             begun = Begun(model, method, state, frames, velocity, step, workspace)
             travel = travel_expected(model, method, frames, state, begun.drift, step)
             contacts = begun.contacts(travel)

@@ -28,7 +28,7 @@ def fixed_point_energy(model: Model, stiffness: float, drift: Floats) -> float:
 
 def opening(model: Model, method: Method, state: State) -> Ledger:
     """Return the ledger of a state at the start of a run: what it holds already."""
-    frames = block_frames(model, method.displacement, state)
+    frames = block_frames(model, state)
     velocity, stress = state.velocity, state.stress
     energies = works.of_blocks(  # those of a step in which nothing moves
         (np.zeros_like(velocity), velocity, velocity),
@@ -87,7 +87,7 @@ def fixed_point_works(
     held_by = model.fixed_points.block
     if not len(held_by):
         return 0.0, 0.0, 0.0, 0.0
-    basis, drift = fixed_point_rows(model, frames, method.displacement, state, end)
+    basis, drift = fixed_point_rows(model, frames, state, end)
     held = drift + np.einsum("kxi,ki->kx", basis, unknowns[held_by])
     stiffness, ground = method.fixed_point_stiffness, model.ground_motion
     moved = ground.anchor_displacement(end) - ground.anchor_displacement(state.time)
@@ -136,7 +136,7 @@ def balance(
     elastic_before, elastic, elastic_work = map(float, of_blocks[3:6])
     gravity_work, load_work = map(float, of_blocks[6:])
     removed = inertia_work - (kinetic - entering) - elastic_work - (elastic - elastic_before)
-    block, load = load_rows(model, frames, method.displacement, state)
+    block, load = load_rows(model, frames, state)
     load_work += float(np.sum(load * unknowns[block]))
 
     fixed_work, base_work, fixed_before, fixed = fixed_point_works(

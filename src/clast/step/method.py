@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from clast.block.displacement import DisplacementFunction
+from clast.block.rotation import RotationRule
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.laws import ContactLaw
@@ -81,8 +81,8 @@ class Method:
     """Contact law."""
     corner_rule: CornerRule
     """Rule that picks the entrance edge at corners."""
-    displacement: DisplacementFunction
-    """Displacement function of a block, with its rotation rule."""
+    rotation: RotationRule
+    """Rotation rule: what the third unknown of a block means."""
     integrator: Integrator
     """Time integration scheme."""
     solver: LinearSolver

@@ -113,20 +113,14 @@ class Modified:
         with stages("base system"):
             # (4) where the blocks are; (5) inertia and elasticity; (6) stress, weight, loads;
             # (7) fixed points
-            frames = block_frames(model, method.displacement, state)
+            frames = block_frames(model, state)
             scheme = Scheme(theta=method.integrator.theta, step=step)
             base = diagonal_terms(model, method, frames, state, step * velocity, scheme)
         with stages("contacts"):
             # (8) blocks near each other; (9) entrance edges by the angle bisector
             reach = reach_of(method)
             contacts = detect(
-                model,
-                method.corner_rule,
-                method.displacement,
-                state,
-                frames.centroid,
-                reach,
-                near=workspace.near,
+                model, method.corner_rule, state, frames.centroid, reach, near=workspace.near
             )
         found = self._solve(model, method, base, contacts, velocity, step, stages)
         solved = Solved(
@@ -271,11 +265,10 @@ def stability_number(model: Model, method: Method, state: State, step: float) ->
     Contacts are those within critdis at ``state``; a block that touches nothing yet is counted
     with the single vertex that it will land on.
     """
-    frames = block_frames(model, method.displacement, state)
+    frames = block_frames(model, state)
     contacts = detect(
         model,
         method.corner_rule,
-        method.displacement,
         state,
         frames.centroid,
         reach_of(method),

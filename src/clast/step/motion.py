@@ -8,9 +8,9 @@ import numpy as np
 
 from clast.block import elasticity as tensors
 from clast.block import polygon
-from clast.block.displacement import DisplacementFunction
+from clast.block.displacement import movements
 from clast.block.inertia import BlockFrames
-from clast.contact.jacobian import places_at_once
+from clast.block.rotation import RotationRule
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Floats, Model
@@ -47,7 +47,7 @@ STRESS, STRAIN_RATES = 0, 3
 
 
 def move(
-    displacement: DisplacementFunction,
+    rotation: RotationRule,
     positions: Floats,
     block: np.ndarray,
     centroid: Floats,
@@ -57,16 +57,13 @@ def move(
 
     Written as position + movement, so that a block that does not move keeps every bit.
     """
-    offset: Floats = polygon.offsets(positions, block, centroid)
-    if places_at_once(displacement):
-        return positions + displacement.movements(offset, unknowns, block)
-    return positions + (displacement.place(offset, unknowns.take(block, axis=0)) - offset)
+    offset = polygon.offsets(positions, block, centroid)
+    return positions + movements(rotation, offset, unknowns, block)
 
 
 def end_stress(model: Model, state: State, unknowns: Floats) -> Floats:
     """Return the stress, Pa, (n, 3), after the strains of d (n, 6), in directions of the start."""
-    strained: Floats = tensors.strained(state.stress, model.elasticity, unknowns)
-    return strained
+    return tensors.strained(state.stress, model.elasticity, unknowns)
 
 
 def advance(
@@ -87,11 +84,11 @@ def advance(
     Raises StepRejected where a vertex moves further than max_displacement against a block that it
     might touch, or a block turns further than the equations bear.
     """
-    turn = method.displacement.turn(unknowns)
+    turn = method.rotation.angle(np.ascontiguousarray(unknowns[:, 2]))
     if not np.all(np.abs(turn) <= LARGEST_TURN):
         raise StepRejected(StepOutcome.ROTATED_TOO_FAR)
     block = model.vertex_block
-    vertices = move(method.displacement, state.vertices, block, frames.centroid, unknowns)
+    vertices = move(method.rotation, state.vertices, block, frames.centroid, unknowns)
     travel = float(polygon.travel(state.vertices, vertices))
     if not np.isfinite(travel):
         raise StepRejected(StepOutcome.NOT_FINITE)
@@ -104,7 +101,7 @@ def advance(
             f"{approach:.3g} m against max_displacement = {method.max_displacement:.3g} m",
         )
     points = move(
-        method.displacement,
+        method.rotation,
         state.points,
         model.material_points.block,
         frames.centroid,
@@ -133,10 +130,10 @@ def approach_of(model: Model, before: Floats, after: Floats, near: VerletList) -
     if thrown > float(np.ptp(before, axis=0).max()):
         return thrown
     start, count = model.block_start, np.diff(model.block_start)
-    way = np.asarray(polygon.farthest(moved, start))
+    way = polygon.farthest(moved, start)
     pairs = near_pairs(near, before, start, model.fixed, 0.0, way)
     mean = np.add.reduceat(moved, start[:-1], axis=0) / count[:, None]
-    own = np.asarray(polygon.farthest(moved - np.repeat(mean, count, axis=0), start))
+    own = polygon.farthest(moved - np.repeat(mean, count, axis=0), start)
     lower, higher = pairs.T
     against = np.hypot(*(mean[lower] - mean[higher]).T) + own[lower] + own[higher]
     # where two turn together the sum says too much

@@ -84,7 +84,7 @@ class OpenClose:
         velocity = method.dynamic_ratio * state.velocity
         scheme = Scheme(theta=method.integrator.theta, step=step)
         with stages("base system"):
-            frames = block_frames(model, method.displacement, state)
+            frames = block_frames(model, state)
             base = diagonal_terms(model, method, frames, state, step * velocity, scheme)
         with stages("contacts"):
             farthest = np.full(model.block_count, method.max_displacement)
@@ -92,7 +92,6 @@ class OpenClose:
             contacts = detect(
                 model,
                 method.corner_rule,
-                method.displacement,
                 state,
                 frames.centroid,
                 reach,

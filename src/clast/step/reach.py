@@ -13,9 +13,9 @@ from __future__ import annotations
 import numpy as np
 
 from clast.block import polygon
+from clast.block.displacement import displacements
 from clast.block.inertia import BlockFrames
 from clast.contact.contacts import Contacts
-from clast.contact.jacobian import movement
 from clast.contact.search_distance import Reach
 from clast.linear.system import gap_at_end
 from clast.model.model import Floats, Model
@@ -48,8 +48,8 @@ def travel_of(
     """Return the largest movement of a vertex of each block by d (n, 6), m, shape (n,)."""
     block = model.vertex_block
     offset = polygon.offsets(state.vertices, block, frames.centroid)
-    moved = movement(method.displacement, offset, displacement, block)
-    return np.asarray(polygon.farthest(moved, model.block_start))
+    moved = displacements(offset, displacement, block)
+    return polygon.farthest(moved, model.block_start)
 
 
 def travel_expected(

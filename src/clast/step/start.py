@@ -15,7 +15,7 @@ from itertools import accumulate, pairwise
 import numpy as np
 
 from clast.block import equations as block_terms
-from clast.block.displacement import DisplacementFunction
+from clast.block.displacement import basis
 from clast.block.inertia import BlockFrames
 from clast.linear.system import DiagonalTerms
 from clast.model.model import Floats, Ints, Model
@@ -56,9 +56,7 @@ def _slices(fixed: int, loaded: int, lines: int, measured: int) -> PointSlices:
     )
 
 
-def load_rows(
-    model: Model, frames: BlockFrames, displacement: DisplacementFunction, state: State
-) -> tuple[Ints, Floats]:
+def load_rows(model: Model, frames: BlockFrames, state: State) -> tuple[Ints, Floats]:
     """Return block (k,) and generalised force (k, 6) of every point and line load.
 
     A uniform traction q along a line of length L gives L T(midpoint)^T q, exact because T is
@@ -72,25 +70,19 @@ def load_rows(
     block = np.concatenate([model.point_loads.block, model.line_loads.block])
     at = np.concatenate([state.points[rows.loaded], 0.5 * (start + end)])
     force = np.concatenate([model.point_loads.force, length[:, None] * model.line_loads.traction])
-    basis = displacement.basis(at - frames.centroid[block])
-    return block, np.einsum("kxi,kx->ki", basis, force)
+    return block, np.einsum("kxi,kx->ki", basis(at - frames.centroid[block]), force)
 
 
 def fixed_point_rows(
-    model: Model,
-    frames: BlockFrames,
-    displacement: DisplacementFunction,
-    state: State,
-    time: float,
+    model: Model, frames: BlockFrames, state: State, time: float
 ) -> tuple[Floats, Floats]:
     """Return T (k, 2, 6) at the fixed points and their distance (k, 2) from the anchor, m.
 
     ``time``, s, is when the anchors are looked at; the points are those of ``state``.
     """
     at = state.points[point_slices(model).fixed]
-    basis = displacement.basis(at - frames.centroid[model.fixed_points.block])
     anchor = model.fixed_points.at + model.ground_motion.anchor_displacement(time)
-    return basis, at - anchor
+    return basis(at - frames.centroid[model.fixed_points.block]), at - anchor
 
 
 def diagonal_terms(
@@ -114,12 +106,12 @@ def diagonal_terms(
     if scheme.stopped is not None:
         terms = matrix, force, momentum
         stopping.add_inertia(scheme.stopped, scheme.of_stopped, drift, terms)
-    block, load = load_rows(model, frames, method.displacement, state)
+    block, load = load_rows(model, frames, state)
     if len(block):
         np.add.at(force, block, load)
     held, stiffness = model.fixed_points.block, method.fixed_point_stiffness
     if len(held):
-        basis, drift = fixed_point_rows(model, frames, method.displacement, state, end)
-        np.add.at(matrix, held, stiffness * np.einsum("kxi,kxj->kij", basis, basis))
-        np.add.at(force, held, -stiffness * np.einsum("kxi,kx->ki", basis, drift))
+        t, drift = fixed_point_rows(model, frames, state, end)
+        np.add.at(matrix, held, stiffness * np.einsum("kxi,kxj->kij", t, t))
+        np.add.at(force, held, -stiffness * np.einsum("kxi,kx->ki", t, drift))
     return DiagonalTerms(diagonal=matrix, force=force, momentum=momentum, centroid=frames.centroid)
