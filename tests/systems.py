@@ -31,9 +31,8 @@ from clast.run.simulate import simulate
 from clast.step import energy_balance as energy
 from clast.step.convex import Convex
 from clast.step.integration import ConstantAcceleration
-from clast.step.method import Method, StepProcess, StepResult
+from clast.step.method import Method, StepProcess, StepResult, Workspace
 from clast.step.modified import Modified
-from clast.step.workspace import Workspace
 
 GRAVITY = 9.8
 
@@ -413,7 +412,7 @@ def overlaps(model: Model, vertices: Floats) -> list[tuple[int, int, float]]:
 
 def open_ledger(model: Model, how: Method, state: State) -> State:
     """Return the state with the ledger that a run starts with."""
-    return replace(state, ledger=energy.opening(model, how, state))
+    return replace(state, ledger=energy.opening(model, state))
 
 
 def march(

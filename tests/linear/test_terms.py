@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from clast.block.displacement import movements
-from clast.block.inertia import block_frames
 from clast.block.rotation import Sine
 from clast.linear.block_matrix import row_pointers
 from clast.linear.couplings import Blocks
@@ -34,10 +33,9 @@ def still(model):
 def base_of(model, how=None, state=None, velocity=None, theta=0.5, step=1e-3):
     """Return the base system of a step."""
     how, state = how or method(), state or at_start(model)
-    frames = block_frames(model, state)
     velocity = still(model) if velocity is None else velocity
-    scheme = Scheme(theta=theta, step=step)
-    return terms.diagonal_terms(model, how, frames, state, step * velocity, scheme)
+    begun = terms.begin(model, how, state, step, None)
+    return terms.diagonal_terms(begun, step * velocity, Scheme(theta=theta, step=step))
 
 
 # --- time ----------------------------------------------------------------------------------

@@ -88,8 +88,8 @@ class ModelBuilder:
     """Collects what a system of blocks is made of; :meth:`build` checks it and makes the Model.
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
-    yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own that
-    act on blocks beside gravity, loads, supports and the ground (clast.actions.action.Action).
+    yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
+    that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
     """
 
     title: str = ""

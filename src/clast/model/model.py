@@ -216,7 +216,7 @@ class Model:
     measured_points: MeasuredPoints
     """Points recorded every step."""
     actions: tuple[Any, ...] = ()
-    """What else acts on blocks: objects with the methods of :class:`clast.actions.action.Action`."""
+    """What else acts on blocks: objects with the methods of ``clast.actions.action.Action``."""
     ground_motion: GroundMotion = field(default_factory=Still)
     """What the ground does: nothing, a body force, or a motion of the fixed points."""
     overlaps: StartOverlaps = field(default_factory=StartOverlaps)

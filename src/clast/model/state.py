@@ -61,9 +61,9 @@ class Ledger:
     """The energy of the system and where it went, J per metre of thickness.
 
     Stored energies are those of the instant; ``loads``, ``friction``, ``impacts`` and ``numerical``
-    are sums since the start.  Kinetic + elastic + gravity + contact + fixed_points + actions - loads
-    + friction + impacts + numerical stays at its first value but for ``unaccounted``, which is
-    measured, not assumed.
+    are sums since the start.  Kinetic + elastic + gravity + contact + fixed_points + actions -
+    loads + friction + impacts + numerical stays at its first value but for ``unaccounted``, which
+    is measured, not assumed.
     """
 
     kinetic: float = 0.0

@@ -17,8 +17,8 @@ from clast.model.model import Bools, Model
 from clast.model.state import State, initial_state
 from clast.run.method_doubts import check_overlaps, method_doubts
 from clast.run.model_doubts import model_doubts
+from clast.step.method import Workspace
 from clast.step.modified import STABILITY_LIMIT, reach_of, stability_number
-from clast.step.workspace import Workspace
 
 if TYPE_CHECKING:
     from clast.contact.contacts import Contacts
