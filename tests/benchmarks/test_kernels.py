@@ -32,7 +32,7 @@ from clast.step.start import begin, diagonal_terms
 from clast.studies.bench.bandwidth import system_of_step
 from clast.studies.bench.scenes import SCENES
 from clast.studies.bench.wishes import Wishes, method_for
-from systems import at_start
+from scenes.systems import at_start
 
 STEP = 1e-3
 

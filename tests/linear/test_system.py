@@ -20,7 +20,7 @@ from clast.linear.system import (
 )
 from clast.model.model import Model
 from clast.step.start import begin, diagonal_terms
-from systems import at_start, bricks, contacts_of, method, system
+from scenes.systems import at_start, bricks, contacts_of, method, system
 
 STEP = 1e-3
 

@@ -15,7 +15,7 @@ from clast.model.builder import ModelBuilder
 from clast.model.model import PlaneStrain, PlaneStress
 from clast.step import start as terms
 from clast.step.integration import Scheme, end_velocity
-from systems import GRAVITY, at_start, box, march, method, star, system, turned
+from scenes.systems import GRAVITY, at_start, box, march, method, star, system, turned
 
 YOUNG, POISSON, DENSITY = 2e7, 0.3, 2000.0
 

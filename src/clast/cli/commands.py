@@ -210,7 +210,7 @@ def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) ->
 def info(file: ResultFile, as_json: AsJson = False) -> None:
     """Say what a result file contains."""
     from clast.results import read_results, summary
-    from clast.results.about import texts
+    from clast.results.provenance import texts
 
     results = read_results(file, whole=sys.maxsize)
     content = summary(results)

@@ -17,10 +17,10 @@ from clast.errors import ResultsLost, RunStopped, StepOutcome, StepRejected
 from clast.model.model import Model
 from clast.model.state import Ledger, State, initial_state
 from clast.results import Report, Run, RunRecorder
-from clast.results.about import about_method
+from clast.results.provenance import about_method
 from clast.run import law_check
 from clast.run.interrupts import held_back
-from clast.run.method_doubts import check_overlaps
+from clast.run.method_warnings import check_overlaps
 from clast.run.schedule import Progress, Schedule
 from clast.run.tally import Tally
 from clast.run.watch import Watch, Watched

@@ -1,4 +1,4 @@
-"""What seems unsound about a system of blocks, each with its number and its remedy."""
+"""Warnings about a system of blocks before a run, each with its number and its remedy."""
 
 from __future__ import annotations
 
@@ -22,35 +22,35 @@ LIGHTEST_LOAD, HEAVIEST_LOAD = 1e-4, 1e4
 """Loads outside these shares of the weight of the blocks look like kN or MN."""
 STEEPEST = 75.0
 """Friction angles above are steeper than any joint's, degrees."""
-NO_DIGITS = 1e-7
-"""Coordinates rounded to more than this share of the smallest block have too few digits."""
+COARSEST_ROUNDING = 1e-7
+"""Coordinates rounded by more than this share of the smallest block have too few digits."""
 SPREAD = 1e4
-"""Blocks whose sizes differ by more than this factor are not simulated well together."""
+"""Ratio of block sizes above which a system is not simulated well."""
 THIN = 1e-5
-"""Parts of a block thinner than this share of its extent are spikes or cracks."""
+"""Thickness at a vertex, as a share of the block's extent, below which it is a spike or crack."""
 DRIFTING = 0.1
-"""A ground that goes on by more than this share of the smallest block after its record drifts."""
+"""Drift of the ground after its record, as a share of the smallest block, that is warned of."""
 SOFTEST_SHAKING, HARDEST_SHAKING = 1e-3, 50.0
-"""Ground motions outside are felt by nobody, or by nobody yet, m/s2."""
+"""Peak accelerations outside are imperceptible, or beyond any recorded earthquake, m/s2."""
 NAMED = 5
-"""Most things that a warning names."""
+"""Blocks or rocks that a warning names, at most."""
 
 
-def model_doubts(model: Model, end: float) -> list[str]:
-    """Return what seems unsound about a system of blocks that is simulated until ``end``, s."""
+def model_warnings(model: Model, end: float) -> list[str]:
+    """Return the warnings about a system of blocks that is simulated until ``end``, s."""
     return [
-        *_support_doubts(model),
-        *_idle_doubts(model),
-        *_gravity_doubts(model),
-        *_unit_doubts(model),
-        *_strength_doubts(model),
-        *_shape_doubts(model),
-        *_motion_doubts(model, end),
+        *_support_warnings(model),
+        *_idle_warnings(model),
+        *_gravity_warnings(model),
+        *_unit_warnings(model),
+        *_strength_warnings(model),
+        *_shape_warnings(model),
+        *_motion_warnings(model, end),
     ]
 
 
 def named(model: Model, blocks: Ints) -> str:
-    """Return blocks as a warning calls them, no more than a few."""
+    """Return the names of blocks as a warning lists them, the first few."""
     names = [f"'{shortened(model.block_name[block])}'" for block in blocks[:NAMED].tolist()]
     return ", ".join(names) + (", ..." if len(blocks) > NAMED else "")
 
@@ -72,8 +72,8 @@ def load_on(model: Model) -> float:
     return float(np.hypot(*points.force.T).sum() + (np.hypot(*lines.traction.T) * length).sum())
 
 
-def _support_doubts(model: Model) -> Iterator[str]:
-    """Say where nothing or everything holds the blocks, and where a base leaves some behind."""
+def _support_warnings(model: Model) -> Iterator[str]:
+    """Warn where no block or every block is held, and where a moving base leaves some behind."""
     held = bool(model.fixed.any()) or len(model.fixed_points.block) > 0
     if not held and model.gravity.any():
         yield "nothing is fixed: all blocks fall. Give a [[fixed_point]] or fixed = true"
@@ -89,8 +89,8 @@ def _support_doubts(model: Model) -> Iterator[str]:
         )
 
 
-def _idle_doubts(model: Model) -> Iterator[str]:
-    """Say what does nothing: loads and supports of fixed blocks, rocks of no block."""
+def _idle_warnings(model: Model) -> Iterator[str]:
+    """Warn of what has no effect: loads and supports of fixed blocks, rocks of no block."""
     points, lines = model.point_loads, model.line_loads
     fixed, measured = model.fixed_points, model.measured_points
     kinds = {
@@ -123,8 +123,8 @@ def _idle_doubts(model: Model) -> Iterator[str]:
         yield f"no block is made of rock '{name}': name it in a block, or remove it"
 
 
-def _gravity_doubts(model: Model) -> Iterator[str]:
-    """Say where gravity points upwards, or nothing sets the blocks in motion."""
+def _gravity_warnings(model: Model) -> Iterator[str]:
+    """Warn where gravity points upwards, or nothing sets the blocks in motion."""
     across, up = model.gravity.tolist()
     if up > 0.0:
         yield (
@@ -149,8 +149,8 @@ def _gravity_doubts(model: Model) -> Iterator[str]:
         )
 
 
-def _unit_doubts(model: Model) -> Iterator[str]:
-    """Say which moduli, densities and stresses look like other units than SI."""
+def _unit_warnings(model: Model) -> Iterator[str]:
+    """Warn of moduli, densities and stresses that look like other units than SI."""
     for rock in model.rocks:
         where = f"rock '{shortened(rock.name)}'"
         if not SOFTEST <= rock.young <= HARDEST:
@@ -193,8 +193,8 @@ def _unit_doubts(model: Model) -> Iterator[str]:
         )
 
 
-def _strength_doubts(model: Model) -> Iterator[str]:
-    """Say which strengths of joints look like other units than SI."""
+def _strength_warnings(model: Model) -> Iterator[str]:
+    """Warn of joint strengths that look like other units than SI."""
     for joint in model.joint_table.joints:
         where = f"joint '{shortened(joint.name)}'"
         strengths = {"cohesion": joint.cohesion, "tensile_strength": joint.tensile_strength}
@@ -219,12 +219,12 @@ def _strength_doubts(model: Model) -> Iterator[str]:
         )
 
 
-def _shape_doubts(model: Model) -> Iterator[str]:
-    """Say where coordinates have too few digits, and which blocks are thin or hardly comparable."""
+def _shape_warnings(model: Model) -> Iterator[str]:
+    """Warn of coordinates with too few digits, of thin blocks and of very unequal ones."""
     size = size_of_smallest(model)
     far = float(np.abs(model.vertices + model.origin).max())
     rounding = float(np.spacing(far))
-    if rounding > NO_DIGITS * size:
+    if rounding > COARSEST_ROUNDING * size:
         yield (
             f"coordinates of {far:.3g} m are rounded to {rounding:.2g} m, but the smallest block "
             f"is only {size:.3g} m wide: no digits are left for it. Subtract a common offset "
@@ -252,7 +252,7 @@ def _shape_doubts(model: Model) -> Iterator[str]:
 
 
 def _thickness(model: Model) -> tuple[Floats, Ints]:
-    """Return how thin each block is at each vertex, as a share of its extent, and its block (nv,).
+    """Return the thickness at each vertex, as a share of its block's extent, and the block (nv,).
 
     The thickness at a corner is the distance of one end of its shorter edge from its longer edge;
     at a flat or blunt corner it is no thickness, and 1 is returned.
@@ -274,8 +274,8 @@ def _thickness(model: Model) -> tuple[Floats, Ints]:
     return np.where(sharp, corner, least) / extent, block
 
 
-def _motion_doubts(model: Model, end: float) -> Iterator[str]:
-    """Say what the ground does before its record begins and after it ends, and how hard."""
+def _motion_warnings(model: Model, end: float) -> Iterator[str]:
+    """Warn of ground motions outside of the run, with a drift, or of an unlikely strength."""
     motion = model.ground_motion
     if not isinstance(motion, InertialForce | MovingBase):
         return

@@ -1,4 +1,4 @@
-"""What seems unsound about how a system is to be simulated, each with its number and remedy."""
+"""Warnings about how a system is to be simulated, each with its number and its remedy."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from clast.errors import ModelError
 from clast.model.model import Model
-from clast.run.model_doubts import load_on, named, size_of_smallest, weight_of
+from clast.run.model_warnings import load_on, named, size_of_smallest, weight_of
 
 if TYPE_CHECKING:
     from clast.run.schedule import Schedule
@@ -33,19 +33,19 @@ BYTES = 72, 560
 """What a vertex and a block take of a frame, with some contacts."""
 
 
-def method_doubts(model: Model, method: Method, schedule: Schedule) -> list[str]:
-    """Return what seems unsound about how and when a system is simulated."""
+def method_warnings(model: Model, method: Method, schedule: Schedule) -> list[str]:
+    """Return the warnings about method and schedule of a run."""
     return [
-        *_length_doubts(model, method),
-        *_overlap_doubts(model, method),
-        *_stiffness_doubts(model, method),
-        *_static_doubts(model, method),
-        *_schedule_doubts(model, schedule),
+        *_length_warnings(model, method),
+        *_overlap_warnings(model, method),
+        *_stiffness_warnings(model, method),
+        *_static_warnings(model, method),
+        *_schedule_warnings(model, schedule),
     ]
 
 
-def _length_doubts(model: Model, method: Method) -> Iterator[str]:
-    """Say which lengths are coarse or fine against the smallest block."""
+def _length_warnings(model: Model, method: Method) -> Iterator[str]:
+    """Warn of max_displacement and critdis that are large or small against the smallest block."""
     size = size_of_smallest(model)
     lengths = {"time.max_displacement": method.max_displacement, "critdis": method.critdis}
     for key, length in lengths.items():
@@ -104,8 +104,8 @@ def _stress_force(model: Model) -> float:
     return float((np.abs(model.initial_stress).max(axis=1) * np.sqrt(model.area)).max())
 
 
-def _overlap_doubts(model: Model, method: Method) -> Iterator[str]:
-    """Say which blocks lie in each other like contacts of a run."""
+def _overlap_warnings(model: Model, method: Method) -> Iterator[str]:
+    """Warn of blocks that overlap at the start by no more than contacts of a run."""
     depth = model.overlaps.depth
     if len(depth) == 0:
         return
@@ -120,8 +120,8 @@ def _overlap_doubts(model: Model, method: Method) -> Iterator[str]:
     )
 
 
-def _stiffness_doubts(model: Model, method: Method) -> Iterator[str]:
-    """Say which stiffnesses and tolerances are out of proportion."""
+def _stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
+    """Warn of stiffnesses and tolerances that are out of proportion."""
     law = method.contact_law
     normal, shear = law.normal_stiffness, getattr(law, "shear_stiffness", None)
     ratio = normal / model.stiffest
@@ -152,8 +152,8 @@ def _stiffness_doubts(model: Model, method: Method) -> Iterator[str]:
             )
 
 
-def _static_doubts(model: Model, method: Method) -> Iterator[str]:
-    """Say where velocities are given to a static run, and where fixed points hardly hold."""
+def _static_warnings(model: Model, method: Method) -> Iterator[str]:
+    """Warn of velocities in a static run, and of fixed points that give way."""
     if method.dynamic_ratio == 0.0 and model.velocity.any():
         yield (
             "blocks have a velocity at the start, but dynamic_ratio = 0 forgets velocities at "
@@ -168,8 +168,8 @@ def _static_doubts(model: Model, method: Method) -> Iterator[str]:
         )
 
 
-def _schedule_doubts(model: Model, schedule: Schedule) -> Iterator[str]:
-    """Say where steps are long, frames are kept more often than steps are made, or never."""
+def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:
+    """Warn of long steps, and of frames that are more frequent than steps or fill the disk."""
     fall = 0.5 * float(np.hypot(*model.gravity)) * schedule.step**2
     if fall > size_of_smallest(model):
         yield (

@@ -162,7 +162,7 @@ def checked(tmp_path, settings):
 
 
 @pytest.mark.parametrize("name", DOUBTS)
-def test_doubts(name, tmp_path):
+def test_each_warning(name, tmp_path):
     settings, phrases = DOUBTS[name]
     said, listed = checked(tmp_path, settings)
     for phrase in phrases:
@@ -172,7 +172,7 @@ def test_doubts(name, tmp_path):
 
 
 @pytest.mark.parametrize("name", TEMPLATES)
-def test_there_are_no_doubts_about_the_templates(name, tmp_path):
+def test_there_are_no_warnings_about_the_templates(name, tmp_path):
     case = tmp_path / "case.toml"
     case.write_text(TEMPLATES[name](), encoding="utf-8")
     assert CliRunner().invoke(app, ["check", str(case)]).stderr == ""
@@ -206,7 +206,7 @@ def test_a_record_in_other_units_than_its_scale(heading, scale, unit, tmp_path):
     assert unit is None or unit in said
 
 
-def test_a_run_says_its_doubts_before_its_first_step(tmp_path, monkeypatch):
+def test_a_run_gives_its_warnings_before_its_first_step(tmp_path, monkeypatch):
     case = tmp_path / "case.toml"
     case.write_text(INCLINE, encoding="utf-8")
     monkeypatch.setattr(import_module("clast.run.simulate"), "simulate", lambda *_, **__: 1 / 0)

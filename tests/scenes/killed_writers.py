@@ -1,6 +1,6 @@
 """Starts writers of result files and kills each of them at an arbitrary moment.
 
-    python killed_writers.py FOLDER COUNT
+    python -m scenes.killed_writers FOLDER COUNT
 
 A writer records frames as fast as it can.  For each of them one line is printed: its file and the
 number of frames that it had finished writing for certain.
@@ -15,10 +15,9 @@ import signal
 import sys
 from pathlib import Path
 
-from recorded_run import moved, step_result, three_blocks
-
 from clast.model.model import Model
 from clast.results import RunRecorder
+from scenes.recorded_run import moved, step_result, three_blocks
 
 
 def write_without_end(model: Model, path: Path, told: int) -> None:

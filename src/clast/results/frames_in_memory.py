@@ -10,22 +10,23 @@ from numpy.typing import NDArray
 
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, State
-from clast.results.fields import FrameFields
+from clast.results.frames import KIND_FIELDS, VERTICES
 from clast.results.layout import CELL_ARRAYS, PLANE_VECTORS
-from clast.results.recorded import KIND_FIELDS, VERTICES
-
-MOST_BYTES = 2_000_000_000
-"""Frames beyond this much memory are not kept, but for the last."""
+from clast.results.sampling import FrameFields
 
 
-class KeptFrames:
-    """The frames of a run in memory, as states; their fields are computed when asked for."""
+class FramesInMemory:
+    """The frames of a run in memory, as states; their fields are computed when asked for.
 
-    def __init__(self, model: Model) -> None:
+    Frames beyond ``limit`` bytes are not kept, but for the last.
+    """
+
+    def __init__(self, model: Model, limit: float) -> None:
         self._model = model
         self._fields = FrameFields(model)
         self._frames: list[tuple[State, NDArray[Any]]] = []
         self._bytes = 0
+        self._limit = limit
         self.left_out_from: float | None = None
         """Time from which frames found no room, s; the last is kept all the same."""
 
@@ -34,7 +35,7 @@ class KeptFrames:
         state = replace(state, memory=ContactMemory())
         arrays = (state.vertices, state.velocity, state.stress, state.rotation, contacts)
         self._bytes += sum(array.nbytes for array in arrays)
-        if self._bytes > MOST_BYTES and len(self._frames) > 1:
+        if self._bytes > self._limit and len(self._frames) > 1:
             if self.left_out_from is None:
                 self.left_out_from = self._frames[-1][0].time
             self._frames.pop()

@@ -1,4 +1,4 @@
-"""What a result file says of how it was made: process, law, their numbers, rocks."""
+"""How a result file was made, as it says itself: process, law, their parameters, rocks."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from clast.model.model import Model
 from clast.step.method import Method
 
 PARTS = ("process", "contact_law", "corner_rule", "integrator", "solver")
-"""Parts of a method that are told by name, each with its numbers."""
+"""Parts of a method that are recorded by name, each with its parameters."""
 MOST_ROCKS = 8
 """Rocks that a table lists, at most."""
-NUMBERS = ("fixed_point_stiffness", "critdis", "max_displacement", "dynamic_ratio")
-"""Numbers of a method."""
+PARAMETERS = ("fixed_point_stiffness", "critdis", "max_displacement", "dynamic_ratio")
+"""Parameters of the method itself."""
 
 
 def about_method(method: Method, step: float, end: float) -> dict[str, Any]:
     """Return how a run is simulated, ready for JSON; ``step`` and ``end`` in s."""
     parts = {name: _part(getattr(method, name)) for name in PARTS}
-    numbers = {name: getattr(method, name) for name in NUMBERS}
+    numbers = {name: getattr(method, name) for name in PARAMETERS}
     return {**parts, "step": float(step), "end": float(end), **numbers}
 
 
@@ -34,7 +34,7 @@ def about_model(model: Model) -> dict[str, Any]:
 
 
 def about_in(text: str) -> dict[str, Any]:
-    """Return what a file says of how it was made; raises ValueError where that makes no sense."""
+    """Return how a file was made; raises ValueError where the text is no such record."""
     about = json.loads(text)
     known = isinstance(about, dict) and all(
         isinstance(about.get(key, kind()), kind) for key, kind in SHAPES.items()
@@ -48,7 +48,7 @@ def about_in(text: str) -> dict[str, Any]:
 
 
 def _is_rock(rock: Any) -> bool:
-    """Return whether something says of a rock what tables show."""
+    """Return whether an entry has the parameters of a rock that tables show."""
     if not isinstance(rock, dict) or not isinstance(rock.get("name"), str):
         return False
     return all(isinstance(rock.get(key), int | float) for key in ("young", "poisson", "density"))
@@ -61,11 +61,11 @@ SHAPES: dict[str, type] = {
     "step": float,
     "end": float,
 }
-"""What the entries are that others rely on."""
+"""Types of the entries that readers rely on."""
 
 
-def asked_most(about: dict[str, Any]) -> dict[str, Any]:
-    """Return process, law, p, h and E by plain keys; None where an older file does not say."""
+def main_parameters(about: dict[str, Any]) -> dict[str, Any]:
+    """Return process, law, p, h and E by plain keys; None where an older file lacks them."""
     law = about.get("contact_law", {})
     return {
         "process": about.get("process", {}).get("name"),
@@ -78,7 +78,7 @@ def asked_most(about: dict[str, Any]) -> dict[str, Any]:
 
 
 def texts(about: dict[str, Any]) -> dict[str, str]:
-    """Return the same in words, as rows of a table; nothing where an older file does not say."""
+    """Return the parameters in words, one table row each; none where an older file lacks them."""
     if not {"process", "contact_law", "step", "end", "rocks"} <= set(about):
         return {}
     rocks = (

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
-from systems import convex, regular, star, turned
+from scenes.systems import convex, regular, star, turned
 
 FAMILIES = {
     "convex": lambda rng: convex(rng, rng.integers(3, 9)),

@@ -10,7 +10,7 @@ from clast.contact.laws import AugmentedLagrangian, Carried, Penalty, with_frict
 from clast.run.law_check import check_law
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from systems import incline, method
+from scenes.systems import incline, method
 
 
 @dataclass(frozen=True)

@@ -134,8 +134,9 @@ class Recorded:
     frames: list[State]
 
 
-def record(model: Model, output: Path | None = None, steps: int = 20) -> Recorded:
-    recorder = RunRecorder(model, case_text="schema = 1\n# Tück\n", output=output)
+def record(model: Model, output: Path | None = None, steps: int = 20, **options: float) -> Recorded:
+    text = "schema = 1\n# Tück\n"
+    recorder = RunRecorder(model, case_text=text, output=output, **options)
     states = [moved(model, 0.0)]
     frames = states[:]
     recorder.start(states[0])
