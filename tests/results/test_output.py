@@ -258,12 +258,12 @@ def test_texts_that_no_file_can_hold(tmp_path, title):
 
 LIMITED = """
 import resource, sys
-from clast.case import Case
+from clast.case.case_file import Case
 from clast.case.templates import INCLINE
 Case.from_toml(INCLINE, ["time.end=0.002"]).run()  # what is compiled is kept on disk
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), int(sys.argv[1])))
 sys.argv[:] = ["clast", *sys.argv[2:]]
-from clast.cli import main
+from clast.cli.commands import main
 main()
 """
 

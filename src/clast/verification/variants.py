@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from clast.block.displacement import FirstOrder
-from clast.case.case_file import FIXED_POINT_FACTOR, MethodTable
+from clast.case.method import FIXED_POINT_FACTOR, MethodTable
 from clast.model.model import Model
 from clast.step.method import Method
 
