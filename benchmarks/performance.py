@@ -78,9 +78,10 @@ Before the rough first minimum (docs/solver-performance.md), on an AMD EPYC with
 - Numbered at random instead of course by course, walls of 1,011, 10,026 and 100,026 bricks take
   1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew.
 - Where Newton's directions have K in single precision the product reads each block once, 144
-  bytes instead of 288. For 100,026 bricks it takes 3.3 to 5.6 ms by one thread and 2.7 to 3.2 by
-  two; in double precision, as `modified` and `open-close` have it, 7.5 to 12.7 and 6.1 to 7.6. That is 12 to 20 and 20 to 25 GB/s, 75 to 85 % and 76 to 84 % of the
-  triad in main memory by as many threads, measured in turns with it.
+  bytes instead of 288. For 100,026 bricks it takes 3.3 to 5.6 ms by one thread and 2.7 to 3.2
+  by two; in double precision, as `modified` and `open-close` have it, 7.5 to 12.7 and 6.1 to
+  7.6. That is 12 to 20 and 20 to 25 GB/s, 75 to 85 % and 76 to 84 % of the triad in main memory
+  by as many threads, measured in turns with it.
 """
 PEER_HEADINGS = ("program", "wall time per simulated second", "drift", "overlap", "remark")
 BENCH_HEADINGS = (
