@@ -25,7 +25,7 @@ import shapely
 from performance import page
 from programs import Box2D, Chipmunk, Clast, Outcome, Program, Setting
 
-from clast.model import Floats
+from clast.model.model import Floats
 from clast.studies.bench.machine import PACKAGES, this_machine
 from clast.studies.bench.scenes import box, outlines_of_heap, outlines_of_wall
 

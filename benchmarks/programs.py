@@ -15,9 +15,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from clast.model import Floats, Model
-from clast.model_builder import ModelBuilder
-from clast.simulate import Progress, Schedule, simulate
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.run.schedule import Progress, Schedule
+from clast.run.simulate import simulate
 from clast.studies.bench import Wishes, warm_up
 from clast.studies.bench.scenes import DENSITY, FRICTION_ANGLE, GRAVITY, SCENES, YOUNG
 from clast.studies.bench.wishes import method_for

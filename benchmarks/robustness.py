@@ -24,8 +24,8 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
 import systems  # noqa: E402
-from clast.interfaces import StepResult  # noqa: E402
-from clast.model import Model  # noqa: E402
+from clast.model.model import Model  # noqa: E402
+from clast.step.method import StepResult  # noqa: E402
 
 YOUNG = 5e9
 SHARES = (0.01, 0.1, 1.0, 10.0, 50.0)

@@ -11,14 +11,14 @@ import shapely.affinity
 import shapely.ops
 from scipy.spatial import Voronoi
 
-from clast.case import Case
-from clast.contact.arrays import ContactResponse, Contacts
+from clast.case.case_file import Case
+from clast.contact.contacts import ContactResponse, Contacts
 from clast.errors import RunStopped
-from clast.interfaces import StepResult
-from clast.model import Floats, Model
+from clast.model.model import Floats, Model
+from clast.model.state import State
 from clast.results import Run, RunRecorder
-from clast.simulate import simulate
-from clast.state import State
+from clast.run.simulate import simulate
+from clast.step.method import StepResult
 
 # --- drawing a system ------------------------------------------------------------------------
 

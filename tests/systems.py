@@ -10,26 +10,30 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import shapely
 
-from clast.contact.arrays import Contacts
-from clast.contact.corners import Bisector
-from clast.contact.detection import Candidates, Reach, detect, find_candidates, near_pairs
+from clast.block import polygon
+from clast.block.displacement import FirstOrder
+from clast.block.inertia import block_frames
+from clast.block.rotation import Sine
+from clast.contact.candidates import Candidates, find_candidates
+from clast.contact.contacts import Contacts
+from clast.contact.corner_rules import Bisector, CornerRule
+from clast.contact.detection import detect
 from clast.contact.laws import Penalty
-from clast.equations.frames import block_frames
-from clast.equations.solvers import Automatic, Scipy
+from clast.contact.search_distance import Reach
+from clast.contact.verlet_list import near_pairs
 from clast.errors import RunStopped, StepOutcome, StepRejected
-from clast.interfaces import CornerRule, Method, StepProcess, StepResult
-from clast.kernels import polygon
-from clast.kinematics.first_order import FirstOrder
-from clast.kinematics.rotation import Sine
-from clast.model import Floats, Ints, Model
-from clast.model_builder import ModelBuilder
+from clast.linear.solvers import Automatic, Scipy
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Ints, Model
+from clast.model.state import ContactMemory, State, initial_state
 from clast.results import Run
-from clast.simulate import Schedule, simulate
-from clast.state import ContactMemory, State, initial_state
-from clast.stepping import energy
-from clast.stepping.advance import ConstantAcceleration
-from clast.stepping.convex import Convex
-from clast.stepping.modified import Modified
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.step import energy_balance as energy
+from clast.step.convex import Convex
+from clast.step.integration import ConstantAcceleration
+from clast.step.method import Method, StepProcess, StepResult
+from clast.step.modified import Modified
 
 GRAVITY = 9.8
 

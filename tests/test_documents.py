@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 import clast
-from clast import model_builder, script
-from clast.case import Case
-from clast.casefile.templates import INCLINE
+from clast.case import script
+from clast.case.case_file import Case
+from clast.case.templates import INCLINE
+from clast.model import builder as model_builder
 
 ROOT = Path(__file__).parents[1]
 

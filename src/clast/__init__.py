@@ -15,29 +15,28 @@ command line starts at once.
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from clast import studies as studies
-    from clast.case import Case as Case
-    from clast.case import load as load
-    from clast.contact.law_check import check_law as check_law
+    from clast.case.case_file import Case as Case
+    from clast.case.case_file import load as load
+    from clast.case.script import ModelBuilder as ModelBuilder
+    from clast.case.script import simulate as simulate
     from clast.errors import CaseError as CaseError
     from clast.errors import ClastError as ClastError
     from clast.errors import ModelError as ModelError
     from clast.errors import RunStopped as RunStopped
-    from clast.ground_motion import Accelerogram as Accelerogram
-    from clast.ground_motion import InertialForce as InertialForce
-    from clast.ground_motion import MovingBase as MovingBase
-    from clast.interfaces import Method as Method
-    from clast.model import Joint as Joint
-    from clast.model import Model as Model
-    from clast.model import PlaneStrain as PlaneStrain
-    from clast.model import PlaneStress as PlaneStress
-    from clast.model import Rock as Rock
+    from clast.model.ground_motion import Accelerogram as Accelerogram
+    from clast.model.ground_motion import InertialForce as InertialForce
+    from clast.model.ground_motion import MovingBase as MovingBase
+    from clast.model.model import Joint as Joint
+    from clast.model.model import Model as Model
+    from clast.model.model import PlaneStrain as PlaneStrain
+    from clast.model.model import PlaneStress as PlaneStress
+    from clast.model.model import Rock as Rock
+    from clast.model.state import State as State
     from clast.pictures.look import Look as Look
     from clast.pictures.plot import plot_history as plot_history
     from clast.pictures.plot import plot_results as plot_results
@@ -45,32 +44,31 @@ if TYPE_CHECKING:
     from clast.results import RunRecorder as RunRecorder
     from clast.results import read as read
     from clast.results import read_results as read_results
-    from clast.script import ModelBuilder as ModelBuilder
-    from clast.script import simulate as simulate
-    from clast.simulate import Schedule as Schedule
-    from clast.state import State as State
+    from clast.run.law_check import check_law as check_law
+    from clast.run.schedule import Schedule as Schedule
+    from clast.step.method import Method as Method
 
     __version__: str
 
 HOME = {
-    "Case": "clast.case",
-    "load": "clast.case",
-    "check_law": "clast.contact.law_check",
+    "Case": "clast.case.case_file",
+    "load": "clast.case.case_file",
+    "check_law": "clast.run.law_check",
     "CaseError": "clast.errors",
     "ClastError": "clast.errors",
     "ModelError": "clast.errors",
     "RunStopped": "clast.errors",
-    "Accelerogram": "clast.ground_motion",
-    "InertialForce": "clast.ground_motion",
-    "MovingBase": "clast.ground_motion",
-    "Method": "clast.interfaces",
-    "Joint": "clast.model",
-    "Model": "clast.model",
-    "PlaneStrain": "clast.model",
-    "PlaneStress": "clast.model",
-    "Rock": "clast.model",
-    "ModelBuilder": "clast.script",
-    "simulate": "clast.script",
+    "Accelerogram": "clast.model.ground_motion",
+    "InertialForce": "clast.model.ground_motion",
+    "MovingBase": "clast.model.ground_motion",
+    "Method": "clast.step.method",
+    "Joint": "clast.model.model",
+    "Model": "clast.model.model",
+    "PlaneStrain": "clast.model.model",
+    "PlaneStress": "clast.model.model",
+    "Rock": "clast.model.model",
+    "ModelBuilder": "clast.case.script",
+    "simulate": "clast.case.script",
     "Look": "clast.pictures.look",
     "plot_history": "clast.pictures.plot",
     "plot_results": "clast.pictures.plot",
@@ -79,7 +77,7 @@ HOME = {
     "read": "clast.results",
     "read_results": "clast.results",
     "Schedule": "clast.simulate",
-    "State": "clast.state",
+    "State": "clast.model.state",
 }
 """Public name -> module that defines it."""
 
@@ -106,17 +104,6 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'clast' has no attribute '{name}'")
     globals()[name] = found
     return found
-
-
-class _Package(ModuleType):
-    """The package: ``clast.simulate`` stays the function when the module of that name is loaded."""
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if not (name == "simulate" and isinstance(value, ModuleType)):
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package
 
 
 def __dir__() -> list[str]:

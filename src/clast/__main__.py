@@ -1,6 +1,6 @@
 """``python -m clast`` is the same as ``clast``."""
 
-from clast.cli import main
+from clast.cli.commands import main
 
 if __name__ == "__main__":
     main()

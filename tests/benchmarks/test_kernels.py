@@ -13,20 +13,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from clast.contact.arrays import Contacts
-from clast.contact.detection import Reach, find_candidates, near_pairs
-from clast.equations.coarse import aggregates_of
-from clast.equations.frames import block_frames
-from clast.equations.integration import Scheme
-from clast.equations.solvers import with_aggregates
-from clast.equations.system import BlockSystem, graph_of, symmetric_system
-from clast.equations.terms import diagonal_terms
-from clast.interfaces import Method
-from clast.kernels import block_rows, broad_phase, polygon
-from clast.model import Ints, Model
-from clast.state import State
-from clast.stepping import convex
-from clast.stepping.small_regions import with_small_regions
+from clast.block import polygon
+from clast.block.inertia import block_frames
+from clast.contact import broad_phase
+from clast.contact.candidates import find_candidates
+from clast.contact.contacts import Contacts
+from clast.contact.search_distance import Reach
+from clast.contact.verlet_list import near_pairs
+from clast.linear import block_matrix as block_rows
+from clast.linear.coarse_space import aggregates_of
+from clast.linear.solvers import with_aggregates
+from clast.linear.system import BlockSystem, graph_of, symmetric_system
+from clast.minimise.islands import with_small_regions
+from clast.model.model import Ints, Model
+from clast.model.state import State
+from clast.step import convex
+from clast.step.integration import Scheme
+from clast.step.method import Method
+from clast.step.start import diagonal_terms
 from clast.studies.bench.bandwidth import system_of_step
 from clast.studies.bench.scenes import SCENES
 from clast.studies.bench.wishes import Wishes, method_for

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from clast.case import ALTERNATIVES, PROCESSES, Case, json_schema, load
-from clast.casefile import text as case_text
-from clast.casefile.choices import Alternatives, Choice, class_at
-from clast.casefile.templates import INCLINE, TEMPLATES
+from clast.case import text as case_text
+from clast.case.case_file import ALTERNATIVES, PROCESSES, Case, json_schema, load
+from clast.case.choices import Alternatives, Choice, class_at
+from clast.case.templates import INCLINE, TEMPLATES
 from clast.errors import CaseError
-from clast.stepping.convex import Convex
-from clast.stepping.modified import ImplicitFriction, Modified
+from clast.step.convex import Convex
+from clast.step.modified import ImplicitFriction, Modified
 
 CASES = Path(__file__).parents[2] / "cases"
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from clast.case import Case, json_schema
+from clast.case.case_file import Case, json_schema
 from clast.errors import CaseError
-from clast.ground_motion import Accelerogram, InertialForce, MovingBase, Still
-from clast.sanity import examine
+from clast.model.ground_motion import Accelerogram, InertialForce, MovingBase, Still
+from clast.run.preflight import examine
 
 CASE = """
 schema = 1

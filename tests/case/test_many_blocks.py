@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from clast.errors import ModelError
-from clast.model import Model
-from clast.model_builder import ModelBuilder
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
 from systems import box
 
 SQUARES = np.array([box(2.0 * k, 0.0) for k in range(3)])

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from clast.errors import ModelError
-from clast.model import PlaneStrain
-from clast.model_builder import ModelBuilder
+from clast.model.builder import ModelBuilder
+from clast.model.model import PlaneStrain
 
 SQUARE = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
 

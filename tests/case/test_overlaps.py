@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.spatial import Voronoi
 
-from clast.case import Case
-from clast.casefile.templates import heap, wall
+from clast.case.case_file import Case
+from clast.case.templates import heap, wall
 from clast.errors import ModelError
-from clast.model_builder import ModelBuilder
-from clast.sanity import examine
-from clast.simulate import simulate
+from clast.model.builder import ModelBuilder
+from clast.run.preflight import examine
+from clast.run.simulate import simulate
 
 # GEOS without a grid says that these two have the whole second block in common
 TOUCHING_TO_ROUND_OFF = (

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 import clast
-from clast.case import Case
+from clast.case.case_file import Case
+from clast.case.script import usual_step
 from clast.contact.laws import Penalty
 from clast.errors import CaseError, ModelError
-from clast.script import usual_step
-from clast.stepping.convex import Convex
-from clast.stepping.modified import LaggedFriction
+from clast.step.convex import Convex
+from clast.step.modified import LaggedFriction
 
 
 def bytes_of(value: Any) -> Any:
@@ -131,7 +131,7 @@ def test_a_model_runs_in_a_line_as_its_case_does():
 
 
 def test_the_function_stays_when_the_module_of_that_name_is_loaded():
-    from clast.simulate import Schedule
+    from clast.run.schedule import Schedule
 
     model = two_bricks().build()
     case = two_bricks().case(end=0.01)

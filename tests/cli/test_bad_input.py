@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from clast.casefile import templates
-from clast.cli import app
+from clast.case import templates
+from clast.cli.commands import app
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 INCLINE = templates.INCLINE.replace(

@@ -15,11 +15,11 @@ import pytest
 from typer.testing import CliRunner
 
 import clast
-from clast.casefile.templates import INCLINE, TEMPLATES
-from clast.cli import app
-from clast.progress import status_text
+from clast.case.templates import INCLINE, TEMPLATES
+from clast.cli.commands import app
 from clast.results import read_results
-from clast.simulate import Progress
+from clast.run.progress import status_text
+from clast.run.schedule import Progress
 
 SHORT = ["--set", "time.end=0.005", "--set", "output.every=0.001"]
 TOO_FAST = ["--set", "time.max_displacement=1e-4", "--set", "time.smallest_step=5e-4"]
@@ -102,7 +102,7 @@ def test_an_interrupted_run_keeps_its_results(incline, monkeypatch):
 
         yield watch
 
-    monkeypatch.setattr("clast.progress.shown", impatient)
+    monkeypatch.setattr("clast.run.progress.shown", impatient)
     result = clast_command("run", incline, *SHORT)
     assert result.exit_code == 130
     assert "interrupted" in result.stderr
@@ -118,7 +118,7 @@ def test_the_interrupt_key_while_a_kernel_is_loaded(incline, monkeypatch, cause,
         raise SystemError("returned a result with an exception set") from cause
         yield
 
-    monkeypatch.setattr("clast.progress.shown", loading)
+    monkeypatch.setattr("clast.run.progress.shown", loading)
     result = clast_command("run", incline, *SHORT)
     assert ("interrupted" in result.stderr) == said
     assert (result.exit_code == 130) == said
@@ -297,7 +297,8 @@ def test_errors_as_a_module(tmp_path):
 
 def test_help_starts_without_loading_anything_heavy():
     code = (
-        "import sys, clast.cli; heavy = {'numba', 'numpy', 'scipy', 'h5py', 'pydantic', 'shapely',"
+        "import sys, clast.cli.commands; "
+        "heavy = {'numba', 'numpy', 'scipy', 'h5py', 'pydantic', 'shapely',"
         " 'matplotlib'} & set(sys.modules); sys.exit(str(heavy) if heavy else 0)"
     )
     done = run_python("-c", code)
@@ -306,7 +307,7 @@ def test_help_starts_without_loading_anything_heavy():
 
 def test_help_is_printed_without_rich():
     code = (
-        "import atexit, sys; from clast.cli import main; sys.argv = ['clast', '--help'];"
+        "import atexit, sys; from clast.cli.commands import main; sys.argv = ['clast', '--help'];"
         " atexit.register(lambda: print('rich' in sys.modules)); main()"
     )
     done = run_python("-c", code)

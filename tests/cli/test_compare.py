@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from clast.casefile.templates import INCLINE
-from clast.cli import app
+from clast.case.templates import INCLINE
+from clast.cli.commands import app
 
 SHORT = ["--set", "time.end=0.02"]
 REFERENCE = ["--set", "reference.1.time=0.02"]

@@ -8,8 +8,8 @@ from importlib import import_module
 import pytest
 from typer.testing import CliRunner
 
-from clast.casefile.templates import INCLINE, TEMPLATES
-from clast.cli import app
+from clast.case.templates import INCLINE, TEMPLATES
+from clast.cli.commands import app
 
 FIXED = 'geometry.blocks.1={loop=[1,2,3], name="incline", rock="granite", fixed=true}'
 SPIKE = "[[20,0],[21,0],[21,1],[20.5000000001,1],[20.5,4],[20.5,1],[20,1]]"

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from clast.casefile.templates import INCLINE
-from clast.cli import app
+from clast.case.templates import INCLINE
+from clast.cli.commands import app
 from clast.results import read_results
 from clast.spelling import visible, without_long_words
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from clast.kernels import broad_phase
-from clast.kernels.broad_phase import overlapping_pairs
+from clast.contact import broad_phase
+from clast.contact.broad_phase import overlapping_pairs
 
 
 def every_pair(box, fixed):

@@ -5,8 +5,8 @@ import pytest
 import shapely
 
 from clast.errors import StepRejected
-from clast.stepping.convex import Convex
-from clast.stepping.modified import Modified
+from clast.step.convex import Convex
+from clast.step.modified import Modified
 from systems import REACH, box, bricks, centroids, march, method, system, touches_of, voussoirs
 
 NOISE = (0.0, 1e-9, 1e-6)

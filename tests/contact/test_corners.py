@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clast.state import ContactMemory
+from clast.model.state import ContactMemory
 from systems import REACH, box, touches_of, turned
 
 RIGHT, TOP = 1, 2

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 import shapely
 
+from clast.block import polygon
+from clast.contact import crossing_kernels as crossings
 from clast.contact import detection
 from clast.contact.crossings import with_crossings
-from clast.contact.overlap import unseen_overlaps
-from clast.kernels import crossings, polygon
-from clast.state import ContactMemory
+from clast.model.state import ContactMemory
+from clast.run.overlap import unseen_overlaps
 from systems import (
     at_start,
     box,

@@ -13,12 +13,12 @@ import shapely
 from test_coinciding_corners import SYSTEMS, crown_drop, faces_in_common, held
 from test_corners import TOP, remembering
 
-from clast.case import Case
-from clast.casefile.templates import INCLINE
-from clast.contact.corners import Bisector, EntranceLines
+from clast.case.case_file import Case
+from clast.case.templates import INCLINE
+from clast.contact.corner_rules import Bisector, EntranceLines
 from clast.contact.laws import Penalty
-from clast.stepping.convex import Convex
-from clast.stepping.open_close import OpenClose
+from clast.step.convex import Convex
+from clast.step.open_close import OpenClose
 from systems import REACH, box, contacts_of, finish, method, system, touches_of, wall
 
 RULES = {"bisector": Bisector(), "shi": EntranceLines()}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from encounters import FAMILIES, encounters
 
-from clast.model_builder import ModelBuilder
+from clast.model.builder import ModelBuilder
 from systems import (
     REACH,
     box,

@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from clast.contact.law_check import check_law
 from clast.contact.laws import AugmentedLagrangian, Carried, Penalty, with_friction
-from clast.simulate import Schedule, simulate
+from clast.run.law_check import check_law
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
 from systems import incline, method
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clast.contact.arrays import LOCK, OPEN, SLIDE
+from clast.contact.contacts import LOCK, OPEN, SLIDE
 from clast.contact.laws import AugmentedLagrangian, Penalty
 from clast.errors import CaseError
 from systems import box, contacts_of, system

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clast.contact.arrays import ContactResponse
+from clast.block import polygon
+from clast.compute.chunks import MANY, PART
+from clast.contact.contacts import ContactResponse
 from clast.contact.detection import find_tunnelled
 from clast.contact.memory import renew
-from clast.kernels import polygon
-from clast.kernels.shares import MANY, PART
-from clast.state import ContactMemory
+from clast.model.state import ContactMemory
 from systems import at_start, contacts_of, courses_of_bricks, system
 
 COPIES = 60

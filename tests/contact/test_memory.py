@@ -7,9 +7,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clast.contact.arrays import ContactResponse
+from clast.contact.contacts import ContactResponse
 from clast.contact.memory import recall, renew
-from clast.state import ContactMemory
+from clast.model.state import ContactMemory
 from systems import at_start, box, contacts_of, march, method, system
 
 KEY = st.tuples(st.integers(0, 3), st.integers(0, 2))

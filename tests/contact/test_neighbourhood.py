@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from clast.contact.neighbourhood import SPARE, LastNeighbourhood
-from clast.kernels import polygon
-from clast.kernels.broad_phase import all_within, overlapping_pairs
-from clast.kernels.shares import MANY
+from clast.block import polygon
+from clast.compute.chunks import MANY
+from clast.contact.broad_phase import all_within, overlapping_pairs
+from clast.contact.verlet_list import SPARE, LastNeighbourhood
 from systems import box
 
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 import pytest
 
-from clast.contact.corners import Bisector
+from clast.block.displacement import FirstOrder
+from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
-from clast.equations.system import contact_motions, graph_of, with_contact_forces
-from clast.kernels import assembly
-from clast.kinematics.first_order import FirstOrder
+from clast.linear import assembly
+from clast.linear.system import contact_motions, graph_of, with_contact_forces
 from systems import (
     REACH,
     at_start,

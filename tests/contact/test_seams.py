@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from clast.contact.laws import AugmentedLagrangian, Penalty
-from clast.model import Floats
-from clast.stepping.convex import Convex
-from clast.stepping.modified import Modified
-from clast.stepping.open_close import OpenClose
+from clast.model.model import Floats
+from clast.step.convex import Convex
+from clast.step.modified import Modified
+from clast.step.open_close import OpenClose
 from systems import box, by_convex, march, method, system, turned
 
 LENGTH, HEIGHT, TILE = 0.8, 0.4, 0.5

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from clast.contact.arrays import ContactResponse, Contacts
-from clast.model import Model
-from clast.model_builder import ModelBuilder
+from clast.contact.contacts import ContactResponse, Contacts
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.model.state import Ledger, State, initial_state
 from clast.results import Report, Results, RunRecorder, read_results
-from clast.state import Ledger, State, initial_state
 
 
 def grid_model(rows: int, columns: int, title: str = "A wall") -> Model:

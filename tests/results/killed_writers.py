@@ -17,7 +17,7 @@ from pathlib import Path
 
 from recorded_run import moved, step_result, three_blocks
 
-from clast.model import Model
+from clast.model.model import Model
 from clast.results import RunRecorder
 
 

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from clast.contact.arrays import ContactResponse, Contacts
-from clast.interfaces import StepResult
-from clast.kernels import polygon
-from clast.model import Model
-from clast.model_builder import ModelBuilder
+from clast.block import polygon
+from clast.contact.contacts import ContactResponse, Contacts
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.model.state import Ledger, State, initial_state
 from clast.results import Report, Run, RunRecorder
-from clast.state import Ledger, State, initial_state
+from clast.step.method import StepResult
 
 STEP = 0.01
 TRANSLATION = np.array([[0.0, 0.0], [0.3, -0.1], [-0.2, 0.4]])

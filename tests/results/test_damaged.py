@@ -17,7 +17,7 @@ import pytest
 from recorded_run import record, three_blocks
 from typer.testing import CliRunner
 
-from clast.cli import app
+from clast.cli.commands import app
 from clast.errors import CaseError
 from clast.results import opening, read_results, summary
 from clast.results.about import texts

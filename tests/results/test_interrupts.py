@@ -7,9 +7,10 @@ import threading
 
 import pytest
 
-from clast.interrupts import heard, held_back
 from clast.results import read_results
-from clast.simulate import Schedule, simulate
+from clast.run.interrupts import heard, held_back
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
 from systems import box, by_convex, system
 
 
@@ -85,7 +86,7 @@ def test_what_is_ignored_stays_ignored():
 ENDED = """
 import os, signal, sys
 import clast
-from clast.casefile.templates import INCLINE
+from clast.case.templates import INCLINE
 
 def watch(progress):
     if progress.steps == 3:

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from recorded_run import moved, record, report, step_result, three_blocks
 
-from clast.casefile.templates import INCLINE
+from clast.case.templates import INCLINE
 from clast.errors import CaseError
 from clast.results import RunRecorder, read_results
 from clast.results.layout import history_path
@@ -259,7 +259,7 @@ def test_texts_that_no_file_can_hold(tmp_path, title):
 LIMITED = """
 import resource, sys
 from clast.case import Case
-from clast.casefile.templates import INCLINE
+from clast.case.templates import INCLINE
 Case.from_toml(INCLINE, ["time.end=0.002"]).run()  # what is compiled is kept on disk
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), int(sys.argv[1])))
 sys.argv[:] = ["clast", *sys.argv[2:]]

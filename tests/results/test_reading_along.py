@@ -13,7 +13,7 @@ import pytest
 from recorded_run import moved, record, three_blocks
 from typer.testing import CliRunner
 
-from clast.cli import app
+from clast.cli.commands import app
 from clast.results import locks, read_results, summary
 
 WRITER = """

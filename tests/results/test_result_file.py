@@ -19,8 +19,9 @@ from clast.results import RunRecorder, read_results, summary
 from clast.results.about import texts
 from clast.results.layout import CELL_ARRAYS
 from clast.results.writing import _Column
-from clast.simulate import Schedule, simulate
-from clast.stepping.modified import Modified
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.step.modified import Modified
 from systems import incline, method
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from recorded_run import SPIN, STEP, TRANSLATION, moved, record, report, step_result, three_blocks
 
+from clast.block import polygon
 from clast.errors import CaseError
-from clast.kernels import polygon
 from clast.results import RunRecorder
 from clast.results.points import point_velocity
 from clast.results.run import report_from_dict

@@ -7,9 +7,9 @@ import pytest
 
 import clast
 from clast import studies
-from clast.case import Case
-from clast.casefile.templates import INCLINE
-from clast.contact.arrays import Contacts
+from clast.case.case_file import Case
+from clast.case.templates import INCLINE
+from clast.contact.contacts import Contacts
 from systems import contacts_of, wall
 
 

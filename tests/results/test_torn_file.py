@@ -16,14 +16,14 @@ import pytest
 from recorded_run import moved, report, step_result, three_blocks
 
 from clast.errors import CaseError
-from clast.model import Model
-from clast.model_builder import ModelBuilder
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.model.state import State, initial_state
 from clast.results import Results, RunRecorder, read_results
 from clast.results.journal import JournalledFile, read_journal
 from clast.results.layout import CELL_ARRAYS, POINT_ARRAYS
 from clast.results.pages import PAGE, packed
 from clast.results.writing import MOVING
-from clast.state import State, initial_state
 
 KEPT = 4096
 """Linux stops a write at the end of a page when the process is killed."""

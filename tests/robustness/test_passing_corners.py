@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from clast.interfaces import StepResult
-from clast.model import Model
+from clast.model.model import Model
+from clast.step.method import StepResult
 from systems import GRAVITY, Floats, box, by_convex, march, system, turned
 
 PLAIN = box(-2.0, -1.0, 8.0, 1.0)

@@ -11,12 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from clast.contact.laws import Penalty
-from clast.equations.solvers import Scipy, sparse_matrix
-from clast.equations.system import BlockSystem
-from clast.interfaces import Factor, Method
-from clast.model import Model
-from clast.model_builder import ModelBuilder
-from clast.state import State
+from clast.linear.factor import Factor
+from clast.linear.solvers import Scipy, sparse_matrix
+from clast.linear.system import BlockSystem
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.model.state import State
+from clast.step.method import Method
 from systems import (
     GRAVITY,
     Floats,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import shapely
 
-from clast.model import Floats, Model
-from clast.stepping.convex import Convex
+from clast.model.model import Floats, Model
+from clast.step.convex import Convex
 from systems import (
     at_start,
     box,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from clast.cli import app
+from clast.cli.commands import app
 from clast.errors import CaseError
 from clast.results import read_results
 from clast.studies.bench import SCENES, Benchmark, Wishes, benchmark, measure, measuring, sizes_in

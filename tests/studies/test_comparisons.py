@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from clast import studies
-from clast.case import Case
-from clast.casefile.templates import INCLINE
+from clast.case.case_file import Case
+from clast.case.templates import INCLINE
 from clast.contact.laws import Penalty
 from clast.errors import CaseError
-from clast.stepping.convex import Convex
+from clast.step.convex import Convex
 from clast.studies.comparison_table import cells, headings, remarks
 
 END = "time.end=0.05"

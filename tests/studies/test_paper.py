@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from clast.case import Case
+from clast.case.case_file import Case
 from clast.errors import CaseError
+from clast.model.state import Ledger
 from clast.results import Report
-from clast.state import Ledger
 from clast.studies.comparing import Row
 from clast.studies.paper import (
     STUDIES,

@@ -7,7 +7,7 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from clast.cli import app
+from clast.cli.commands import app
 
 
 def verify(*arguments):

@@ -5,16 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from clast.verification import (
-    active_passive,
-    arch,
-    key_block,
-    ladder,
-    moving_base,
-    newmark,
-    rocking,
-    slide_topple,
-)
+from clast.verification.problems.masonry import arch, rocking
+from clast.verification.problems.slopes import ladder, slide_topple
+from clast.verification.problems.underground import active_passive, key_block
+from clast.verification.problems.waves import moving_base, newmark
 
 
 def test_newmark():

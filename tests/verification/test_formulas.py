@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from clast.model import PlaneStrain, PlaneStress
-from clast.verification import bounce, decelerating_block, incline, patch, pendulum, toppling
+from clast.model.model import PlaneStrain, PlaneStress
+from clast.verification.problems.blocks import patch, pendulum
+from clast.verification.problems.contact import bounce
+from clast.verification.problems.friction import decelerating_block, incline
+from clast.verification.problems.slopes import toppling
 from clast.verification.variants import EULER, LAGGED
 
 TABLE_1 = {

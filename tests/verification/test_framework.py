@@ -12,8 +12,8 @@ from clast import verification
 from clast.errors import CaseError, RunStopped
 from clast.verification import PROBLEMS, Verdict, cells
 from clast.verification.problem import KnownFailure, Outcome, absolute, relative
+from clast.verification.problems.blocks.spin import PROBLEM as SPIN
 from clast.verification.report import anchor
-from clast.verification.spin import PROBLEM as SPIN
 from clast.verification.variants import LAGGED, Variant
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -1,1 +1,1 @@
-"""Contacts between blocks: detection, corners, memory, laws."""
+"""Contacts between blocks: how they are found, and the forces in them."""

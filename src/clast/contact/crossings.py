@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.kernels import crossings as kernel
-from clast.kernels import polygon
-from clast.model import Floats, Ints
-from clast.state import ContactMemory
+from clast.block import polygon
+from clast.contact import crossing_kernels as kernel
+from clast.model.model import Floats, Ints
+from clast.model.state import ContactMemory
 
 TAKEN_BACK = 1.01
 """Share of a contact's penetration that must undo a crossing which it accounts for."""

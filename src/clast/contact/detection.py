@@ -6,159 +6,24 @@ corner rule -> contacts with their memory, strength and rows of the equations.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from clast.contact import neighbourhood
-from clast.contact.arrays import Contacts
+from clast.block import polygon
+from clast.block.displacement import DisplacementFunction
+from clast.contact import contact_kernels as kernel
+from clast.contact import narrow_phase
+from clast.contact.candidates import Candidates, find_candidates, pair_penetration
+from clast.contact.contacts import Contacts
+from clast.contact.corner_rules import CornerRule
 from clast.contact.crossings import with_crossings
+from clast.contact.jacobian import levers_of, movement
 from clast.contact.memory import recall
-from clast.contact.rows import levers_of, movement
-from clast.interfaces import CornerRule, DisplacementFunction
-from clast.kernels import contacts as kernel
-from clast.kernels import memory as memory_kernel
-from clast.kernels import narrow_phase, polygon, seams
-from clast.model import Bools, Floats, Ints, Joint, JointTable, Model
-from clast.state import ContactMemory, State
-
-
-@dataclass(frozen=True, kw_only=True)
-class Reach:
-    """How far contact detection looks, m."""
-
-    front: float
-    """In front of an edge, beside what the blocks may move."""
-    depth: float
-    """Behind an edge, beyond the remembered penetration: how deep a vertex may have moved."""
-    critdis: float
-    """Length by which edges are extended where corners coincide."""
-    tip: float = 0.0
-    """Length by which edges are extended for a vertex that touches with its tip alone."""
-    travel: Floats | None = None
-    """How far a vertex of each block may move in a step, m, shape (n,); added to both."""
-
-    def travel_of(self, count: int) -> Floats:
-        """Return the travel of ``count`` blocks, m, shape (count,); 0 where none is given."""
-        return np.zeros(count) if self.travel is None else self.travel
-
-
-@dataclass(frozen=True, kw_only=True)
-class Candidates:
-    """Candidate edges, grouped by (vertex, block of the edge); m candidates in k groups."""
-
-    group_start: Ints
-    """First candidate of each group, shape (k + 1,)."""
-    vertex: Ints
-    """Vertex, shape (m,)."""
-    edge: Ints
-    """Candidate edge (index of its first vertex), shape (m,)."""
-    pair: Ints
-    """Index of the pair of blocks, shape (m,)."""
-    gap: Floats
-    """Signed distance to the edge's line, m, shape (m,)."""
-    along: Floats
-    """Distance of the foot from the edge's first vertex along the edge, m, shape (m,)."""
-    remembered: Ints
-    """Entrance edge of each group in the last step, or -1, shape (k,)."""
-    direction: Floats
-    """Unit direction of the edge that starts at each vertex, shape (nv, 2)."""
-    length: Floats
-    """Length of that edge, m, shape (nv,)."""
-    vertex_block: Ints
-    """Block of each vertex, shape (nv,)."""
-    block_start: Ints
-    """First vertex of each block, shape (n + 1,)."""
-    critdis: float
-    """Length by which edges are extended where corners coincide, m."""
-
-
-def near_pairs(
-    vertices: Floats,
-    block_start: Ints,
-    fixed: Bools,
-    distance: float,
-    travel: Floats | float = 0.0,
-) -> Ints:
-    """Return pairs (lower, higher) of blocks that are near each other by their boxes, (q, 2).
-
-    Nearer than ``distance``, m, plus the ``travel`` (n,) of each of the two, m.
-    """
-    half = np.empty(len(block_start) - 1)
-    half[:] = 0.5 * distance + np.asarray(travel)
-    return neighbourhood.LAST.near_pairs(vertices, block_start, half, fixed)
-
-
-def pair_penetration(block_start: Ints, pairs: Ints, memory: ContactMemory) -> Floats:
-    """Return the largest remembered penetration of each pair of blocks, m, shape (q,).
-
-    It belongs to the pair, not to the vertex: as blocks roll over each other a deep (soft) contact
-    is handed from a vertex of one to a vertex of the other.
-    """
-    depth: Floats = memory_kernel.deepest_by_pair(
-        pairs,
-        polygon.owners(block_start),
-        len(block_start) - 1,
-        memory.vertex,
-        memory.block,
-        memory.gap,
-    )
-    return depth
-
-
-def find_candidates(
-    vertices: Floats,
-    block_start: Ints,
-    pairs: Ints,
-    memory: ContactMemory,
-    reach: Reach,
-    shift: Floats | None = None,
-    strain: Floats | None = None,
-) -> Candidates:
-    """Return every edge that a vertex could be in contact with (see the module's kernels).
-
-    ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m, ``strain``
-    (n, 3) that of the blocks; nothing if not given.
-    """
-    direction, length = polygon.edges(vertices, block_start)
-    box = polygon.boxes(vertices, block_start)
-    vertex_block = polygon.owners(block_start)
-    depth = pair_penetration(block_start, pairs, memory)
-    bearing = (
-        *seams.rows_by_block(memory.vertex, memory.block, vertex_block, len(box)),
-        memory.vertex,
-        memory.block,
-        memory.edge,
-        memory.gap,
-        np.zeros((len(box), 3)) if strain is None else strain,
-    )
-    start, vertex, edge, pair, gap, along = narrow_phase.candidates(
-        (vertices, np.zeros_like(vertices) if shift is None else shift, direction, length),
-        (block_start, box, vertex_block),
-        pairs,
-        depth,
-        reach.travel_of(len(box)),
-        (reach.front, reach.depth, reach.critdis, reach.tip),
-        bearing,
-    )
-    remembered = memory_kernel.remembered_edges(
-        start, vertex, edge, vertex_block, memory.vertex, memory.block, memory.edge
-    )
-    return Candidates(
-        group_start=start,
-        vertex=vertex,
-        edge=edge,
-        pair=pair,
-        gap=gap,
-        along=along,
-        remembered=remembered,
-        direction=direction,
-        length=length,
-        vertex_block=vertex_block,
-        block_start=block_start,
-        critdis=reach.critdis,
-    )
+from clast.contact.search_distance import Reach
+from clast.contact.verlet_list import near_pairs
+from clast.model.model import Floats, Ints, Joint, JointTable, Model
+from clast.model.state import ContactMemory, State
 
 
 def joints_of_pairs(table: JointTable, block_rock: Ints, pairs: Ints) -> Ints:

@@ -7,10 +7,10 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from clast.contact.arrays import ContactResponse, Contacts, SpringLimits
+from clast.contact import coulomb as kernel
+from clast.contact.contacts import ContactResponse, Contacts, SpringLimits
 from clast.errors import CaseError
-from clast.kernels import laws as kernel
-from clast.model import Floats
+from clast.model.model import Floats
 
 
 def springs(
@@ -223,3 +223,51 @@ class AugmentedLagrangian:
     def renew(self, contacts: Contacts, response: ContactResponse) -> Contacts:
         """Return the contacts with lambda <- N."""
         return replace(contacts, multiplier=response.normal_force)
+
+
+class ContactLaw(Protocol):
+    """Forces between blocks from gap and slip.  Evaluating a law never changes its memory."""
+
+    @property
+    def normal_stiffness(self) -> float:
+        """Normal contact stiffness p (the penalty), N/m per m."""
+        ...
+
+    def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
+        """Return forces and stiffnesses for gaps (m,) and slips (m,) at the end of the step, m."""
+        ...
+
+
+class SpringLaw(ContactLaw, Protocol):
+    """A contact law that is nothing but linear springs with bounds."""
+
+    def limits(self, contacts: Contacts) -> SpringLimits:
+        """Return stiffnesses and bounds, for contacts whose friction bound is given."""
+        ...
+
+
+class MultiplierLaw(ContactLaw, Protocol):
+    """A contact law with Lagrange multipliers that are renewed between solves of one step."""
+
+    @property
+    def solves(self) -> int:
+        """Solves per step, at most."""
+        ...
+
+    @property
+    def carries(self) -> bool:
+        """True where a step begins with the multipliers of the last."""
+        ...
+
+    @property
+    def penetration_tolerance(self) -> float:
+        """Penetration, m, at which the solves end early."""
+        ...
+
+    def begin(self, contacts: Contacts) -> Contacts:
+        """Return the contacts with the multipliers of the first solve of a step."""
+        ...
+
+    def renew(self, contacts: Contacts, response: ContactResponse) -> Contacts:
+        """Return the contacts with the multipliers that follow from the forces of a solve."""
+        ...

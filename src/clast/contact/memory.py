@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from clast.contact.arrays import ContactResponse, Contacts
-from clast.kernels import memory as kernel
-from clast.model import Floats, Ints
-from clast.state import ContactMemory
+from clast.contact import memory_kernels as kernel
+from clast.contact.contacts import ContactResponse, Contacts
+from clast.model.model import Floats, Ints
+from clast.model.state import ContactMemory
 
 
 def recall(memory: ContactMemory, vertex: Ints, block: Ints, edge: Ints) -> Ints:

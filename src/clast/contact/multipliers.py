@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from clast.contact.arrays import ContactResponse, Contacts
-from clast.interfaces import ContactLaw, MultiplierLaw
-from clast.model import Floats, Model
+from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.laws import ContactLaw, MultiplierLaw
+from clast.model.model import Floats, Model
 
 if TYPE_CHECKING:
     from typing_extensions import TypeIs

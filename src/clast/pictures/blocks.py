@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from clast.model import Bools, Floats, Ints
+from clast.model.model import Bools, Floats, Ints
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE, TEXT_SIZE, Sheet, literal
 from clast.pictures.fields import KINDS, SCALARS, prefixed
 from clast.pictures.scale import Scale, scale_of

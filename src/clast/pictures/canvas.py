@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clast.errors import CaseError
-from clast.model import Floats
+from clast.model.model import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clast.model import Bools, Floats, Ints
+from clast.model.model import Bools, Floats, Ints
 from clast.pictures import blocks, canvas
 from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
 from clast.pictures.fields import prefixed

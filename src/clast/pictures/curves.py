@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from clast.model import Floats
+from clast.model.model import Floats
 from clast.pictures import canvas
 from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from clast import spelling
 from clast.errors import CaseError
-from clast.model import Floats
+from clast.model.model import Floats
 from clast.results import Recording
 
 Values: TypeAlias = Callable[[Recording, int], Floats]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clast.model import Floats, Ints
+from clast.model.model import Floats, Ints
 from clast.pictures.blocks import outlines_of
 from clast.pictures.canvas import INK, SMALL_SIZE, Sheet, letters_in
 from clast.pictures.fields import prefixed, round_below

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.model import Floats
+from clast.model.model import Floats
 from clast.pictures import canvas
 from clast.pictures.canvas import INK, SMALL_SIZE, TEXT_SIZE
 from clast.pictures.fields import prefixed

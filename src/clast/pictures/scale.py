@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from clast.model import Floats
+from clast.model.model import Floats
 
 if TYPE_CHECKING:
     from matplotlib.colors import Colormap

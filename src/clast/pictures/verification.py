@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from clast.ground_motion import Still
-from clast.model import Floats, Model
+from clast.model.ground_motion import Still
+from clast.model.model import Floats, Model
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,8 +7,8 @@ import json
 import re
 from typing import Any
 
-from clast.interfaces import Method
-from clast.model import Model
+from clast.model.model import Model
+from clast.step.method import Method
 
 PARTS = ("process", "contact_law", "corner_rule", "integrator", "solver")
 """Parts of a method that are told by name, each with its numbers."""

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.model import Floats, Ints
+from clast.model.model import Floats, Ints
 
 PARTS = {2: ("x", "y"), 3: ("xx", "yy", "xy")}
 """What the columns of vectors and of stresses are called: displacement_x, stress_xx."""

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.contact.arrays import ContactResponse, Contacts
-from clast.kernels import polygon
-from clast.model import Floats, Model
+from clast.block import polygon
+from clast.contact.contacts import ContactResponse, Contacts
+from clast.model.model import Floats, Model
+from clast.model.state import State
 from clast.results.tables import CONTACT_ROW
-from clast.state import State
 
 
 class FrameFields:

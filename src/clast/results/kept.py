@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.model import Floats, Ints, Model
+from clast.model.model import Floats, Ints, Model
+from clast.model.state import ContactMemory, State
 from clast.results.fields import FrameFields
 from clast.results.layout import CELL_ARRAYS, PLANE_VECTORS
 from clast.results.recorded import KIND_FIELDS, VERTICES
-from clast.state import ContactMemory, State
 
 MOST_BYTES = 2_000_000_000
 """Frames beyond this much memory are not kept, but for the last."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.kernels import polygon
-from clast.model import Floats, Model
-from clast.state import State
+from clast.block import polygon
+from clast.model.model import Floats, Model
+from clast.model.state import State
 
 
 class PointTracker:

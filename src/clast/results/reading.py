@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.errors import CaseError
-from clast.model import Bools, Floats, Ints
+from clast.model.model import Bools, Floats, Ints
 from clast.results import structure
 from clast.results.about import asked_most
 from clast.results.columns import BlockHistory, Columns, FrameContacts, PointHistory

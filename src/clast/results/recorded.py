@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from clast import spelling
 from clast.errors import CaseError
-from clast.model import Floats, Ints
+from clast.model.model import Floats, Ints
 from clast.results.columns import BlockHistory, FrameContacts
 
 BLOCK_ROW = np.dtype(

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clast.errors import ResultsLost, RunStopped
-from clast.interfaces import StepResult
-from clast.model import Model
+from clast.model.model import Model
+from clast.model.state import State
 from clast.results.run import Report, Run
 from clast.results.tables import (
     ENERGY_ROW,
@@ -22,10 +22,10 @@ from clast.results.tables import (
     no_contacts,
     points_row,
 )
-from clast.state import State
+from clast.step.method import StepResult
 
 if TYPE_CHECKING:
-    from clast.contact.arrays import ContactResponse, Contacts
+    from clast.contact.contacts import ContactResponse, Contacts
 
 _ledger_entries = attrgetter(*LEDGER_ENTRIES)
 

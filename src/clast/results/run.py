@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.errors import CaseError
-from clast.model import Bools, Floats, Ints, Model
+from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.state import Ledger, Overlap, State
 from clast.results.columns import BlockHistory, Columns, FrameContacts, PointHistory
 from clast.results.recorded import (
     VERTICES,
@@ -26,7 +27,6 @@ from clast.results.recorded import (
     unknown_name,
 )
 from clast.results.tables import rows_of_point
-from clast.state import Ledger, Overlap, State
 
 if TYPE_CHECKING:
     from clast.results.kept import KeptFrames

@@ -14,7 +14,8 @@ from typing import Any, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.model import Bools, Floats, Ints
+from clast.model.model import Bools, Floats, Ints
+from clast.model.state import Ledger
 from clast.results.about import about_in
 from clast.results.layout import (
     CELL_ARRAYS,
@@ -26,7 +27,6 @@ from clast.results.layout import (
 from clast.results.opening import MalformedError
 from clast.results.run import Report, report_from_dict
 from clast.results.tables import CONTACT_ROW, POINT_ROW, STEP_ROW
-from clast.state import Ledger
 
 
 @dataclass(frozen=True, kw_only=True)

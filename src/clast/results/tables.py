@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.state import Ledger
+from clast.model.state import Ledger
 
 LEDGER_ENTRIES = tuple(entry.name for entry in dataclasses.fields(Ledger))
 

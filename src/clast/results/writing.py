@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from clast.errors import CaseError, ResultsLost
-from clast.model import Floats, Ints, Model
+from clast.model.model import Floats, Ints, Model
 from clast.results.about import about_model
 from clast.results.journal import JournalledFile
 from clast.results.layout import (

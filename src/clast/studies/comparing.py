@@ -11,15 +11,15 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from clast import spelling
-from clast.case import CONTACT_LAWS, PROCESSES, Case
-from clast.casefile.choices import Chosen, Given
+from clast.case.case_file import CONTACT_LAWS, PROCESSES, Case
+from clast.case.choices import Chosen, Given
 from clast.errors import CaseError, RunStopped
-from clast.model import Bools, Floats, Ints
+from clast.model.model import Bools, Floats, Ints
 from clast.results import Report, Run
 from clast.studies.references import Deviation, Vector, deviations
 
 if TYPE_CHECKING:
-    from clast.simulate import Progress
+    from clast.run.schedule import Progress
 
 Watch = Callable[["Combination", "Progress"], None]
 """Called after every step of every run."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.case import Case
+from clast.case.case_file import Case
 from clast.results import Run
 
 Vector = tuple[float, float]

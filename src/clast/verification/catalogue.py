@@ -2,43 +2,43 @@
 
 from __future__ import annotations
 
-from clast.verification import (
-    active_passive,
-    arch,
+from clast.verification.problem import Problem
+from clast.verification.problems.blocks import (
+    energy,
+    free_fall,
+    invariance,
+    order,
+    patch,
+    pendulum,
+    spin,
+    stiffness,
+)
+from clast.verification.problems.contact import (
     bounce,
     collision,
     column,
+    penetration,
+    restitution,
+    stack,
+)
+from clast.verification.problems.friction import (
     decelerating_block,
     direct_shear,
-    energy,
-    free_fall,
     friction_lag,
     incline,
-    invariance,
-    jointed_rock,
-    key_block,
-    ladder,
-    moving_base,
-    newmark,
-    order,
-    overhang,
-    patch,
-    pendulum,
-    penetration,
-    plane_failure,
-    restitution,
-    rocking,
     seams,
+)
+from clast.verification.problems.masonry import arch, overhang, rocking, three_hinges
+from clast.verification.problems.slopes import (
+    jointed_rock,
+    ladder,
+    plane_failure,
     slide_topple,
-    spin,
-    stack,
-    stiffness,
-    three_hinges,
     toppling,
     two_planes,
-    wave,
 )
-from clast.verification.problem import Problem
+from clast.verification.problems.underground import active_passive, key_block
+from clast.verification.problems.waves import moving_base, newmark, wave
 
 PROBLEMS: tuple[Problem, ...] = (
     incline.PROBLEM,

@@ -11,8 +11,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from clast.model import Model
-from clast.simulate import Schedule, simulate
+from clast.model.model import Model
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
 from clast.verification.variants import Variant
 
 AT_REST = 5e-4

@@ -8,7 +8,7 @@ from enum import Enum
 from typing import Any
 
 from clast.errors import RunStopped
-from clast.model import Model
+from clast.model.model import Model
 from clast.pictures.verification import Chart
 from clast.verification.variants import Variant
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from clast.case import FIXED_POINT_FACTOR, MethodTable
-from clast.interfaces import Method
-from clast.kinematics.first_order import FirstOrder
-from clast.model import Model
+from clast.block.displacement import FirstOrder
+from clast.case.case_file import FIXED_POINT_FACTOR, MethodTable
+from clast.model.model import Model
+from clast.step.method import Method
 
 CRITDIS = 0.5
 """critdis in units of max_displacement: the paper's own ratio."""

@@ -9,13 +9,16 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from clast.equations.solvers import DIRECTION, PCG, IteratedMatrix
-from clast.equations.system import BlockSystem
+from clast.compute import chunks
 from clast.errors import StepRejected
-from clast.interfaces import Method
-from clast.kernels import block_rows, conjugate, stream
-from clast.model import Model
-from clast.state import State
+from clast.linear import block_matrix as block_rows
+from clast.linear import pcg as conjugate
+from clast.linear.solvers import DIRECTION, PCG, IteratedMatrix
+from clast.linear.system import BlockSystem
+from clast.model.model import Model
+from clast.model.state import State
+from clast.step.method import Method
+from clast.studies.bench import triad as stream
 
 REPEATS = 7
 """Times that something is measured; the fastest counts."""
@@ -120,7 +123,7 @@ def measured_product(matrix: tuple[Any, ...]) -> Product:
         rate=moved / taken,
         triad=triad_rate(moved),
         triad_by_threads=triad_rate(moved, threads=True),
-        shared=count >= block_rows.SHARED,
+        shared=count >= chunks.SHARED,
     )
 
 

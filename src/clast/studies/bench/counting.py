@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from time import perf_counter
 
-from clast.interfaces import Method, StepProcess, StepResult
-from clast.model import Model
-from clast.state import State
+from clast.model.model import Model
+from clast.model.state import State
+from clast.step.method import Method, StepProcess, StepResult
 
 
 @dataclass(kw_only=True)

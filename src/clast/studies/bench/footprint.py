@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.equations.system import BlockSystem
-from clast.interfaces import StepResult
-from clast.model import Model
-from clast.state import State
+from clast.linear.system import BlockSystem
+from clast.model.model import Model
+from clast.model.state import State
+from clast.step.method import StepResult
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,12 +9,12 @@ from time import perf_counter
 
 import numpy as np
 
-from clast.equations.system import BlockSystem
 from clast.errors import RunStopped, StepRejected
-from clast.interfaces import Method
-from clast.model import Model
+from clast.linear.system import BlockSystem
+from clast.model.model import Model
 from clast.results import Run, RunRecorder
-from clast.simulate import simulate
+from clast.run.simulate import simulate
+from clast.step.method import Method
 from clast.studies.bench.bandwidth import (
     Product,
     matrix_of_directions,

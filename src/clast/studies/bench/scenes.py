@@ -15,8 +15,8 @@ import numpy as np
 
 from clast import spelling
 from clast.errors import CaseError
-from clast.model import Floats, Model
-from clast.model_builder import ModelBuilder
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
 
 YOUNG = 5e9
 """Young's modulus of every scene, Pa."""

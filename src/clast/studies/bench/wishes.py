@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from clast import spelling
-from clast.case import SOLVERS, TRAVEL_SHARE, MethodTable
+from clast.case.case_file import SOLVERS, TRAVEL_SHARE, MethodTable
 from clast.errors import CaseError
-from clast.interfaces import Method
-from clast.model import Model
-from clast.simulate import Schedule
+from clast.model.model import Model
+from clast.run.schedule import Schedule
+from clast.step.method import Method
 from clast.studies.bench.scenes import LARGEST, SCENES, SMALLEST, scene_named
 
 SIZES = (100, 1000)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from clast.case import Case
+from clast.case.case_file import Case
 from clast.pictures.comparison import Panel, SideBySide, draw_side_by_side
 from clast.studies.comparing import Combination
 from clast.studies.comparison_pages import markdown_table

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from clast.case import Case
-from clast.sanity import examine
+from clast.case.case_file import Case
+from clast.run.preflight import examine
 from clast.studies.comparing import Combination, Row, row_of
 
 WORKERS = 2

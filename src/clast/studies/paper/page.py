@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from clast.model import Floats
+from clast.model.model import Floats
 from clast.pictures.curves import Series
 from clast.studies.comparison_pages import markdown_table
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clast.model import Floats
+from clast.model.model import Floats
 from clast.pictures.curves import Diagram, Rule, Series, draw_diagrams
 from clast.studies.comparing import Combination
 from clast.studies.comparison_pages import markdown_table

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from clast.model import Floats
+from clast.model.model import Floats
 from clast.pictures.curves import Diagram, draw_diagrams
 from clast.studies.comparison_pages import markdown_table
 from clast.studies.paper.jobs import EVERY_COMBINATION, Finding, Findings, Job

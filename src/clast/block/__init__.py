@@ -1,0 +1,1 @@
+"""One block: its polygon, how it moves and strains, its inertia and its elasticity."""

@@ -1,0 +1,280 @@
+"""What is wrong in a case file, in words that name the place and the remedy.
+
+pydantic finds the faults; the sentences are ours.  A fault's place is pydantic's: the path of keys
+and list positions from the top of the file, or of a table, down to the bad value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
+
+from clast import spelling
+from clast.case.text import is_tables
+from clast.errors import CaseError, shortened
+
+Place = tuple[str | int, ...]
+"""Keys and list positions (from 0) that lead to a value."""
+
+SHOWN = 10
+"""Most faults that one message lists."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fault:
+    """One thing to put right."""
+
+    place: Place = ()
+    """Where it is."""
+    what: str
+    """What is wrong."""
+    remedy: str = ""
+    """What to do."""
+
+
+def refusal(*faults: Fault) -> PydanticCustomError:
+    """Return the error by which a validator hands over faults worded by itself."""
+    return PydanticCustomError("faults", "see faults", {"faults": list(faults)})
+
+
+def faults_of(error: ValidationError, table: type[BaseModel]) -> list[Fault]:
+    """Return the faults that pydantic found in a table, in our words."""
+    found: list[Fault] = []
+    for item in error.errors(include_url=False):
+        place = tuple(item["loc"])
+        context = item.get("ctx", {})
+        if item["type"] == "faults":
+            for fault in context["faults"]:
+                at = place + fault.place
+                remedy = fault.remedy or _meaning(at, table)
+                found.append(replace(fault, place=at, remedy=remedy))
+        else:
+            found.append(_in_words(item["type"], place, item["input"], context, table))
+    return found
+
+
+def case_error(faults: Sequence[Fault], *, file: str, content: Mapping[str, Any]) -> CaseError:
+    """Return one error that says all faults of a case file."""
+    if len(faults) == 1:
+        only = faults[0]
+        place = place_text(only.place, content)
+        return CaseError(only.what, where=f"{file}: {place}" if place else file, remedy=only.remedy)
+    lines = []
+    for fault in faults[:SHOWN]:
+        place = place_text(fault.place, content)
+        lines.append(f"  {place}: {fault.what}" if place else f"  {fault.what}")
+        if fault.remedy:
+            lines.append(f"    {fault.remedy}")
+    if len(faults) > SHOWN:
+        lines.append(f"  and {len(faults) - SHOWN} more")
+    return CaseError(f"{len(faults)} things to put right\n" + "\n".join(lines), where=file)
+
+
+def place_text(place: Place, content: Mapping[str, Any]) -> str:
+    """Return a place as the reader finds it in the file: table in brackets, key, numbers from 1."""
+    if not place:
+        return ""
+    top, rest = str(place[0]), list(place[1:])
+    value = content.get(top)
+    number = rest[0] if rest else None
+    if is_tables(value) and isinstance(number, int):
+        rest = rest[1:]
+        table = f"[[{top}]] {number + 1}{_name_text(value, number)}"
+    elif isinstance(value, dict) and rest and _is_table(top, value.get(str(rest[0]))):
+        key = shortened(str(rest.pop(0)))
+        table = f"[{top}.{key}]" if top in ("rock", "joint") else f"[{top}] {key}"
+        if top not in ("rock", "joint") and rest:
+            return f"{table}.{_keys_text(rest)}"
+    elif isinstance(value, dict):
+        table = f"[{top}]"
+    else:
+        return _keys_text([top, *rest])
+    return f"{table} {_keys_text(rest)}" if rest else table
+
+
+def _is_table(top: str, value: Any) -> bool:
+    """Return whether a value within a table is a table of its own, as rocks and joints are."""
+    return isinstance(value, dict) or top in ("rock", "joint")
+
+
+def _keys_text(keys: Sequence[str | int]) -> str:
+    """Return keys and positions below a table: ``vertices 3, number 2``."""
+    text = ""
+    for depth, key in enumerate(keys):
+        if isinstance(key, str):
+            named = shortened(key) or "''"
+            text += f".{named}" if text and isinstance(keys[depth - 1], str) else f", {named}"
+        elif isinstance(keys[depth - 1], int):
+            text += f", number {key + 1}"
+        else:
+            text += f" {key + 1}"
+    return text.removeprefix(", ").removeprefix(".")
+
+
+def _name_text(tables: Any, number: int) -> str:
+    """Return the name of one of several tables, quoted, or nothing."""
+    table = tables[number] if number < len(tables) else None
+    name = table.get("name") if isinstance(table, dict) else None
+    return f" '{shortened(name)}'" if isinstance(name, str) else ""
+
+
+def _in_words(
+    kind: str,
+    place: Place,
+    given: Any,
+    context: Mapping[str, Any],
+    table: type[BaseModel],
+) -> Fault:
+    """Return pydantic's fault as a sentence and a remedy."""
+    if kind == "extra_forbidden":
+        return Fault(place=place, what="there is no such key", remedy=_known_keys(place, table))
+    known = field_at(table, place)
+    meaning = _meaning(place, table)
+    if kind == "missing" and isinstance(place[-1], int):
+        return Fault(place=place[:-1], what=f"number {place[-1] + 1} is missing", remedy=meaning)
+    if kind == "missing":
+        remedy = f"add it: {meaning}" if meaning else "add it"
+        return Fault(place=place, what="is missing", remedy=remedy)
+    if kind == "literal_error":
+        return _not_a_choice(place, given, known)
+    if kind in NO_TABLE or (kind in NO_LIST and isinstance(given, dict)):
+        return _not_a_table(kind, place, given, table)
+    say = SENTENCES.get(kind, _is_impossible)
+    return Fault(place=place, what=say(given, context), remedy=meaning)
+
+
+def _meaning(place: Place, table: type[BaseModel]) -> str:
+    """Return what the key at a place means, or nothing."""
+    known = field_at(table, place)
+    return known.description or "" if known else ""
+
+
+def _shown(given: Any) -> str:
+    """Return a value as it looks in a case file, shortened."""
+    if isinstance(given, dict):
+        return "a table"
+    try:
+        text = str(given).lower() if isinstance(given, bool) else repr(given)
+    except ValueError:  # Python writes no whole number of more than some thousand digits
+        text = "a number of thousands of digits"
+    return shortened(text, 60)
+
+
+def _is_no_number(given: Any) -> str:
+    """Return the sentence for what cannot be a floating-point number."""
+    if isinstance(given, int) and not isinstance(given, bool):
+        return f"is too large a number: {_shown(given)}"
+    return f"must be a number, not {_shown(given)}"
+
+
+def _is_impossible(given: Any, _: Mapping[str, Any]) -> str:
+    """Return the sentence for faults that have no sentence of their own."""
+    return f"cannot be {_shown(given)}"
+
+
+SENTENCES: dict[str, Callable[[Any, Mapping[str, Any]], str]] = {
+    "float_type": lambda given, _: _is_no_number(given),
+    "int_type": lambda given, _: f"must be a whole number, not {_shown(given)}",
+    "bool_type": lambda given, _: f"must be true or false, not {_shown(given)}",
+    "string_type": lambda given, _: f"must be a text in quotes, not {_shown(given)}",
+    "finite_number": lambda given, _: f"must be a finite number, not {_shown(given)}",
+    "greater_than": lambda given, c: f"must be above {c['gt']:g}, not {_shown(given)}",
+    "greater_than_equal": lambda given, c: f"must be {c['ge']:g} or more, not {_shown(given)}",
+    "less_than": lambda given, c: f"must be below {c['lt']:g}, not {_shown(given)}",
+    "less_than_equal": lambda given, c: f"must be {c['le']:g} or less, not {_shown(given)}",
+    "too_long": lambda _, c: f"has {c['actual_length']} items instead of {c['max_length']}",
+    "too_short": lambda _, c: f"has {c['actual_length']} items instead of {c['min_length']}",
+    "list_type": lambda given, _: f"must be a list in brackets, not {_shown(given)}",
+    "tuple_type": lambda given, _: f"must be a list in brackets, not {_shown(given)}",
+}
+"""What pydantic's kinds of fault mean, from the value given and the limit in the context."""
+
+
+NO_TABLE = frozenset({"dict_type", "model_type", "model_attributes_type", "dataclass_type"})
+NO_LIST = frozenset({"list_type", "tuple_type"})
+"""pydantic's kinds of fault where something else is given than a table or a list."""
+
+
+def _not_a_table(kind: str, place: Place, given: Any, table: type[BaseModel]) -> Fault:
+    """Return the fault of a value that is no table, or of one table where several are due."""
+    name = ".".join(str(part) for part in place if isinstance(part, str))
+    here = _table_at(table, place)
+    keys = ", ".join(keys_of(here)) if here else "those of the schema"
+    if kind in NO_LIST:
+        remedy = f"write [[{name}]], in two brackets" if len(place) == 1 else ""
+        remedy = remedy or _meaning(place, table) or "write it in brackets: [1.0, 2.0]"
+        return Fault(place=place, what="must be a list, not one table", remedy=remedy)
+    what = f"must be a table, not {'a list' if isinstance(given, list) else _shown(given)}"
+    if isinstance(given, list) and len(place) == 1:
+        return Fault(place=place, what=what, remedy=f"write [{name}], in one bracket")
+    heading = _meaning(place, table) if kind == "dict_type" else ""
+    return Fault(place=place, what=what, remedy=heading or f"it has the keys {keys}")
+
+
+def _not_a_choice(place: Place, given: Any, known: FieldInfo | None) -> Fault:
+    """Return the fault of a value that is none of the allowed ones."""
+    choices = [str(choice) for choice in get_args(known.annotation)] if known else []
+    remedy = spelling.advice(str(given), choices, kind="choice")
+    return Fault(place=place, what=f"{_shown(given)} is not known here", remedy=remedy)
+
+
+def _known_keys(place: Place, table: type[BaseModel]) -> str:
+    """Return the nearest valid key of the table at hand, or the table where the key belongs."""
+    word = str(place[-1])
+    here = _table_at(table, place[:-1])
+    if here is None:
+        return ""
+    close = spelling.nearest(word, keys_of(here))
+    if close is None:
+        for name, field in table.model_fields.items():
+            inner = _table_in(field.annotation)
+            if inner is not None and inner is not here and word in keys_of(inner):
+                return f"'{word}' belongs in the table {field.alias or name}"
+    return spelling.advice(word, keys_of(here), kind="key")
+
+
+def keys_of(table: type[BaseModel]) -> list[str]:
+    """Return the keys of a table as they are written in the file."""
+    return [field.alias or name for name, field in table.model_fields.items()]
+
+
+def field_at(table: type[BaseModel], place: Place) -> FieldInfo | None:
+    """Return the field that a place leads to (its last key; list positions belong to the key)."""
+    keys = [(depth, key) for depth, key in enumerate(place) if isinstance(key, str)]
+    if not keys:
+        return None
+    depth, key = keys[-1]
+    here = _table_at(table, place[:depth])
+    if here is None:
+        return None
+    return next((f for name, f in here.model_fields.items() if key in (name, f.alias)), None)
+
+
+def _table_at(table: type[BaseModel], place: Place) -> type[BaseModel] | None:
+    """Return the table that a place leads to, or None."""
+    here: type[BaseModel] | None = table
+    parts: Iterator[str | int] = iter(place)
+    for part in parts:
+        if here is None:
+            return None
+        if isinstance(part, int):
+            continue
+        fields = here.model_fields.items()
+        field = next((f for name, f in fields if part in (name, f.alias)), None)
+        here = _table_in(field.annotation) if field else None
+        if field is not None and get_origin(field.annotation) is dict:
+            next(parts, None)  # the user's own name of a rock or a joint
+    return here
+
+
+def _table_in(annotation: Any) -> type[BaseModel] | None:
+    """Return the table inside an annotation such as list[BlockTable], or None."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    inside = (_table_in(argument) for argument in get_args(annotation))
+    return next((found for found in inside if found is not None), None)

@@ -1,0 +1,327 @@
+"""What scripts begin with: a builder that makes cases, and a run of any model in one line.
+
+    import clast
+
+    builder = clast.ModelBuilder(title="A block that falls")
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.block(name="falling", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
+    run = clast.simulate(builder.build(), end=0.5)
+    run.block("falling").displacement[-1]
+    builder.case(end=0.5, process="modified").run()
+
+What a script does not say is chosen as follows: the methods of a case file without [method]; a step
+of a 300th of the time in which the smallest block falls by half its own size, rounded to 1, 2 or 5
+times a power of ten (1 ms for blocks of 1 m); an end at 1 s; a hundred frames.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+
+import numpy as np
+
+from clast import spelling
+from clast.case.case_file import (
+    GROUND_MOTIONS,
+    PLANES,
+    BlockTable,
+    Case,
+    FixedPointTable,
+    GroundMotionTable,
+    JointTable,
+    LineLoadTable,
+    MeasuredPointTable,
+    MethodTable,
+    OutputTable,
+    PointLoadTable,
+    RockTable,
+    Table,
+    TimeTable,
+)
+from clast.case.writing import as_plain, table_of
+from clast.errors import CaseError
+from clast.model import builder as model_builder
+from clast.model.checks import Outlines
+from clast.model.ground_motion import GroundMotion, InertialForce, MovingBase, Still
+from clast.model.model import Model, Plane
+from clast.results import Run, RunRecorder
+
+if TYPE_CHECKING:
+    from clast.model.block_input import Entry, Label
+    from clast.run.schedule import Progress, Schedule
+    from clast.step.method import Method
+
+END = 1.0
+"""End of a run that does not say when, s."""
+FALLS = 300.0
+"""A step is this part of the time in which a block falls by half its own size."""
+STANDARD_GRAVITY = 9.8
+"""Acceleration by which a step is chosen where there is no gravity, m/s2."""
+
+
+class Keys(TypedDict, total=False):
+    """Keys of [time], [method] and [output] that a script may give; all have defaults."""
+
+    step: float
+    """Length of a step, s."""
+    end: float
+    """End of the run, s; 1 if absent."""
+    max_displacement: float
+    """Largest vertex movement in a step, m; 1 % of the size of the smallest block if absent."""
+    dynamic_ratio: float
+    """Share of velocity carried to the next step: 0 static, 1 dynamic."""
+    smallest_step: float
+    """The run stops where it would need a smaller step than this, s."""
+    process: Any
+    """Process of a step: a name, a table with its numbers, or an object."""
+    contact_law: Any
+    """Contact law: a name, a table with its numbers, or an object."""
+    corner_rule: Any
+    """Corner rule: a name, a table with its numbers, or an object."""
+    rotation: Any
+    """Rotation rule: a name or an object."""
+    integrator: Any
+    """Time integration: a name or an object."""
+    solver: Any
+    """Solver: a name, a table with its numbers, or an object."""
+    critdis: float
+    """Edges are lengthened by this in contact detection, m."""
+    fixed_point_stiffness: float
+    """Springs of fixed points, N/m per m."""
+    every: float
+    """Time between frames, s; a hundredth of the run if absent."""
+    contacts: bool
+    """True keeps the contact forces of every frame."""
+
+
+TABLES: dict[str, type[Table]] = {"time": TimeTable, "method": MethodTable, "output": OutputTable}
+"""Tables whose keys a script gives without saying where they belong."""
+
+
+class ModelBuilder(model_builder.ModelBuilder):
+    """Collects what a system of blocks is made of, and makes the Model or a case of it.
+
+    Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
+    yy, xy), angles in degrees, velocities in m/s and rad/s.  Polygons are counter-clockwise.
+    Nothing is judged before :meth:`build`, :meth:`case` or :meth:`to_toml`.
+    """
+
+    def case(self, **keys: Unpack[Keys]) -> Case:
+        """Return the case of these blocks; ``keys`` are those of [time], [method] and [output].
+
+        ``builder.case(end=2.0, process="modified").run()``.  A step that is not given follows from
+        the blocks, the end is 1 s.  Raises CaseError and ModelError, naming place and remedy.
+        """
+        # what cannot be built is no case either, be it two rocks of one name
+        tables = _with_time(_tables(keys), self.build())
+        return Case.validated({**self._content(), **tables}, "script")
+
+    def to_toml(self, **keys: Unpack[Keys]) -> str:
+        """Return these blocks as the text of a case file, which gives the same Model to the bit.
+
+        ``keys`` as in :meth:`case`.  Raises CaseError for what no file can hold: objects of a
+        script.
+        """
+        return self.case(**keys).to_toml()
+
+    def _content(self) -> dict[str, Any]:
+        """Return the tables of a case file that hold the system of blocks."""
+        rocks = {rock.name: table_of(RockTable, _unnamed(rock)) for rock in self._rocks}
+        content = {
+            "title": self.title,
+            "plane": _plane_name(self.plane),
+            "gravity": as_plain(np.asarray(self.gravity, np.float64)),
+            "rock": rocks,
+            "joint": {entry.joint.name: self._joint(entry) for entry in self._joints},
+            "block": list(self._blocks()),
+            "fixed_point": [
+                table_of(FixedPointTable, {"at": p.at, "block": p.block})
+                for p in self._fixed_points
+            ],
+            "point_load": [
+                table_of(PointLoadTable, {"at": p.at, "force": p.load, "block": p.block})
+                for p in self._point_loads
+            ],
+            "line_load": [
+                table_of(
+                    LineLoadTable,
+                    {"start": p.at, "end": p.end, "traction": p.load, "block": p.block},
+                )
+                for p in self._line_loads
+            ],
+            "measured_point": [
+                table_of(MeasuredPointTable, {"name": name, "at": p.at, "block": p.block})
+                for name, p in zip(self._measured_names, self._measured_points, strict=True)
+            ],
+            "ground_motion": _ground_motion(self.ground_motion),
+        }
+        return {key: value for key, value in content.items() if value}
+
+    def _joint(self, entry: Any) -> dict[str, Any]:
+        """Return the table of a joint strength."""
+        where = {
+            "between": entry.between,
+            "between_rocks": entry.between_rocks,
+            "allow_small_friction_angle": entry.allow_small_friction_angle,
+        }
+        return table_of(JointTable, {**_unnamed(entry.joint), **where})
+
+    def _blocks(self) -> Iterator[dict[str, Any]]:
+        """Give the table of every block, in their order."""
+        names = tuple(self._names())
+        unknown = Outlines(names, np.zeros(1, np.int64), np.zeros((0, 2)), np.zeros(2))
+        number = 0
+        for entry, label in self._labelled(unknown):
+            for name, values in zip(entry.names, _values(entry, label), strict=True):
+                number += 1
+                named = {} if name == str(number) else {"name": name}
+                yield {**named, **table_of(BlockTable, values)}
+
+
+def _values(entry: Entry, label: Label) -> Iterator[dict[str, Any]]:
+    """Give what is known of each block of an entry, but for its name."""
+    counts, vertices = entry.loops(label)
+    past = np.cumsum(counts)
+    velocity, stress = entry.velocities(label), entry.stresses(label)
+    for k, fixed in enumerate(entry.held(label)):
+        yield {
+            "vertices": vertices[past[k] - counts[k] : past[k]],
+            "rock": entry.rock,
+            "fixed": bool(fixed),
+            "velocity": velocity[k],
+            "initial_stress": None if stress is None else stress[k],
+        }
+
+
+def simulate(
+    model: Model | model_builder.ModelBuilder,
+    method: Method | None = None,
+    schedule: Schedule | None = None,
+    *,
+    output: Path | str | None = None,
+    progress: bool | Callable[[Progress], None] = False,
+    recorder: RunRecorder | None = None,
+    **keys: Unpack[Keys],
+) -> Run:
+    """Return the run of a model from rest, or its initial velocities, to the end.
+
+    ``clast.simulate(model, end=2.0, process="modified", contact_law=MyLaw())``: ``keys`` are those
+    of [time], [method] and [output] of a case file, and what is not given follows from the model
+    (the step, 1 s for the end).  ``method`` and ``schedule`` are in the place of these keys where
+    they are given.  ``output`` is the result file to write (.vtkhdf); without it frames are kept in
+    memory.  ``progress`` is True for a line on the terminal, or a function to call after every
+    step.
+
+    Raises CaseError and ModelError for what cannot be simulated, RunStopped where the run cannot go
+    on, with the partial results in its ``run``.
+    """
+    model = model.build() if isinstance(model, model_builder.ModelBuilder) else model
+    if not isinstance(model, Model):
+        raise CaseError(
+            f"a {type(model).__name__} is no model",
+            remedy="give builder.build(); a case runs by itself: clast.load(file).run()",
+        )
+    tables = _tables(keys)
+    _refuse_both(tables, {"method": method, "time": schedule})
+    # a bad model is refused before anything slow is loaded
+    from clast.run.preflight import examine
+    from clast.run.progress import shown
+    from clast.run.simulate import simulate as march
+
+    # a case that has everything but blocks
+    settings = Case.validated({**_with_time(tables, model), "rock": {}}, "script")
+    text = settings.text if method is None and schedule is None else ""
+    method = method or settings.method(model)
+    schedule = schedule or settings.schedule()
+    recorder = recorder or RunRecorder(
+        model,
+        case_text=text,
+        output=None if output is None else Path(output),
+        contacts=settings.output.contacts,
+    )
+    warnings = examine(model, method, schedule).warnings
+    with shown(progress) as watch:
+        return march(model, method, schedule, recorder=recorder, watch=watch, warnings=warnings)
+
+
+def usual_step(model: Model) -> float:
+    """Return the step, s, of a run that names none: 1, 2 or 5 times a power of ten.
+
+    At most a 300th of the time in which the smallest block falls by half its size.
+    """
+    gravity = float(np.hypot(*model.gravity)) or STANDARD_GRAVITY
+    wanted = math.sqrt(math.sqrt(float(model.area.min())) / gravity) / FALLS
+    power = 10.0 ** math.floor(math.log10(wanted))
+    rounded = power * max(digit for digit in (1.0, 2.0, 5.0) if digit * power <= wanted)
+    return float(f"{rounded:.1g}")
+
+
+def _with_time(tables: dict[str, dict[str, Any]], model: Model) -> dict[str, dict[str, Any]]:
+    """Return the tables of a script with the end and the step that it does not give."""
+    time = {"end": END, **tables.get("time", {})}
+    if "step" not in time:
+        step, end = usual_step(model), time["end"]
+        time["step"] = min(step, end) if isinstance(end, int | float) and end > 0.0 else step
+    return {**tables, "time": time}
+
+
+def _tables(keys: Keys) -> dict[str, dict[str, Any]]:
+    """Return the keys of a script in the tables of a case file where they belong."""
+    tables: dict[str, dict[str, Any]] = {}
+    for key, value in keys.items():
+        home = next((name for name, kind in TABLES.items() if key in kind.model_fields), None)
+        if home is None:
+            known = [name for kind in TABLES.values() for name in kind.model_fields]
+            raise CaseError(
+                f"there is no key '{key}'", remedy=spelling.advice(key, known, kind="key")
+            )
+        tables.setdefault(home, {})[key] = as_plain(value)
+    return tables
+
+
+def _refuse_both(tables: dict[str, dict[str, Any]], given: dict[str, Any]) -> None:
+    """Refuse keys that say what an object says already."""
+    for name, value in given.items():
+        if value is not None and tables.get(name):
+            raise CaseError(
+                f"{', '.join(tables[name])} and a {type(value).__name__} are both given",
+                remedy=f"give the keys, or put them into the {type(value).__name__}",
+            )
+
+
+def _unnamed(thing: Any) -> dict[str, Any]:
+    """Return the numbers of a rock or a joint by name."""
+    return {key: value for key, value in vars(thing).items() if key != "name"}
+
+
+def _plane_name(plane: Plane) -> str:
+    """Return the name of a plane assumption in case files."""
+    for name, kind in PLANES.items():
+        if type(plane) is kind:
+            return name
+    raise _no_name("plane", plane)
+
+
+def _ground_motion(motion: GroundMotion) -> dict[str, Any]:
+    """Return the table of a ground motion, nothing where the ground is still."""
+    if isinstance(motion, Still):
+        return {}
+    for name, kind in GROUND_MOTIONS.items():
+        if isinstance(motion, InertialForce | MovingBase) and type(motion) is kind:
+            record = motion.accelerogram
+            values = {"acts": name, "time": record.time, "acceleration": record.acceleration[:, 0]}
+            if record.acceleration[:, 1].any():
+                values["vertical"] = record.acceleration[:, 1]
+            return table_of(GroundMotionTable, values)
+    raise _no_name("ground_motion", motion)
+
+
+def _no_name(key: str, value: Any) -> CaseError:
+    return CaseError(
+        f"{type(value).__name__} is an object of a script, which no case file can hold",
+        where=key,
+        remedy="run the model itself: clast.simulate(builder.build())",
+    )

@@ -1,1 +1,0 @@
-"""How a case file is read, judged and written; what it may contain is said in clast.case."""

@@ -1,0 +1,83 @@
+"""How threads share contacts and pairs, and how a part of them is gone through.
+
+Little is done with each contact.  Arrays are cut to a part first, divisions do not ask for zeros
+(error_model="numpy"), choices are values and not ways through the code, and what is to be summed
+up is written down first: loops then begin at 0, have no exception to end in and no order to keep,
+and several contacts share each instruction.
+"""
+
+from __future__ import annotations
+
+from clast.compute.jit import kernel
+
+PART = 1024
+"""Contacts that a thread takes at a time, and that are summed up by themselves."""
+MANY = 3000
+"""Contacts from which threads share them; below, starting them costs more than they give."""
+
+
+@kernel()
+def parts(count):
+    """Return the number of parts of contacts."""
+    return (count + PART - 1) // PART
+
+
+@kernel()
+def bounds(part, count):
+    """Return the first contact of a part and the one after its last."""
+    return part * PART, min((part + 1) * PART, count)
+
+
+@kernel()
+def in_part(two, first, last):
+    """Return of two arrays (m,) what belongs to the contacts ``first`` to ``last`` - 1."""
+    return two[0][first:last], two[1][first:last]
+
+
+@kernel()
+def sum_of(values):
+    """Return the sum of numbers (m,), found as four sums at once."""
+    s0 = s1 = s2 = s3 = 0.0
+    rest = len(values) % 4
+    for c in range(0, len(values) - rest, 4):
+        s0 += values[c]
+        s1 += values[c + 1]
+        s2 += values[c + 2]
+        s3 += values[c + 3]
+    for c in range(len(values) - rest, len(values)):
+        s0 += values[c]
+    return (s0 + s1) + (s2 + s3)
+
+
+@kernel()
+def only_region(region):
+    """Return the region that all contacts are in (m,), or -1."""
+    same = True
+    for c in range(len(region)):
+        same &= region[c] == region[0]
+    return region[0] if same else -1
+
+
+@kernel()
+def alike(one, other):
+    """Return whether two arrays (m,) hold the same numbers, up to the first that differs."""
+    if len(one) != len(other):
+        return False
+    for c in range(len(one)):
+        if one[c] != other[c]:
+            return False
+    return True
+
+
+CHUNK = 128
+"""Rows that a thread takes at a time, and that are summed up by themselves."""
+
+
+SHARED = 800
+"""Rows from which threads share the work; below, starting them costs more than they give."""
+
+
+@kernel()
+def chunks(count):
+    """Return the number of chunks of rows."""
+    return (count + CHUNK - 1) // CHUNK

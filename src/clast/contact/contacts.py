@@ -1,0 +1,177 @@
+"""Contacts of one step as flat arrays, and what a contact law answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from clast.contact.jacobian import rows_of
+from clast.model.model import Bools, Floats, Ints
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Contacts:
+    """Vertex-edge contacts of one step, in order of block pairs; m contacts, q touching pairs.
+
+    ``gap`` and ``levers`` belong to the start of the step: the gap at its end is gap + n_i.d_i +
+    n_j.d_j to first order in the displacements of the vertex's block i and the edge's block j; the
+    slip of the vertex along the edge is t_i.d_i + t_j.d_j (see ``rows``).
+    """
+
+    vertex: Ints
+    """Invading vertex P, shape (m,)."""
+    edge: Ints
+    """Entrance edge: index of its first vertex, shape (m,)."""
+    vertex_block: Ints
+    """Block i of the vertex, shape (m,)."""
+    edge_block: Ints
+    """Block j of the edge, shape (m,)."""
+    pair: Ints
+    """Index into ``pairs``, shape (m,)."""
+    pairs: Ints
+    """Pairs of blocks (lower, higher) that share contacts, sorted, shape (q, 2)."""
+    gap: Floats
+    """Signed distance of P to the edge's line, m, negative in penetration, shape (m,)."""
+    normal: Floats
+    """Outward unit normal of the edge, shape (m, 2)."""
+    foot: Floats
+    """Foot Q of P on the edge's line, m, shape (m, 2)."""
+    length: Floats
+    """Length of joint that the contact stands for (cohesion, tensile strength), m, shape (m,)."""
+    levers: Floats
+    """Normal and offsets of P and Q from the centroids, or the rows below, (m, 6) or (m, 4, 6)."""
+    friction: Floats
+    """tan(friction angle) of the joint, shape (m,)."""
+    cohesion: Floats
+    """Cohesion of the joint while bonded, Pa (0 once broken), shape (m,)."""
+    tensile_strength: Floats
+    """Tensile strength of the joint while bonded, Pa (0 once broken), shape (m,)."""
+    bonded: Bools
+    """True while cohesion and tensile strength are intact, shape (m,)."""
+    known: Bools
+    """True where the contact memory held this contact, shape (m,)."""
+    shear_force: Floats
+    """Remembered shear force on the vertex along t, N/m, shape (m,)."""
+    normal_force: Floats
+    """Remembered normal force, N/m, shape (m,)."""
+    multiplier: Floats
+    """Remembered Lagrange multiplier, N/m, shape (m,)."""
+    mode: Ints
+    """Remembered mode: 0 open, 1 slide, 2 lock, shape (m,)."""
+    friction_base: Floats
+    """Normal force that bounds friction, N/m; nan: the force of the moment, shape (m,)."""
+
+    def __len__(self) -> int:
+        return len(self.vertex)
+
+    @property
+    def rows(self) -> Floats:
+        """n_i, n_j, t_i, t_j: T_i^T n, -T_j^T n, T_i^T t, -T_j^T t, t along the edge, (m, 4, 6)."""
+        return rows_of(self.levers)
+
+    def __repr__(self) -> str:
+        nearest = f", smallest gap {self.gap.min():.3g} m" if len(self) else ""
+        return f"Contacts({len(self)} between {len(self.pairs)} pairs of blocks{nearest})"
+
+
+def of_pairs(contacts: Contacts, pairs: Ints, kept: Ints, pair: Ints, number: Ints) -> Contacts:
+    """Return the contacts ``kept`` (c,), which are those of some ``pairs`` (k,).
+
+    ``pair`` (c,) says of which of them each is.  Blocks are renumbered by ``number`` (n,), which
+    must keep their order.
+    """
+    # contacts are in order of their pairs: where all are kept nothing needs to be copied
+    which = kept if len(kept) < len(contacts) else slice(None)
+    values = _columns(contacts, which, number)
+    return Contacts(pairs=number[contacts.pairs.take(pairs, axis=0)], pair=pair, **values)
+
+
+def reordered(contacts: Contacts, number: Ints) -> tuple[Contacts, Ints]:
+    """Return the contacts of blocks that have other numbers now, ``number`` (n,), by their pairs.
+
+    And their places in ``contacts``.
+    The contacts of a pair keep their order; vertices and edges keep their numbers.
+    """
+    ends = np.sort(number[contacts.pairs], axis=1)
+    by_ends = np.lexsort((ends[:, 1], ends[:, 0]))
+    place = np.empty(len(by_ends), np.int64)
+    place[by_ends] = np.arange(len(by_ends))
+    pair = place[contacts.pair]
+    order = np.argsort(pair, kind="stable")
+    values = _columns(contacts, order, number)
+    return Contacts(pairs=ends[by_ends], pair=pair[order], **values), order
+
+
+def _columns(contacts: Contacts, which: Ints | slice, number: Ints) -> dict[str, Any]:
+    """Return all but the pairs of the contacts ``which`` (c,), of blocks with a new ``number``."""
+    values = {
+        name: _rows(value, which)
+        for name, value in vars(contacts).items()
+        if name not in ("pair", "pairs")
+    }
+    for end in ("vertex_block", "edge_block"):
+        values[end] = number.take(values[end])
+    return values
+
+
+def _rows(values: Any, which: Ints | slice) -> Any:
+    """Return the rows ``which`` of an array."""
+    # take is quicker, but copies an array whole that is part of another one, as the normals are
+    if isinstance(which, slice) or not values.flags.c_contiguous:
+        return values[which]
+    return values.take(which, axis=0)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class ContactResponse:
+    """Forces of the contacts at the end of a step and how they change with gap and slip.
+
+    The law is linear about the evaluated point: N = normal_force - normal_stiffness (gap' - gap),
+    T = shear_force - shear_stiffness (slip' - slip) + coupling (N' - N).
+    """
+
+    normal_force: Floats
+    """Normal force N, N/m, compression positive, shape (m,)."""
+    shear_force: Floats
+    """Shear force T on the vertex along the edge's direction, N/m, shape (m,)."""
+    normal_stiffness: Floats
+    """-dN/dgap, N/m per m, shape (m,)."""
+    shear_stiffness: Floats
+    """-dT/dslip, N/m per m, shape (m,)."""
+    coupling: Floats
+    """dT/dN of sliding friction solved inside the step (signed tan phi, else 0), shape (m,)."""
+    mode: Ints
+    """0 open, 1 slide, 2 lock, shape (m,)."""
+    bonded: Bools
+    """True while cohesion and tensile strength are intact, shape (m,)."""
+    energy: Floats
+    """Energy in the contact's springs, J/m, shape (m,)."""
+    dissipation: Floats
+    """Work lost in sliding during the step, J/m, >= 0, shape (m,)."""
+
+    def __repr__(self) -> str:
+        count, most = np.size(self.normal_force), np.max(self.normal_force, initial=0.0)
+        return f"ContactResponse({count} contacts, normal force at most {most:.4g} N/m)"
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpringLimits:
+    """Linear springs with bounds: what a law offers whose forces are clipped straight lines.
+
+    N = max(-tension, multiplier - p gap), T = shear_force - k slip within +-strength.
+    """
+
+    normal_stiffness: float
+    """p, N/m per m."""
+    shear_stiffness: float
+    """k, N/m per m."""
+    tension: Floats
+    """Tension that the contact bears, N/m, >= 0, shape (m,)."""
+    strength: Floats
+    """Largest shear force, N/m, >= 0, shape (m,)."""
+
+
+OPEN, SLIDE, LOCK = 0, 1, 2
+"""Modes of a contact (Shi 1988)."""

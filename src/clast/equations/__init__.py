@@ -1,1 +1,0 @@
-"""The equations of one step: contributions, block system, solvers."""

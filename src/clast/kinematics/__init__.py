@@ -1,1 +1,0 @@
-"""How a block moves: displacement functions and rotation rules."""

@@ -1,0 +1,1 @@
+"""The block-sparse equations K d = F: assembled, ordered, factorised, iterated."""

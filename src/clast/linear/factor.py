@@ -1,0 +1,24 @@
+"""What a solver of the block system is."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from clast.linear.system import BlockSystem
+from clast.model.model import Floats
+
+
+class Factor(Protocol):
+    """A block system made ready to be solved for several right-hand sides."""
+
+    def solve(self, force: Floats) -> Floats:
+        """Return d (n, 6) for F (n, 6); raises StepRejected where it is not finite."""
+        ...
+
+
+class LinearSolver(Protocol):
+    """Solves the 6 x 6 block system of a step."""
+
+    def factor(self, system: BlockSystem) -> Factor:
+        """Return the matrix made ready; raises StepRejected where it is singular."""
+        ...

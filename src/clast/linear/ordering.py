@@ -1,0 +1,286 @@
+"""Nested dissection of the graph of coupled blocks (George 1973).
+
+A part is cut across its long direction.  The graph has no coordinates, but the distances from four
+blocks far apart serve as such: their principal component runs along the part (compare landmark
+multidimensional scaling, de Silva and Tenenbaum 2004), and its quantiles are straight cuts.
+Only the pattern is used, so the same pattern always gives the same order.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.compute.jit import kernel
+
+LEAF = 4
+"""Parts of at most this many blocks are not dissected further."""
+LANDMARKS = 4
+"""Blocks from which distances are measured."""
+CUTS = 5
+"""Places tried for the cut, from 0.42 to 0.58 of a part's blocks."""
+HUB = 32
+"""Blocks with more neighbours than this, and than six times the mean, are ordered last."""
+
+
+@kernel()
+def graph(count, pairs, coupled):
+    """Return starts (n + 1,) and neighbours of every block."""
+    start = np.zeros(count + 1, np.int64)
+    for q in range(len(pairs)):
+        if coupled[q]:
+            start[pairs[q, 0] + 1] += 1
+            start[pairs[q, 1] + 1] += 1
+    for b in range(count):
+        start[b + 1] += start[b]
+    fill = np.empty(count, np.int64)
+    for b in range(count):
+        fill[b] = start[b]
+    neighbour = np.empty(start[count], np.int64)
+    for q in range(len(pairs)):
+        if coupled[q]:
+            i, j = pairs[q, 0], pairs[q, 1]
+            neighbour[fill[i]] = j
+            neighbour[fill[j]] = i
+            fill[i] += 1
+            fill[j] += 1
+    return start, neighbour
+
+
+@kernel()
+def _distances(root, part, label, start, neighbour, queue, level, seen, stamp):
+    """Fill ``queue`` with the blocks of part ``label`` by distance from ``root``; return how many.
+
+    ``level`` holds their distance; ``seen`` marks them with ``stamp``.
+    """
+    queue[0] = root
+    seen[root] = stamp
+    level[root] = 0
+    head, tail = 0, 1
+    while head < tail:
+        node = queue[head]
+        head += 1
+        for at in range(start[node], start[node + 1]):
+            other = neighbour[at]
+            if part[other] == label and seen[other] != stamp:
+                seen[other] = stamp
+                level[other] = level[node] + 1
+                queue[tail] = other
+                tail += 1
+    return tail
+
+
+@kernel()
+def _coordinates(found, part, label, start, neighbour, queue, level, seen, stamp, distance):
+    """Fill ``distance`` (k, found) with the distances of the queue's blocks from the landmarks.
+
+    The queue holds a connected part as it was found from its first block; its order stays.
+    """
+    members = np.empty(found, np.int64)
+    nearest = np.empty(found, np.int64)
+    for m in range(found):
+        members[m] = queue[m]
+        nearest[m] = found + 1
+    root = members[found - 1]
+    for k in range(LANDMARKS):
+        _distances(root, part, label, start, neighbour, queue, level, seen, stamp + k)
+        far, best = 0, -1
+        for m in range(found):
+            distance[k, m] = level[members[m]]
+            nearest[m] = min(nearest[m], level[members[m]])
+            if nearest[m] > best:
+                far, best = m, nearest[m]
+        root = members[far]
+    for m in range(found):
+        queue[m] = members[m]
+    return stamp + LANDMARKS
+
+
+@kernel()
+def _along(distance, found):
+    """Return the first principal component of the distances from the landmarks, shape (found,)."""
+    mean = np.zeros(LANDMARKS)
+    for k in range(LANDMARKS):
+        for m in range(found):
+            mean[k] += distance[k, m]
+        mean[k] /= found
+    spread = np.zeros((LANDMARKS, LANDMARKS))
+    for k in range(LANDMARKS):
+        for other in range(k + 1):
+            total = 0.0
+            for m in range(found):
+                total += (distance[k, m] - mean[k]) * (distance[other, m] - mean[other])
+            spread[k, other] = spread[other, k] = total
+    axis, following = np.empty(LANDMARKS), np.empty(LANDMARKS)
+    for k in range(LANDMARKS):
+        axis[k] = 1.0 if k == 0 else -0.25 * k
+    for _ in range(60):
+        size = 0.0
+        for k in range(LANDMARKS):
+            following[k] = 0.0
+            for other in range(LANDMARKS):
+                following[k] += spread[k, other] * axis[other]
+            size += following[k] * following[k]
+        if size == 0.0:
+            break
+        for k in range(LANDMARKS):
+            axis[k] = following[k] / np.sqrt(size)
+    value = np.zeros(found)
+    for m in range(found):
+        for k in range(LANDMARKS):
+            value[m] += axis[k] * (distance[k, m] - mean[k])
+    return value
+
+
+@kernel()
+def _ranks(value, found):
+    """Return the place (found,) of each value in their order, to within a fine grid of values."""
+    low, high = value[0], value[0]
+    for m in range(found):
+        low, high = min(low, value[m]), max(high, value[m])
+    buckets = 4 * found
+    scale = (buckets - 1) / (high - low) if high > low else 0.0
+    first = np.zeros(buckets + 1, np.int64)
+    for m in range(found):
+        first[int((value[m] - low) * scale) + 1] += 1
+    for k in range(buckets):
+        first[k + 1] += first[k]
+    rank = np.empty(found, np.int64)
+    for m in range(found):
+        bucket = int((value[m] - low) * scale)
+        rank[m] = first[bucket]
+        first[bucket] += 1
+    return rank
+
+
+@kernel()
+def _rim(queue, rank, cut, found, part, label, start, neighbour, position):
+    """Return how many blocks before the cut have a neighbour behind it, and the other way round."""
+    before, behind = 0, 0
+    for m in range(found):
+        node = queue[m]
+        first = rank[m] < cut
+        for at in range(start[node], start[node + 1]):
+            other = neighbour[at]
+            if part[other] == label and (rank[position[other]] < cut) != first:
+                if first:
+                    before += 1
+                else:
+                    behind += 1
+                break
+    return before, behind
+
+
+@kernel()
+def _split(found, part, label, start, neighbour, queue, position, distance, kind):
+    """Say for each block of the queue if it is in one half (0), the other (1) or between (2)."""
+    rank = _ranks(_along(distance, found), found)
+    for m in range(found):
+        position[queue[m]] = m
+    best, cut, rim = np.inf, found // 2, 0
+    for one in range(CUTS):
+        share = 0.42 + 0.16 * one / (CUTS - 1)
+        place = int(share * found)
+        before, behind = _rim(queue, rank, place, found, part, label, start, neighbour, position)
+        cost = min(before, behind) * (1.0 + 2.0 * abs(share - 0.5))
+        if cost < best:
+            best, cut, rim = cost, place, 0 if before <= behind else 1
+    for m in range(found):
+        side = 0 if rank[m] < cut else 1
+        kind[m] = side
+        if side != rim:
+            continue
+        node = queue[m]
+        for at in range(start[node], start[node + 1]):
+            other = neighbour[at]
+            if part[other] == label and (rank[position[other]] < cut) != (side == 0):
+                kind[m] = 2
+                break
+
+
+@kernel()
+def _hubs_last(count, start, neighbour, order, part, nodes):
+    """Put blocks with very many neighbours last and the others into ``nodes``; return how many."""
+    busy = max(HUB, 6 * len(neighbour) // max(1, count))
+    last = count
+    for b in range(count - 1, -1, -1):
+        if start[b + 1] - start[b] > busy:
+            last -= 1
+            order[last] = b
+            part[b] = -1
+    free = 0
+    for b in range(count):
+        if part[b] == 0:
+            nodes[free] = b
+            free += 1
+    return free
+
+
+@kernel()
+def nested_dissection(count, pairs, coupled):
+    """Return the graph (starts, neighbours) and the blocks in the order of elimination (n,).
+
+    Each part is parted in two halves and the blocks between them, which come after both.  Blocks
+    with very many neighbours come last of all.
+    """
+    start, neighbour = graph(count, pairs, coupled)
+    order, nodes = np.empty(count, np.int64), np.empty(count, np.int64)
+    part = np.zeros(count, np.int64)
+    free = _hubs_last(count, start, neighbour, order, part, nodes)
+    queue, level = np.empty(count, np.int64), np.zeros(count, np.int64)
+    seen, position = np.full(count, -1, np.int64), np.zeros(count, np.int64)
+    distance = np.empty((LANDMARKS, count))
+    kind = np.empty(count, np.int64)
+    stack = np.empty((64 + 2 * count, 3), np.int64)  # first, last, label
+    stack[0, 0], stack[0, 1], stack[0, 2] = 0, free, 0
+    depth, labels, stamp = 1, 1, 0
+    while depth > 0:
+        depth -= 1
+        low, high, label = stack[depth, 0], stack[depth, 1], stack[depth, 2]
+        if high - low <= LEAF:
+            for k in range(low, high):
+                order[k] = nodes[k]
+            continue
+        found = _distances(nodes[low], part, label, start, neighbour, queue, level, seen, stamp)
+        stamp += 1
+        if found == high - low:
+            stamp = _coordinates(
+                found, part, label, start, neighbour, queue, level, seen, stamp, distance
+            )
+            _split(found, part, label, start, neighbour, queue, position, distance, kind)
+            for k in range(found):
+                nodes[low + k] = queue[k]
+        else:  # several pieces: the one just found, and the rest
+            for k in range(low, high):
+                kind[k - low] = 0 if seen[nodes[k]] == stamp - 1 else 1
+        middle, end = _sorted_by_kind(nodes, low, high, kind)
+        for k in range(low, high):
+            if k < end:
+                part[nodes[k]] = labels if k < middle else labels + 1
+            else:
+                part[nodes[k]] = -2
+                order[k] = nodes[k]
+        stack[depth, 0], stack[depth, 1], stack[depth, 2] = low, middle, labels
+        stack[depth + 1, 0], stack[depth + 1, 1] = middle, end
+        stack[depth + 1, 2] = labels + 1
+        labels += 2
+        depth += 2
+    return start, neighbour, order
+
+
+@kernel()
+def _sorted_by_kind(nodes, low, high, kind):
+    """Sort ``nodes[low:high]`` by kind, keeping their order; return where kinds 1 and 2 begin."""
+    at = np.zeros(3, np.int64)
+    unsorted = np.empty(high - low, np.int64)
+    for k in range(high - low):
+        unsorted[k] = nodes[low + k]
+        if kind[k] < 2:
+            at[kind[k] + 1] += 1
+    at[0] = low
+    at[1] += at[0]
+    at[2] += at[1]
+    middle, end = at[1], at[2]
+    for k in range(high - low):
+        nodes[at[kind[k]]] = unsorted[k]
+        at[kind[k]] += 1
+    return middle, end

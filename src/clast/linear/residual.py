@@ -1,0 +1,175 @@
+"""What is out of balance: forces on the blocks, with those of contacts, block by block."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.compute.chunks import CHUNK, SHARED, chunks
+from clast.compute.jit import kernel
+from clast.compute.mat6 import times
+from clast.compute.parallel import nothing_done, prange, threads_of, to_do
+from clast.compute.vec6 import plus, plus_product, plus_scaled, put_row, row, total, zeros
+from clast.contact.levers import force_on
+
+
+@kernel(forceinline=True)
+def _forces_on(i, first, last, vertex_block, levers, normal, shear):
+    """Return the sum of N n + T t on block i of contacts ``first`` to ``last`` - 1."""
+    s = zeros()
+    for c in range(first, last):
+        if normal[c] != 0.0 or shear[c] != 0.0:
+            s = plus(s, force_on(levers, c, vertex_block[c] == i, normal[c], shear[c]))
+    return s
+
+
+@kernel(forceinline=True)
+def _plus_forces(s, i, graph, vertex_block, levers, normal, shear):
+    """Return s plus the sum of N n + T t on block i."""
+    start, right, left, listed = graph
+    for at in range(left[i], left[i + 1]):
+        q = listed[at]
+        s = plus(s, _forces_on(i, start[q], start[q + 1], vertex_block, levers, normal, shear))
+    # the pairs that begin with a block follow each other, and so do their contacts
+    first, last = start[right[i]], start[right[i + 1]]
+    return plus(s, _forces_on(i, first, last, vertex_block, levers, normal, shear))
+
+
+@kernel(forceinline=True)
+def _balance(i, system, graph, contacts, d, normal, shear, found):
+    """Write load - B d + sum of N n + T t of block i, and its r.B^-1 r; 0 where it is fixed."""
+    base, inverse, load, fixed = system
+    vertex_block, levers = contacts
+    residual, distance = found
+    if fixed[i]:
+        put_row(residual, i, zeros())
+        distance[i] = 0.0
+    else:
+        s = plus_scaled(row(load, i), -1.0, times(base, i, d, i))
+        put_row(residual, i, _plus_forces(s, i, graph, vertex_block, levers, normal, shear))
+        own = times(inverse, i, residual, i)
+        distance[i] = total(plus_product(zeros(), own, row(residual, i)))
+
+
+@kernel()
+def _balance_rows(low, high, system, graph, contacts, d, normal, shear, found):
+    """Balance blocks ``low`` to ``high`` - 1."""
+    for i in range(low, high):
+        _balance(i, system, graph, contacts, d, normal, shear, found)
+
+
+@kernel(parallel=True)
+def _balance_shared(system, graph, contacts, d, normal, shear, found):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(d))):
+            last = min((c + 1) * CHUNK, len(d))
+            _balance_rows(c * CHUNK, last, system, graph, contacts, d, normal, shear, found)
+
+
+@kernel()
+def unbalanced(system, graph, contacts, d, normal, shear):
+    """Return r = load - B d + sum of N n + T t (n, 6) and r.B^-1 r of each block (n,).
+
+    ``system`` are B and B^-1 (n, 6, 6), the load (n, 6) and which blocks are fixed (n,), for which
+    both are 0; ``graph`` says which contacts they have, ``contacts`` are the vertex_block and
+    levers of those, ``d`` (n, 6) the unknowns and ``normal`` and ``shear`` (m,) N and T.
+    """
+    found = np.empty_like(d), np.empty(len(d))
+    if len(d) >= SHARED:
+        _balance_shared(system, graph, contacts, d, normal, shear, found)
+    else:
+        _balance_rows(0, len(d), system, graph, contacts, d, normal, shear, found)
+    return found
+
+
+@kernel(parallel=True)
+def _balance_some_shared(blocks, system, graph, contacts, d, normal, shear, found):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(blocks))):
+            for k in range(c * CHUNK, min((c + 1) * CHUNK, len(blocks))):
+                _balance(blocks[k], system, graph, contacts, d, normal, shear, found)
+
+
+@kernel()
+def balance_again(blocks, system, graph, contacts, d, normal, shear, found):
+    """Write what :func:`unbalanced` returns where some ``blocks`` (k,) have changed, in place."""
+    if len(blocks) >= SHARED:
+        _balance_some_shared(blocks, system, graph, contacts, d, normal, shear, found)
+    else:
+        for i in blocks:
+            _balance(i, system, graph, contacts, d, normal, shear, found)
+
+
+@kernel()
+def _left_rows(low, high, system, graph, contacts, starts, normal, shear, left):
+    """Write r.B^-1 r of blocks ``low`` to ``high`` - 1 at each start: B is read once for all."""
+    base, inverse, load, fixed = system
+    vertex_block, levers = contacts
+    residual = np.empty((1, 6))
+    for i in range(low, high):
+        for k in range(len(starts)):
+            if fixed[i]:
+                left[k, i] = 0.0
+                continue
+            s = plus_scaled(row(load, i), -1.0, times(base, i, starts[k], i))
+            s = _plus_forces(s, i, graph, vertex_block, levers, normal[k], shear[k])
+            put_row(residual, 0, s)
+            own = times(inverse, i, residual, 0)
+            left[k, i] = total(plus_product(zeros(), own, row(residual, 0)))
+
+
+@kernel(parallel=True)
+def _left_shared(system, graph, contacts, starts, normal, shear, left):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(left.shape[1])):
+            last = min((c + 1) * CHUNK, left.shape[1])
+            _left_rows(c * CHUNK, last, system, graph, contacts, starts, normal, shear, left)
+
+
+@kernel()
+def left_at(system, graph, contacts, starts, normal, shear):
+    """Return r.B^-1 r of each block (k, n), as :func:`unbalanced` does, at k starts at once.
+
+    ``starts`` (k, n, 6) are the unknowns, ``normal`` and ``shear`` (k, m) N and T there.
+    """
+    left = np.empty(starts.shape[:2])
+    if left.shape[1] >= SHARED:
+        _left_shared(system, graph, contacts, starts, normal, shear, left)
+    else:
+        _left_rows(0, left.shape[1], system, graph, contacts, starts, normal, shear, left)
+    return left
+
+
+@kernel()
+def _load_rows(low, high, load, fixed, graph, vertex_block, levers, normal, shear, out):
+    """Write load + sum of N n + T t of blocks ``low`` to ``high`` - 1; 0 where fixed."""
+    for i in range(low, high):
+        if fixed[i]:
+            put_row(out, i, zeros())
+        else:
+            s = _plus_forces(row(load, i), i, graph, vertex_block, levers, normal, shear)
+            put_row(out, i, s)
+
+
+@kernel(parallel=True)
+def _load_shared(load, fixed, graph, vertex_block, levers, normal, shear, out):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(load))):
+            last = min((c + 1) * CHUNK, len(load))
+            _load_rows(
+                c * CHUNK, last, load, fixed, graph, vertex_block, levers, normal, shear, out
+            )
+
+
+@kernel()
+def loaded(load, fixed, graph, vertex_block, levers, normal, shear):
+    """Return load + sum of N n + T t (n, 6): forces with those of contacts; 0 for fixed blocks."""
+    out = np.empty_like(load)
+    if len(load) >= SHARED:
+        _load_shared(load, fixed, graph, vertex_block, levers, normal, shear, out)
+    else:
+        _load_rows(0, len(load), load, fixed, graph, vertex_block, levers, normal, shear, out)
+    return out

@@ -1,0 +1,1 @@
+"""The minimum of the incremental potential energy of a step."""

@@ -1,0 +1,1 @@
+"""A system of blocks, and one instant of it."""

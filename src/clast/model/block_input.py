@@ -1,0 +1,206 @@
+"""Blocks as a script hands them over: one at a time, or many as arrays.
+
+Both kinds of entry answer the same questions with one row per block, so that the builder need not
+know which is which.  Nothing is judged before it is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+
+from clast.errors import ModelError, shortened
+from clast.model import ranges
+from clast.model.model import Bools, Floats, Ints
+from clast.model.value_checks import check_numbers
+
+Vector = Sequence[float] | Floats
+"""Two or three numbers."""
+Label = Callable[[int], str]
+"""What a message calls the block of an entry, by its number in the entry from 0."""
+
+
+class Entry(Protocol):
+    """Some blocks with their properties; k blocks."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each block."""
+        ...
+
+    @property
+    def rock(self) -> str | None:
+        """Rock that all of them are made of, None for the only one."""
+        ...
+
+    def loops(self, label: Label) -> tuple[Ints, Floats]:
+        """Return the vertex count of each loop (k,) and all vertices one after another, m."""
+        ...
+
+    def held(self, label: Label) -> Bools:
+        """Return True where a block cannot move at all, shape (k,)."""
+        ...
+
+    def velocities(self, label: Label) -> Floats:
+        """Return (u, v, omega) of each block at the start, m/s and rad/s, shape (k, 3)."""
+        ...
+
+    def stresses(self, label: Label) -> Floats | None:
+        """Return (xx, yy, xy) of each block, Pa, shape (k, 3); None: what their rock has."""
+        ...
+
+
+@dataclass(frozen=True)
+class OneBlock:
+    """One block by its vertices."""
+
+    name: str
+    rock: str | None
+    vertices: Any
+    fixed: bool
+    velocity: Vector
+    initial_stress: Vector | None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Its name."""
+        return (self.name,)
+
+    def loops(self, label: Label) -> tuple[Ints, Floats]:
+        """Return the number of its vertices (1,) and the vertices, m."""
+        loop = _loop(self.vertices, label)
+        return np.array([len(loop)], np.int64), loop
+
+    def held(self, label: Label) -> Bools:
+        """Return whether it is fixed, shape (1,)."""
+        if not isinstance(self.fixed, bool | np.bool_):
+            raise ModelError(
+                f"{shortened(repr(self.fixed))} is neither True nor False",
+                where=f"{label(0)}, fixed",
+                remedy="give True for a block that cannot move",
+            )
+        return np.array([self.fixed], np.bool_)
+
+    def velocities(self, label: Label) -> Floats:
+        """Return its velocity, shape (1, 3)."""
+        return check_numbers(self.velocity, 3, f"{label(0)}, velocity", ranges.SPEED)[None]
+
+    def stresses(self, label: Label) -> Floats | None:
+        """Return its own stress, Pa, shape (1, 3), or None."""
+        if self.initial_stress is None:
+            return None
+        where = f"{label(0)}, initial_stress"
+        return check_numbers(self.initial_stress, 3, where, ranges.STRESS)[None]
+
+
+@dataclass(frozen=True)
+class ManyBlocks:
+    """Blocks as arrays: k loops of s vertices (k, s, 2), or (nv, 2) cut by ``start`` (k + 1,)."""
+
+    first: int
+    """Number of the first of them among all blocks, from 0."""
+    given_names: Sequence[str] | None
+    rock: str | None
+    vertices: Any
+    start: Any
+    fixed: Any
+    velocity: Any
+    initial_stress: Any
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Their names: their numbers from 1, unless some are given."""
+        if self.given_names is None:
+            return tuple(map(str, range(self.first + 1, self.first + self._count + 1)))
+        try:
+            names = tuple(self.given_names)
+        except TypeError:
+            raise self._error("are no list of names", "names") from None
+        if len(names) != self._count:
+            raise self._error(f"{len(names)} names are given for {self._count} blocks", "names")
+        return names
+
+    def loops(self, label: Label) -> tuple[Ints, Floats]:
+        """Return the vertex count of each loop (k,) and the vertices (nv, 2), m."""
+        return self._loops
+
+    def held(self, label: Label) -> Bools:
+        """Return True where a block is fixed, shape (k,)."""
+        fixed = np.asarray(self.fixed)
+        if fixed.dtype != np.bool_ or fixed.shape not in ((), (self._count,)):
+            raise self._error("give one truth value, or one for each block", "fixed")
+        return np.broadcast_to(fixed, (self._count,))
+
+    def velocities(self, label: Label) -> Floats:
+        """Return the velocity of each block, shape (k, 3)."""
+        return self._rows(self.velocity, "velocity", ranges.SPEED)
+
+    def stresses(self, label: Label) -> Floats | None:
+        """Return the stress of each block, Pa, shape (k, 3), or None."""
+        given = self.initial_stress
+        return None if given is None else self._rows(given, "initial_stress", ranges.STRESS)
+
+    @property
+    def _count(self) -> int:
+        return len(self._loops[0])
+
+    @cached_property
+    def _loops(self) -> tuple[Ints, Floats]:
+        try:
+            vertices = np.asarray(self.vertices, np.float64)
+            start = None if self.start is None else np.asarray(self.start)
+        except (TypeError, ValueError, OverflowError):
+            raise self._error("are no arrays of numbers", "vertices and start") from None
+        if start is None:
+            if vertices.ndim != 3 or vertices.shape[2] != 2:
+                raise self._error(f"have the shape {vertices.shape}", "vertices")
+            count, sides, _ = vertices.shape
+            return np.full(count, sides, np.int64), vertices.reshape(-1, 2)
+        if vertices.ndim != 2 or vertices.shape[1] != 2:
+            raise self._error(f"have the shape {vertices.shape}", "vertices")
+        whole = start.ndim == 1 and len(start) > 0 and np.issubdtype(start.dtype, np.integer)
+        if not whole or start[0] != 0 or start[-1] != len(vertices) or (np.diff(start) < 0).any():
+            raise self._error("does not run from 0 up to the number of vertices", "start")
+        return np.diff(start).astype(np.int64), vertices
+
+    def _rows(self, values: Any, key: str, limits: ranges.Range) -> Floats:
+        """Return three numbers for each block (k, 3), the same for all where three are given."""
+        try:
+            rows = np.asarray(values, np.float64)
+        except (TypeError, ValueError, OverflowError):
+            rows = np.zeros(0)
+        if rows.shape not in ((3,), (self._count, 3)) or not np.isfinite(rows).all():
+            raise self._error("give 3 finite numbers, or 3 for each block", key)
+        fault = limits.fault(float(np.abs(rows).max(initial=0.0)))
+        if fault is not None:
+            raise self._error(fault, key)
+        return np.broadcast_to(rows, (self._count, 3))
+
+    def _error(self, what: str, key: str) -> ModelError:
+        return ModelError(
+            what,
+            where=f"blocks from number {self.first + 1} on, {key}",
+            remedy="give vertices (blocks, corners, 2), or (vertices, 2) with start (blocks + 1,), "
+            "and one row for each block of what differs between them",
+        )
+
+
+def _loop(vertices: Any, label: Label) -> Floats:
+    """Return the vertices of one block as an array (k, 2)."""
+    try:
+        loop = np.array(vertices, dtype=np.float64)
+        if loop.size == 0:
+            return np.zeros((0, 2))
+        if loop.ndim == 2 and loop.shape[1] == 2:
+            return loop
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise ModelError(
+        "vertices are no list of (x, y) pairs of numbers",
+        where=label(0),
+        remedy="give them as [(x, y), (x, y), ...], counter-clockwise, in m",
+    )

@@ -1,0 +1,374 @@
+"""What makes a system of blocks impossible to simulate, found before the first step.
+
+Every check names the block (its number from 1 and its name) and the vertex (its number from 1 in
+the loop and its coordinates) and says what to do.  All of them work on flat arrays of all blocks
+at once: ten thousand blocks are checked within a second or two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NoReturn
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from clast.errors import ModelError, shortened
+from clast.model import overlaps, ranges
+from clast.model.model import Bools, Floats, Ints, StartOverlaps
+
+Geometries = NDArray[Any]
+"""Array of shapely geometries."""
+
+SAME_POINT = 1e-9
+"""Vertices closer than this share of the block's extent are duplicates."""
+FLAT = 1e-9
+"""A block whose hull has less than this share of its extent squared as area is a line."""
+TOUCHING = 1e-6
+"""Overlaps and distances below this share of the block's size are round-off."""
+PENETRATION = 0.05
+"""Overlaps above this share of the narrower block's width are no contact penetration."""
+SMALLEST_BLOCK = 1e-9
+"""Blocks narrower than this, m, are no blocks."""
+LISTED = 10
+"""Most faults that one message lists."""
+
+
+@dataclass(frozen=True)
+class Outlines:
+    """The blocks' polygons as flat arrays, with the names by which messages call them."""
+
+    names: tuple[str, ...]
+    """Name of each block."""
+    start: Ints
+    """Index of each block's first vertex, the last entry is the vertex count, shape (n + 1,)."""
+    vertices: Floats
+    """Vertices relative to ``origin``, m, shape (nv, 2)."""
+    origin: Floats
+    """Point that the vertices are relative to, m, shape (2,)."""
+
+    def turned(self, clockwise: Bools) -> Outlines:
+        """Return the outlines with some loops (n,) in the other order, first vertices as before."""
+        vertex = np.arange(len(self.vertices))
+        within = vertex - self.start[self.owner]
+        count = np.diff(self.start)[self.owner]
+        back = self.start[self.owner] + (count - within) % count
+        order = np.where(clockwise[self.owner], back, vertex)
+        return replace(self, vertices=np.ascontiguousarray(self.vertices[order]))
+
+    def label(self, block: int) -> str:
+        """Return how a message calls a block: its number from 1, and its name."""
+        number, name = str(block + 1), shortened(self.names[block])
+        return f"block {number}" if name == number else f"block {number} '{name}'"
+
+    def vertex_label(self, vertex: int) -> str:
+        """Return how a message calls a vertex: block, number from 1 in its loop, coordinates."""
+        block = int(np.searchsorted(self.start, vertex, side="right")) - 1
+        number = vertex - int(self.start[block]) + 1
+        return f"{self.label(block)}, vertex {number} at {point_text(self.at(vertex))}"
+
+    def at(self, vertex: int) -> Floats:
+        """Return the coordinates of a vertex as the user gave them, m, shape (2,)."""
+        return np.asarray(self.vertices[vertex] + self.origin)
+
+    @property
+    def owner(self) -> Ints:
+        """Block of each vertex, shape (nv,)."""
+        return np.repeat(np.arange(len(self.names)), np.diff(self.start))
+
+    @property
+    def following(self) -> Ints:
+        """Index of the vertex after each vertex in its loop, shape (nv,)."""
+        after = np.arange(1, len(self.vertices) + 1)
+        after[self.start[1:] - 1] = self.start[:-1]
+        return after
+
+    @property
+    def extent(self) -> Floats:
+        """Diagonal of each block's bounding box, m, shape (n,)."""
+        low = np.minimum.reduceat(self.vertices, self.start[:-1])
+        high = np.maximum.reduceat(self.vertices, self.start[:-1])
+        return np.hypot(*(high - low).T)
+
+    @property
+    def area(self) -> Floats:
+        """Signed area of each block, positive when counter-clockwise, m2, shape (n,)."""
+        # Taken about each block's first vertex: no digits are lost to its distance from the origin.
+        here = self.vertices - self.vertices[self.start[:-1]][self.owner]
+        there = here[self.following]
+        cross = here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]
+        return np.asarray(0.5 * np.add.reduceat(cross, self.start[:-1]))
+
+    def polygons(self) -> Geometries:
+        """Return the blocks as shapely polygons, shape (n,)."""
+        rings = shapely.linearrings(self.vertices, indices=self.owner)
+        return np.asarray(shapely.polygons(rings))
+
+
+def point_text(at: Sequence[float] | Floats) -> str:
+    """Return coordinates as a message shows them."""
+    return f"({float(at[0]):.9g}, {float(at[1]):.9g})"
+
+
+def _refuse_all(bad: Ints, fault: Callable[[int], tuple[str, str]], remedy: str) -> None:
+    """Raise one ModelError for all that is ``bad`` (k,), if anything is.
+
+    ``fault`` gives the place of one of them and what is wrong there.
+    """
+    if len(bad) == 0:
+        return
+    where, what = fault(int(bad[0]))
+    if len(bad) > 1:
+        lines = [f"  {place}: {said}" for place, said in map(fault, bad[:LISTED].tolist())]
+        if len(bad) > LISTED:
+            lines.append(f"  and {len(bad) - LISTED} more")
+        where, what = "geometry", "\n".join([f"{len(bad)} things to put right", *lines])
+    raise ModelError(what, where=where, remedy=remedy)
+
+
+def check_corner_count(outlines: Outlines) -> None:
+    """Refuse blocks with fewer than three vertices, and a system without any block."""
+    if not outlines.names:
+        raise ModelError(
+            "there are no blocks",
+            where="geometry",
+            remedy="give [geometry] vertices and blocks, or one [[block]] table for each block",
+        )
+    counts = np.diff(outlines.start)
+    _refuse_all(
+        np.flatnonzero(counts < 3),
+        lambda block: (outlines.label(block), f"has {counts[block]} vertices"),
+        "a block needs at least 3 vertices, counter-clockwise",
+    )
+
+
+def check_coordinates(outlines: Outlines) -> None:
+    """Refuse coordinates that are not numbers, or too large to be meant."""
+    _refuse_all(
+        np.flatnonzero(~np.isfinite(outlines.vertices).all(axis=1)),
+        lambda vertex: (outlines.vertex_label(vertex), "is not a finite number"),
+        "nan and inf are no coordinates: give both in m",
+    )
+    limit = ranges.COORDINATE.high
+    _refuse_all(
+        np.flatnonzero(np.abs(outlines.vertices).max(axis=1) > limit),
+        lambda vertex: (outlines.vertex_label(vertex), "is too far away to be meant"),
+        f"give coordinates in m, at most {limit:g}",
+    )
+
+
+def check_polygons(outlines: Outlines, polygons: Geometries) -> Bools:
+    """Return True for blocks whose loop runs clockwise; refuse loops that are no polygon.
+
+    These are loops with duplicate vertices, without area, or that cross or touch themselves.
+    """
+    extent, area = outlines.extent, outlines.area
+
+    def said(what: Callable[[int], str]) -> Callable[[int], tuple[str, str]]:
+        return lambda block: (outlines.label(block), what(block))
+
+    _refuse_all(
+        np.flatnonzero(extent < SMALLEST_BLOCK),
+        said(lambda block: f"is only {extent[block]:.3g} m wide"),
+        f"give coordinates in m; a block is at least {SMALLEST_BLOCK:g} m wide",
+    )
+    _check_duplicates(outlines)
+    _refuse_all(
+        np.flatnonzero(shapely.area(shapely.convex_hull(polygons)) <= FLAT * extent**2),
+        said(lambda _: "has no area: its vertices lie on one line"),
+        "give it at least 3 vertices that span an area",
+    )
+    _refuse_all(
+        np.flatnonzero(~shapely.is_valid(polygons)),
+        said(lambda block: _crossing(outlines, block)),
+        "order the vertices along the outline, counter-clockwise, each once",
+    )
+    _refuse_all(
+        np.flatnonzero(np.abs(area) <= FLAT * extent**2),
+        said(lambda block: f"has no area ({abs(area[block]):.3g} m2)"),
+        "give it vertices that span an area, or leave the block out",
+    )
+    return np.asarray(area < 0.0)
+
+
+def turned_note(outlines: Outlines, clockwise: Bools) -> tuple[str, ...]:
+    """Return which loops were turned round, as a note, or nothing."""
+    turned = np.flatnonzero(clockwise)
+    if len(turned) == 0:
+        return ()
+    named = ", ".join(outlines.label(int(block)) for block in turned[:LISTED])
+    more = ", ..." if len(turned) > LISTED else ""
+    if len(turned) == 1:
+        return (f"1 loop runs clockwise and was turned round: {named}",)
+    return (f"{len(turned)} loops run clockwise and were turned round: {named}{more}",)
+
+
+def _check_duplicates(outlines: Outlines) -> None:
+    """Refuse consecutive vertices that are the same point."""
+    following = outlines.following
+    side = np.hypot(*(outlines.vertices[following] - outlines.vertices).T)
+    number = following - outlines.start[outlines.owner] + 1
+    _refuse_all(
+        np.flatnonzero(side <= SAME_POINT * outlines.extent[outlines.owner]),
+        lambda vertex: (
+            outlines.vertex_label(vertex),
+            f"is the same point as vertex {number[vertex]}",
+        ),
+        "remove one of the two (a loop closes by itself, without its first vertex)",
+    )
+
+
+def _crossing(outlines: Outlines, block: int) -> str:
+    """Return which two edges of a loop cross or touch, in words."""
+    rows = np.arange(outlines.start[block], outlines.start[block + 1])
+    here = outlines.vertices[rows]
+    count = len(rows)
+    edges = shapely.linestrings(np.stack([here, np.roll(here, -1, axis=0)], axis=1))
+    first, second = _ordered(*shapely.STRtree(edges).query(edges, predicate="intersects"))
+    apart = (second > first + 1) & ~((first == 0) & (second == count - 1))
+    first, second = first[apart], second[apart]
+    meet = np.lexsort((second, first))
+    if len(meet) == 0:
+        return "its loop folds back on itself"
+    one, other = int(first[meet[0]]), int(second[meet[0]])
+    where = shapely.centroid(shapely.intersection(edges[one], edges[other]))
+    at = np.array([where.x, where.y]) + outlines.origin
+    return (
+        f"its loop crosses or touches itself: edge {one + 1}-{one + 2} meets "
+        f"edge {other + 1}-{(other + 1) % count + 1} at {point_text(at)}"
+    )
+
+
+def check_overlaps(outlines: Outlines, polygons: Geometries) -> StartOverlaps:
+    """Return the pairs that overlap by more than round-off; refuse deep ones.
+
+    Shared edges and corners are normal, and so is the penetration that contacts need to bear:
+    blocks at the end of a run lie a little in each other.
+    """
+    first, second = shapely.STRtree(polygons).query(polygons)
+    first, second = _ordered(first, second)
+    size = np.sqrt(outlines.area)
+    finest = overlaps.GRID * 4.0 * np.maximum(outlines.extent[first], outlines.extent[second])
+    limit = np.maximum(TOUCHING * np.minimum(size[first], size[second]), finest)
+    vertices, start = outlines.vertices, outlines.start
+    deep = _deep_boxes(outlines, first, second, limit)
+    deep = deep[~overlaps.touching_at_most(vertices, start, first[deep], second[deep], limit[deep])]
+    first, second, limit = first[deep], second[deep], limit[deep]
+    pair, width, middle = overlaps.common_parts(vertices, start, first, second)
+    over = width > limit[pair]
+    pair, width, middle = pair[over], width[over], middle[over]
+    slender = overlaps.widths(polygons)
+    allowed = PENETRATION * np.minimum(slender[first], slender[second])
+    bad = np.flatnonzero(width > allowed[pair])
+    if len(bad):
+        worst = bad[np.argmax(width[bad])]
+        _refuse_overlap(
+            outlines,
+            (int(first[pair[worst]]), int(second[pair[worst]])),
+            float(width[worst]),
+            middle[worst] + outlines.origin,
+            others=len(np.unique(pair[bad])) - 1,
+        )
+    deepest = np.zeros(len(first))
+    np.maximum.at(deepest, pair, width)
+    some = np.unique(pair)
+    return StartOverlaps(
+        pair=np.stack([first[some], second[some]], axis=1).astype(np.int64), depth=deepest[some]
+    )
+
+
+def _refuse_overlap(
+    outlines: Outlines, pair: tuple[int, int], depth: float, at: Floats, others: int
+) -> NoReturn:
+    """Raise ModelError for two blocks that lie deep in each other."""
+    more = f"; so do {others} more pairs" if others else ""
+    raise ModelError(
+        f"overlaps {outlines.label(pair[1])} to a depth of {depth:.3g} m near "
+        f"{point_text(at)}{more}",
+        where=outlines.label(pair[0]),
+        remedy="move or cut the blocks so that they touch at most (coordinates rounded too "
+        "coarsely overlap as well: give more digits)",
+    )
+
+
+def _ordered(first: Ints, second: Ints) -> tuple[Ints, Ints]:
+    """Return each pair once, the lower block first."""
+    once = first < second
+    return first[once], second[once]
+
+
+def _deep_boxes(outlines: Outlines, first: Ints, second: Ints, limit: Floats) -> Ints:
+    """Return which pairs have bounding boxes that share more than ``limit`` in both directions.
+
+    The others share at most a strip of the thickness allowed; in a wall these are all pairs.
+    """
+    low = np.minimum.reduceat(outlines.vertices, outlines.start[:-1])
+    high = np.maximum.reduceat(outlines.vertices, outlines.start[:-1])
+    shared = np.minimum(high[first], high[second]) - np.maximum(low[first], low[second])
+    return np.flatnonzero(shared.min(axis=1) > limit)
+
+
+def locate(
+    shapes: Geometries,
+    named: Ints,
+    where: Callable[[int], str],
+    outlines: Outlines,
+    polygons: Geometries,
+) -> Ints:
+    """Return the block that carries each point or line, shape (k,).
+
+    ``named`` (k,) holds the block that the user named, -1 where none was; ``where`` gives the
+    label of a shape for messages.
+    """
+    reach = TOUCHING * np.sqrt(np.abs(outlines.area))
+    tree = shapely.STRtree(polygons)
+    near, block = tree.query(shapes, predicate="dwithin", distance=float(reach.max()))
+    inside = shapely.covers(shapely.buffer(polygons[block], reach[block]), shapes[near])
+    near, block = near[inside], block[inside]
+    order = np.lexsort((block, near))
+    near, block = near[order], block[order]
+    carrying = np.split(block, np.searchsorted(near, np.arange(1, len(shapes))))
+    return np.array(
+        [
+            _carrier(shapes[k], int(named[k]), blocks, where(k), outlines, tree)
+            for k, blocks in enumerate(carrying[: len(shapes)])
+        ],
+        dtype=np.int64,
+    )
+
+
+def _carrier(
+    shape: Any, named: int, carrying: Ints, where: str, outlines: Outlines, tree: shapely.STRtree
+) -> int:
+    """Return the block of one point or line from those that hold it, or say why there is none."""
+    labels = ", ".join(outlines.label(int(block)) for block in carrying)
+    if named >= 0:
+        if named in carrying:
+            return named
+        distance = float(shapely.distance(shape, tree.geometries[named]))
+        holder = f"; it lies on {labels}" if labels else ""
+        gap = f" ({distance:.3g} m from it)" if distance > 0.0 else ""
+        raise ModelError(
+            f"does not lie on {outlines.label(named)}{gap}{holder}",
+            where=where,
+            remedy="move it, or name the block that it lies on",
+        )
+    if len(carrying) == 1:
+        return int(carrying[0])
+    if len(carrying) > 1:
+        example = outlines.names[int(carrying[0])]
+        raise ModelError(
+            f"lies on the common boundary of {labels}",
+            where=where,
+            remedy=f'say which one it moves with, e.g. block = "{example}"',
+        )
+    closest = int(tree.nearest(shape))
+    distance = float(shapely.distance(shape, tree.geometries[closest]))
+    whole = "outside every block" if distance > 0.0 else "not wholly inside any block"
+    raise ModelError(
+        f"lies {whole}; the nearest is {outlines.label(closest)}, {distance:.3g} m away",
+        where=where,
+        remedy="move it into a block or onto its boundary",
+    )

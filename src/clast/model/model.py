@@ -1,0 +1,284 @@
+"""What is simulated and never changes: blocks, rock, joints, supports, loads.
+
+Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx, yy,
+xy), angles in degrees at this boundary. Polygons are counter-clockwise. Coordinates inside a
+:class:`Model` are relative to ``origin``, so that a case surveyed at coordinates near 1e6 m loses
+no digits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clast.model.ground_motion import GroundMotion, Still
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+class Plane(Protocol):
+    """The plane assumption: gives the elasticity matrix of a rock."""
+
+    @property
+    def name(self) -> str:
+        """Return the name in case files, "stress" or "strain"."""
+        ...
+
+    def elasticity(self, young: float, poisson: float) -> Floats:
+        """Return E' (3, 3) in Pa, from strain (exx, eyy, gxy) to stress."""
+        ...
+
+
+@dataclass(frozen=True)
+class PlaneStress:
+    """Plane stress: sigma_zz = 0 (thin slices, model tests)."""
+
+    name: str = "stress"
+
+    def elasticity(self, young: float, poisson: float) -> Floats:
+        """Return E' (3, 3) in Pa for plane stress."""
+        factor = young / (1.0 - poisson**2)
+        return factor * np.array(
+            [[1.0, poisson, 0.0], [poisson, 1.0, 0.0], [0.0, 0.0, (1.0 - poisson) / 2.0]]
+        )
+
+
+@dataclass(frozen=True)
+class PlaneStrain:
+    """Plane strain: eps_zz = 0 (long slopes, tunnels)."""
+
+    name: str = "strain"
+
+    def elasticity(self, young: float, poisson: float) -> Floats:
+        """Return E' (3, 3) in Pa for plane strain; poisson must be below 0.5."""
+        factor = young / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
+        return factor * np.array(
+            [
+                [1.0 - poisson, poisson, 0.0],
+                [poisson, 1.0 - poisson, 0.0],
+                [0.0, 0.0, (1.0 - 2.0 * poisson) / 2.0],
+            ]
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rock:
+    """A linear elastic rock."""
+
+    name: str = "rock"
+    """Name by which blocks refer to it."""
+    young: float
+    """Young's modulus, Pa."""
+    poisson: float
+    """Poisson's ratio, -."""
+    density: float
+    """Density, kg/m3."""
+    initial_stress: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Stress (xx, yy, xy) in the blocks at the start, Pa, tension positive."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Joint:
+    """Strength of the contacts along a joint."""
+
+    name: str = "default"
+    """Name by which contacts refer to it."""
+    friction_angle: float = 0.0
+    """Coulomb friction angle, degrees."""
+    cohesion: float = 0.0
+    """Cohesion, Pa; lost where the joint has slipped or opened."""
+    tensile_strength: float = 0.0
+    """Tension cut-off, Pa; lost where the joint has slipped or opened."""
+    restitution: float | None = None
+    """Share of the closing velocity with which impacts rebound, 0 to 1; None: the process' own."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MaterialPoints:
+    """Points that move with the block they belong to."""
+
+    block: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Block index of each point, shape (k,)."""
+    at: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """Coordinates at the start, m, shape (k, 2), relative to the model's origin."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointLoads(MaterialPoints):
+    """Constant forces at material points."""
+
+    force: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """Force (x, y), N per metre of thickness, shape (k, 2)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineLoads:
+    """Constant tractions along straight lines that move with a block (usually its edges)."""
+
+    block: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Block index of each line, shape (k,)."""
+    start: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """First end at the start, m, shape (k, 2)."""
+    end: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """Second end at the start, m, shape (k, 2)."""
+    traction: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """Force per length of the line (x, y), N/m per metre of thickness, shape (k, 2)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredPoints(MaterialPoints):
+    """Points whose displacement, velocity and rotation are recorded every step."""
+
+    name: tuple[str, ...] = ()
+    """Name of each point."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointTable:
+    """The joint of a contact: by pair of blocks, else by pair of rocks, else the first."""
+
+    joints: tuple[Joint, ...]
+    """All joints; the first is the default."""
+    rock_pair: Ints
+    """Joint index for each pair of rocks, symmetric, shape (rocks, rocks)."""
+    block_pair: Ints
+    """Pairs of blocks (lower, higher) with a joint of their own, sorted, shape (k, 2)."""
+    block_pair_joint: Ints
+    """Joint index of each such pair, shape (k,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StartOverlaps:
+    """Pairs of blocks that lie in each other at the start, by more than round-off."""
+
+    pair: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    """Blocks of each pair, the lower first, shape (k, 2)."""
+    depth: Floats = field(default_factory=lambda: np.zeros(0))
+    """Width of their common area, m, shape (k,)."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Model:
+    """A system of blocks with its materials, supports and loads."""
+
+    title: str
+    """Title of the case."""
+    plane: Plane
+    """Plane stress or plane strain."""
+    gravity: Floats
+    """Acceleration of gravity (x, y), m/s2, shape (2,)."""
+    origin: Floats
+    """Point that all coordinates of the model and the state are relative to, m, shape (2,)."""
+    rocks: tuple[Rock, ...]
+    """All rocks."""
+    joint_table: JointTable
+    """Joints and which contacts they belong to."""
+    block_name: tuple[str, ...]
+    """Name of each block."""
+    block_start: Ints
+    """Index of each block's first vertex; the last entry is the vertex count, shape (n + 1,)."""
+    block_rock: Ints
+    """Rock index of each block, shape (n,)."""
+    fixed: Bools
+    """True where a block cannot move at all, shape (n,)."""
+    vertices: Floats
+    """Vertices at the start, counter-clockwise by block, m, shape (nv, 2)."""
+    velocity: Floats
+    """Initial velocity (u, v, r, ex, ey, gxy) of each block, m/s, rad/s, 1/s, shape (n, 6)."""
+    initial_stress: Floats
+    """Initial stress (xx, yy, xy) of each block, Pa, shape (n, 3)."""
+    area: Floats
+    """Area of each block at the start, m2, shape (n,); with density it gives the constant mass."""
+    fixed_points: MaterialPoints
+    """Points held in place by stiff springs."""
+    point_loads: PointLoads
+    """Forces at points."""
+    line_loads: LineLoads
+    """Tractions along lines."""
+    measured_points: MeasuredPoints
+    """Points recorded every step."""
+    ground_motion: GroundMotion = field(default_factory=Still)
+    """What the ground does: nothing, a body force, or a motion of the fixed points."""
+    overlaps: StartOverlaps = field(default_factory=StartOverlaps)
+    """Blocks that overlap at the start, as contacts in penetration do."""
+    notes: tuple[str, ...] = ()
+    """What was changed of the input, e.g. loops that were turned round."""
+
+    @property
+    def block_count(self) -> int:
+        """Number of blocks n."""
+        return len(self.block_rock)
+
+    @cached_property
+    def vertex_block(self) -> Ints:
+        """Block index of each vertex, shape (nv,)."""
+        return np.repeat(np.arange(self.block_count), np.diff(self.block_start))
+
+    @cached_property
+    def density(self) -> Floats:
+        """Density of each block, kg/m3, shape (n,)."""
+        return np.array([rock.density for rock in self.rocks])[self.block_rock]
+
+    @cached_property
+    def mass(self) -> Floats:
+        """Mass of each block, kg per metre of thickness, shape (n,); constant."""
+        return self.density * self.area
+
+    @cached_property
+    def elasticity(self) -> Floats:
+        """Elasticity matrix E' of each block, Pa, shape (n, 3, 3)."""
+        by_rock = np.array([self.plane.elasticity(r.young, r.poisson) for r in self.rocks])
+        return by_rock[self.block_rock]
+
+    @cached_property
+    def compliance(self) -> Floats:
+        """Inverse of the elasticity matrix of each block, 1/Pa, shape (n, 3, 3)."""
+        return np.ascontiguousarray(np.linalg.inv(self.elasticity), np.float64)
+
+    @cached_property
+    def stiffest(self) -> float:
+        """Largest Young's modulus of the rocks, Pa."""
+        return max(rock.young for rock in self.rocks)
+
+    @cached_property
+    def material_points(self) -> MaterialPoints:
+        """All material points in one list: fixed, point loads, line starts, line ends, measured."""
+        lines = self.line_loads
+        return MaterialPoints(
+            block=np.concatenate(
+                [
+                    self.fixed_points.block,
+                    self.point_loads.block,
+                    lines.block,
+                    lines.block,
+                    self.measured_points.block,
+                ]
+            ),
+            at=np.concatenate(
+                [
+                    self.fixed_points.at,
+                    self.point_loads.at,
+                    lines.start,
+                    lines.end,
+                    self.measured_points.at,
+                ]
+            ),
+        )
+
+    def polygon(self, block: int) -> Floats:
+        """Return the start outline of one block in user coordinates, m, shape (k, 2)."""
+        rows = slice(self.block_start[block], self.block_start[block + 1])
+        return self.vertices[rows] + self.origin
+
+    def __repr__(self) -> str:
+        return (
+            f"Model('{self.title}', {self.block_count} blocks ({int(self.fixed.sum())} fixed), "
+            f"{len(self.vertices)} vertices; rocks: {', '.join(r.name for r in self.rocks[:4])}; "
+            f"joints: {', '.join(joint.name for joint in self.joint_table.joints[:4])})"
+        )

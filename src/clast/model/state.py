@@ -1,0 +1,151 @@
+"""What changes: one instant of a run.  Replaced at every accepted step, never edited."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from clast.model.model import Bools, Floats, Ints, Model
+
+
+def _no_floats() -> Floats:
+    return np.zeros(0)
+
+
+def _no_ints() -> Ints:
+    return np.zeros(0, np.int64)
+
+
+def _no_bools() -> Bools:
+    return np.zeros(0, np.bool_)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class ContactMemory:
+    """What a contact carries from step to step, keyed by (vertex, block of the edge).
+
+    Sorted by vertex, then by the block of the edge, then by edge.  At a re-entrant corner one key
+    may hold two rows, told apart by their edge.
+    """
+
+    vertex: Ints = field(default_factory=_no_ints)
+    """Invading vertex, shape (k,)."""
+    block: Ints = field(default_factory=_no_ints)
+    """Block that owns the entrance edge, shape (k,)."""
+    edge: Ints = field(default_factory=_no_ints)
+    """Entrance edge (index of its first vertex), shape (k,)."""
+    gap: Floats = field(default_factory=_no_floats)
+    """Gap at the end of the step, m, negative in penetration, shape (k,)."""
+    normal_force: Floats = field(default_factory=_no_floats)
+    """Normal contact force at the end of the step, N/m, compression positive, shape (k,)."""
+    shear_force: Floats = field(default_factory=_no_floats)
+    """Shear force on the vertex along the edge's direction, N/m, shape (k,)."""
+    multiplier: Floats = field(default_factory=_no_floats)
+    """Lagrange multiplier of the normal force, N/m (0 with the penalty law), shape (k,)."""
+    mode: Ints = field(default_factory=_no_ints)
+    """0 open, 1 slide, 2 lock, shape (k,)."""
+    bonded: Bools = field(default_factory=_no_bools)
+    """True while cohesion and tensile strength are intact, shape (k,)."""
+
+    def __len__(self) -> int:
+        return len(self.vertex)
+
+    def __repr__(self) -> str:
+        return f"ContactMemory({len(self)} contacts)"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ledger:
+    """The energy of the system and where it went, J per metre of thickness.
+
+    Stored energies are those of the instant; ``loads``, ``friction``, ``impacts`` and ``numerical``
+    are sums since the start.  Kinetic + elastic + gravity + contact + fixed_points - loads +
+    friction + impacts + numerical stays at its first value but for ``unaccounted``, which is
+    measured, not assumed.
+    """
+
+    kinetic: float = 0.0
+    """Kinetic energy 1/2 v.M v."""
+    elastic: float = 0.0
+    """Strain energy of the blocks."""
+    gravity: float = 0.0
+    """Potential energy of gravity, zero at the start."""
+    contact: float = 0.0
+    """Energy in the normal and shear contact springs."""
+    fixed_points: float = 0.0
+    """Energy in the springs of the fixed points."""
+    loads: float = 0.0
+    """Work done by point and line loads and by the ground motion."""
+    friction: float = 0.0
+    """Work lost in sliding, >= 0 (and in the breaking of bonds)."""
+    impacts: float = 0.0
+    """Energy lost in impacts: by restitution, and by friction within them."""
+    numerical: float = 0.0
+    """Energy removed by the time integration (positive) or brought in by it (negative)."""
+    unaccounted: float = 0.0
+    """What the entries above fail to explain."""
+
+    @property
+    def stored(self) -> float:
+        """Energy in the system now."""
+        return self.kinetic + self.elastic + self.gravity + self.contact + self.fixed_points
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class State:
+    """One instant of a run."""
+
+    time: float
+    """Time, s."""
+    vertices: Floats
+    """Vertices, m, relative to the model's origin, shape (nv, 2)."""
+    velocity: Floats
+    """Velocity (u, v, r, ex, ey, gxy) of each block about its centroid, shape (n, 6)."""
+    stress: Floats
+    """Stress (xx, yy, xy) of each block, Pa, tension positive, shape (n, 3)."""
+    rotation: Floats
+    """Rotation of each block since the start, rad, counter-clockwise, shape (n,)."""
+    points: Floats
+    """Material points in the order of ``Model.material_points``, m, shape (np, 2)."""
+    memory: ContactMemory
+    """Contact memory."""
+    ledger: Ledger
+    """Energy ledger."""
+
+    def __repr__(self) -> str:
+        speed = np.hypot(*self.velocity[:, :2].T).max(initial=0.0)
+        return (
+            f"State(t = {self.time:.6g} s, {len(self.rotation)} blocks at up to {speed:.3g} m/s, "
+            f"{len(self.memory)} contacts)"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Overlap:
+    """Two blocks that overlap deeper than their contacts know."""
+
+    blocks: tuple[str, str]
+    """Names of the blocks."""
+    time: float
+    """Time at which it was deepest, s."""
+    depth: float
+    """Diameter of the largest circle in what they share, m."""
+    area: float
+    """What they share, m2."""
+    known: float
+    """Largest penetration of their contacts, m."""
+
+
+def initial_state(model: Model) -> State:
+    """Return the state of a model at time zero, at rest but for its initial velocities."""
+    return State(
+        time=0.0,
+        vertices=model.vertices,
+        velocity=model.velocity,
+        stress=model.initial_stress,
+        rotation=np.zeros(model.block_count),
+        points=model.material_points.at,
+        memory=ContactMemory(),
+        ledger=Ledger(),
+    )

@@ -1,0 +1,260 @@
+"""Whether a contact law is one: its forces, stiffnesses, energies and friction belong together.
+
+    assert not clast.check_law(MyLaw())
+
+A law that is put in from a script may be wrong in ways that no run shows: friction bounded by
+another normal force than its own, a stiffness that is no derivative of its force, energies that do
+not belong to the forces.  They are compared here with differences between neighbouring gaps and
+slips.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, replace
+from itertools import chain
+
+import numpy as np
+
+from clast.block import polygon
+from clast.block.displacement import FirstOrder
+from clast.block.rotation import Exact
+from clast.contact.contacts import SLIDE, ContactResponse, Contacts
+from clast.contact.corner_rules import Bisector
+from clast.contact.detection import detect
+from clast.contact.laws import ContactLaw
+from clast.contact.search_distance import Reach
+from clast.contact.spring_laws import has_limits
+from clast.model.builder import ModelBuilder
+from clast.model.model import Bools, Floats
+from clast.model.state import initial_state
+
+BLOCKS = 60
+"""Blocks whose contacts a law is tried on; each has two."""
+TRIALS = 300
+"""Contacts that a law is tried on; fewer are taken several times."""
+DEPTHS = -8.0, -2.5
+"""Powers of ten between which penetrations are drawn, m."""
+NUDGE = 1e-4
+"""Gaps and slips are changed by this share of themselves to see what follows."""
+NEAR = 1e-3
+"""Differences up to this share of what is compared are put down to rounding and curvature."""
+
+
+def check_law(law: ContactLaw) -> tuple[str, ...]:
+    """Return what is wrong with a contact law, a sentence each; nothing where all holds.
+
+    The law is asked for penetrations of 1e-8 to 3e-3 m and slips of that order.  It must leave its
+    contacts as they are; N = -dE/dgap, T = -d(E + loss)/dslip, stiffnesses and coupling must be
+    derivatives of the forces, no loss negative; |T| <= N tan(phi) + c L with its own N, which
+    sliding contacts must reach.  A law that means to have a friction of its own will be told of
+    the last.
+    """
+    return objections(law, _some_contacts())
+
+
+def warnings_of(law: ContactLaw, contacts: Contacts) -> tuple[str, ...]:
+    """Return what a run has to say of its contact law, tried on some of its contacts.
+
+    Laws of springs with bounds are answered by one kernel, which has its own tests.
+    """
+    if has_limits(law):
+        return ()
+    name = type(law).__name__
+    return tuple(f"contact law {name}: {fault}" for fault in objections(law, contacts))
+
+
+def objections(law: ContactLaw, contacts: Contacts) -> tuple[str, ...]:
+    """Return what is wrong with a contact law, tried on these contacts."""
+    if not len(contacts):
+        return ()
+    rng = np.random.default_rng(1)
+    trial = _trial(law, _spread(contacts, TRIALS), rng)
+    malformed = tuple(_malformed(trial))
+    if malformed:
+        return malformed
+    checks = (_friction_of_its_own, _within_strength, _normal_side, _shear_side)
+    return tuple(chain.from_iterable(check(trial) for check in checks))
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A law with contacts, gaps (m,) and slips (m,) to try it on, m."""
+
+    law: ContactLaw
+    contacts: Contacts
+    gap: Floats
+    slip: Floats
+
+    def free(self, gap: Floats, slip: Floats) -> ContactResponse:
+        """Return the answer where the law's own normal force bounds friction."""
+        none = np.full(len(gap), np.nan)
+        return self.law.respond(replace(self.contacts, friction_base=none), gap, slip)
+
+    def bound(self, gap: Floats, slip: Floats) -> ContactResponse:
+        """Return the answer where friction is bounded by the normal force at ``self.gap``."""
+        base = self.free(self.gap, self.slip).normal_force
+        return self.law.respond(replace(self.contacts, friction_base=base), gap, slip)
+
+
+def _trial(law: ContactLaw, contacts: Contacts, rng: np.random.Generator) -> _Trial:
+    """Return what to try a law on: gaps and slips of many sizes, some shear force remembered."""
+    count = len(contacts)
+    size = 10.0 ** rng.uniform(*DEPTHS, count)
+    gap = np.where(rng.random(count) < 0.8, -size, size)
+    slip = size * 10.0 ** rng.uniform(-1.5, 1.5, count) * rng.choice([-1.0, 1.0], count)
+    # multipliers and tension shift energies by what no gap gives back
+    zero = np.zeros(count)
+    contacts = replace(contacts, multiplier=zero, tensile_strength=zero, shear_force=zero)
+    normal = law.respond(contacts, gap, slip).normal_force
+    if np.shape(normal) == (count,):
+        remembered = rng.uniform(-0.5, 0.5, count) * contacts.friction * normal
+        contacts = replace(contacts, shear_force=remembered)
+    return _Trial(law, contacts, gap, slip)
+
+
+def _malformed(trial: _Trial) -> Iterator[str]:
+    """Say which answers are no arrays of finite numbers, and what was changed that must not be."""
+    given = {f.name: getattr(trial.contacts, f.name) for f in fields(Contacts)}
+    given |= {"gap given": trial.gap, "slip given": trial.slip}
+    before = {name: np.copy(values) for name, values in given.items()}
+    response = trial.free(trial.gap, trial.slip)
+    for name, values in given.items():
+        if not np.array_equal(values, before[name], equal_nan=values.dtype.kind == "f"):
+            yield f"evaluating the law changes {name}; it must leave what it is given as it is"
+    count = len(trial.gap)
+    for field in fields(ContactResponse):
+        found = np.asarray(getattr(response, field.name))
+        if found.shape != (count,):
+            yield f"{field.name} has the shape {found.shape}; it must be ({count},), as gap is"
+        elif not np.isfinite(found).all():
+            yield f"{field.name} is not finite everywhere"
+
+
+def _friction_of_its_own(trial: _Trial) -> Iterator[str]:
+    """Say whether friction follows another normal force than the law's own."""
+    free, bound = trial.free(trial.gap, trial.slip), trial.bound(trial.gap, trial.slip)
+    bearing = free.normal_force > 0.0
+    if (bearing & _differ(free.shear_force, bound.shear_force, free.normal_force)).any():
+        most = bearing & (bound.shear_force != 0.0)
+        ratio = np.abs(free.shear_force[most] / bound.shear_force[most])
+        worst = ratio[np.argmax(np.abs(np.log(np.maximum(ratio, 1e-300))))]
+        yield (
+            "friction does not follow the law's own normal force: without friction_base the shear "
+            f"force is {worst:.3g} times that with friction_base = normal_force. Bound it by the N "
+            "that the law returns, as clast.contact.laws.with_friction does"
+        )
+
+
+def _within_strength(trial: _Trial) -> Iterator[str]:
+    """Say whether contacts bear less than nothing, or not what Coulomb's law gives them."""
+    response, contacts = trial.free(trial.gap, trial.slip), trial.contacts
+    normal, shear = response.normal_force, np.abs(response.shear_force)
+    if (normal < 0.0).any():
+        yield "contacts without tensile strength pull: normal_force must be 0 or more"
+    strength = np.maximum(0.0, normal * contacts.friction + contacts.cohesion * contacts.length)
+    strength[normal <= 0.0] = 0.0
+    beyond = shear > (1.0 + NEAR) * strength + NEAR * normal
+    if beyond.any():
+        share = float((shear - strength)[beyond].max())
+        yield f"the shear force exceeds N tan(phi) + c L by up to {share:.3g} N/m"
+    sliding = (response.mode == SLIDE) & (strength > 0.0)
+    short = sliding & _differ(shear, strength, normal) & ~beyond
+    if short.any():
+        share = float((shear[short] / strength[short]).min())
+        yield f"sliding contacts bear only {share:.3g} of N tan(phi) + c L"
+
+
+def _normal_side(trial: _Trial) -> Iterator[str]:
+    """Say whether N, its stiffness and the energy do not belong together."""
+    # without slip the energy is that of the normal force alone
+    still = replace(trial.contacts, shear_force=np.zeros(len(trial.gap)))
+    alone = replace(trial, contacts=still)
+    here, rate, smooth = _rates(alone.bound, trial.gap, 0.0 * trial.slip, along_gap=True)
+    normal, stiffness = here.normal_force, here.normal_stiffness
+    size = np.abs(stiffness)
+    if (smooth & _differ(-rate.normal_force, stiffness, size)).any():
+        yield "normal_stiffness is not -dN/dgap"
+    if (smooth & _differ(-(rate.energy + rate.dissipation), normal, np.abs(normal))).any():
+        yield "energy does not belong to normal_force: N must be -dE/dgap"
+    here, rate, smooth = _rates(trial.free, trial.gap, trial.slip, along_gap=True)
+    size = np.abs(rate.normal_force)
+    if (smooth & _differ(rate.shear_force, here.coupling * rate.normal_force, size)).any():
+        yield (
+            "coupling is not dT/dN: where a contact slides under its own N it is tan(phi) with the "
+            "sign of T, else 0"
+        )
+
+
+def _shear_side(trial: _Trial) -> Iterator[str]:
+    """Say whether T, its stiffness, the energy and the loss do not belong together."""
+    here, rate, smooth = _rates(trial.bound, trial.gap, trial.slip, along_gap=False)
+    shear, stiffness = here.shear_force, here.shear_stiffness
+    if (smooth & _differ(-rate.shear_force, stiffness, np.abs(stiffness))).any():
+        yield "shear_stiffness is not -dT/dslip"
+    size = np.abs(shear) + NEAR * np.abs(here.normal_force)
+    if (smooth & _differ(-(rate.energy + rate.dissipation), shear, size)).any():
+        yield (
+            "energy and dissipation do not belong to shear_force: T must be -d(energy + "
+            "dissipation)/dslip"
+        )
+    if (here.dissipation < 0.0).any():
+        yield "dissipation is negative: friction gives energy"
+
+
+@dataclass(frozen=True)
+class _Rates:
+    """How an answer changes with gap or slip, (m,) each."""
+
+    normal_force: Floats
+    shear_force: Floats
+    energy: Floats
+    dissipation: Floats
+
+
+def _rates(
+    respond: Callable[[Floats, Floats], ContactResponse],
+    gap: Floats,
+    slip: Floats,
+    *,
+    along_gap: bool,
+) -> tuple[ContactResponse, _Rates, Bools]:
+    """Return the answer, its rates by differences, and where no change of mode is near."""
+    step = NUDGE * np.abs(gap if along_gap else slip)
+    shift = (step, 0.0 * step) if along_gap else (0.0 * step, step)
+    here = respond(gap, slip)
+    low, high = respond(gap - shift[0], slip - shift[1]), respond(gap + shift[0], slip + shift[1])
+    names = (field.name for field in fields(_Rates))
+    rates = {n: (getattr(high, n) - getattr(low, n)) / (2.0 * step) for n in names}
+    return here, _Rates(**rates), (low.mode == here.mode) & (high.mode == here.mode)
+
+
+def _differ(one: Floats, other: Floats, size: Floats) -> Bools:
+    """Return where two numbers differ by more than a small share of ``size`` (m,) or themselves."""
+    return np.abs(one - other) > NEAR * np.maximum(size, np.maximum(np.abs(one), np.abs(other)))
+
+
+def _spread(contacts: Contacts, count: int) -> Contacts:
+    """Return ``count`` of the contacts, in their order; the pairs stay what they are."""
+    which = np.linspace(0, len(contacts) - 1, count).astype(np.int64)
+    rows = {f.name: getattr(contacts, f.name) for f in fields(Contacts) if f.name != "pairs"}
+    return Contacts(**{name: values[which] for name, values in rows.items()}, pairs=contacts.pairs)
+
+
+def _some_contacts() -> Contacts:
+    """Return contacts of many strengths: blocks side by side on a floor."""
+    builder = ModelBuilder()
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    floor = np.array([[-1.0, -1.0], [2.0 * BLOCKS, -1.0], [2.0 * BLOCKS, 0.0], [-1.0, 0.0]])
+    builder.block(vertices=floor, fixed=True)
+    builder.blocks(vertices=square + 2.0 * np.arange(BLOCKS)[:, None, None] * np.array([1.0, 0.0]))
+    model = builder.build()
+    centroid = polygon.moments(model.vertices, model.block_start)[1]
+    reach = Reach(front=0.01, depth=0.01, critdis=0.01)
+    found = detect(model, Bisector(), FirstOrder(Exact()), initial_state(model), centroid, reach)
+    rng = np.random.default_rng(2)
+    count = len(found)
+    cohesion = np.where(rng.random(count) < 0.3, 10.0 ** rng.uniform(2.0, 6.0, count), 0.0)
+    friction = np.where(rng.random(count) < 0.1, 0.0, rng.uniform(0.05, 1.5, count))
+    return replace(found, friction=friction, cohesion=cohesion, bonded=cohesion > 0.0)

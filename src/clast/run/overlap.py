@@ -1,0 +1,96 @@
+"""What blocks truly overlap, where that is more than their contacts know.
+
+Looked at in every frame, independently of candidates and corner rules: outlines that cross deeper
+than the contacts of the two blocks account for, and blocks inside others.  Few pairs are left then,
+and what these share is cut out by a polygon clipper.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from clast.block import polygon
+from clast.contact import crossing_kernels as crossings
+from clast.contact.verlet_list import near_pairs
+from clast.model.model import Floats, Ints, Model
+from clast.model.state import ContactMemory, Overlap, State
+
+KNOWN = 1.5
+"""Overlap is reported where it is deeper than this times what the contacts of the pair know."""
+GRID = 1e-9
+"""Grid of the clipper, as a share of a block's extent."""
+NOTABLE = 0.02
+"""And than this, in units of critdis."""
+
+
+def unseen_overlaps(
+    model: Model, state: State, normal_stiffness: float, critdis: float
+) -> list[Overlap]:
+    """Return the overlaps that contacts do not know of, in the order of the pairs of blocks.
+
+    A contact knows of its penetration as far as its spring, of ``normal_stiffness`` in N/m per m,
+    is stretched by it; overlaps less deep than a fiftieth of ``critdis``, m, are not looked for.
+    """
+    vertices, block_start = state.vertices, model.block_start
+    pairs = near_pairs(vertices, block_start, model.fixed, 0.0)
+    contacts, pair = _closed(model, state.memory, pairs, normal_stiffness)
+    direction, _ = polygon.edges(vertices, block_start)
+    box = polygon.boxes(vertices, block_start)
+    outlines = (vertices, direction, block_start)
+    found = crossings.unseen(outlines, box, pairs, contacts, pair, KNOWN, NOTABLE * critdis)
+    inside = crossings.swallowed(vertices, block_start, box, pairs)
+    deepest = np.zeros(len(pairs))
+    np.maximum.at(deepest, pair, -contacts[2])
+    result = []
+    for q in np.unique(np.concatenate((found[3], np.flatnonzero(inside)))):
+        depth, area = _shared(model, vertices, pairs[q])
+        if depth > max(KNOWN * deepest[q], NOTABLE * critdis):
+            names = model.block_name[pairs[q, 0]], model.block_name[pairs[q, 1]]
+            result.append(
+                Overlap(
+                    blocks=names,
+                    time=state.time,
+                    depth=depth,
+                    area=area,
+                    known=float(deepest[q]),
+                )
+            )
+    return result
+
+
+def _closed(
+    model: Model, memory: ContactMemory, pairs: Ints, normal_stiffness: float
+) -> tuple[tuple[Ints, Ints, Floats, Ints], Ints]:
+    """Return vertex, edge and stretch of closed contacts (m,), block of each vertex; their pairs.
+
+    Sorted by pair.
+    """
+    own, other = model.vertex_block[memory.vertex], memory.block
+    width = model.block_count
+    key = np.minimum(own, other) * width + np.maximum(own, other)
+    keys = pairs[:, 0] * width + pairs[:, 1]
+    at = np.searchsorted(keys, key)
+    stretch = memory.gap - np.minimum(memory.multiplier, 0.0) / normal_stiffness
+    near = at < len(keys)
+    near[near] = keys[at[near]] == key[near]
+    rows = np.flatnonzero(near & (stretch < 0.0))
+    rows = rows[np.argsort(at[rows], kind="stable")]
+    contacts = (memory.vertex[rows], memory.edge[rows], stretch[rows], model.vertex_block)
+    return contacts, at[rows]
+
+
+def _shared(model: Model, vertices: Floats, pair: Ints) -> tuple[float, float]:
+    """Return the diameter of the largest circle in what two blocks share, m, and its area, m2."""
+    one, other = (
+        shapely.make_valid(
+            shapely.Polygon(vertices[model.block_start[b] : model.block_start[b + 1]])
+        )
+        for b in pair
+    )
+    # without a grid GEOS takes outlines that touch to the last bit for overlapping
+    shared = shapely.intersection(one, other, grid_size=GRID * np.sqrt(one.area))
+    parts = shapely.get_parts(shared)
+    areas = shapely.area(parts)
+    circles = shapely.maximum_inscribed_circle(parts[areas > 0.0])
+    return 2.0 * float(shapely.length(circles).max(initial=0.0)), float(areas.sum())

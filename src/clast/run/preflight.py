@@ -1,0 +1,184 @@
+"""A look at a case before its first step: how much of everything, and what seems unsound."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clast.block.inertia import block_frames
+from clast.contact.detection import detect
+from clast.errors import StepRejected
+from clast.model.model import Bools, Model
+from clast.model.state import State, initial_state
+from clast.run.method_doubts import check_overlaps, method_doubts
+from clast.run.model_doubts import model_doubts
+from clast.step.modified import STABILITY_LIMIT, reach_of, stability_number
+
+if TYPE_CHECKING:
+    from clast.contact.contacts import Contacts
+    from clast.run.schedule import Schedule
+    from clast.step.method import Method
+
+LONG = 3600.0
+"""Runs that are expected to take longer are said to, s of wall time."""
+MANY_STEPS = 1e6
+"""Runs of more steps are said to have so many."""
+MOST_TRIALS, LONGEST_TRIAL = 4, 10.0
+"""The first step is tried so often, or for so long, s, to find its time."""
+QUICKEST = 1e-5, 5e-6
+"""Wall time of a step, and more for each block, below which none is on any machine, s."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sanity:
+    """What a case consists of, and warnings."""
+
+    title: str
+    """Title of the case."""
+    blocks: int
+    """Number of blocks."""
+    vertices: int
+    """Number of vertices."""
+    rocks: tuple[str, ...]
+    """Names of the rocks."""
+    joints: tuple[str, ...]
+    """Names of the joints, the default first."""
+    fixed_blocks: int
+    """Number of blocks that cannot move."""
+    fixed_points: int
+    """Number of fixed points."""
+    loads: int
+    """Number of point and line loads."""
+    measured_points: int
+    """Number of measured points."""
+    mass: float
+    """Mass of all blocks, kg per metre of thickness."""
+    box: tuple[float, float, float, float]
+    """Bounding box xmin, ymin, xmax, ymax, m."""
+    smallest: tuple[str, float]
+    """Name and area, m2, of the smallest block."""
+    largest: tuple[str, float]
+    """Name and area, m2, of the largest block."""
+    contacts: int
+    """Contacts at the start."""
+    touching_pairs: int
+    """Pairs of blocks that touch at the start."""
+    unsupported: tuple[str, ...]
+    """Blocks that are not fixed anywhere and touch nothing."""
+    steps: int
+    """Steps that the run takes if none is cut."""
+    max_displacement: float
+    """Largest vertex movement in a step, m."""
+    critdis: float
+    """Critical distance of contact detection, m."""
+    stability_number: float
+    """Largest p h2/m, m being a block's mass per contact."""
+    stability_limit: float
+    """Largest p h2/m with which contacts settle without passes."""
+    warnings: tuple[str, ...]
+    """What seems unsound, each with its remedy."""
+    notes: tuple[str, ...]
+    """What clast changed or chose by itself."""
+
+
+def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
+    """Return what a case consists of and what seems unsound about it.
+
+    Raises ModelError where blocks overlap by more than contacts of this stiffness explain.
+    """
+    check_overlaps(model, method)
+    start = initial_state(model)
+    contacts = _contacts(model, method, start)
+    unsupported = _unsupported(model, contacts)
+    number = stability_number(model, method, start, schedule.step)
+    low = model.vertices.min(axis=0) + model.origin
+    high = model.vertices.max(axis=0) + model.origin
+    smallest, largest = int(model.area.argmin()), int(model.area.argmax())
+    return Sanity(
+        title=model.title,
+        blocks=model.block_count,
+        vertices=len(model.vertices),
+        rocks=tuple(rock.name for rock in model.rocks),
+        joints=tuple(joint.name for joint in model.joint_table.joints),
+        fixed_blocks=int(model.fixed.sum()),
+        fixed_points=len(model.fixed_points.block),
+        loads=len(model.point_loads.block) + len(model.line_loads.block),
+        measured_points=len(model.measured_points.name),
+        mass=float(model.mass.sum()),
+        box=(float(low[0]), float(low[1]), float(high[0]), float(high[1])),
+        smallest=(model.block_name[smallest], float(model.area[smallest])),
+        largest=(model.block_name[largest], float(model.area[largest])),
+        contacts=len(contacts),
+        touching_pairs=len(contacts.pairs),
+        unsupported=tuple(model.block_name[block] for block in np.flatnonzero(unsupported)),
+        steps=int(np.ceil(schedule.end / schedule.step - 1e-9)),
+        max_displacement=method.max_displacement,
+        critdis=method.critdis,
+        stability_number=number,
+        stability_limit=STABILITY_LIMIT,
+        warnings=(
+            *_duration_doubts(model, method, schedule, start),
+            *method.process.advice(model, method, start, schedule.step),
+            *model_doubts(model, schedule.end),
+            *method_doubts(model, method, schedule),
+        ),
+        notes=(*model.notes, *method.notes),
+    )
+
+
+def _duration_doubts(
+    model: Model, method: Method, schedule: Schedule, start: State
+) -> Iterable[str]:
+    """Say how many steps a long run has, and how many hours they are expected to take.
+
+    Where a guess leaves that open, the first step is made some times: what is compiled for the
+    first of them does not count.
+    """
+    steps = schedule.end / schedule.step
+    base, more = QUICKEST
+    if steps < MANY_STEPS and steps * (base + more * model.block_count) < 0.1 * LONG:
+        return
+    tried: list[float] = []
+    while len(tried) < MOST_TRIALS and sum(tried) < LONGEST_TRIAL:
+        tried.append(_seconds_of_a_step(model, method, schedule, start))
+    seconds = min(tried)
+    if steps < MANY_STEPS and steps * seconds < LONG:
+        return
+    yield (
+        f"{steps:.3g} steps of {schedule.step:g} s: at {1e3 * seconds:.2g} ms each, as the first "
+        f"one takes, about {steps * seconds / 3600.0:.2g} hours. Lower time.end or raise time.step "
+        "if that is not meant"
+    )
+
+
+def _seconds_of_a_step(model: Model, method: Method, schedule: Schedule, start: State) -> float:
+    """Return how long the first step takes, s of wall time."""
+    begin = perf_counter()
+    with suppress(StepRejected):
+        method.process.step(model, method, start, schedule.step)
+    return perf_counter() - begin
+
+
+def _contacts(model: Model, method: Method, state: State) -> Contacts:
+    frames = block_frames(model, method.displacement, state)
+    return detect(
+        model,
+        method.corner_rule,
+        method.displacement,
+        state,
+        frames.centroid,
+        reach_of(method),
+    )
+
+
+def _unsupported(model: Model, contacts: Contacts) -> Bools:
+    """Return True for blocks that are not fixed anywhere and touch nothing, shape (n,)."""
+    held = model.fixed.copy()
+    held[model.fixed_points.block] = True
+    held[contacts.pairs.ravel()] = True
+    return ~held

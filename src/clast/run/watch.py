@@ -1,0 +1,202 @@
+"""What a run has to be warned of when it is over: results that look right and are not.
+
+Every finding is a number that was measured on the way, against a limit above which the result is no
+longer what the method promises, with the key that helps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from clast.contact import crossing_kernels as crossings
+from clast.model.model import Floats, Model
+from clast.model.state import Ledger, Overlap, State
+from clast.run.overlap import unseen_overlaps
+from clast.step.method import Method, StepResult
+
+DEEP = 0.05
+"""Penetration, as a share of the thinner block, above which it is said."""
+LOST = 0.05
+"""Energy that the time integration takes or gives, as a share of what is turned over, likewise."""
+NOTHING = 1e-4
+"""Energy that is never worth a word lifts every block by this share of its size at most."""
+UNBALANCED = 1e-3
+"""Force without a counterpart at the end of a static run, as a share of the forces there are."""
+RELAXED = 0.05
+"""Share of the initial stress that may go before it is said."""
+NAMED = 3
+"""Overlaps that are told one by one."""
+
+
+@dataclass(kw_only=True)
+class Watch:
+    """Looks at a run while it goes."""
+
+    model: Model
+    method: Method
+    state: State
+    """The first state, then the last."""
+    overlaps: dict[tuple[str, str], Overlap] = field(default_factory=dict)
+    """The deepest overlap that contacts do not know of, by the names of the blocks."""
+
+    def __post_init__(self) -> None:
+        self._thickness: Floats = crossings.thicknesses(self.model.vertices, self.model.block_start)
+        self._thinnest = float(self._thickness.min())
+        self._deepest: tuple[float, str] = (DEEP, "")
+        self._first = self.state
+        self._highest = _held(self.state.ledger)
+        self._lowest = np.minimum(self._highest, np.array([np.inf] * 6 + [0.0]))
+        self._step = 0.0
+
+    def step(self, result: StepResult, step: float) -> None:
+        """Look at an accepted step of length ``step``, s."""
+        self.state, self._step = result.state, step
+        held = _held(result.state.ledger)
+        self._lowest = np.minimum(self._lowest, held)
+        self._highest = np.maximum(self._highest, held)
+        if result.penetration > self._deepest[0] * self._thinnest:
+            self._look_at_penetration(result)
+
+    def frame(self, state: State) -> None:
+        """Look at the outlines of a frame."""
+        stiffness = self.method.contact_law.normal_stiffness
+        for one in unseen_overlaps(self.model, state, stiffness, self.method.critdis):
+            before = self.overlaps.get(one.blocks)
+            if before is None or one.depth > before.depth:
+                self.overlaps[one.blocks] = one
+
+    def warnings(self) -> tuple[str, ...]:
+        """Return what is to be said when the run is over, each with its number and a remedy."""
+        return tuple(
+            text
+            for text in (
+                *self._of_overlaps(),
+                self._deepest[1],
+                self._of_energy(self.state.ledger),
+                self._of_rest(),
+                self._of_stress(),
+            )
+            if text
+        )
+
+    def _look_at_penetration(self, result: StepResult) -> None:
+        """Keep the largest penetration against the thinner of its two blocks."""
+        memory, model = result.state.memory, self.model
+        own, other = model.vertex_block[memory.vertex], memory.block
+        thinner = np.minimum(self._thickness[own], self._thickness[other])
+        share = -memory.gap / thinner
+        at = int(share.argmax())
+        if share[at] <= self._deepest[0]:
+            return
+        names = model.block_name[own[at]], model.block_name[other[at]]
+        self._deepest = (
+            float(share[at]),
+            f"block '{names[0]}' was {-memory.gap[at]:.3g} m inside '{names[1]}' at t = "
+            f"{result.state.time:.4g} s, {100.0 * share[at]:.3g} % of the thinner of the two: the "
+            "contacts are too soft for what presses on them. Raise "
+            f"method.contact_law.normal_stiffness ({self.method.contact_law.normal_stiffness:.3g})",
+        )
+
+    def _of_overlaps(self) -> list[str]:
+        """Return a warning for the deepest overlaps and one for the number of all."""
+        worst = sorted(self.overlaps.values(), key=lambda one: -one.depth)
+        texts = [
+            f"overlap: blocks '{one.blocks[0]}' and '{one.blocks[1]}' share {one.area:.3g} m2, "
+            f"{one.depth:.3g} m deep, at t = {one.time:.4g} s, of which their contacts know "
+            f"{one.known:.3g} m. Do not trust what follows there; use a smaller time.step or a "
+            "higher method.contact_law.normal_stiffness"
+            for one in worst[:NAMED]
+        ]
+        if len(worst) > NAMED:
+            texts.append(f"overlap: so do {len(worst) - NAMED} more pairs of blocks")
+        return texts
+
+    def _of_energy(self, ledger: Ledger) -> str:
+        """Return a warning where the time integration took or gave too much energy.
+
+        Static runs and a dissipative scheme are to take it.
+        """
+        if self.method.dynamic_ratio < 1.0 or self.method.integrator.theta > 0.5:
+            return ""
+        turned_over = float((self._highest - self._lowest).max())
+        share = abs(ledger.numerical) / turned_over if turned_over > 0.0 else 0.0
+        size = np.sqrt(self.model.area[~self.model.fixed])
+        weight = self.model.mass[~self.model.fixed] * float(np.hypot(*self.model.gravity))
+        if share <= LOST or abs(ledger.numerical) <= NOTHING * float(weight @ size):
+            return ""
+        did = "took" if ledger.numerical > 0.0 else "brought in"
+        return (
+            f"the time integration {did} {100.0 * share:.3g} % of the energy turned over "
+            f'("numerical" {ledger.numerical:.3g} J/m): lower time.step'
+        )
+
+    def _of_rest(self) -> str:
+        """Return a warning where a static run ends while blocks still move.
+
+        The inertia of a step that begins at rest, 2 m d/h2, is the force that nothing balances.
+        """
+        model, state, step = self.model, self.state, self._step
+        free = ~model.fixed
+        if self.method.dynamic_ratio > 0.0 or step == 0.0 or not free.any():
+            return ""
+        speed = np.hypot(state.velocity[:, 0], state.velocity[:, 1])
+        theta = self.method.integrator.theta
+        force = model.mass * speed / step
+        weight = model.mass * float(np.hypot(*model.gravity))
+        borne = state.memory.normal_force.max(initial=0.0)
+        reference = max(float(weight[free].max()), float(borne))
+        worst = int(np.where(free, force, -1.0).argmax())
+        share = float(force[worst]) / reference if reference > 0.0 else 0.0
+        if share <= UNBALANCED:
+            return ""
+        return (
+            f"the static run ended while block '{model.block_name[worst]}' still moved by "
+            f"{theta * speed[worst] * step:.3g} m a step; the force on it that nothing balances "
+            f"is {100.0 * share:.3g} % of the largest there is. Raise time.end, or time.step, "
+            "with which blocks come to rest sooner"
+        )
+
+    def _of_stress(self) -> str:
+        """Return a warning where the mean stress of the start is gone."""
+        model = self.model
+        stressed = np.any(model.initial_stress != 0.0, axis=1) & ~model.fixed
+        if not stressed.any() or self._step == 0.0:
+            return ""
+        weight = model.area[stressed] / model.area[stressed].sum()
+        mean = [weight @ stress[stressed] for stress in (model.initial_stress, self.state.stress)]
+        lost = float(np.linalg.norm(mean[1] - mean[0]) / np.linalg.norm(mean[0]))
+        if lost <= RELAXED:
+            return ""
+        texts = [", ".join(f"{value:.3g}" for value in stress) for stress in mean]
+        return (
+            f"the mean stress of the blocks with an initial stress went from ({texts[0]}) to "
+            f"({texts[1]}) Pa, a change of {100.0 * lost:.3g} %: contacts give way until they bear "
+            "it. Raise method.contact_law.normal_stiffness "
+            f"({self.method.contact_law.normal_stiffness:.3g}), or give an initial_stress that "
+            "gravity, loads and supports balance"
+        )
+
+
+def watch_of(model: Model, method: Method, state: State) -> Watch:
+    """Return a watch on a run that begins with ``state``."""
+    return Watch(model=model, method=method, state=state)
+
+
+def _held(ledger: Ledger) -> Floats:
+    """Return the energies whose largest change is the energy turned over, J/m, shape (7,).
+
+    Kinetic energy counts from rest: a flight that nothing slows down is no small change.
+    """
+    return np.array(
+        [
+            ledger.elastic,
+            ledger.gravity,
+            ledger.contact,
+            ledger.fixed_points,
+            ledger.loads,
+            ledger.friction,
+            ledger.kinetic,
+        ]
+    )

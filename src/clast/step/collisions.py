@@ -1,0 +1,440 @@
+"""Impacts one after the other within a step, each at the moment at which a contact closes.
+
+An impact changes velocities and no position.  From there on a block goes on as if it had begun the
+step with its new velocity, ``shift`` away from where it was: by -t dv for a change dv at time t.
+
+``bodies`` are velocities now and before the impact (n, 6), shifts (n, 6), m, the time of the last
+impact (n,), s, accelerations (n, 2), mobilities (n, 3, 3), what an impulse changes of (u, v, r),
+and mass matrices (n, 6, 6).  ``contacts`` are gaps (m,), m, the two blocks (m,) each, levers
+(contact/levers.py), restitutions and tan(phi) (m,).  ``live`` are the moment (m,), s, at which a
+contact strikes, infinity if it does not; whether it bears, and how often it has struck (m,); which
+contacts may wait to strike, whether each is among them (m,), and how many they are.
+``around`` is where the contacts of each block begin (n + 1,) and these.  ``limits`` are the step,
+s, the closing velocity, m/s, from which contacts strike, and the gap, m, at which one strikes along
+with another of its blocks.
+
+``group`` is what takes part in one impact: the contacts and their place in that list (m,) each, -1
+if none, and the opening velocity they are to leave with at least (m,) each; what they are to
+impulses (step/impulses.py), and these, N s/m, (m, 2); the blocks and whether they are among them
+(n,) each; and how many contacts and blocks there are, and how many impulses may still be renewed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.compute.jit import kernel
+from clast.compute.mat6 import times
+from clast.compute.vec6 import numbers, plus_product, row, total, zeros
+from clast.contact.levers import force_on, normal_of, relative_motion
+from clast.step.impulses import find, rate_along
+
+SAME = 1e-9
+"""Time between impacts that are one, in units of the step."""
+OFTEN = 8
+"""Impacts of a contact within a step after which it gives nothing back, and bears."""
+NEVER = 16
+"""Impacts of a contact within a step after which it is left to its spring."""
+FELT = 1e-2
+"""Closing velocity that makes a bearing contact take part, in units of that of the impact."""
+SLOW = 0.5
+"""The same in units of the closing velocity from which contacts strike."""
+EXACT = 1e-10
+"""Change of velocity at which impulses are found, in units of the velocity of the impact."""
+RENEWED, TIMES = 1000, 12
+"""Impulses that are renewed at most before others join, beside so many times all."""
+WORK, SOME = 20, 5000
+"""Impulses that are renewed in a step at most for each of its contacts, of which it has some.
+
+What strikes later is left to the springs.
+"""
+
+
+@kernel(forceinline=True)
+def _accelerations(c, acceleration, contacts):
+    """Return the accelerations of contact c along its normal and its edge, m/s2."""
+    _, vertex_block, edge_block, levers, _, _ = contacts
+    i, j = vertex_block[c], edge_block[c]
+    nx, ny = normal_of(levers, c)
+    x, y = acceleration[i, 0] - acceleration[j, 0], acceleration[i, 1] - acceleration[j, 1]
+    return nx * x + ny * y, nx * y - ny * x
+
+
+@kernel(forceinline=True)
+def _rates(c, time, velocity, acceleration, contacts):
+    """Return how fast contact c opens and slips at a time in the step, m/s."""
+    _, vertex_block, edge_block, levers, _, _ = contacts
+    opening, slip = relative_motion(levers, c, velocity, vertex_block[c], edge_block[c])
+    along_normal, along_edge = _accelerations(c, acceleration, contacts)
+    return opening + time * along_normal, slip + time * along_edge
+
+
+@kernel()
+def _moment(c, bodies, contacts, limits):
+    """Return when contact c closes faster than the threshold, s; infinity: not in this step."""
+    velocity, _, shift, last, acceleration, _, _ = bodies
+    gap, vertex_block, edge_block, levers, _, _ = contacts
+    step, threshold, _ = limits
+    i, j = vertex_block[c], edge_block[c]
+    start = max(last[i], last[j])
+    bend, _ = _accelerations(c, acceleration, contacts)
+    rate, _ = _rates(c, start, velocity, acceleration, contacts)
+    shifted, _ = relative_motion(levers, c, shift, i, j)
+    here = gap[c] + shifted + start * (rate - 0.5 * start * bend)
+    if here <= 0.0:
+        return start if rate < -threshold else np.inf
+    square = rate * rate - 2.0 * bend * here
+    if not square > threshold * threshold:
+        return np.inf
+    closing = np.sqrt(square)
+    if not closing - rate > 0.0:
+        return np.inf
+    moment = start + 2.0 * here / (closing - rate)
+    return moment if moment <= step else np.inf
+
+
+@kernel()
+def _moments_around(b, bodies, contacts, live, around, limits):
+    """Write when the contacts of block b strike."""
+    first, listed = around
+    moment, bears, hits, waiting, waits, number = live
+    for at in range(first[b], first[b + 1]):
+        c = listed[at]
+        strikes = not bears[c] and hits[c] < NEVER
+        moment[c] = _moment(c, bodies, contacts, limits) if strikes else np.inf
+        if moment[c] < np.inf and not waits[c]:
+            waiting[number[0]], waits[c] = c, True
+            number[0] += 1
+
+
+@kernel(forceinline=True)
+def _moves(b, mobility):
+    """Return whether an impulse can move block b."""
+    return mobility[b, 0, 0] + mobility[b, 1, 1] + mobility[b, 2, 2] > 0.0
+
+
+@kernel(forceinline=True)
+def _respond(c, k, side, b, mobility, force, linear):
+    """Write how block b of contact c moves it along k and is moved by a unit impulse along k."""
+    rows, effects, _, eases = linear
+    f0, f1, f2, _, _, _ = numbers(force)
+    w, at = mobility[b], 3 * side
+    rows[c, k, at], rows[c, k, at + 1], rows[c, k, at + 2] = f0, f1, f2
+    for a in range(3):
+        effects[c, k, at + a] = w[a, 0] * f0 + w[a, 1] * f1 + w[a, 2] * f2
+        eases[c, k] += rows[c, k, at + a] * effects[c, k, at + a]
+
+
+@kernel()
+def _join(c, time, target, bodies, contacts, group):
+    """Let contact c take part, and its blocks."""
+    velocity, acceleration, mobility = bodies[0], bodies[4], bodies[5]
+    _, vertex_block, edge_block, levers, _, _ = contacts
+    members, place, targets, linear, impulses, blocks, among, counts = group
+    members[counts[0]], place[c], targets[c] = c, counts[0], target
+    counts[0] += 1
+    i, j = vertex_block[c], edge_block[c]
+    still, eases = linear[2], linear[3]
+    rates = _rates(c, time, velocity, acceleration, contacts)
+    for k in range(2):
+        normal, shear = 1.0 - k, 1.0 * k
+        impulses[c, k] = eases[c, k] = still[c, k] = 0.0
+        _respond(c, k, 0, i, mobility, force_on(levers, c, True, normal, shear), linear)
+        _respond(c, k, 1, j, mobility, force_on(levers, c, False, normal, shear), linear)
+        still[c, k] = rates[k] - rate_along(c, k, i, j, linear[0], still, velocity)
+    for b in (i, j):
+        if not among[b] and _moves(b, mobility):
+            blocks[counts[1]], among[b] = b, True
+            counts[1] += 1
+
+
+@kernel()
+def _let_strike(c, time, bodies, contacts, hits, group):
+    """Let contact c take part and rebound; return how fast it closes, m/s."""
+    before, acceleration, restitution = bodies[1], bodies[4], contacts[4]
+    rate, _ = _rates(c, time, before, acceleration, contacts)
+    back = restitution[c] if hits[c] < OFTEN else 0.0
+    _join(c, time, max(0.0, -rate) * back, bodies, contacts, group)
+    return -rate
+
+
+@kernel()
+def _gather(time, bodies, contacts, live, around, limits, group):
+    """Let all contacts take part that strike at a time; return the fastest approach, m/s.
+
+    Wherever they are: what strikes at once should not depend on the order of the blocks.
+    """
+    before, acceleration = bodies[1], bodies[4]
+    first, listed = around
+    moment, _, hits, waiting, _, number = live
+    place, blocks, counts = group[1], group[5], group[7]
+    fastest, at = 0.0, 0
+    for c in waiting[: number[0]]:
+        if moment[c] <= time + SAME * limits[0]:
+            fastest = max(fastest, _let_strike(c, time, bodies, contacts, hits, group))
+    while at < counts[1]:
+        b = blocks[at]
+        for c in listed[first[b] : first[b + 1]]:
+            if place[c] < 0 and moment[c] < np.inf:
+                rate, _ = _rates(c, time, before, acceleration, contacts)
+                if -rate * (moment[c] - time) <= limits[2]:
+                    fastest = max(fastest, _let_strike(c, time, bodies, contacts, hits, group))
+        at += 1
+    return fastest
+
+
+@kernel()
+def _pass_on(time, felt, bodies, contacts, live, around, group):
+    """Let contacts take part that bear and close by more than what is felt; return whether any."""
+    velocity, before, _, _, acceleration, _, _ = bodies
+    first, listed = around
+    _, bears, _, _, _, _ = live
+    _, place, _, _, _, blocks, _, counts = group
+    found, known = False, counts[1]
+    for at in range(known):
+        b = blocks[at]
+        for k in listed[first[b] : first[b + 1]]:
+            if place[k] < 0 and bears[k]:
+                rate, _ = _rates(k, time, before, acceleration, contacts)
+                target = min(0.0, rate)
+                rate, _ = _rates(k, time, velocity, acceleration, contacts)
+                if rate < target - felt:
+                    _join(k, time, target, bodies, contacts, group)
+                    found = True
+    return found
+
+
+@kernel()
+def _impulses(time, fastest, bodies, contacts, live, around, limits, group):
+    """Find the impulses of all that take part, and let all that feel them take part."""
+    members, _, target, linear, impulses, _, _, counts = group
+    felt, velocity = max(FELT * fastest, SLOW * limits[1]), bodies[0]
+    more = True
+    while more:
+        count = counts[0]
+        most = TIMES + RENEWED // count
+        taken = find(
+            EXACT * fastest, most, members[:count], target, linear, impulses, velocity, contacts
+        )
+        counts[2] -= taken * count
+        more = _pass_on(time, felt, bodies, contacts, live, around, group)
+
+
+@kernel()
+def _gained(time, velocity, bodies, group):
+    """Return by how much the kinetic energy is above that before the impact, J/m."""
+    _, before, _, _, acceleration, _, mass_matrix = bodies
+    _, _, _, _, _, blocks, _, counts = group
+    change, mean = np.empty((1, 6)), np.empty((1, 6))
+    gained = 0.0
+    for b in blocks[: counts[1]]:
+        for a in range(6):
+            change[0, a] = velocity[b, a] - before[b, a]
+            mean[0, a] = 0.5 * (velocity[b, a] + before[b, a])
+        mean[0, 0] += time * acceleration[b, 0]
+        mean[0, 1] += time * acceleration[b, 1]
+        gained += total(plus_product(zeros(), times(mass_matrix, b, change, 0), row(mean, 0)))
+    return gained
+
+
+@kernel()
+def _mix(time, other, bodies, group):
+    """Bring velocities so near to others that gain energy that none is gained, on a line.
+
+    The velocities gain none by themselves.
+    """
+    velocity, mass_matrix = bodies[0], bodies[6]
+    blocks, counts = group[5], group[7]
+    least, most = _gained(time, velocity, bodies, group), _gained(time, other, bodies, group)
+    bend, change = 0.0, np.empty((1, 6))
+    for b in blocks[: counts[1]]:
+        for a in range(6):
+            change[0, a] = other[b, a] - velocity[b, a]
+        bend += 0.5 * total(plus_product(zeros(), times(mass_matrix, b, change, 0), row(change, 0)))
+    # least + (most - least - bend) s + bend s^2 = 0
+    half = 0.5 * (most - least - bend)
+    share = (np.sqrt(half * half - bend * least) - half) / bend if bend > 0.0 else 0.0
+    for b in blocks[: counts[1]]:
+        for a in range(3):
+            velocity[b, a] += share * (other[b, a] - velocity[b, a])
+
+
+@kernel()
+def _put(other, bodies, group):
+    """Write other velocities for the blocks that take part."""
+    velocity, (_, _, _, _, _, blocks, _, counts) = bodies[0], group
+    for b in blocks[: counts[1]]:
+        for a in range(3):
+            velocity[b, a] = other[b, a]
+
+
+@kernel()
+def _give_no_more(time, fastest, bodies, contacts, live, around, limits, group):
+    """Give back no more than there was: mix with what gives nothing back.
+
+    Of several contacts that rub each other a rebound of each with its own restitution may need more
+    energy than there is (Kane 1984); so may one that gives nothing back but turns a slip round, and
+    that is then mixed with what was before.
+    """
+    velocity, before, _, _, _, _, _ = bodies
+    members, _, target, _, impulses, _, _, counts = group
+    rebound = velocity.copy()
+    _put(before, bodies, group)
+    for c in members[: counts[0]]:
+        target[c], impulses[c, 0], impulses[c, 1] = min(0.0, target[c]), 0.0, 0.0
+    _impulses(time, fastest, bodies, contacts, live, around, limits, group)
+    if _gained(time, velocity, bodies, group) > 0.0:
+        rebound = velocity.copy()
+        _put(before, bodies, group)
+    _mix(time, rebound, bodies, group)
+
+
+@kernel()
+def _end(time, bodies, contacts, live, around, limits, group):
+    """Write what the impact leaves: which contacts bear, the shifts, and what strikes next."""
+    velocity, before, shift, last, acceleration, _, _ = bodies
+    moment, bears, hits, _, _, _ = live
+    members, place, _, _, _, blocks, among, counts = group
+    for c in members[: counts[0]]:
+        rate, _ = _rates(c, time, velocity, acceleration, contacts)
+        if moment[c] < np.inf:
+            hits[c] += 1
+        bears[c] = rate <= limits[1]
+        place[c] = -1
+    for b in blocks[: counts[1]]:
+        for a in range(3):
+            shift[b, a] -= time * (velocity[b, a] - before[b, a])
+            before[b, a] = velocity[b, a]
+        last[b], among[b] = time, False
+    for b in blocks[: counts[1]]:
+        _moments_around(b, bodies, contacts, live, around, limits)
+
+
+@kernel()
+def _strike(time, bodies, contacts, live, around, limits, group):
+    """Let all contacts strike that do at a time; return the energy lost, J/m."""
+    counts = group[7]
+    counts[:2] = 0
+    fastest = _gather(time, bodies, contacts, live, around, limits, group)
+    _impulses(time, fastest, bodies, contacts, live, around, limits, group)
+    gained = _gained(time, bodies[0], bodies, group)
+    if gained > 0.0:
+        _give_no_more(time, fastest, bodies, contacts, live, around, limits, group)
+        gained = _gained(time, bodies[0], bodies, group)
+    _end(time, bodies, contacts, live, around, limits, group)
+    return -gained
+
+
+@kernel()
+def _earliest(live):
+    """Return the contact that strikes first, -1 if none does; those that do not wait no more."""
+    moment, _, _, waiting, waits, number = live
+    found, at = -1, 0
+    while at < number[0]:
+        c = waiting[at]
+        if moment[c] == np.inf:
+            number[0] -= 1
+            waiting[at], waits[c] = waiting[number[0]], False
+        else:
+            if found < 0 or moment[c] < moment[found]:
+                found = c
+            at += 1
+    return found
+
+
+@kernel()
+def _contacts_of_blocks(contacts, mobility):
+    """Return where the contacts of each block that can move begin (n + 1,), and these."""
+    _, vertex_block, edge_block, _, _, _ = contacts
+    count = len(mobility)
+    free = np.empty(count, np.bool_)
+    for b in range(count):
+        free[b] = _moves(b, mobility)
+    first = np.zeros(count + 1, np.int64)
+    for ends in (vertex_block, edge_block):
+        for b in ends:
+            first[b + 1] += free[b]
+    for b in range(count):
+        first[b + 1] += first[b]
+    at, listed = first[:-1].copy(), np.empty(first[count], np.int64)
+    for c in range(len(vertex_block)):
+        for b in (vertex_block[c], edge_block[c]):
+            if free[b]:
+                listed[at[b]] = c
+                at[b] += 1
+    return first, listed
+
+
+@kernel()
+def flying(force, mass, fixed, acceleration):
+    """Return the accelerations of blocks between impacts, m/s2, (n, 2): what is not borne.
+
+    Contacts bear blocks with ``force`` (n, 6), N/m; of ``acceleration``, m/s2, that leaves between
+    nothing and all.
+    """
+    found = np.zeros((len(fixed), 2))
+    square = acceleration[0] ** 2 + acceleration[1] ** 2
+    for b in range(len(fixed)):
+        if not fixed[b] and square > 0.0:
+            along = force[b, 0] * acceleration[0] + force[b, 1] * acceleration[1]
+            left = min(max(1.0 + along / (mass[b] * square), 0.0), 1.0)
+            found[b, 0], found[b, 1] = left * acceleration[0], left * acceleration[1]
+    return found
+
+
+@kernel()
+def mobilities(mass_matrix, fixed):
+    """Return what an impulse changes of (u, v, r) of each block, (n, 3, 3); 0 where ``fixed``."""
+    found = np.zeros((len(fixed), 3, 3))
+    for b in range(len(fixed)):
+        if not fixed[b]:
+            for a in range(3):
+                found[b, a, a] = 1.0 / mass_matrix[b, a, a]
+    return found
+
+
+@kernel()
+def any_strikes(velocity, acceleration, contacts, bears, limits):
+    """Return whether any contact strikes in the step, when it comes to it."""
+    shift, last = np.zeros_like(velocity), np.zeros(len(velocity))
+    of_none = np.empty((0, 3, 3)), np.empty((0, 6, 6))
+    bodies = velocity, velocity, shift, last, acceleration, *of_none
+    for c in range(len(bears)):
+        if not bears[c] and _moment(c, bodies, contacts, limits) < np.inf:
+            return True
+    return False
+
+
+@kernel()
+def strike(velocity, acceleration, mobility, mass_matrix, contacts, bears, limits):
+    """Return velocities (n, 6) and shifts (n, 6), m, after the impacts of a step, and their loss.
+
+    The loss is the kinetic energy, J/m, at the moments of impact.  ``bears`` (m,) says which
+    contacts bear already: they do not strike, but pass impulses on.
+    """
+    count, blocks = len(bears), len(velocity)
+    after, shift = velocity.copy(), np.zeros_like(velocity)
+    bodies = after, velocity.copy(), shift, np.zeros(blocks), acceleration, mobility, mass_matrix
+    waiting = np.empty(count, np.int64), np.zeros(count, np.bool_), np.zeros(1, np.int64)
+    live = np.full(count, np.inf), bears.copy(), np.zeros(count, np.int64), *waiting
+    around = _contacts_of_blocks(contacts, mobility)
+    of_each = np.empty((count, 2, 6)), np.empty((count, 2, 6))
+    of_both = np.empty((count, 2)), np.empty((count, 2))
+    linear = *of_each, *of_both
+    group = (
+        np.empty(count, np.int64),
+        np.full(count, -1),
+        np.empty(count),
+        linear,
+        np.empty((count, 2)),
+        np.empty(blocks, np.int64),
+        np.zeros(blocks, np.bool_),
+        np.array([0, 0, WORK * max(count, SOME)]),
+    )
+    for b in range(blocks):
+        _moments_around(b, bodies, contacts, live, around, limits)
+    lost, first = 0.0, _earliest(live)
+    while first >= 0 and group[7][2] > 0:
+        lost += _strike(live[0][first], bodies, contacts, live, around, limits, group)
+        first = _earliest(live)
+    return after, shift, lost

@@ -1,0 +1,236 @@
+"""Impacts: what happens to the velocities where a contact closes that bore nothing.
+
+No time scheme gives back a wanted share of the closing velocity by a spring: constant acceleration
+reflects a stiff contact whatever the step, a soft one rebounds as it likes.  So an impact is an
+event.  Blocks fly, as the scheme has them fly, until the first contact closes; there they meet as
+rigid bodies, impulses change their velocities, n.v+ >= -e n.v with e the restitution and Coulomb's
+friction, and they fly on until the next contact closes (step/collisions.py).  What is left of
+this for the step's equations are the velocities after the impacts and how far they would take each
+block in the step, its drift.  Neither the contact's spring nor the step's length plays any part in
+it, momentum is exchanged exactly, and what energy is lost is known.
+
+Contacts that bear already pass impulses on, as far as these can be felt: a stack that is hit does
+not rebound from the springs between its blocks.  Blocks that touch and bear nothing are hit one
+after the other (Newton's cradle).
+
+A contact that closes more slowly than its block falls in one step is none of this.  It is its
+spring that stops it; but the constant acceleration scheme, v+ = (2/h) d - v, would have blocks at
+rest swing for ever on stiff springs.  The motions of a block that such contacts stop are therefore
+taken with theta = 1 (step/integration.py): those along their normals, and along edges with
+friction, whether they stick or slide: what changes with that costs accuracy.  All other motions,
+and these in their next step, keep the scheme of the run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from clast.block.inertia import BlockFrames
+from clast.contact.contacts import Contacts
+from clast.contact.detection import joints_of_pairs
+from clast.contact.laws import ContactLaw
+from clast.contact.multipliers import has_multipliers
+from clast.linear.couplings import Graph
+from clast.linear.system import contact_motions, gap_rate, with_contact_forces
+from clast.model.model import Floats, Model
+from clast.model.state import State
+from clast.step import approach, collisions, stopping
+from clast.step.integration import Scheme
+from clast.step.method import Method
+from clast.step.start import point_slices
+
+if TYPE_CHECKING:
+    from clast.step.begun import Begun
+
+IMPACT = 1.0
+"""Closing velocity that counts as an impact, in units of the speeds of :func:`slowest_impact`."""
+NOISE = 1e-4
+"""The same in units of the fastest approach, which is all there is without weight."""
+EVEN = 1e-5
+"""Gap at which a contact strikes along with another of its blocks, in units of the smallest block.
+
+No rock is more even; one that falls flat would else strike with one corner and turn about it.
+"""
+SLOWEST = 1e-6
+"""Closing velocity of contacts that stop their blocks, in units of g h."""
+RESETTING = 1.0
+"""The same for laws whose multipliers start anew in every step.
+
+Their penetration at rest depends on theta: a block that changes theta is kicked by some hundredths
+of g h, which must not count again.
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entering:
+    """What the impacts of a step leave for its equations."""
+
+    velocity: Floats
+    """Velocity after the impacts, shape (n, 6)."""
+    drift: Floats
+    """How far the velocities of the step would take the blocks, m, shape (n, 6)."""
+    lost: float
+    """Kinetic energy lost, J/m."""
+    rate: Floats
+    """How fast contacts open, of that velocity, m/s, shape (m,)."""
+    impact: float
+    """Closing velocity from which contacts were struck, m/s."""
+
+
+def after_impacts(begun: Begun, contacts: Contacts, graph: Graph, restitution: float) -> Entering:
+    """Return what the impacts of a step that has begun leave for its equations."""
+    model, frames, state = begun.model, begun.frames, begun.state
+    velocity, step = begun.velocity, begun.step
+    rate = gap_rate(contacts, velocity)
+    slow = slowest_impact(model, begun.method.contact_law, step)
+    impact = max(slow, NOISE * float(-rate.min(initial=0.0)))
+    unchanged = Entering(
+        velocity=velocity, drift=step * velocity, lost=0.0, rate=rate, impact=impact
+    )
+    # gravity may add g h to what a contact closes by
+    if not (rate < 0.0).any():
+        return unchanged
+    back = restitutions(model, contacts, restitution)
+    even = EVEN * float(np.sqrt(model.area.min()))
+    bears = (contacts.normal_force > 0.0) | (contacts.tensile_strength > 0.0)
+    # one that gives nothing back passes an impulse on as if it were struck right after
+    bears |= (back == 0.0) & (contacts.gap <= even) & (rate >= -impact)
+    acceleration = flying(model, contacts, graph, state, step)
+    struck = (
+        contacts.gap,
+        contacts.vertex_block,
+        contacts.edge_block,
+        contacts.levers,
+        back,
+        contacts.friction,
+    )
+    limits = step, impact, even
+    if not collisions.any_strikes(velocity, acceleration, struck, bears, limits):
+        return unchanged
+    mobility = mobilities(model, frames, state)
+    after, shift, lost = collisions.strike(
+        velocity, acceleration, mobility, frames.mass_matrix, struck, bears, limits
+    )
+    return Entering(
+        velocity=after,
+        drift=step * after + shift,
+        lost=float(lost),
+        rate=gap_rate(contacts, after),
+        impact=impact,
+    )
+
+
+def slowest_impact(model: Model, law: ContactLaw, step: float) -> float:
+    """Return the closing velocity from which contacts strike, m/s.
+
+    The speed of one step of fall, g h; where the step resolves the contacts that of a block that
+    swings about its sag on them, g/w with w^2 = 2 p/m.  What rests on soft springs opens and closes
+    by less than it sags, and its springs answer that.
+    """
+    mass = float(model.mass[~model.fixed].min(initial=np.inf))
+    swings = np.sqrt(mass / (2.0 * law.normal_stiffness)) if np.isfinite(mass) else 0.0
+    return IMPACT * float(np.hypot(*model.gravity)) * max(step, float(swings))
+
+
+def restitutions(model: Model, contacts: Contacts, restitution: float) -> Floats:
+    """Return the restitution of each contact, shape (m,): its joint's, or the one given."""
+    table = model.joint_table
+    of_joints = [
+        restitution if one.restitution is None else one.restitution for one in table.joints
+    ]
+    joint = joints_of_pairs(table, model.block_rock, contacts.pairs)
+    return np.array(of_joints, float)[joint][contacts.pair]
+
+
+def flying(model: Model, contacts: Contacts, graph: Graph, state: State, step: float) -> Floats:
+    """Return the acceleration of each block between impacts, m/s2, shape (n, 2).
+
+    It is that of weight, as far as contacts did not bear it at the end of the last step.
+    """
+    acceleration = model.gravity + model.ground_motion.body_acceleration(
+        state.time, state.time + step
+    )
+    borne = with_contact_forces(
+        np.zeros((model.block_count, 6)),
+        contacts,
+        graph,
+        model.fixed,
+        contacts.normal_force,
+        contacts.shear_force,
+    )
+    found: Floats = collisions.flying(borne, model.mass, model.fixed, acceleration)
+    found[model.fixed_points.block] = 0.0
+    return found
+
+
+def mobilities(model: Model, frames: BlockFrames, state: State) -> Floats:
+    """Return what an impulse changes of the (u, v, r) of each block, shape (n, 3, 3).
+
+    A block with a fixed point turns about it, one with several does not move.
+    """
+    mobility: Floats = collisions.mobilities(frames.mass_matrix, model.fixed)
+    block = model.fixed_points.block
+    if len(block):
+        x, y = (state.points[point_slices(model).fixed] - frames.centroid[block]).T
+        turn = np.stack([y, -x, np.ones(len(x))], axis=1)
+        about = frames.mass_matrix[block, 2, 2] + model.mass[block] * (x**2 + y**2)
+        mobility[block] = np.einsum("ki,kj->kij", turn, turn) / about[:, None, None]
+        mobility[np.bincount(block, minlength=model.block_count) > 1] = 0.0
+        mobility[model.fixed] = 0.0
+    return mobility
+
+
+def advice_without(model: Model) -> tuple[str, ...]:
+    """Say which joints have a restitution, for processes that know of none."""
+    named = [one.name for one in model.joint_table.joints if one.restitution is not None]
+    if not named:
+        return ()
+    return (
+        f"restitution of joint {', '.join(map(repr, named))} plays no part: impacts rebound "
+        'from the contact springs. Use process = "convex".',
+    )
+
+
+def slowest_of(law: ContactLaw) -> float:
+    """Return the closing velocity of contacts that stop their blocks, in units of g h."""
+    return RESETTING if has_multipliers(law) and not law.carries else SLOWEST
+
+
+def scheme_of(
+    model: Model,
+    method: Method,
+    frames: BlockFrames,
+    contacts: Contacts,
+    graph: Graph,
+    entering: Entering,
+    step: float,
+) -> Scheme:
+    """Return how the blocks take a step: where contacts close that stop them with theta = 1."""
+    scheme = Scheme(theta=method.integrator.theta, step=step)
+    threshold = slowest_of(method.contact_law) * float(np.hypot(*model.gravity)) * step
+    moved, _ = contact_motions(contacts, entering.drift)
+    closes = approach.closing(contacts.gap, moved, entering.rate, threshold)
+    if scheme.theta == 1.0 or not closes.any():
+        return scheme
+    bears = closes | (contacts.normal_force > 0.0)
+    stopped = stopping.stopped_motions(
+        frames.mass_matrix,
+        model.fixed,
+        graph,
+        (contacts.vertex_block, contacts.levers),
+        (closes, bears, bears & (contacts.friction > 0.0)),
+    )
+    return Scheme(theta=scheme.theta, step=step, stopped=stopped)
+
+
+def bearing(contacts: Contacts, entering: Entering, normal_force: Floats) -> Floats:
+    """Return the normal forces (m,), N/m, by which contacts bear in the next step.
+
+    None where a contact strikes only then, and has closed by a hair before: the equations know of
+    more than the approach does.
+    """
+    early = (contacts.normal_force == 0.0) & (entering.rate < -entering.impact)
+    return np.where(early, 0.0, normal_force)

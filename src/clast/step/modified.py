@@ -1,0 +1,283 @@
+"""The modified process of Yu & Yin (2015): one solve per step, springs only after invasion.
+
+The numbers in brackets are the paper's steps; (1)-(3), reading and preparing, belong to the case
+and the model; (15) and (17), the step size and the next step, to :mod:`clast.simulate`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from clast.block.inertia import block_frames
+from clast.compute.stopwatch import Stages
+from clast.contact import multipliers
+from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.detection import detect
+from clast.contact.laws import ContactLaw
+from clast.contact.search_distance import Reach
+from clast.errors import StepOutcome
+from clast.linear.reuse import FactorOfStep
+from clast.linear.system import DiagonalTerms, assemble, contact_motions, slip_in_step
+from clast.model.model import Floats, Model
+from clast.model.state import State
+from clast.step.finish import Solved, conclude
+from clast.step.impact import advice_without
+from clast.step.integration import Scheme
+from clast.step.method import Method, StepResult
+from clast.step.start import diagonal_terms
+
+THROWN = (
+    "The contacts throw blocks apart: lower method.contact_law.normal_stiffness or time.step, or "
+    "use method.process.passes >= 2"
+)
+"""What helps where contacts do not settle in one pass."""
+
+
+class Friction(Protocol):
+    """How sliding friction enters the equations."""
+
+    def enter(self, response: ContactResponse) -> ContactResponse:
+        """Return the response as it goes into the equations."""
+        ...
+
+
+@dataclass(frozen=True)
+class LaggedFriction:
+    """Sliding friction is a known force mu N with N from the last evaluation (the paper)."""
+
+    def enter(self, response: ContactResponse) -> ContactResponse:
+        """Return the response with the friction of sliding contacts independent of N."""
+        return replace(response, coupling=np.zeros(len(response.coupling)))
+
+
+@dataclass(frozen=True)
+class ImplicitFriction:
+    """Sliding friction mu N with N of the end of the step; the equations become unsymmetric."""
+
+    def enter(self, response: ContactResponse) -> ContactResponse:
+        """Return the response as it is: friction follows N inside the solve."""
+        return response
+
+
+@dataclass(frozen=True, kw_only=True)
+class PassResult:
+    """What a solve has found."""
+
+    unknowns: Floats
+    """Displacements d, shape (n, 6)."""
+    contacts: Contacts
+    """Contacts with the multipliers after the solve."""
+    gap: Floats
+    """Gap at the end of the step, m, shape (m,)."""
+    slip: Floats
+    """Slip in the step, m, shape (m,)."""
+    response: ContactResponse
+    """The law's answer at the end of the step."""
+    applied: tuple[Floats, Floats]
+    """Normal and shear forces (m,) that the equations held at the end of the step, N/m."""
+    counts: dict[str, int]
+    """Passes, solves and factorisations so far."""
+
+
+@dataclass(frozen=True)
+class Modified:
+    """The paper's process; ``passes`` > 1 repeats steps (10)-(12) with what the last pass found."""
+
+    friction: Friction = field(default_factory=LaggedFriction)
+    """Sliding friction, lagged (the paper's) or inside the solve."""
+    passes: int = 1
+    """Assemblies and solves per step, at most."""
+
+    remedies: ClassVar[Mapping[StepOutcome, str]] = {
+        StepOutcome.TRAVELLED_TOO_FAR: THROWN,
+        StepOutcome.ROTATED_TOO_FAR: THROWN,
+        StepOutcome.ENERGY_CREATED: f'{THROWN}, or set method.integrator = "backward-euler"',
+    }
+
+    def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
+        """Return the state ``step`` seconds later, or raise StepRejected."""
+        stages = Stages()
+        velocity = method.dynamic_ratio * state.velocity
+        with stages("base system"):
+            # (4) where the blocks are; (5) inertia and elasticity; (6) stress, weight, loads;
+            # (7) fixed points
+            frames = block_frames(model, method.displacement, state)
+            scheme = Scheme(theta=method.integrator.theta, step=step)
+            base = diagonal_terms(model, method, frames, state, step * velocity, scheme)
+        with stages("contacts"):
+            # (8) blocks near each other; (9) entrance edges by the angle bisector
+            reach = reach_of(method)
+            contacts = detect(
+                model, method.corner_rule, method.displacement, state, frames.centroid, reach
+            )
+        found = self._solve(model, method, base, contacts, velocity, step, stages)
+        solved = Solved(
+            frames=frames,
+            velocity=velocity,
+            drift=step * velocity,
+            scheme=scheme,
+            unknowns=found.unknowns,
+            contacts=found.contacts,
+            response=found.response,
+            applied=found.applied,
+            bearing=found.response.normal_force,
+            depth=reach.depth,
+            counts=found.counts,
+        )
+        # (13) the blocks are moved and turned; (14) their velocities and stresses; (16) what the
+        # contacts carry on
+        return conclude(model, method, state, solved, step, stages)
+
+    def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
+        """Warn where p h2/m is beyond what one pass bears, or carried multipliers swing up."""
+        swing = *multipliers.advice(method.contact_law, model, step), *advice_without(model)
+        number = stability_number(model, method, state, step)
+        if self.passes > 1 or number <= STABILITY_LIMIT:
+            return swing
+        soft = method.contact_law.normal_stiffness * STABILITY_LIMIT / number
+        return (
+            f"p h2/m = {number:.3g} is above {STABILITY_LIMIT:g} (m: mass per contact): contacts "
+            "of the modified process will not settle in one pass. Use normal_stiffness <= "
+            f"{soft:.2g}, time.step <= {step * np.sqrt(STABILITY_LIMIT / number):.2g} "
+            "or passes >= 2.",
+            *swing,
+        )
+
+    def stiffness(self, model: Model, step: float) -> tuple[float, str]:
+        """Return E, or less where one pass could not settle (p h2/m = 1)."""
+        share = (
+            float(model.mass[~model.fixed].min(initial=np.inf)) / multipliers.CONTACTS_OF_A_BLOCK
+        )
+        stable = share / step**2
+        if stable < model.stiffest:
+            return stable, f"p h2/m = 1 for a contact that carries {share:.3g} kg/m (limit 6)"
+        return model.stiffest, "E of the stiffest rock; p h2/m stays below 1"
+
+    def _solve(
+        self,
+        model: Model,
+        method: Method,
+        base: DiagonalTerms,
+        contacts: Contacts,
+        velocity: Floats,
+        step: float,
+        stages: Stages,
+    ) -> PassResult:
+        """Return what the passes of the step, with their multiplier solves, have found."""
+        law, factor = method.contact_law, FactorOfStep(method.solver)
+        contacts = multipliers.begin(law, contacts)
+        # the first pass sees the gaps at the start and the slip that the velocity will bring
+        seen = contacts.gap, slip_in_step(contacts, step * velocity)
+        passes = 0
+        while True:
+            passes += 1
+            solves = 0
+            while True:
+                with stages("law"):
+                    # (10) springs where a vertex has invaded, friction from spring or as a force
+                    entered = self.friction.enter(law.respond(contacts, *seen))
+                with stages("assembly"):
+                    # (11) the equations of all blocks
+                    system = assemble(base, contacts, entered, *seen, model.fixed)
+                with stages("solve"):
+                    # (12) one solve
+                    unknowns = factor.solve(system, entered)
+                found = pass_result(law, contacts, entered, seen, unknowns, passes, factor)
+                solves += 1
+                if multipliers.enough(law, solves, found.gap):
+                    break
+                contacts = found.contacts
+            settled = np.array_equal(found.response.mode, entered.mode)
+            if passes >= self.passes or settled:
+                return found
+            contacts, seen = found.contacts, (found.gap, found.slip)
+
+
+def pass_result(
+    law: ContactLaw,
+    contacts: Contacts,
+    entered: ContactResponse,
+    seen: tuple[Floats, Floats],
+    unknowns: Floats,
+    passes: int,
+    factor: FactorOfStep,
+) -> PassResult:
+    """Return what a solve leaves; ``seen`` are gap and slip (m,) where the law was linearised."""
+    opening, slip = contact_motions(contacts, unknowns)
+    gap = contacts.gap + opening
+    response = law.respond(contacts, gap, slip)
+    return PassResult(
+        unknowns=unknowns,
+        contacts=multipliers.renew(law, contacts, response),
+        gap=gap,
+        slip=slip,
+        response=response,
+        applied=forces_in_equations(entered, *seen, gap, slip),
+        counts={"passes": passes, "solves": factor.solved, "factorisations": factor.factorised},
+    )
+
+
+def forces_in_equations(
+    response: ContactResponse, gap: Floats, slip: Floats, end_gap: Floats, end_slip: Floats
+) -> tuple[Floats, Floats]:
+    """Return N and T (m,) that the solved equations held at the end of the step, N/m.
+
+    ``gap`` and ``slip`` (m,) are where the law was linearised, ``end_gap`` and ``end_slip`` those
+    of the solution; N may be tensile: that is what one pass without checking costs.
+    """
+    normal = response.normal_force - response.normal_stiffness * (end_gap - gap)
+    shear = (
+        response.shear_force
+        - response.shear_stiffness * (end_slip - slip)
+        + response.coupling * (normal - response.normal_force)
+    )
+    return normal, shear
+
+
+def reach_of(method: Method) -> Reach:
+    """Return how far contacts are looked for: critdis, and twice the travel of a step behind."""
+    return Reach(
+        front=method.critdis,
+        depth=method.critdis + 2.0 * method.max_displacement,
+        critdis=method.critdis,
+    )
+
+
+STABILITY_LIMIT = 6.0
+"""Largest p h2/m with which a contact settles without passes (m: mass per contact)."""
+
+
+def stability_number(model: Model, method: Method, state: State, step: float) -> float:
+    """Return the largest p h2/m over the blocks, m being a block's mass per contact.
+
+    Contacts are those within critdis at ``state``; a block that touches nothing yet is counted
+    with the single vertex that it will land on.
+    """
+    frames = block_frames(model, method.displacement, state)
+    contacts = detect(
+        model,
+        method.corner_rule,
+        method.displacement,
+        state,
+        frames.centroid,
+        reach_of(method),
+    )
+    sides = np.concatenate([contacts.vertex_block, contacts.edge_block])
+    per_block = np.maximum(1, np.bincount(sides, minlength=model.block_count))
+    mass = (model.mass / per_block)[~model.fixed]
+    return float(method.contact_law.normal_stiffness * step**2 / mass.min(initial=np.inf))
+
+
+__all__ = [
+    "STABILITY_LIMIT",
+    "ImplicitFriction",
+    "LaggedFriction",
+    "Modified",
+    "forces_in_equations",
+    "reach_of",
+    "stability_number",
+]

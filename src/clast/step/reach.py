@@ -1,0 +1,83 @@
+"""How far contacts are looked for: whatever may close within the step.
+
+A contact that closes within the step must be among those of the step, or the vertex ends up inside
+the block unopposed.  Blocks near each other could move by max_displacement; but a fall of loose
+blocks would then carry tens of contacts that stay open for every one that closes.  So contacts are
+looked for as far as the velocities go, with critdis to spare, and once more where a block was found
+to have moved further than that.  Behind an edge they are looked for as far, beyond what the pair of
+blocks remembers: a limit that users lower to be careful must not make contacts harder to find.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.block import polygon
+from clast.block.inertia import BlockFrames
+from clast.contact.contacts import Contacts
+from clast.contact.jacobian import movement
+from clast.contact.search_distance import Reach
+from clast.linear.system import gap_at_end
+from clast.model.model import Floats, Model
+from clast.model.state import State
+from clast.step.method import Method
+
+SPARE = 0.4
+"""Share of critdis that a block may move further than expected; half would be the whole."""
+PUSH = 0.5
+"""What others are expected to push a block, in units of critdis."""
+JUMP = 4.0
+"""How deep a vertex may get into a block within a step unseen, in units of critdis."""
+GROWTH = 1.5
+"""Where a block went too far it is expected to go so much further than it went."""
+
+
+def reach_within_step(method: Method, travel: Floats) -> Reach:
+    """Return the reach for blocks whose vertices move by ``travel`` (n,) at most, m."""
+    return Reach(
+        front=method.critdis,
+        depth=method.critdis,
+        critdis=method.critdis,
+        travel=travel,
+    )
+
+
+def travel_of(
+    model: Model, method: Method, frames: BlockFrames, state: State, displacement: Floats
+) -> Floats:
+    """Return the largest movement of a vertex of each block by d (n, 6), m, shape (n,)."""
+    block = model.vertex_block
+    offset = polygon.offsets(state.vertices, block, frames.centroid)
+    moved = movement(method.displacement, offset, displacement, block)
+    return np.asarray(polygon.farthest(moved, model.block_start))
+
+
+def travel_expected(
+    model: Model, method: Method, frames: BlockFrames, state: State, drift: Floats, step: float
+) -> Floats:
+    """Return how far blocks go, m, shape (n,), by ``drift`` h v (n, 6), weight and a push."""
+    fall = float(np.hypot(*model.gravity)) * step**2
+    return travel_of(model, method, frames, state, drift) + fall + PUSH * method.critdis
+
+
+def farther(method: Method, expected: Floats, travel: Floats) -> Floats | None:
+    """Return the travel to expect instead, m, shape (n,), or None where none went too far.
+
+    A block that is thrown further than max_displacement has the step cut if anything is near.
+    """
+    too_far = travel > expected + SPARE * method.critdis
+    if not too_far.any() or not np.all(travel[too_far] <= method.max_displacement):
+        return None
+    return np.where(too_far, np.maximum(expected, GROWTH * travel), expected)
+
+
+def closes_unseen(seen: Contacts, contacts: Contacts, displacement: Floats) -> bool:
+    """Return True where d (n, 6) closes one of the ``contacts`` that is not among those ``seen``.
+
+    While none does, d is the solution with all of them: an open contact bears nothing.
+    """
+    closed = gap_at_end(contacts, displacement) < 0.0
+    width = int(max(seen.edge.max(initial=0), contacts.edge.max(initial=0))) + 1
+    known = seen.vertex * width + seen.edge
+    wanted = contacts.vertex[closed] * width + contacts.edge[closed]
+    return not np.isin(wanted, known, assume_unique=True).all()

@@ -1,0 +1,72 @@
+"""Contacts that are found deep inside begin with no more force than there was.
+
+Contact detection picks a vertex and an edge anew in every step.  On soft springs a contact can come
+up, or pass to another edge, where the vertex has long been behind it: its spring would begin as
+stretched as it had never been pulled, and the blocks would get that energy for nothing.  Such a
+contact begins with the force that it, or what it takes over from within its pair of blocks, ended
+the last step with; from there its spring follows the gap.  The spring's point of rest lies behind
+the edge then, and comes back with the vertex.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from clast.contact.contacts import Contacts
+from clast.contact.multipliers import has_multipliers
+from clast.model.model import Floats, Model
+from clast.model.state import State
+from clast.step.method import Method
+
+SLACK = 0.02
+"""Gaps may differ by so much from one step to the next unasked, in units of critdis: turning blocks
+move on arcs, which the linear gap of a step does not know."""
+
+
+def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> Contacts:
+    """Return the contacts with multipliers (m,), N/m, below 0 where springs rest behind an edge.
+
+    Of laws that have no multipliers of their own.  What overlaps at the start of a run is taken as
+    it is.
+    """
+    law = method.contact_law
+    if has_multipliers(law) or state.time == 0.0 or not len(contacts):
+        return contacts
+    stiffness = law.normal_stiffness
+    slack = stiffness * SLACK * method.critdis
+    held, before = np.maximum(contacts.normal_force, 0.0), contacts.multiplier
+    rest = held + stiffness * contacts.gap
+    sunk = rest < before - slack
+    if not sunk.any() and not before.any():
+        return contacts
+    if sunk.any():
+        taken_over = _left_over(model, state, contacts, sunk)
+        rest = np.where(sunk, np.hypot(held, taken_over) + stiffness * contacts.gap, rest)
+    # a spring that bears keeps its point of rest; where it is open that follows the vertex out
+    follows = np.where(held > 0.0, before, np.maximum(rest, before))
+    return replace(contacts, multiplier=np.minimum(np.where(sunk, rest, follows), 0.0))
+
+
+def _left_over(model: Model, state: State, contacts: Contacts, wanting: np.ndarray) -> Floats:
+    """Return the force, N/m, that each of the contacts ``wanting`` (m,) takes over, (m,).
+
+    That of contacts of the same pair of blocks that are no more; as much as keeps their energy.
+    """
+    memory, width = state.memory, model.block_count
+    own = model.vertex_block[memory.vertex]
+    bore = memory.normal_force > 0.0
+    known = contacts.vertex * width + contacts.edge_block
+    gone = bore & ~np.isin(memory.vertex * width + memory.block, known)
+    taken: Floats = np.zeros(len(contacts))
+    if not gone.any():
+        return taken
+    lower, higher = contacts.pairs[contacts.pair].T
+    of_contact = lower * width + higher
+    of_memory = np.minimum(own, memory.block) * width + np.maximum(own, memory.block)
+    for pair in np.unique(of_memory[gone]):
+        heirs = wanting & (of_contact == pair)
+        force = float(np.sum(memory.normal_force[gone & (of_memory == pair)] ** 2))
+        taken[heirs] = np.sqrt(force / max(1, int(heirs.sum())))
+    return taken

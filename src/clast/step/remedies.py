@@ -1,0 +1,88 @@
+"""What a user can do about a run that could not go on, by what its process and state say."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from clast.contact import crossing_kernels as crossings
+from clast.errors import StepOutcome
+from clast.model.model import Model
+from clast.model.state import State
+from clast.step.method import Method
+from clast.step.motion import LARGEST_TURN
+
+SOFT = 0.01
+"""Penetration, as a share of the thinnest block, from which contacts are called too soft."""
+
+GENERAL: Mapping[StepOutcome, str] = {
+    StepOutcome.TRAVELLED_TOO_FAR: "Lower time.step, or raise time.max_displacement",
+    StepOutcome.ROTATED_TOO_FAR: "Lower time.step",
+    StepOutcome.TUNNELLED: "Lower time.step",
+    StepOutcome.NOT_FINITE: (
+        "Look for a block with hardly any mass or a stiffness that is far too large"
+    ),
+    StepOutcome.SINGULAR: (
+        "A block is free to move without mass or support: set time.dynamic_ratio > 0 or fix it"
+    ),
+    StepOutcome.ENERGY_CREATED: (
+        'Lower time.step, or set method.integrator = "backward-euler", which damps'
+    ),
+    StepOutcome.NOT_CONVERGED: "Lower method.contact_law.normal_stiffness or time.step",
+}
+"""What helps with any process."""
+
+
+def remedy(
+    outcome: StepOutcome, model: Model, method: Method, state: State, smallest: float
+) -> str:
+    """Return what to do where no step from ``state`` down to ``smallest``, s, is accepted.
+
+    What the state says comes first; then what the process, by ``remedies`` of its own, and any
+    other would be helped by.
+    """
+    by_state = {
+        StepOutcome.TRAVELLED_TOO_FAR: _too_fast,
+        StepOutcome.ROTATED_TOO_FAR: _spins_too_fast,
+        StepOutcome.TUNNELLED: _too_soft,
+    }
+    found = by_state[outcome](model, method, state, smallest) if outcome in by_state else ""
+    own: Mapping[StepOutcome, str] = getattr(method.process, "remedies", {})
+    return found or own.get(outcome) or GENERAL.get(outcome, "")
+
+
+def _too_fast(model: Model, method: Method, state: State, smallest: float) -> str:
+    """Say so where a block at the speed that it has goes too far in the smallest step."""
+    speed = np.hypot(state.velocity[:, 0], state.velocity[:, 1])
+    fastest = int(speed.argmax())
+    if speed[fastest] * smallest < 0.5 * method.max_displacement:
+        return ""
+    return (
+        f"Block '{model.block_name[fastest]}' moves at {speed[fastest]:.3g} m/s, "
+        f"{speed[fastest] * smallest:.2g} m in the smallest step: raise time.max_displacement, or "
+        "lower time.smallest_step"
+    )
+
+
+def _spins_too_fast(model: Model, method: Method, state: State, smallest: float) -> str:
+    """Say so where a block at the spin that it has turns too far in the smallest step."""
+    spin = np.abs(state.velocity[:, 2])
+    fastest = int(spin.argmax())
+    if spin[fastest] * smallest < 0.5 * LARGEST_TURN:
+        return ""
+    return (
+        f"Block '{model.block_name[fastest]}' spins at {spin[fastest]:.3g} rad/s: lower "
+        "time.smallest_step"
+    )
+
+
+def _too_soft(model: Model, method: Method, state: State, smallest: float) -> str:
+    """Say so where contacts are deep already."""
+    depth = float(max(0.0, -state.memory.gap.min(initial=0.0)))
+    if depth < SOFT * float(crossings.thicknesses(model.vertices, model.block_start).min()):
+        return ""
+    return (
+        f"Contacts are {depth:.2g} m deep: raise method.contact_law.normal_stiffness "
+        f"({method.contact_law.normal_stiffness:.3g})"
+    )

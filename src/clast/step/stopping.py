@@ -1,0 +1,193 @@
+"""Motions of blocks that contacts stop, and what the time scheme does with these alone.
+
+A block with a contact that closes is stopped by all that bear it.  The motions that a contact stops
+on a block with mass matrix M are M^-1 n, and M^-1 t where it rubs; straining is among them, too.
+They are made orthonormal, q_a.M q_b = 1 or 0, so that Q = sum q (M q)^T takes of any
+motion what the contacts stop, and the rest is free of them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.compute.chunks import CHUNK, SHARED, chunks
+from clast.compute.jit import kernel
+from clast.compute.parallel import nothing_done, prange, threads_of, to_do
+from clast.compute.vec6 import (
+    line,
+    numbers,
+    plus_product,
+    plus_scaled,
+    put_line,
+    row,
+    total,
+    with_number,
+    zeros,
+)
+from clast.contact.levers import force_on
+
+SAME = 1e-10
+"""Share of a motion's square beside others that does not count: it is one of theirs."""
+
+
+@kernel()
+def _factor(mass_matrix, b, low):
+    """Write L with L L^T = M of block b into ``low`` (6, 6); 1 where an unknown has no mass."""
+    for i in range(6):
+        for j in range(i):
+            value = mass_matrix[b, i, j]
+            for k in range(j):
+                value -= low[i, k] * low[j, k]
+            low[i, j] = value / low[j, j]
+        value = mass_matrix[b, i, i]
+        for k in range(i):
+            value -= low[i, k] * low[i, k]
+        low[i, i] = np.sqrt(value) if value > 0.0 else 1.0
+
+
+@kernel()
+def _add(force, b, low, room, stopped):
+    """Add the motion that a force on block b brings, if it is none of those that there are."""
+    count, motions, momenta = stopped
+    known = count[b]
+    y = room[6]
+    y[0], y[1], y[2], y[3], y[4], y[5] = numbers(force)
+    for i in range(6):
+        for k in range(i):
+            y[i] -= low[i, k] * y[k]
+        y[i] /= low[i, i]
+    whole = 0.0
+    for i in range(6):
+        whole += y[i] * y[i]
+    for _ in range(2):  # once more for what round-off has left
+        for a in range(known):
+            share = 0.0
+            for i in range(6):
+                share += room[a, i] * y[i]
+            for i in range(6):
+                y[i] -= share * room[a, i]
+    rest = 0.0
+    for i in range(6):
+        rest += y[i] * y[i]
+    if known == 6 or not rest > SAME * whole:
+        return
+    for i in range(6):
+        room[known, i] = y[i] / np.sqrt(rest)
+    for i in range(6):
+        value = 0.0
+        for k in range(i + 1):
+            value += low[i, k] * room[known, k]
+        momenta[b, known, i] = value
+    for i in range(5, -1, -1):
+        value = room[known, i]
+        for k in range(i + 1, 6):
+            value -= low[k, i] * motions[b, known, k]
+        motions[b, known, i] = value / low[i, i]
+    count[b] = known + 1
+
+
+@kernel()
+def _stop(b, first, last, vertex_block, levers, stops, low, room, stopped):
+    """Add what contacts ``first`` to ``last`` - 1 stop on block b."""
+    _, bears, sticks = stops
+    count = stopped[0]
+    for c in range(first, last):
+        if count[b] == 6:
+            return
+        if bears[c]:
+            own = vertex_block[c] == b
+            _add(force_on(levers, c, own, 1.0, 0.0), b, low, room, stopped)
+            if sticks[c]:
+                _add(force_on(levers, c, own, 0.0, 1.0), b, low, room, stopped)
+
+
+@kernel()
+def _any(first, last, closes):
+    found = False
+    for c in range(first, last):
+        found |= closes[c]
+    return found
+
+
+@kernel()
+def _of_blocks(low, high, mass_matrix, fixed, graph, contacts, stops, stopped):
+    """Write what contacts stop on blocks ``low`` to ``high`` - 1."""
+    start, right, left, listed = graph
+    vertex_block, levers = contacts
+    closes, _, _ = stops
+    count, _, _ = stopped
+    factor, room = np.empty((6, 6)), np.empty((7, 6))
+    for b in range(low, high):
+        count[b] = 0
+        if fixed[b]:
+            continue
+        own = start[right[b]], start[right[b + 1]]
+        found = _any(own[0], own[1], closes)
+        for at in range(left[b], left[b + 1]):
+            found |= _any(start[listed[at]], start[listed[at] + 1], closes)
+        if not found:
+            continue
+        _factor(mass_matrix, b, factor)
+        for a in range(3, 6):
+            _add(with_number(zeros(), a, 1.0), b, factor, room, stopped)
+        _stop(b, own[0], own[1], vertex_block, levers, stops, factor, room, stopped)
+        for at in range(left[b], left[b + 1]):
+            q = listed[at]
+            _stop(b, start[q], start[q + 1], vertex_block, levers, stops, factor, room, stopped)
+
+
+@kernel(parallel=True)
+def _of_blocks_shared(mass_matrix, fixed, graph, contacts, stops, stopped):
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for c in to_do(thread, progress, chunks(len(fixed))):
+            last = min((c + 1) * CHUNK, len(fixed))
+            _of_blocks(c * CHUNK, last, mass_matrix, fixed, graph, contacts, stops, stopped)
+
+
+@kernel()
+def stopped_motions(mass_matrix, fixed, graph, contacts, stops):
+    """Return how many motions contacts stop on each block (n,), these q and M q (n, 6, 6) each.
+
+    Rows from that number on are not written.  ``graph`` is that of the contacts
+    (linear/assembly.py), ``contacts`` their vertex_block (m,) and levers, ``stops`` which of them
+    close, which bear and which of these rub (m,).
+    """
+    count = len(fixed)
+    stopped = np.empty(count, np.int64), np.empty((count, 6, 6)), np.empty((count, 6, 6))
+    if count >= SHARED:
+        _of_blocks_shared(mass_matrix, fixed, graph, contacts, stops, stopped)
+    else:
+        _of_blocks(0, count, mass_matrix, fixed, graph, contacts, stops, stopped)
+    return stopped
+
+
+@kernel()
+def add_inertia(stopped, factor, drift, terms):
+    """Add ``factor`` M Q to K (n, 6, 6), and that times ``drift`` (n, 6) to F and momentum (n, 6).
+
+    In place.
+    """
+    count, _, momenta = stopped
+    matrix, force, momentum = terms
+    for b in range(len(count)):
+        for a in range(count[b]):
+            own = line(momenta, b, a)
+            share = factor * total(plus_product(zeros(), own, row(drift, b)))
+            for i in range(6):
+                scale = factor * momenta[b, a, i]
+                put_line(matrix, b, i, plus_scaled(line(matrix, b, i), scale, own))
+                force[b, i] += share * momenta[b, a, i]
+                momentum[b, i] += share * momenta[b, a, i]
+
+
+@kernel()
+def add_velocities(stopped, factor, change, velocity):
+    """Add ``factor`` Q times a ``change`` (n, 6) to velocities (n, 6), in place."""
+    count, motions, momenta = stopped
+    for b in range(len(count)):
+        for a in range(count[b]):
+            own = line(momenta, b, a)
+            share = factor * total(plus_product(zeros(), own, row(change, b)))
+            for i in range(6):
+                velocity[b, i] += share * motions[b, a, i]

@@ -1,1 +1,0 @@
-"""Processes of a step, each one short file."""

@@ -1,0 +1,1 @@
+"""A single block: free flight, rotation, strain."""

@@ -1,0 +1,120 @@
+"""Patch test: a uniform stress from all sides gives the exact affine displacement.
+
+A free block is loaded by the traction q = sigma n on every edge with outward normal n.  Its stress
+must become sigma, its strain eps = C sigma, and every corner must move by eps (x - xc).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model, Plane, PlaneStrain, PlaneStress
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, EULER, LAGGED, MULTIPLIERS, OPEN_CLOSE, Variant
+
+YOUNG, POISSON = 5e9, 0.25
+STRESS = np.array([3e3, -5e3, 2e3])
+"""Stress (xx, yy, xy) applied, Pa."""
+CORNERS = np.array([(0.0, 0.0), (2.0, 0.3), (2.4, 1.6), (1.1, 2.2), (-0.3, 1.2)])
+STEP, DURATION = 1e-2, 1.0
+PLANES: tuple[Plane, ...] = (PlaneStress(), PlaneStrain())
+TOLERANCE = 1e-5
+STRAINED = "the traction acts on the strained outline: of the size of the strain, 1e-6"
+
+
+def loaded_block(plane: Plane = PLANES[0]) -> Model:
+    """Return a free pentagon with the traction of a uniform stress on every edge."""
+    builder = ModelBuilder(title="Patch test", plane=plane, gravity=(0.0, 0.0))
+    builder.add_rock("granite", young=YOUNG, poisson=POISSON, density=2700.0)
+    builder.block(name="block", vertices=CORNERS)
+    tensor = np.array([[STRESS[0], STRESS[2]], [STRESS[2], STRESS[1]]])
+    for k, (start, end) in enumerate(zip(CORNERS, np.roll(CORNERS, -1, axis=0), strict=True)):
+        along = (end - start) / np.hypot(*(end - start))
+        builder.line_load(start, end, tensor @ (along[1], -along[0]))
+        builder.measured_point(f"corner {k}", start)
+    return builder.build()
+
+
+def strain(plane: Plane) -> Floats:
+    """Return the strain (xx, yy, engineering xy) under the stress, from Hooke's law in space."""
+    xx, yy, xy = STRESS
+    zz = POISSON * (xx + yy) if plane.name == "strain" else 0.0
+    return np.array(
+        [
+            (xx - POISSON * (yy + zz)) / YOUNG,
+            (yy - POISSON * (xx + zz)) / YOUNG,
+            2.0 * (1.0 + POISSON) * xy / YOUNG,
+        ]
+    )
+
+
+def exact_displacement(plane: Plane) -> Floats:
+    """Return the displacement of the corners less rigid motion, m, shape (k, 2)."""
+    exx, eyy, gxy = strain(plane)
+    return without_rigid_motion(CORNERS @ np.array([[exx, 0.5 * gxy], [0.5 * gxy, eyy]]))
+
+
+def loaded(plane: Plane, variant: Variant) -> tuple[Floats, Floats]:
+    """Return stress (3,), Pa, and displacement of the corners, m (k, 2)."""
+    model = loaded_block(plane)
+    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.05, dynamic_ratio=0.0)
+    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    moved = np.array([run.history(f"corner {k}").displacement[-1] for k in range(len(CORNERS))])
+    return run.state.stress[0], without_rigid_motion(moved)
+
+
+def without_rigid_motion(moved: Floats) -> Floats:
+    """Return displacements (k, 2) of the corners less the rigid motion that a free block has."""
+    x, y = (CORNERS - CORNERS.mean(axis=0)).T
+    u, v = (moved - moved.mean(axis=0)).T
+    turn = np.sum(x * v - y * u) / np.sum(x**2 + y**2)
+    return np.stack([u + turn * y, v - turn * x], axis=1)
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare stress and displacement in plane stress and plane strain."""
+    rows: list[Comparison] = []
+    pairs = []
+    for plane in PLANES:
+        stress, moved = loaded(plane, variant)
+        exact = exact_displacement(plane)
+        case = f"plane {plane.name}"
+        for name, found, applied in zip(("xx", "yy", "xy"), stress, STRESS, strict=True):
+            rows.append(
+                relative(f"stress {name}, {case}", "Pa", found, applied, TOLERANCE, STRAINED)
+            )
+        worst = np.unravel_index(np.abs(moved - exact).argmax(), exact.shape)
+        quantity = f"displacement of the worst corner, {case}"
+        rows.append(relative(quantity, "m", moved[worst], exact[worst], TOLERANCE, STRAINED))
+        pairs.append(1e6 * np.stack([exact.ravel(), moved.ravel()]))
+    found = np.concatenate(pairs, axis=1)
+    limit = 1.1 * np.abs(found[0]).max()
+    chart = Chart(
+        title="displacement of the corners",
+        x_label="affine field, µm",
+        y_label="computed, µm",
+        curves=(
+            exact_curve("equal", (-limit, limit), (-limit, limit)),
+            curve(variant.name, *found),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="patch",
+    title="Patch test",
+    text="Tractions of a uniform stress (3, -5, 2) kPa act on all edges of a free pentagon; "
+    "E = 5 GPa, nu = 0.25, static (dynamic_ratio = 0).",
+    formula="stress = applied stress, displacement = strain . (x - xc), strain by Hooke's law with "
+    "sigma_zz = 0 or eps_zz = 0",
+    source="Hooke's law",
+    set_up=loaded_block,
+    examine=examine,
+    variants=(LAGGED, EULER, CONVEX, OPEN_CLOSE, MULTIPLIERS),
+    quick=(LAGGED,),
+)

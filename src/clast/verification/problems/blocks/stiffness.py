@@ -1,0 +1,160 @@
+"""How stiff the contacts may be: the block on the incline and a dropped block over p.
+
+A penalty must be stiff enough not to be seen and soft enough to be borne.  The process that puts
+springs only on vertices which have already invaded, in one pass, has a limit: a block that falls
+into a contact during one step is thrown out in the next, and where p h2/m (m: mass per contact)
+exceeds about 6 it comes back faster than it went.  Processes that look for the contacts which the
+end of the step will have know no such limit.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.errors import RunStopped
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import (
+    Comparison,
+    KnownFailure,
+    Outcome,
+    Problem,
+    absolute,
+    relative,
+)
+from clast.verification.problems.friction.incline import GRAVITY, exact_way, incline
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, PASSES, Variant
+
+FRICTION_ANGLE = 20.0
+STIFFNESSES = (1e7, 1e9, 3e10, 1e11, 1e12)
+"""Normal stiffnesses p on the incline, N/m per m."""
+SLIDE = 0.2
+"""Duration of the slide, s."""
+SETTLED = 1e9
+"""From this stiffness on the vibration of the contacts has died at the end of the slide."""
+NUMBERS = (1.0, 6.0, 12.0)
+"""p h2/m of the dropped block."""
+DROP = 1e-4
+"""Height of the drop, m."""
+STEP, MASS = 1e-3, 2700.0
+NORMAL_FORCE = float(MASS * 4.5 * GRAVITY * np.cos(np.radians(45.0)))
+"""Normal force of the slider of 4.5 m2, N/m."""
+SOFT = "the paper's 0.66 %, and what the springs give, W cos 45/(2p)"
+
+
+def dropped_block() -> Model:
+    """Return a stiff block of 1 m x 1 m, 0.1 mm above a fixed floor."""
+    builder = ModelBuilder(title="Dropped block", gravity=(0.0, -GRAVITY))
+    builder.add_rock("granite", young=5e13, poisson=0.2, density=MASS)
+    builder.block(name="floor", vertices=[(-1, -0.5), (2, -0.5), (2, 0), (-1, 0)], fixed=True)
+    corners = [(0, DROP), (1, DROP), (1, 1 + DROP), (0, 1 + DROP)]
+    builder.block(name="block", vertices=corners)
+    return builder.build()
+
+
+def run_to(model: Model, stiffness: float, end: float, variant: Variant) -> Run | None:
+    """Return the run to ``end``, s, or None where it could not go on."""
+    method = variant.method(model, normal_stiffness=stiffness, max_displacement=0.01)
+    try:
+        return simulate(model, method, Schedule(step=STEP, end=end, every=end))
+    except RunStopped:
+        return None
+
+
+def slide(stiffness: float, variant: Variant) -> tuple[float, float]:
+    """Return the way along the incline / sqrt(2) and the mean penetration, m; nan if stopped."""
+    run = run_to(incline(FRICTION_ANGLE), stiffness, SLIDE, variant)
+    if run is None:
+        return np.nan, np.nan
+    right, up = run.history("A").displacement[-1]
+    return float(0.5 * (right - up)), float(-run.state.memory.gap.mean())
+
+
+def energy_left(number: float, variant: Variant) -> float:
+    """Return the kinetic energy at the end over that of the fall, for p h2/m = ``number``."""
+    run = run_to(dropped_block(), 0.5 * MASS * number / STEP**2, 0.4, variant)
+    if run is None:
+        return np.inf
+    return float(run.energy["kinetic"][-50:].max()) / (MASS * GRAVITY * DROP)
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare the slide over the stiffness, and see whether a dropped block comes to rest."""
+    rows: list[Comparison] = []
+    exact = exact_way(FRICTION_ANGLE, SLIDE)
+    errors = []
+    for stiffness in STIFFNESSES:
+        way, penetration = slide(stiffness, variant)
+        sunk = 0.5 * NORMAL_FORCE / stiffness
+        at = f"at p = {stiffness:.0e}"
+        tolerance = 0.0066 + sunk / exact
+        rows.append(relative(f"way on the incline {at}", "m", way, exact, tolerance, SOFT))
+        if stiffness >= SETTLED:
+            quantity = f"penetration on the incline {at}"
+            rows.append(
+                relative(quantity, "m", penetration, sunk, 2e-3, "vibration is not yet gone")
+            )
+        errors.append(100.0 * abs(way / exact - 1.0))
+    for number in NUMBERS:
+        quantity = f"energy left of a drop at p h2/m = {number:g}"
+        rows.append(absolute(quantity, "", energy_left(number, variant), 0.0, 1e-6, "at rest"))
+    fine = np.geomspace(STIFFNESSES[0], STIFFNESSES[-1], 60)
+    chart = Chart(
+        title="error of the way on the incline",
+        x_label="normal stiffness p, N/m per m",
+        y_label="error, %",
+        curves=(
+            exact_curve("tolerance", fine, 100.0 * (0.0066 + 0.5 * NORMAL_FORCE / fine / exact)),
+            curve(variant.name, STIFFNESSES, errors),
+        ),
+        x_scale="log",
+        y_scale="log",
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="stiffness",
+    title="How stiff contacts may be",
+    text="The block on the incline at 20 degrees with normal stiffnesses from 10 MPa to 1 TPa, "
+    "0.2 s from rest, and a block of 1 m x 1 m dropped by 0.1 mm; h = 1 ms. On the incline "
+    "p h2/m = 1 is at p = 6.1 GPa.",
+    formula="way as in the incline problem; penetration N/(2p); a dropped block comes to rest",
+    source="Newton's law; the paper's Section 3 has the study",
+    set_up=incline,
+    examine=examine,
+    variants=(LAGGED, PASSES, OPEN_CLOSE, CONVEX),
+    quick=(),
+    known_failures=(
+        *(
+            KnownFailure(
+                variant=LAGGED,
+                quantity=quantity,
+                reason="one pass, springs only after invasion: unstable above p h2/m = 6",
+            )
+            for quantity in (
+                "way on the incline at p = 1e+11",
+                "way on the incline at p = 1e+12",
+                "penetration on the incline at p = 1e+11",
+                "penetration on the incline at p = 1e+12",
+                "energy left of a drop at p h2/m = 12",
+            )
+        ),
+        *(
+            KnownFailure(
+                variant=OPEN_CLOSE,
+                quantity=quantity,
+                reason="constant acceleration throws stiff impacts back (p h2/m = 165), and the "
+                "process has no remedy: the block hops where its two corners do not land alike",
+            )
+            for quantity in (
+                "way on the incline at p = 1e+12",
+                "penetration on the incline at p = 1e+12",
+            )
+        ),
+    ),
+)

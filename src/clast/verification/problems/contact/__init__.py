@@ -1,0 +1,1 @@
+"""Contacts: impact, penetration, stacks and columns."""

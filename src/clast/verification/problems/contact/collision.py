@@ -1,0 +1,104 @@
+"""Two free blocks collide: what one gains in momentum the other loses, to the last digit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.block import polygon
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.model.state import State, initial_state
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Outcome, Problem, absolute
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    EULER,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
+
+VELOCITY = (1.0, 0.2, 0.0)
+"""Velocity (u, v, omega) of the arriving block, m/s and rad/s."""
+STEP, DURATION = 1e-3, 0.3
+ROUND_OFF = "every contact force acts with opposite signs on two blocks: round-off"
+MOMENT = (
+    "friction acts on the vertex and on its foot on the edge, which lie one penetration (2.7 mm) "
+    "apart; rotation is linear within a step"
+)
+
+
+def two_blocks(friction_angle: float = 30.0) -> Model:
+    """Return a block that flies towards a larger one at rest and hits it off its centre."""
+    builder = ModelBuilder(title="Collision", gravity=(0.0, 0.0))
+    builder.add_rock("granite", young=5e9, poisson=0.2, density=2700.0)
+    builder.add_joint("default", friction_angle=friction_angle)
+    arriving = [(-0.1, 0.3), (-0.1, 1.3), (-1.1, 1.2), (-1.0, 0.2)]
+    builder.block(name="arriving", vertices=arriving, velocity=VELOCITY)
+    builder.block(name="at rest", vertices=[(0, 0), (2, 0), (2, 1), (0, 1)])
+    builder.measured_point("arriving", (-0.54, 0.75), block="arriving")
+    builder.measured_point("at rest", (1.0, 0.5), block="at rest")
+    return builder.build()
+
+
+def momentum(model: Model, state: State) -> Floats:
+    """Return momentum (x, y), N s/m, and moment of momentum about the origin, N m s/m."""
+    area, centroid, second = polygon.moments(state.vertices, model.block_start)
+    linear = model.mass[:, None] * state.velocity[:, :2]
+    x, y = centroid.T
+    inertia = model.mass / area * (second[:, 0] + second[:, 1])
+    angular = x * linear[:, 1] - y * linear[:, 0] + inertia * state.velocity[:, 2]
+    return np.array([*linear.sum(axis=0), angular.sum()])
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare momentum before and after, and the speed of the common centre of mass."""
+    model = two_blocks()
+    method = variant.method(model, normal_stiffness=1e8, max_displacement=0.02)
+    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    before, after = momentum(model, initial_state(model)), momentum(model, run.state)
+    scale = float(np.hypot(*before[:2]))
+    lost = (after - before) / scale
+    rows = (
+        absolute("change of momentum x / momentum", "", lost[0], 0.0, 1e-13, ROUND_OFF),
+        absolute("change of momentum y / momentum", "", lost[1], 0.0, 1e-13, ROUND_OFF),
+        absolute("change of moment of momentum / momentum", "m", lost[2], 0.0, 1e-3, MOMENT),
+    )
+    return Outcome(rows, (_chart(variant, run, before[0]),))
+
+
+def _chart(variant: Variant, run: Run, momentum_x: float) -> Chart:
+    """Return the horizontal velocity of both blocks and of their centre of mass over time."""
+    mass = run.model.mass
+    velocity = np.array([run.history(name).velocity[::15, 0] for name in run.model.block_name])
+    centre = mass @ velocity / mass.sum()
+    time = run.history("arriving").time[::15]
+    exact = np.full(len(time), momentum_x / mass.sum())
+    return Chart(
+        title="horizontal velocity of the blocks",
+        x_label="time, s",
+        y_label="velocity, m/s",
+        curves=(
+            exact_curve("centre of mass", time, exact),
+            curve(variant.name, np.tile(time, 3), np.ravel([*velocity, centre])),
+        ),
+    )
+
+
+PROBLEM = Problem(
+    name="collision",
+    title="Collision of two free blocks",
+    text="A tilted block of 1 m2 flying at (1, 0.2) m/s hits a block of 2 m2 at rest, off its "
+    "centre, with a friction angle of 30 degrees and no gravity; p = 0.1 GPa, h = 1 ms.",
+    formula="momentum and moment of momentum after = before",
+    source="Newton's third law",
+    set_up=two_blocks,
+    examine=examine,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX, EULER, MULTIPLIERS, CONVEX_MULTIPLIERS),
+    quick=(LAGGED, CONVEX),
+)

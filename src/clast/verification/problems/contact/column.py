@@ -1,0 +1,110 @@
+"""A column under its own weight.
+
+One block of height H has one stress: the mean of what an elastic column carries,
+
+    sigma_yy = -rho g H/2,    shortening = rho g H2/(2 E')
+
+with E' = E in plane stress and E/(1 - nu2) in plane strain, on top of the W/(2p) by which the two
+bottom corners press in their springs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model, Plane, PlaneStrain, PlaneStress
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, EULER, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, DENSITY, YOUNG, POISSON = 9.8, 2700.0, 5e9, 0.25
+HEIGHT, WIDTH = 10.0, 2.0
+STIFFNESS = 2e9
+WEIGHT = DENSITY * GRAVITY * HEIGHT * WIDTH
+STRESS = -0.5 * DENSITY * GRAVITY * HEIGHT
+"""Mean vertical stress, Pa."""
+STEP, DURATION = 5e-3, 0.5
+PLANES: tuple[Plane, ...] = (PlaneStress(), PlaneStrain())
+STRAINED = "the weight acts on the shortened column: of the size of its strain, 2.6e-5"
+
+
+def column(plane: Plane = PLANES[0]) -> Model:
+    """Return a column of 2 m x 10 m on a fixed, smooth floor."""
+    builder = ModelBuilder(title="Column", plane=plane, gravity=(0.0, -GRAVITY))
+    builder.add_rock("granite", young=YOUNG, poisson=POISSON, density=DENSITY)
+    builder.block(name="floor", vertices=[(-1, -1), (3, -1), (3, 0), (-1, 0)], fixed=True)
+    corners = [(0, 0), (WIDTH, 0), (WIDTH, HEIGHT), (0, HEIGHT)]
+    builder.block(name="column", vertices=corners)
+    for name, height in (("foot", 0.0), ("top", HEIGHT)):
+        builder.measured_point(name, (0.5 * WIDTH, height), block="column")
+    return builder.build()
+
+
+def exact_shortening(plane: Plane) -> float:
+    """Return rho g H2/(2 E'), m."""
+    modulus = YOUNG if plane.name == "stress" else YOUNG / (1.0 - POISSON**2)
+    return -STRESS * HEIGHT / modulus
+
+
+def settled(plane: Plane, variant: Variant) -> tuple[float, float, float]:
+    """Return the vertical stress, Pa, the shortening and the settlement of the foot, m."""
+    model = column(plane)
+    method = variant.method(
+        model, normal_stiffness=STIFFNESS, max_displacement=0.05, dynamic_ratio=0.0
+    )
+    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    foot, top = (float(run.history(name).displacement[-1, 1]) for name in ("foot", "top"))
+    return float(run.state.stress[1, 1]), foot - top, -foot
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare stress, shortening and settlement in plane stress and plane strain."""
+    rows: list[Comparison] = []
+    shortenings = []
+    for plane in PLANES:
+        stress, shortening, settlement = settled(plane, variant)
+        shortenings.append(shortening)
+        exact = exact_shortening(plane)
+        sunk = WEIGHT / (2.0 * STIFFNESS)
+        case = f"plane {plane.name}"
+        rows += [
+            relative(f"vertical stress, {case}", "Pa", stress, STRESS, 1e-4, STRAINED),
+            relative(f"shortening, {case}", "m", shortening, exact, 1e-4, STRAINED),
+            relative(f"settlement of the foot, {case}", "m", settlement, sunk, 1e-6, "at rest"),
+        ]
+    return Outcome(tuple(rows), (_chart(variant, shortenings),))
+
+
+def _chart(variant: Variant, shortenings: list[float]) -> Chart:
+    """Return the shortening between foot and height, which one strain makes linear."""
+    exact = (
+        exact_curve(f"plane {plane.name}", (0.0, 1e3 * exact_shortening(plane)), (0.0, HEIGHT))
+        for plane in PLANES
+    )
+    return Chart(
+        title="shortening below a height",
+        x_label="shortening, mm",
+        y_label="height, m",
+        curves=(
+            *exact,
+            curve(variant.name, 1e3 * np.array(shortenings), np.full(len(PLANES), HEIGHT)),
+        ),
+    )
+
+
+PROBLEM = Problem(
+    name="column",
+    title="Column under its own weight",
+    text="A block of 2 m x 10 m stands on a fixed, smooth floor; E = 5 GPa, nu = 0.25, "
+    "rho = 2700 kg/m3, g = 9.8 m/s2, p = 2 GPa, h = 5 ms, static (dynamic_ratio = 0).",
+    formula="sigma_yy = -rho g H/2; shortening rho g H^2/(2E') with E' = E in plane stress, "
+    "E/(1 - nu^2) in plane strain; the foot settles by W/(2p)",
+    source="elasticity, averaged over the column (a block has one strain)",
+    set_up=column,
+    examine=examine,
+    variants=(LAGGED, EULER, CONVEX, OPEN_CLOSE),
+    quick=(LAGGED, CONVEX),
+)

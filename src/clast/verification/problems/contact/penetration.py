@@ -1,0 +1,114 @@
+"""A block at rest on its contact springs: how deep it sinks in, and what it weighs there.
+
+Penalty: each of the n corners is pressed in by W / (n p).  The augmented Lagrangian law solves k
+times a step and hands the contact force of one solve to the next as a multiplier; the inertia of
+the step resists every solve anew.  With b = p h2/(2 m), m the mass per contact, the gap of the
+solves falls as 1, (1 + b), ... backwards, and what is left of the penalty's penetration is
+
+    b / ((1 + b)^k - 1),        1/k for small b.
+
+The contact force is the weight with either law.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    EULER,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
+
+GRAVITY = 9.8
+MASS = 2700.0
+WEIGHT = MASS * GRAVITY
+"""Weight of the block of 1 m2, N/m."""
+CONTACTS = 2
+STIFFNESSES = (2e8, 6e8, 2e9)
+"""Normal stiffnesses p, N/m per m; p h2/m = 0.15 to 1.5."""
+STEP, DURATION = 1e-3, 0.3
+TOLERANCE = 1e-6
+REASON = "at rest after 0.3 s, velocities being dropped after every step"
+
+
+def block_on_floor() -> Model:
+    """Return a block of 1 m x 1 m on a fixed floor."""
+    builder = ModelBuilder(title="Block at rest", gravity=(0.0, -GRAVITY))
+    builder.add_rock("granite", young=5e15, poisson=0.2, density=MASS)
+    builder.block(name="floor", vertices=[(-1, -0.5), (2, -0.5), (2, 0), (-1, 0)], fixed=True)
+    builder.block(name="block", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
+    return builder.build()
+
+
+def rest(stiffness: float, variant: Variant) -> tuple[float, float]:
+    """Return penetration, m, and contact force, N/m, of the block at rest."""
+    model = block_on_floor()
+    method = variant.method(
+        model, normal_stiffness=stiffness, max_displacement=0.01, dynamic_ratio=0.0
+    )
+    memory = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION)).state.memory
+    return float(-memory.gap.mean()), float(memory.normal_force.sum())
+
+
+def exact_penetration(stiffness: float, variant: Variant) -> float:
+    """Return the penetration at rest, m."""
+    penalty = WEIGHT / (CONTACTS * stiffness)
+    solves = variant.contact_law.get("solves", 1)
+    stiff = stiffness * STEP**2 / (2.0 * MASS / CONTACTS)
+    return float(penalty * stiff / ((1.0 + stiff) ** solves - 1.0))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare penetration and contact force over the stiffness."""
+    rows: list[Comparison] = []
+    found = []
+    for stiffness in STIFFNESSES:
+        penetration, force = rest(stiffness, variant)
+        found.append(penetration)
+        exact = exact_penetration(stiffness, variant)
+        at = f"at p = {stiffness:.0e}"
+        rows.append(relative(f"penetration {at}", "m", penetration, exact, TOLERANCE, REASON))
+        rows.append(relative(f"contact force {at}", "N/m", force, WEIGHT, TOLERANCE, REASON))
+    fine = np.geomspace(STIFFNESSES[0], STIFFNESSES[-1], 50)
+    chart = Chart(
+        title="penetration at rest",
+        x_label="normal stiffness p, N/m per m",
+        y_label="penetration, m",
+        curves=(
+            exact_curve(
+                "W/(n p), four solves" if "solves" in variant.contact_law else "W/(n p)",
+                fine,
+                [exact_penetration(stiffness, variant) for stiffness in fine],
+            ),
+            curve(variant.name, STIFFNESSES, found),
+        ),
+        x_scale="log",
+        y_scale="log",
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="penetration",
+    title="Penetration of a block at rest",
+    text="A block of 1 m x 1 m rests on a fixed floor; rho = 2700 kg/m3, g = 9.8 m/s2, h = 1 ms, "
+    "static (dynamic_ratio = 0). The block is stiff, so that only the contacts give.",
+    formula="contact force W; penetration W/(n p) with the penalty law, times b/((1 + b)^4 - 1) "
+    "with four solves of the augmented Lagrangian law, b = p h2/(2m)",
+    source="equilibrium; geometric series of the solves of a step",
+    set_up=block_on_floor,
+    examine=examine,
+    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
+    quick=(MULTIPLIERS,),
+)

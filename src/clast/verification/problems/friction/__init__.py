@@ -1,0 +1,1 @@
+"""Friction: sliding, seams, direct shear."""

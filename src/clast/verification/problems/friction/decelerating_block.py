@@ -1,0 +1,125 @@
+"""A block thrown down an incline that is flatter than its friction angle: it stops and stays.
+
+On a slope a < phi friction exceeds the pull of gravity and the block is decelerated by
+g (cos a tan phi - sin a).  From v0 it comes to rest after
+
+    v0^2 / (2 g (cos a tan phi - sin a))
+
+and must then stay: a creeping block at rest is the classical failure of explicit friction.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import PointHistory
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Outcome, Problem, absolute, relative
+from clast.verification.variants import CONVEX, EULER, IMPLICIT, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY = 9.8
+SLOPE = np.radians(20.0)
+FRICTION_ANGLE = 30.0
+SPEED = 1.0
+"""Speed down the slope at the start, m/s."""
+DECELERATION = GRAVITY * float(np.cos(SLOPE) * np.tan(np.radians(FRICTION_ANGLE)) - np.sin(SLOPE))
+"""Deceleration, m/s2."""
+DURATION = 1.5
+WATCHED = 0.5
+"""Time at the end over which the block must stay, s."""
+STEP = 1e-3
+
+FRICTION = GRAVITY * float(np.cos(SLOPE) * np.tan(np.radians(FRICTION_ANGLE)))
+"""Deceleration by friction alone, m/s2."""
+LATE = (
+    1.1 * 2.0 * STEP * FRICTION / SPEED,
+    "friction one step late leaves a speed of h g cos a tan phi: 1.06 % of way",
+)
+TOLERANCES = {
+    LAGGED.name: LATE,
+    OPEN_CLOSE.name: LATE,
+    IMPLICIT.name: (5e-4, "friction inside the solve: as on the incline"),
+    CONVEX.name: (5e-4, "friction inside the solve: as on the incline"),
+    EULER.name: (1.1 * STEP * DECELERATION / SPEED, "backward Euler loses v0 h/2: 0.2 %"),
+}
+"""Tolerance of the stopping distance by variant, and its reason."""
+
+
+def slope_with_block() -> Model:
+    """Return a fixed wedge at 20 degrees and a block of 1 m x 0.5 m sliding down it."""
+    along = np.array([np.cos(SLOPE), np.sin(SLOPE)])
+    up = np.array([-along[1], along[0]])
+    builder = ModelBuilder(title="Decelerating block", gravity=(0.0, -GRAVITY))
+    builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
+    builder.add_joint("default", friction_angle=FRICTION_ANGLE)
+    builder.block(name="slope", vertices=[0 * along, (4 * along[0], 0), 4 * along], fixed=True)
+    low = 2.5 * along
+    corners = [low, low + along, low + along + 0.5 * up, low + 0.5 * up]
+    u, v = -SPEED * along
+    builder.block(name="block", vertices=corners, velocity=(u, v, 0.0))
+    builder.measured_point("centroid", low + 0.5 * along + 0.25 * up, block="block")
+    return builder.build()
+
+
+def way(history: PointHistory) -> np.ndarray:
+    """Return the way down the slope over time, m."""
+    return -history.displacement @ np.array([np.cos(SLOPE), np.sin(SLOPE)])
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare the stopping distance, and look for creep afterwards."""
+    model = slope_with_block()
+    method = variant.method(model, normal_stiffness=1e8, max_displacement=0.01)
+    history = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION)).history(
+        "centroid"
+    )
+    moved = way(history)
+    watched = moved[history.time >= DURATION - WATCHED]
+    creep = float(np.ptp(watched)) / WATCHED
+    exact = SPEED**2 / (2.0 * DECELERATION)
+    tolerance, reason = TOLERANCES[variant.name]
+    rows = (
+        relative("stopping distance", "m", moved[-1], exact, tolerance, reason),
+        absolute(
+            "creep after it has stopped", "m/s", creep, 0.0, 1e-9, "vibration of the springs dies"
+        ),
+    )
+    return Outcome(rows, (_chart(variant, history.time, moved),))
+
+
+def _chart(variant: Variant, time: np.ndarray, moved: np.ndarray) -> Chart:
+    """Return the way over time."""
+    stop = SPEED / DECELERATION
+    fine = np.linspace(0.0, DURATION, 151)
+    sliding = np.minimum(fine, stop)
+    return Chart(
+        title="way down the slope",
+        x_label="time, s",
+        y_label="way, m",
+        curves=(
+            exact_curve(
+                "v0 t - a t2/2 until it stops",
+                fine,
+                SPEED * sliding - DECELERATION * sliding**2 / 2,
+            ),
+            curve(variant.name, time[::75], moved[::75]),
+        ),
+    )
+
+
+PROBLEM = Problem(
+    name="decelerating-block",
+    title="Decelerating block",
+    text="A block of 1 m x 0.5 m slides at 1 m/s down a slope of 20 degrees with a friction angle "
+    "of 30 degrees; g = 9.8 m/s2, h = 1 ms, p = 0.1 GPa. It stops and stays.",
+    formula="v0^2 / (2 g (cos a tan phi - sin a)); creep 0",
+    source="Newton's law of a sliding block",
+    set_up=slope_with_block,
+    examine=examine,
+    variants=(LAGGED, IMPLICIT, EULER, OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)

@@ -1,0 +1,124 @@
+"""Direct shear of a joint with cohesion: peak, then residual.
+
+A joint of length A under the normal force N holds until the shear force reaches
+
+    N tan(phi) + c A.
+
+There its bonds break, and from then on it carries N tan(phi), however far it slips.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import KnownFailure, Outcome, Problem, relative
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    EULER,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
+
+GRAVITY, DENSITY = 9.8, 2500.0
+LENGTH, HEIGHT = 1.0, 0.1
+"""Length A of the joint and height of the block on it, m."""
+PRESSURE = 100e3
+"""Pressure on top of the block, Pa."""
+FRICTION_ANGLE, COHESION = 30.0, 40e3
+NORMAL = DENSITY * GRAVITY * LENGTH * HEIGHT + PRESSURE * LENGTH
+RESIDUAL = NORMAL * float(np.tan(np.radians(FRICTION_ANGLE)))
+PEAK = RESIDUAL + COHESION * LENGTH
+"""Shear forces, N/m."""
+SHARES = (0.5, 0.9, 0.99, 0.999, 1.001, 1.01, 1.1)
+"""Shear forces applied, as shares of the peak."""
+FEW = (0.5, 0.999, 1.001, 1.1)
+"""The same where time is short."""
+STEP, DURATION = 3e-4, 0.06
+LOADED_AT_ONCE = (
+    "the shear spring, four times as stiff with four solves, has its share while the normal force "
+    "is still coming: between 0.99 and 0.999 of the peak the bond breaks on the way"
+)
+"""Why multipliers that start anew in every step break a bond too early."""
+
+
+def sheared_block(force: float = PEAK) -> Model:
+    """Return a flat block on a fixed one, pressed down and pulled by ``force``, N/m, at its foot.
+
+    Pulled at its foot it has no tendency to tilt, so both its corners carry the same.
+    """
+    builder = ModelBuilder(title="Direct shear", gravity=(0.0, -GRAVITY))
+    builder.add_rock("granite", young=50e9, poisson=0.2, density=DENSITY)
+    builder.add_joint("default", friction_angle=FRICTION_ANGLE, cohesion=COHESION)
+    builder.block(name="base", vertices=[(-0.5, -0.2), (2, -0.2), (2, 0), (-0.5, 0)], fixed=True)
+    corners = [(0, 0), (LENGTH, 0), (LENGTH, HEIGHT), (0, HEIGHT)]
+    builder.block(name="block", vertices=corners)
+    builder.line_load((0, HEIGHT), (LENGTH, HEIGHT), (0.0, -PRESSURE))
+    builder.point_load((0.5 * LENGTH, 0.0), (force, 0.0), block="block")
+    return builder.build()
+
+
+def sheared(force: float, variant: Variant) -> Run:
+    """Return the run under a shear force, N/m; velocities are dropped after every step."""
+    model = sheared_block(force)
+    method = variant.method(model, normal_stiffness=2e8, max_displacement=0.01, dynamic_ratio=0.0)
+    return simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+
+
+def examine(shares: tuple[float, ...], variant: Variant) -> Outcome:
+    """Bracket the peak by shares of it, and compare what the joint carries after it."""
+    memories = [sheared(share * PEAK, variant).state.memory for share in shares]
+    carried = [abs(float(memory.shear_force.sum())) for memory in memories]
+    held = [bool(memory.bonded.all()) for memory in memories]
+    largest_held = max(s for s, holds in zip(shares, held, strict=True) if holds)
+    smallest_slipped = min(s for s, holds in zip(shares, held, strict=True) if not holds)
+    peak = 0.5 * (largest_held + smallest_slipped) * PEAK
+    rows = (
+        relative("peak", "N/m", peak, PEAK, 1e-3, "bracketed by forces of 0.999 and 1.001 of it"),
+        relative("residual", "N/m", carried[-1], RESIDUAL, 1e-5, "at rest but for the slip"),
+        relative("force carried at half the peak", "N/m", carried[0], 0.5 * PEAK, 1e-5, "at rest"),
+    )
+    chart = Chart(
+        title="shear force carried",
+        x_label="force applied / peak",
+        y_label="force carried / peak",
+        curves=(
+            exact_curve(
+                "N tan phi + c A, then N tan phi",
+                (0.0, 1.0, 1.0, SHARES[-1]),
+                (0.0, 1.0, RESIDUAL / PEAK, RESIDUAL / PEAK),
+            ),
+            curve(variant.name, shares, np.array(carried) / PEAK),
+        ),
+    )
+    return Outcome(rows, (chart,))
+
+
+PROBLEM = Problem(
+    name="direct-shear",
+    title="Direct shear of a joint with cohesion",
+    text="A block of 1 m x 0.1 m under a pressure of 0.1 MPa is pulled along a fixed one with "
+    "seven forces up to 1.1 times the peak; phi = 30 degrees, c = 40 kPa, p = 0.2 GPa, h = 0.3 ms, "
+    "static (dynamic_ratio = 0).",
+    formula="peak N tan phi + c A, residual N tan phi",
+    source="Coulomb",
+    set_up=sheared_block,
+    examine=partial(examine, SHARES),
+    examine_briefly=partial(examine, FEW),
+    variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX, CONVEX_MULTIPLIERS),
+    quick=(CONVEX,),
+    known_failures=(
+        KnownFailure(variant=MULTIPLIERS, quantity="peak", reason=LOADED_AT_ONCE),
+        KnownFailure(variant=CONVEX_MULTIPLIERS, quantity="peak", reason=LOADED_AT_ONCE),
+    ),
+)

@@ -1,0 +1,165 @@
+"""A block slides over a surface that is cut into blocks.
+
+Blocks that lie flush make one surface: a block on it goes as far as on one slab, whether the joints
+are closed or open by less than it spans, the blocks under it fixed or loose on a bed.  Without
+friction the way is v t; that of a block which is pushed statically, so that each step of length h
+begins at rest and moves it by F h^2/(2 m), is F h t/(2 m); on a slope it is
+(g/2)(sin a - cos a tan phi) t^2.  A step higher than the contacts give way holds the block.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
+
+GRAVITY, DENSITY = 9.8, 2500.0
+YOUNG, STIFFNESS = 5e9, 2e8
+"""Young's modulus, Pa, and p, N/m per m."""
+LENGTH, HEIGHT = 0.8, 0.4
+"""Sides of the block that slides, m."""
+MASS = DENSITY * LENGTH * HEIGHT
+START, TOTAL = 0.13, 4.8
+"""Where the block begins on the surface, and how long that is, m."""
+STEP, MAX_DISPLACEMENT = 1e-3, 0.02
+SPEED, TIME = 5.0, 0.6
+SLOPE, FRICTION_ANGLE, SLIDING_TIME = 30.0, 20.0, 1.0
+PUSH, STATIC_STEP, STATIC_TIME = 0.5 * MASS * GRAVITY, 5e-3, 8.0
+PRESSED_IN = MASS * GRAVITY / (2.0 * STIFFNESS)
+"""Penetration of the block at rest on two corners, m."""
+PIECES, PUSHED_OVER = (1, 4, 16), 5
+"""Numbers of blocks that the surface is cut into: for sliding, and for pushing."""
+CLOSED, OPEN = 0.0, 0.01
+"""Width of the joints, m."""
+LAG = "friction that lags by a step"
+ROUND = "the block is borne by other corners at each joint, and tilts by its penetration"
+
+
+def rest_on(
+    pieces: int,
+    *,
+    joint: float = CLOSED,
+    loose: bool = False,
+    slope: float = 0.0,
+    friction_angle: float = 0.0,
+    speed: float = 0.0,
+    push: float = 0.0,
+    rise: float = 0.0,
+) -> Model:
+    """Return a block on a surface of ``pieces`` blocks with open ``joint``s, m.
+
+    They are fixed, or ``loose`` on a bed; the surface falls by ``slope``, degrees, to the right.
+    The block moves along it at ``speed``, m/s, or is pushed with ``push``, N/m.  Every second piece
+    is higher by ``rise``, m.
+    """
+    down = np.radians(slope)
+    turn = np.array([[np.cos(down), np.sin(down)], [-np.sin(down), np.cos(down)]])
+
+    def box(x: float, y: float, width: float, height: float) -> np.ndarray:
+        left, right, low, top = x, x + width, y, y + height
+        return np.array([(left, low), (right, low), (right, top), (left, top)]) @ turn.T
+
+    builder = ModelBuilder(title="Seams", gravity=(0.0, -GRAVITY))
+    builder.add_rock("granite", young=YOUNG, poisson=0.2, density=DENSITY)
+    builder.add_joint("default", friction_angle=friction_angle)
+    width = (TOTAL - (pieces - 1) * joint) / pieces
+    for k in range(pieces):
+        high = 0.5 + rise * (k % 2)
+        outline = box(k * (width + joint), -0.5, width, high)
+        builder.block(name=f"piece {k + 1}", vertices=outline, fixed=not loose)
+    if loose:
+        builder.block(name="bed", vertices=box(-1.0, -1.0, TOTAL + 2.0, 0.5), fixed=True)
+    along = turn @ (1.0, 0.0)
+    builder.block(
+        name="block",
+        vertices=box(START, 0.0, LENGTH, HEIGHT),
+        velocity=(*(speed * along), 0.0),
+    )
+    middle = turn @ (START + 0.5 * LENGTH, 0.5 * HEIGHT)
+    if push:
+        low = turn @ (START + 0.5 * LENGTH, 0.05)
+        builder.point_load(low, push * along, block="block")
+    builder.measured_point("centroid", middle, block="block")
+    return builder.build()
+
+
+def way_on(
+    model: Model, variant: Variant, *, step: float, end: float, dynamic_ratio: float = 1.0
+) -> float:
+    """Return how far the block goes, m, to the time ``end``, s, in steps of ``step``, s."""
+    method = variant.method(
+        model,
+        normal_stiffness=STIFFNESS,
+        max_displacement=MAX_DISPLACEMENT,
+        dynamic_ratio=dynamic_ratio,
+    )
+    run = simulate(model, method, Schedule(step=step, end=end, every=end))
+    return float(np.hypot(*run.history("centroid").displacement[-1]))
+
+
+def sliding_way() -> float:
+    """Return how far a block slides down the slope, m."""
+    a, phi = np.radians(SLOPE), np.radians(FRICTION_ANGLE)
+    pull = GRAVITY * (np.sin(a) - np.cos(a) * np.tan(phi))
+    return float(0.5 * pull * SLIDING_TIME**2)
+
+
+def static_way(model: Model, variant: Variant) -> float:
+    """Return how far the block is pushed, m, each step beginning at rest."""
+    return way_on(model, variant, step=STATIC_STEP, end=STATIC_TIME, dynamic_ratio=0.0)
+
+
+def examine(pieces: tuple[int, ...], variant: Variant) -> Outcome:
+    """Compare ways on surfaces of so many ``pieces``."""
+    rows: list[Comparison] = []
+    for number in pieces:
+        for name, joint, loose in (("", CLOSED, False), (", open joints, loose", OPEN, True)):
+            model = rest_on(number, joint=joint, loose=loose, speed=SPEED)
+            way = way_on(model, variant, step=STEP, end=TIME)
+            quantity = f"way without friction, {number} blocks{name}"
+            rows.append(relative(quantity, "m", way, SPEED * TIME, 1e-3, ROUND))
+        model = rest_on(number, slope=SLOPE, friction_angle=FRICTION_ANGLE)
+        way = way_on(model, variant, step=STEP, end=SLIDING_TIME)
+        quantity = f"way down the slope, {number} blocks"
+        rows.append(relative(quantity, "m", way, sliding_way(), 5e-3, LAG))
+    free = 0.5 * PUSH / MASS * STATIC_STEP * STATIC_TIME
+    steps = [(0.0, free), (0.5, free), (5.0, TOTAL / PUSHED_OVER - START - LENGTH)]
+    if variant in (MULTIPLIERS, CONVEX_MULTIPLIERS):
+        del steps[1]  # they leave less penetration, so that this is a step already
+    for share, exact in steps:
+        way = static_way(rest_on(PUSHED_OVER, push=PUSH, rise=share * PRESSED_IN), variant)
+        quantity = f"way when pushed over a step of {share:g} penetrations"
+        rows.append(relative(quantity, "m", way, exact, 1e-3, ROUND))
+    return Outcome(tuple(rows))
+
+
+PROBLEM = Problem(
+    name="seams",
+    title="Block on a surface that is cut into blocks",
+    text="A block of 0.8 m x 0.4 m slides over a surface of 4.8 m that is one block, 4 or 16: "
+    "without friction at 5 m/s, the blocks fixed with closed joints or loose on a bed with joints "
+    "open by 10 mm; down a slope of 30 degrees with phi = 20; and pushed with half its weight "
+    "over steps of 0, 0.5 and 5 of its penetration, each step of time beginning at rest. "
+    "p = 0.2 GPa, h = 1 ms (5 ms).",
+    formula="v t;  (g/2)(sin a - cos a tan phi) t2;  F h t/(2 m)",
+    source="Newton's law with Coulomb friction: flush blocks are one surface",
+    set_up=partial(rest_on, 4, speed=SPEED),
+    examine=partial(examine, PIECES),
+    examine_briefly=partial(examine, (4,)),
+    variants=(LAGGED, MULTIPLIERS, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
+    quick=(CONVEX,),
+)

@@ -1,0 +1,1 @@
+"""Arches, walls and columns."""

@@ -1,0 +1,175 @@
+"""The thinnest semicircular arch that stands under its own weight.
+
+Heyman (1969) took the hinges of the five-hinge mechanism at the crown, the haunches and the
+springings and the weight along the middle line, t/R = 0.106; Milankovitch (1907) had the exact
+weight, t/R = 0.1075, R being the mean radius, with haunches at 54.5 degrees from the crown.  For an
+arch of voussoirs hinges lie in joints; the thinnest that has a line of thrust inside it is found
+here by linear programming: forces N1, N2 >= 0 at the inner and outer end of every joint and a shear
+force V, three equations of equilibrium for every voussoir.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from scipy.optimize import linprog
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+RADIUS, VOUSSOIRS = 5.0, 20
+"""Mean radius, m, and number of voussoirs: joints at the crown and at 54 degrees from it."""
+MILANKOVITCH = 0.1075
+"""t/R of the thinnest arch."""
+LOW, HIGH, BISECTIONS = 0.1045, 0.1105, 4
+"""t/R that are searched, and bisections; FEW where time is short."""
+FEW = 2
+STEP, STEPS = 4e-3, 300
+
+
+def joint_ends(share: float) -> tuple[Floats, Floats]:
+    """Return the inner and outer ends of all joints from right to left, m (k, 2), t/R = share."""
+    angle = np.linspace(0.0, np.pi, VOUSSOIRS + 1)
+    direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    half = 0.5 * share * RADIUS
+    return (RADIUS - half) * direction, (RADIUS + half) * direction
+
+
+def centroid(corners: Floats) -> tuple[float, Floats]:
+    """Return area, m2, and centroid, m (2,), of a polygon (k, 2)."""
+    following = np.roll(corners, -1, axis=0)
+    cross = corners[:, 0] * following[:, 1] - following[:, 0] * corners[:, 1]
+    area = 0.5 * cross.sum()
+    return float(area), np.sum((corners + following) * cross[:, None], axis=0) / (6.0 * area)
+
+
+def safety(share: float) -> float:
+    """Return how far joints may be weakened: largest s with the thrust s t/2 inside the joints.
+
+    s >= 0 where the arch stands; unknowns are N1, N2 and V of every joint, and s.
+    """
+    inner, outer = joint_ends(share)
+    count = len(inner)
+    equations, weights = np.zeros((3 * VOUSSOIRS, 3 * count + 1)), np.zeros(3 * VOUSSOIRS)
+    for k in range(VOUSSOIRS):
+        area, middle = centroid(np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]))
+        for joint, sign in ((k, 1.0), (k + 1, -1.0)):
+            radial = (outer[joint] - inner[joint]) / np.hypot(*(outer[joint] - inner[joint]))
+            # force on the voussoir to the left of its right joint: along the arch
+            along = sign * np.array([-radial[1], radial[0]])
+            for column, at, force in (
+                (3 * joint, inner[joint], along),
+                (3 * joint + 1, outer[joint], along),
+                (3 * joint + 2, inner[joint], sign * radial),
+            ):
+                x, y = at - middle
+                equations[3 * k : 3 * k + 3, column] = (*force, x * force[1] - y * force[0])
+        weights[3 * k + 1] = area
+    # N1, N2 >= s: s > 0 is a reserve
+    bounds = [(None, None)] * (3 * count + 1)
+    reserve = np.zeros((2 * count, 3 * count + 1))
+    for joint in range(count):
+        reserve[2 * joint, 3 * joint] = reserve[2 * joint + 1, 3 * joint + 1] = -1.0
+    reserve[:, -1] = 1.0
+    cost = np.zeros(3 * count + 1)
+    cost[-1] = -1.0
+    found = linprog(
+        cost,
+        A_ub=reserve,
+        b_ub=np.zeros(2 * count),
+        A_eq=equations,
+        b_eq=weights,
+        bounds=bounds,
+    )
+    return float(found.x[-1])
+
+
+def exact_limit() -> float:
+    """Return t/R of the thinnest arch of voussoirs."""
+    return limit(lambda share: safety(share) > 0.0, LOW, HIGH, 20)
+
+
+def arch(share: float = 0.12) -> Model:
+    """Return a fixed base and the voussoirs of an arch with t/R = ``share``."""
+    inner, outer = joint_ends(share)
+    reach = RADIUS * (1.0 + share)
+    builder = ModelBuilder(title="Semicircular arch", gravity=(0.0, -9.8))
+    builder.add_rock("stone", young=50e9, poisson=0.2, density=2400.0)
+    builder.add_joint("default", friction_angle=50.0)
+    builder.block(
+        name="base", vertices=[(-reach, -0.5), (reach, -0.5), (reach, 0), (-reach, 0)], fixed=True
+    )
+    for k in range(VOUSSOIRS):
+        corners = [inner[k], outer[k], outer[k + 1], inner[k + 1]]
+        builder.block(name=str(k + 1), vertices=corners)
+    builder.measured_point("crown", (0.0, float(outer[VOUSSOIRS // 2, 1])), block="10")
+    return builder.build()
+
+
+def holds(share: float, variant: Variant) -> bool:
+    """Return whether an arch stands."""
+    moving = unbalanced(
+        arch(share),
+        variant,
+        normal_stiffness=1e10,
+        step=STEP,
+        steps=STEPS,
+        max_displacement=0.02,
+    )
+    return moving < AT_REST
+
+
+def examine(bisections: int, variant: Variant) -> Outcome:
+    """Compare the thinnest arch that stands with the line of thrust, and with Milankovitch."""
+    found = limit(lambda share: holds(share, variant), LOW, HIGH, bisections)
+    exact = exact_limit()
+    width = (HIGH - LOW) / 2**bisections
+    rows: list[Comparison] = [
+        relative(
+            f"t/R of {VOUSSOIRS} voussoirs",
+            "",
+            found,
+            exact,
+            1.5 * width / exact,
+            f"bisected to {width:.1g}; joints and blocks give a little",
+        ),
+        relative(
+            "t/R of an arch without joints",
+            "",
+            found,
+            MILANKOVITCH,
+            0.01 + width / MILANKOVITCH,
+            "hinges only at joints: 0.15 % less",
+        ),
+    ]
+    shares = np.linspace(0.102, 0.113, 12)
+    chart = Chart(
+        title="reserve of the line of thrust",
+        x_label="t/R",
+        y_label="least end force of a joint, N/(rho g)",
+        curves=(
+            exact_curve("by linear programming", shares, [safety(one) for one in shares]),
+            curve(f"limit, {variant.name}", (found,), (0.0,)),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="arch",
+    title="Thinnest semicircular arch",
+    text="Twenty voussoirs on a semicircle of 5 m mean radius under their weight; the thickness is "
+    "bisected. E = 50 GPa, p = 10 GPa, phi = 50 degrees, h = 4 ms, static (dynamic_ratio = 0).",
+    formula="t/R = 0.1075 without joints; 0.10735 with joints every 9 degrees",
+    source="Milankovitch (1907), Heyman (1969); with joints by linear programming (scipy)",
+    set_up=arch,
+    examine=partial(examine, BISECTIONS),
+    variants=(OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+    examine_briefly=partial(examine, FEW),
+)

@@ -1,0 +1,99 @@
+"""Bricks piled over the edge of a table: how far they reach.
+
+Bricks of length L, each pushed over the one below as far as it will go, reach beyond the table by
+
+    L/2 (1 + 1/2 + 1/3 + ... + 1/n),
+
+the k-th brick from above over the next by L/(2k).  With a little less the pile stands, with a
+little more it falls.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limits import AT_REST, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+LENGTH, HEIGHT = 1.0, 0.25
+"""Length and height of a brick, m."""
+BRICKS = 5
+HARMONIC = float(sum(1.0 / k for k in range(1, BRICKS + 1)))
+SHARES = (0.95, 0.97, 0.99, 1.01, 1.03)
+"""Overhangs as shares of the limit."""
+STEP, STEPS = 2e-3, 500
+BRACKETED = "bracketed by 0.99 and 1.01 of it; the joints are springs"
+
+
+def pile(share: float = 0.99) -> Model:
+    """Return a table with its edge at x = 0 and bricks that reach ``share`` of the limit."""
+    builder = ModelBuilder(title="Overhang", gravity=(0.0, -9.8))
+    builder.add_rock("brick", young=20e9, poisson=0.2, density=2000.0)
+    builder.add_joint("default", friction_angle=35.0)
+    builder.block(name="table", vertices=[(-2, -0.5), (0, -0.5), (0, 0), (-2, 0)], fixed=True)
+    reach = 0.0
+    for k in range(BRICKS, 0, -1):
+        reach += share * 0.5 * LENGTH / k
+        low = (BRICKS - k) * HEIGHT
+        left, high = reach - LENGTH, low + HEIGHT
+        corners = [(left, low), (reach, low), (reach, high), (left, high)]
+        builder.block(name=f"brick {k}", vertices=corners)
+        builder.measured_point(f"brick {k}", (reach - 0.5 * LENGTH, low + 0.5 * HEIGHT))
+    return builder.build()
+
+
+def holds(share: float, variant: Variant) -> bool:
+    """Return whether a pile stands."""
+    moving = unbalanced(
+        pile(share),
+        variant,
+        normal_stiffness=2e8,
+        step=STEP,
+        steps=STEPS,
+        max_displacement=0.01,
+    )
+    return moving < AT_REST
+
+
+def examine(shares: tuple[float, ...], variant: Variant) -> Outcome:
+    """Bracket the reach, by shares of the limit."""
+    standing = [holds(share, variant) for share in shares]
+    longest = max((s for s, stands in zip(shares, standing, strict=True) if stands), default=0.0)
+    shortest = min((s for s, stands in zip(shares, standing, strict=True) if not stands), default=9)
+    exact = 0.5 * LENGTH * HARMONIC
+    reach = 0.5 * (longest + shortest) * exact
+    disorder = sum(a < b for a, b in pairwise(standing))
+    rows: list[Comparison] = [
+        relative("reach at the limit", "m", reach, exact, 0.01, BRACKETED),
+        absolute("longer piles that stand where shorter fall", "", disorder, 0.0, 0.0, "a count"),
+    ]
+    chart = Chart(
+        title="pile of five bricks",
+        x_label="reach / limit",
+        y_label="stands (1) or falls (0)",
+        curves=(
+            exact_curve("harmonic series", (0.94, 1.0, 1.0, 1.04), (1.0, 1.0, 0.0, 0.0)),
+            curve(variant.name, shares, np.array(standing, float)),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="overhang",
+    title="Bricks over the edge of a table",
+    text="Five bricks of 1 m x 0.25 m, each as far over the next as it will go, and a little less "
+    "or more; p = 0.2 GPa, h = 2 ms, static (dynamic_ratio = 0).",
+    formula="reach L/2 (1 + 1/2 + ... + 1/5) = 1.14167 m",
+    source="equilibrium; the harmonic series",
+    set_up=pile,
+    examine=lambda variant: examine(SHARES, variant),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(),
+)

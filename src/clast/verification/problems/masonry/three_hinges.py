@@ -1,0 +1,116 @@
+"""A cracked beam between abutments arches: the thrust of a three-hinged beam.
+
+Two blocks of depth d bridge a span L between abutments, on whose noses they lie, c from their ends.
+They touch the abutments with their lower corners and each other with their upper ones; the joints
+open below and above.  With the weight W of both, each nose carries W/2 and the thrust is
+
+    H = W (L/4 - c)/(2 d).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.model.state import State
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    EULER,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
+
+GRAVITY, DENSITY, DEPTH = 9.8, 2600.0, 0.5
+NOSE = 0.1
+"""Distance c of the noses from the ends of the beam, m."""
+SLENDERNESSES = (4.0, 6.0, 8.0)
+"""L/d of the beams."""
+STEP, DURATION = 1e-3, 0.4
+SINKS = "hinges and blocks give, by which the middle sinks and the lever arm shrinks"
+
+
+def exact_thrust(slenderness: float) -> float:
+    """Return the thrust over the weight of the beam."""
+    return 0.5 * (0.25 * slenderness - NOSE / DEPTH)
+
+
+def beam(slenderness: float = 6.0) -> Model:
+    """Return two fixed abutments with noses and two blocks bridging ``slenderness`` x d."""
+    half, low, high = 0.5 * slenderness * DEPTH, -0.3, DEPTH + 0.3
+    builder = ModelBuilder(title="Three-hinged beam", gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=50e9, poisson=0.0, density=DENSITY)
+    abutment = [(half - NOSE, low), (half + 0.5, low), (half + 0.5, high), (half, high)]
+    abutment += [(half, -0.1), (half - NOSE, 0.0)]
+    builder.block(name="right abutment", vertices=abutment, fixed=True)
+    mirrored = [(-x, y) for x, y in reversed(abutment)]
+    builder.block(name="left abutment", vertices=mirrored, fixed=True)
+    for name, left, right in (("right half", 0.0, half), ("left half", -half, 0.0)):
+        corners = [(left, 0.0), (right, 0.0), (right, DEPTH), (left, DEPTH)]
+        builder.block(name=name, vertices=corners)
+    return builder.build()
+
+
+def force_of_vertices(model: Model, state: State, of: str, into: str) -> float:
+    """Return the normal force of the vertices of one block on the edges of another, N/m."""
+    owner, edge = (model.block_name.index(name) for name in (of, into))
+    memory = state.memory
+    here = (model.vertex_block[memory.vertex] == owner) & (memory.block == edge)
+    return float(memory.normal_force[here].sum())
+
+
+def examine(slendernesses: tuple[float, ...], variant: Variant) -> Outcome:
+    """Compare thrust and reaction of beams by their L/d."""
+    rows: list[Comparison] = []
+    thrusts = []
+    for slenderness in slendernesses:
+        model = beam(slenderness)
+        method = variant.method(
+            model, normal_stiffness=2e9, max_displacement=0.01, dynamic_ratio=0.0
+        )
+        state = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION)).state
+        weight = DENSITY * GRAVITY * slenderness * DEPTH**2
+        thrust = force_of_vertices(model, state, "left half", "left abutment")
+        reaction = force_of_vertices(model, state, "left abutment", "left half")
+        thrusts.append(thrust / weight)
+        exact, at = weight * exact_thrust(slenderness), f"at L/d = {slenderness:g}"
+        rows += [
+            relative(f"thrust {at}", "N/m", thrust, exact, 5e-4, SINKS),
+            relative(f"reaction {at}", "N/m", reaction, 0.5 * weight, 1e-6, "at rest"),
+        ]
+    fine = np.linspace(3.0, 9.0, 30)
+    chart = Chart(
+        title="thrust of the beam",
+        x_label="L/d",
+        y_label="H/W",
+        curves=(
+            exact_curve("(L/4 - c)/(2 d)", fine, [exact_thrust(one) for one in fine]),
+            curve(variant.name, slendernesses, thrusts),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="three-hinges",
+    title="Three-hinged beam",
+    text="Two blocks of 0.5 m depth, cracked in the middle, bridge 2, 3 and 4 m between fixed "
+    "abutments under their weight, without friction; E = 50 GPa, nu = 0, p = 2 GPa, h = 1 ms, "
+    "static (dynamic_ratio = 0).",
+    formula="thrust W (L/4 - c)/(2 d), reaction W/2",
+    source="equilibrium of one half about its lower hinge",
+    set_up=beam,
+    examine=partial(examine, SLENDERNESSES),
+    variants=(LAGGED, EULER, OPEN_CLOSE, CONVEX, MULTIPLIERS, CONVEX_MULTIPLIERS),
+    quick=(CONVEX,),
+    examine_briefly=partial(examine, SLENDERNESSES[:1]),
+)

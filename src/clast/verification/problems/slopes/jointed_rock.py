@@ -1,0 +1,107 @@
+"""The modulus of a jointed rock mass.
+
+A column of blocks of height s with joints of normal stiffness k per area between them is
+compressed.  Rock and joints lie in series, so that the whole has the modulus E_m of
+
+    1/E_m = 1/E + 1/(k s)                                           (Goodman 1989).
+
+Blocks of equal width meet corner on corner: four contacts of stiffness p share a joint of width b,
+k = 4 p/b.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+YOUNG, DENSITY = 10e9, 2500.0
+SPACING, WIDTH, BLOCKS = 0.5, 1.0, 6
+"""Height s of a block, its width b, m, and their number."""
+PRESSURE = 1e4
+"""Pressure on top, Pa."""
+RATIOS = (0.1, 1.0, 10.0)
+"""E/(k s): how much softer joints are than rock."""
+STEP, DURATION = 2e-3, 0.2
+AT_REST = "at rest; Poisson's ratio 0, so that nothing holds the blocks sideways"
+
+
+def column() -> Model:
+    """Return a floor and a column under pressure, without gravity."""
+    builder = ModelBuilder(title="Jointed rock", gravity=(0.0, 0.0))
+    builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
+    builder.add_joint("default", friction_angle=30.0)
+    builder.block(
+        name="floor", vertices=[(-0.5, -0.4), (1.5, -0.4), (1.5, 0), (-0.5, 0)], fixed=True
+    )
+    for k in range(BLOCKS):
+        low, high = k * SPACING, (k + 1) * SPACING
+        corners = [(0, low), (WIDTH, low), (WIDTH, high), (0, high)]
+        builder.block(name=str(k + 1), vertices=corners)
+    top = BLOCKS * SPACING
+    builder.line_load((WIDTH, top), (0.0, top), (0.0, -PRESSURE), block=str(BLOCKS))
+    for k in (1, BLOCKS):
+        builder.measured_point(str(k), (0.5 * WIDTH, (k - 0.5) * SPACING), block=str(k))
+    return builder.build()
+
+
+def computed_modulus(ratio: float, variant: Variant) -> float:
+    """Return the modulus between the middles of the lowest and the highest block, Pa."""
+    model = column()
+    stiffness = 0.25 * WIDTH * YOUNG / (ratio * SPACING)
+    method = variant.method(
+        model, normal_stiffness=stiffness, max_displacement=0.01, dynamic_ratio=0.0
+    )
+    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    low, high = (run.history(name).displacement[-1, 1] for name in ("1", str(BLOCKS)))
+    return float(PRESSURE * (BLOCKS - 1) * SPACING / (low - high))
+
+
+def exact_modulus(ratio: float) -> float:
+    """Return E_m, Pa."""
+    return YOUNG / (1.0 + ratio)
+
+
+def examine(ratios: tuple[float, ...], variant: Variant) -> Outcome:
+    """Compare the modulus of the rock mass for joints of different stiffness."""
+    rows: list[Comparison] = []
+    found = []
+    for ratio in ratios:
+        found.append(computed_modulus(ratio, variant))
+        quantity = f"modulus at E/(k s) = {ratio:g}"
+        rows.append(relative(quantity, "Pa", found[-1], exact_modulus(ratio), 1e-5, AT_REST))
+    fine = np.geomspace(0.05, 20.0, 60)
+    chart = Chart(
+        title="modulus of the rock mass",
+        x_label="E/(k s)",
+        y_label="E_m/E",
+        curves=(
+            exact_curve("1/(1 + E/(k s))", fine, 1.0 / (1.0 + fine)),
+            curve(variant.name, ratios, np.array(found) / YOUNG),
+        ),
+        x_scale="log",
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="jointed-rock",
+    title="Modulus of a jointed rock mass",
+    text="Six blocks of 1 m x 0.5 m on each other are compressed by 10 kPa; E = 10 GPa, nu = 0, "
+    "joints from ten times stiffer to ten times softer than the rock; h = 2 ms, static "
+    "(dynamic_ratio = 0). Joints that stiff are beyond one pass: p h2/m is up to 640.",
+    formula="1/E_m = 1/E + 1/(k s)",
+    source="rock and joints in series (Goodman 1989)",
+    set_up=column,
+    examine=partial(examine, RATIOS),
+    variants=(OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)

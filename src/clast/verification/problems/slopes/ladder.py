@@ -1,0 +1,115 @@
+"""A ladder leans on a wall: the friction angle at which it slips.
+
+With friction mu at floor and wall alike, both mobilised, equilibrium of a ladder with its foot at
+(x, 0), its head at (0, y) and its centroid at a distance s from the wall asks for
+
+    mu^2 s + mu y = x - s.
+
+A thin ladder, s = x/2, slips where its angle with the floor is 90 degrees - 2 phi.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+LENGTH, WIDTH = 4.0, 0.2
+"""Length and width of the ladder, m."""
+ANGLES = (45.0, 55.0, 65.0)
+"""Angles with the floor, degrees."""
+STEP, STEPS = 4e-3, 300
+BISECTIONS, SPAN = 4, 2.0
+"""Bisections of the friction angle, and the half of what is searched, degrees."""
+RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.1g} degrees"
+
+
+def outline(angle: float) -> np.ndarray:
+    """Return the corners (foot, back, head, front) of a ladder at ``angle``, degrees, m (4, 2)."""
+    along = np.array([-np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+    across = np.array([along[1], -along[0]])
+    corners = np.array([0 * along, WIDTH * across, LENGTH * along + WIDTH * across, LENGTH * along])
+    return corners - np.array([corners[:, 0].min(), corners[:, 1].min()])
+
+
+def exact_limit(angle: float) -> float:
+    """Return the friction angle at which the ladder slips, degrees."""
+    corners = outline(angle)
+    foot = corners[np.argmin(corners[:, 1])]
+    head = corners[np.argmin(corners[:, 0])]
+    s = corners[:, 0].mean()
+    roots = np.roots([s, head[1], s - foot[0]])
+    return float(np.degrees(np.arctan(roots.max())))
+
+
+def ladder(angle: float = ANGLES[1], friction_angle: float = 20.0) -> Model:
+    """Return floor, wall and ladder; angles in degrees."""
+    builder = ModelBuilder(title="Ladder", gravity=(0.0, -9.8))
+    builder.add_rock("wood", young=10e9, poisson=0.3, density=600.0)
+    builder.add_joint("default", friction_angle=friction_angle)
+    builder.block(name="floor", vertices=[(0, -0.5), (5, -0.5), (5, 0), (0, 0)], fixed=True)
+    builder.block(name="wall", vertices=[(-0.5, -0.5), (0, -0.5), (0, 5), (-0.5, 5)], fixed=True)
+    corners = outline(angle)
+    builder.block(name="ladder", vertices=corners)
+    builder.measured_point("centroid", corners.mean(axis=0), block="ladder")
+    return builder.build()
+
+
+def holds(angle: float, friction_angle: float, variant: Variant) -> bool:
+    """Return whether the ladder stays."""
+    share = unbalanced(
+        ladder(angle, friction_angle),
+        variant,
+        normal_stiffness=3e7,
+        step=STEP,
+        steps=STEPS,
+        max_displacement=0.02,
+    )
+    return share < AT_REST
+
+
+def examine(angles: tuple[float, ...], variant: Variant) -> Outcome:
+    """Compare the friction angle at the limit for some angles, degrees."""
+    rows: list[Comparison] = []
+    found = []
+    for angle in angles:
+        exact = exact_limit(angle)
+
+        def stays(friction_angle: float, angle: float = angle) -> bool:
+            return holds(angle, friction_angle, variant)
+
+        found.append(limit(stays, exact - SPAN, exact + SPAN, BISECTIONS))
+        quantity = f"friction angle at the limit, ladder at {angle:g} degrees"
+        rows.append(absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION))
+    fine = np.linspace(40.0, 70.0, 31)
+    chart = Chart(
+        title="friction angle at the limit",
+        x_label="angle of the ladder with the floor, degrees",
+        y_label="friction angle, degrees",
+        curves=(
+            exact_curve("equilibrium", fine, [exact_limit(angle) for angle in fine]),
+            exact_curve("thin: (90 - angle)/2", fine, 0.5 * (90.0 - fine)),
+            curve(variant.name, angles, found),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="ladder",
+    title="Ladder against a wall",
+    text="A ladder of 4 m x 0.2 m leans on a wall; the friction angle of floor and wall is "
+    "bisected until it slips. p = 30 MPa, h = 4 ms, static (dynamic_ratio = 0).",
+    formula="mu^2 s + mu y = x - s with foot (x, 0), head (0, y) and centroid s; thin: "
+    "angle = 90 degrees - 2 phi",
+    source="equilibrium with friction mobilised at both ends",
+    set_up=ladder,
+    examine=lambda variant: examine(ANGLES, variant),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(),
+)

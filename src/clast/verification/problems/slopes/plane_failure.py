@@ -1,0 +1,122 @@
+"""Plane failure of a slope with water in a tension crack (Hoek & Bray).
+
+A slab of weight W lies on a plane of dip a.  Water presses with U on the plane and with V on the
+vertical crack behind the slab.  It is at its limit where
+
+    tan phi = (W sin a + V cos a)/(W cos a - U - V sin a).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, DENSITY, WATER = 9.81, 2600.0, 1000.0
+DIP = np.radians(25.0)
+LENGTH, DEPTH = 10.0, 3.0
+"""Length of the slab along the plane and its vertical thickness, m."""
+ALONG = np.array([np.cos(DIP), np.sin(DIP)])
+"""Direction up the plane."""
+WEIGHT = DENSITY * GRAVITY * LENGTH * DEPTH * float(np.cos(DIP))
+LEVELS = (0.0, 0.5, 1.0)
+"""Height of the water in the crack over its depth."""
+STEP, STEPS = 4e-3, 300
+BISECTIONS, SPAN = 4, 2.0
+"""Bisections of the friction angle, and the half of what is searched, degrees."""
+RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.2g} degrees"
+
+
+def pressures(level: float) -> tuple[float, float]:
+    """Return the mean pressure on the plane and on the crack, Pa.
+
+    Pressure grows from the water table down to the foot of the crack and falls from there to zero
+    at the toe; each is applied as its mean, which has the same resultant.
+    """
+    foot = WATER * GRAVITY * level * DEPTH
+    return 0.5 * foot, 0.5 * foot * level
+
+
+def exact_limit(level: float) -> float:
+    """Return the friction angle at the limit, degrees."""
+    on_plane, on_crack = pressures(level)
+    uplift, push = on_plane * LENGTH, on_crack * DEPTH
+    drives = WEIGHT * np.sin(DIP) + push * np.cos(DIP)
+    presses = WEIGHT * np.cos(DIP) - uplift - push * np.sin(DIP)
+    return float(np.degrees(np.arctan2(drives, presses)))
+
+
+def slab(level: float = 1.0, friction_angle: float = 35.0) -> Model:
+    """Return a fixed slope and the slab on it with its water pressures."""
+    toe = 2.0 * ALONG
+    head, up = toe + LENGTH * ALONG, np.array([0.0, DEPTH])
+    builder = ModelBuilder(title="Plane failure", gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=20e9, poisson=0.2, density=DENSITY)
+    builder.add_joint("default", friction_angle=friction_angle)
+    right = head + 1.0 * ALONG
+    builder.block(name="slope", vertices=[0 * toe, (right[0], 0.0), right], fixed=True)
+    builder.block(name="slab", vertices=[toe, head, head + up, toe + up])
+    on_plane, on_crack = pressures(level)
+    if level > 0.0:
+        lifts = on_plane * np.array([-ALONG[1], ALONG[0]])
+        builder.line_load(toe, head, lifts, block="slab")
+        builder.line_load(head, head + up, (-on_crack, 0.0), block="slab")
+    builder.measured_point("slab", toe + 0.5 * LENGTH * ALONG + 0.5 * up, block="slab")
+    return builder.build()
+
+
+def holds(level: float, friction_angle: float, variant: Variant) -> bool:
+    """Return whether the slab stays."""
+    moving = unbalanced(
+        slab(level, friction_angle),
+        variant,
+        normal_stiffness=2e9,
+        step=STEP,
+        steps=STEPS,
+        max_displacement=0.02,
+    )
+    return moving < AT_REST
+
+
+def examine(levels: tuple[float, ...], variant: Variant) -> Outcome:
+    """Compare the friction angle at the limit for some heights of the water."""
+    rows: list[Comparison] = []
+    found = []
+    for level in levels:
+        exact = exact_limit(level)
+        stays = partial(holds, level, variant=variant)
+        found.append(limit(stays, exact - SPAN, exact + SPAN, BISECTIONS))
+        quantity = f"friction angle at the limit, water at {level:g} of the crack"
+        rows.append(absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION))
+    fine = np.linspace(0.0, 1.0, 41)
+    chart = Chart(
+        title="friction angle at the limit",
+        x_label="height of the water / depth of the crack",
+        y_label="friction angle, degrees",
+        curves=(
+            exact_curve("Hoek & Bray", fine, [exact_limit(level) for level in fine]),
+            curve(variant.name, levels, found),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="plane-failure",
+    title="Plane failure with water in a tension crack",
+    text="A slab of 10 m x 3 m on a plane of 25 degrees with water in the crack behind it and on "
+    "the plane; the friction angle is bisected. p = 2 GPa, h = 4 ms, static (dynamic_ratio = 0).",
+    formula="tan phi = (W sin a + V cos a)/(W cos a - U - V sin a)",
+    source="limit equilibrium of Hoek & Bray (1974), without cohesion",
+    set_up=slab,
+    examine=partial(examine, LEVELS),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(),
+)

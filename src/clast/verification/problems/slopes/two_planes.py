@@ -1,0 +1,110 @@
+"""A block on two planes: how its weight is shared.
+
+A block of weight W lies in a trough of two planes without friction that dip by a and b towards each
+other.  Equilibrium gives the normal forces
+
+    N_a = W sin b/sin(a + b),      N_b = W sin a/sin(a + b).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    EULER,
+    LAGGED,
+    MULTIPLIERS,
+    OPEN_CLOSE,
+    Variant,
+)
+
+GRAVITY, DENSITY = 9.8, 2600.0
+DIP_A, DIPS_B = 30.0, (40.0, 50.0, 60.0)
+"""Dip of the left plane, and dips of the right one, degrees."""
+DEPTH = 1.0
+"""Depth of the trough, m."""
+STEP, DURATION = 1e-3, 0.2
+SETTLED = "at rest; the block turns by about 1e-5 on its springs"
+
+
+def trough(dip_b: float = 45.0) -> Model:
+    """Return two fixed planes and a triangular block that fills the trough between them."""
+    a, b = DEPTH / np.tan(np.radians(DIP_A)), DEPTH / np.tan(np.radians(dip_b))
+    builder = ModelBuilder(title="Block on two planes", gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=50e9, poisson=0.2, density=DENSITY)
+    below = -0.3
+    left = [(-a - 0.3, below), (0.0, below), (0.0, 0.0), (-a, DEPTH), (-a - 0.3, DEPTH)]
+    right = [(0.0, below), (b + 0.3, below), (b + 0.3, DEPTH), (b, DEPTH), (0.0, 0.0)]
+    builder.block(name="left", vertices=left, fixed=True)
+    builder.block(name="right", vertices=right, fixed=True)
+    # the lowest corner is cut off, so that each plane carries two corners
+    share = 0.2
+    corners = [(-share * a, share * DEPTH), (share * b, share * DEPTH), (b, DEPTH), (-a, DEPTH)]
+    builder.block(name="block", vertices=corners)
+    return builder.build()
+
+
+def computed_shares(dip_b: float, variant: Variant) -> tuple[float, float]:
+    """Return the normal forces of both planes over the weight."""
+    model = trough(dip_b)
+    method = variant.method(model, normal_stiffness=5e8, max_displacement=0.01, dynamic_ratio=0.0)
+    memory = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION)).state.memory
+    owner, edge = model.vertex_block[memory.vertex], memory.block
+    weight = float(model.mass[2] * GRAVITY)
+    left, right = (
+        float(memory.normal_force[(owner == plane) | (edge == plane)].sum()) / weight
+        for plane in (0, 1)
+    )
+    return left, right
+
+
+def exact_shares(dip_b: float) -> tuple[float, float]:
+    """Return the normal forces of both planes over the weight."""
+    a, b = np.radians(DIP_A), np.radians(dip_b)
+    return float(np.sin(b) / np.sin(a + b)), float(np.sin(a) / np.sin(a + b))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare the forces on both planes."""
+    rows: list[Comparison] = []
+    found = []
+    for dip in DIPS_B:
+        found.append(computed_shares(dip, variant))
+        for plane, one, other in zip(("left", "right"), found[-1], exact_shares(dip), strict=True):
+            quantity = f"force on the {plane} plane, right dip {dip:g} degrees"
+            rows.append(relative(quantity, "W", one, other, 1e-4, SETTLED))
+    fine = np.linspace(10.0, 70.0, 61)
+    exact, values = np.array([exact_shares(dip) for dip in fine]), np.array(found)
+    chart = Chart(
+        title="forces on the planes",
+        x_label="dip of the right plane, degrees",
+        y_label="normal force / weight",
+        curves=(
+            exact_curve("left plane", fine, exact[:, 0]),
+            exact_curve("right plane", fine, exact[:, 1]),
+            curve(variant.name, np.repeat(DIPS_B, 2), values.ravel()),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="two-planes",
+    title="Block on two planes",
+    text="A block of 1 m depth in a trough of two planes without friction, the left one dipping 30 "
+    "degrees and the right one 40, 50 and 60; p = 0.5 GPa, h = 1 ms, static (dynamic_ratio = 0).",
+    formula="N_a = W sin b/sin(a + b), N_b = W sin a/sin(a + b)",
+    source="equilibrium",
+    set_up=trough,
+    examine=examine,
+    variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX, CONVEX_MULTIPLIERS),
+    quick=(MULTIPLIERS,),
+)

@@ -1,0 +1,114 @@
+"""A key block in a tunnel roof, held by friction under horizontal stress.
+
+A wedge of weight W, narrower above, hangs between two blocks that are pressed against it by the
+horizontal force H.  Its sides lean by a from the vertical.  At the limit of sliding each side
+carries N with the shear force N tan phi, which gives
+
+    H = N cos(phi - a)/cos phi,   W = 2 N sin(phi - a)/cos phi,   W = 2 H tan(phi - a).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, DENSITY = 9.8, 2600.0
+TOP, BOTTOM, HEIGHT = 1.0, 1.6, 2.0
+"""Widths of the wedge above and below, and its height, m."""
+LEAN = float(np.arctan(0.5 * (BOTTOM - TOP) / HEIGHT))
+"""Angle a of its sides with the vertical, rad: 8.5 degrees."""
+WEIGHT = DENSITY * GRAVITY * 0.5 * (TOP + BOTTOM) * HEIGHT
+FRICTION_ANGLES = (25.0, 35.0, 45.0)
+"""Friction angles of the sides, degrees."""
+STEP, STEPS, BISECTIONS = 4e-3, 300, 4
+BISECTED = "bisected to 2 %; loaded by weight and force at once"
+
+
+def exact_force(friction_angle: float) -> float:
+    """Return the horizontal force H that just holds the wedge, N/m."""
+    return float(0.5 * WEIGHT / np.tan(np.radians(friction_angle) - LEAN))
+
+
+def roof(force: float = 2e5, friction_angle: float = 35.0) -> Model:
+    """Return wedge, two blocks that slide on rails without friction, and their forces."""
+    builder = ModelBuilder(title="Key block", gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=20e9, poisson=0.2, density=DENSITY)
+    builder.add_joint("default", friction_angle=0.0)
+    pairs = [("wedge", "left"), ("wedge", "right")]
+    builder.add_joint("sides", friction_angle=friction_angle, between=pairs)
+    half_top, half_low, out = 0.5 * TOP, 0.5 * BOTTOM, 2.5
+    wedge = [(-half_low, 0.0), (half_low, 0.0), (half_top, HEIGHT), (-half_top, HEIGHT)]
+    builder.block(name="wedge", vertices=wedge)
+    right = [(half_low, 0.0), (out, 0.0), (out, HEIGHT), (half_top, HEIGHT)]
+    left = [(-out, 0.0), (-half_low, 0.0), (-half_top, HEIGHT), (-out, HEIGHT)]
+    builder.block(name="right", vertices=right)
+    builder.block(name="left", vertices=left)
+    for name, low in (("lower", -0.3), ("upper", HEIGHT)):
+        for side, edge in (("left", -3.0), ("right", 1.1)):
+            corners = [(edge, low), (edge + 1.9, low), (edge + 1.9, low + 0.3), (edge, low + 0.3)]
+            builder.block(name=f"{name} rail, {side}", vertices=corners, fixed=True)
+    pressure = force / HEIGHT
+    builder.line_load((out, 0.0), (out, HEIGHT), (-pressure, 0.0), block="right")
+    builder.line_load((-out, HEIGHT), (-out, 0.0), (pressure, 0.0), block="left")
+    builder.measured_point("wedge", (0.0, 0.5 * HEIGHT), block="wedge")
+    return builder.build()
+
+
+def holds(force: float, friction_angle: float, variant: Variant) -> bool:
+    """Return whether the wedge stays in the roof."""
+    moving = unbalanced(
+        roof(force, friction_angle),
+        variant,
+        normal_stiffness=4e8,
+        step=STEP,
+        steps=STEPS,
+        max_displacement=0.02,
+    )
+    return moving < AT_REST
+
+
+def examine(angles: tuple[float, ...], variant: Variant) -> Outcome:
+    """Compare the force that just holds the wedge for some friction angles, degrees."""
+    rows: list[Comparison] = []
+    found = []
+    for angle in angles:
+        exact = exact_force(angle)
+
+        def stays(force: float, angle: float = angle) -> bool:
+            return holds(force, angle, variant)
+
+        found.append(limit(stays, 0.84 * exact, 1.16 * exact, BISECTIONS))
+        quantity = f"force at the limit, phi = {angle:g} degrees"
+        rows.append(relative(quantity, "N/m", found[-1], exact, 0.03, BISECTED))
+    fine = np.linspace(20.0, 50.0, 61)
+    chart = Chart(
+        title="force that holds the wedge",
+        x_label="friction angle, degrees",
+        y_label="H / W",
+        curves=(
+            exact_curve("1/(2 tan(phi - a))", fine, [exact_force(a) / WEIGHT for a in fine]),
+            curve(variant.name, angles, np.array(found) / WEIGHT),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="key-block",
+    title="Key block in a tunnel roof",
+    text="A wedge 1 m wide above, 1.6 m below and 2 m high hangs between two blocks on "
+    "frictionless rails that are pressed against it; the force is bisected. p = 0.4 GPa, "
+    "h = 4 ms, static (dynamic_ratio = 0).",
+    formula="W = 2 H tan(phi - a)",
+    source="equilibrium of the wedge with friction mobilised on both sides (Brady & Brown)",
+    set_up=roof,
+    examine=lambda variant: examine(FRICTION_ANGLES, variant),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(),
+)

@@ -1,0 +1,224 @@
+"""A P-wave runs along a bar of blocks, through a soft joint and to the free end.
+
+A thin elastic strip carries waves at c = sqrt(E/rho).  A bar of blocks does so too, as long as a
+wave length holds many blocks and the joints are stiff.  At a free end the velocity doubles.  A
+single joint with the normal stiffness k per area lets a wave of circular frequency w through with
+
+    1 / sqrt(1 + (w rho c/(2 k))^2)
+
+of its amplitude (Pyrak-Nolte et al. 1990).
+
+The start is a bell of velocity in blocks without stress: half of it runs to the right, half to the
+left.  The contacts have no shear stiffness to speak of: blocks of constant strain that are tied
+together at all corners cannot narrow one without the other, which makes the bar as stiff as if it
+could not narrow at all, E/(1 - nu2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.laws import ContactLaw, Penalty
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import PointHistory, Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+YOUNG, POISSON, DENSITY = 50e9, 0.2, 2700.0
+SPEED = float(np.sqrt(YOUNG / DENSITY))
+"""Wave speed c, m/s."""
+BLOCKS = 64
+"""Number of blocks of 1 m x 1 m."""
+WAVE_LENGTH = 20.0
+"""Width of the bell, m: 20 blocks."""
+SOURCE = 24.0
+"""Middle of the bell at the start, m."""
+HEIGHT_OF_BELL = 0.01
+"""Largest velocity at the start, m/s."""
+JOINT = 34
+"""Place of the soft joint, m."""
+NEAR, FAR = 39.5, 49.5
+"""Places behind the joint where velocity is recorded, m."""
+CONTACTS = 4
+"""Contacts in a joint of 1 m height."""
+STIFF, SHEAR = 1e13, 1e8
+"""Normal and shear stiffness of the contacts, N/m per m."""
+FREQUENCY = 2.0 * np.pi * SPEED / WAVE_LENGTH
+"""Circular frequency of waves as long as the bell, 1/s."""
+SOFT = 0.5 * FREQUENCY * DENSITY * SPEED
+"""Stiffness k of the soft joint, Pa/m: lets 1/sqrt(2) of those waves through."""
+EVEN = Penalty(STIFF, SHEAR)
+"""Law of all joints but the soft one."""
+SHARES = (0.5, 0.75, 1.0)
+"""Frequencies compared, in units of FREQUENCY."""
+STEP, DURATION = 1e-5, 50.0 / SPEED
+DAMPING = "numerical damping, exp(-w2 h t/4)"
+
+
+@dataclass(frozen=True)
+class OneSoftJoint:
+    """A contact law with other springs in one joint: behind the block ``before``."""
+
+    others: ContactLaw
+    """Law of all other joints."""
+    soft: ContactLaw
+    """Law of the soft joint."""
+    before: int
+    """Block in front of the joint."""
+
+    @property
+    def normal_stiffness(self) -> float:
+        """Normal stiffness of the other joints, N/m per m."""
+        return self.others.normal_stiffness
+
+    def respond(self, contacts: Contacts, gap: Floats, slip: Floats) -> ContactResponse:
+        """Return the answer of the soft law in its joint, of the others elsewhere."""
+        here = np.minimum(contacts.vertex_block, contacts.edge_block) == self.before
+        soft = self.soft.respond(contacts, gap, slip)
+        others = self.others.respond(contacts, gap, slip)
+        values = {
+            field.name: np.where(here, getattr(soft, field.name), getattr(others, field.name))
+            for field in fields(ContactResponse)
+        }
+        return ContactResponse(**values)
+
+
+def bell(place: float) -> float:
+    """Return the velocity at the start, m/s, at a place along the bar, m."""
+    offset = (place - SOURCE) / WAVE_LENGTH
+    return HEIGHT_OF_BELL * float(np.cos(np.pi * offset)) ** 2 if abs(offset) < 0.5 else 0.0
+
+
+def bar() -> Model:
+    """Return a bar of blocks that hold together in tension, with a bell of velocity."""
+    builder = ModelBuilder(title="P-wave", gravity=(0.0, 0.0))
+    builder.add_rock("granite", young=YOUNG, poisson=POISSON, density=DENSITY)
+    builder.add_joint("default", friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
+    for k in range(BLOCKS):
+        corners = [(k, 0), (k + 1, 0), (k + 1, 1), (k, 1)]
+        builder.block(name=str(k), vertices=corners, velocity=(bell(k + 0.5), 0.0, 0.0))
+    for name, place in (("near", NEAR), ("far", FAR), ("end", float(BLOCKS))):
+        builder.measured_point(name, (place, 0.5), block=str(min(int(place), BLOCKS - 1)))
+    return builder.build()
+
+
+def run(law: ContactLaw, variant: Variant) -> Run:
+    """Return the run of the wave along the bar."""
+    model = bar()
+    method = variant.method(model, normal_stiffness=STIFF, max_displacement=0.01)
+    schedule = Schedule(step=STEP, end=DURATION, every=DURATION)
+    return simulate(model, replace(method, contact_law=law), schedule)
+
+
+def peak(history: PointHistory) -> tuple[float, float]:
+    """Return time, s, and velocity, m/s, of the crest, by a parabola through it."""
+    velocity = history.velocity[:, 0]
+    crest = slice(int(velocity.argmax()) - 15, int(velocity.argmax()) + 16)
+    time = history.time[crest]
+    a, b, c = np.polyfit(time - time[0], velocity[crest], 2)
+    return float(time[0] - 0.5 * b / a), float(c - 0.25 * b**2 / a)
+
+
+def amplitude(history: PointHistory, frequency: float) -> float:
+    """Return the Fourier amplitude of the velocity at a circular frequency, 1/s."""
+    wave = np.exp(-1j * frequency * history.time)
+    return float(abs(np.sum(history.velocity[:, 0] * wave)))
+
+
+def exact_transmission(frequency: float) -> float:
+    """Return the share of the amplitude that passes the joint."""
+    return float(1.0 / np.sqrt(1.0 + (0.5 * frequency * DENSITY * SPEED / SOFT) ** 2))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare speed, amplitude, reflection and transmission."""
+    whole = run(EVEN, variant)
+    jointed = run(OneSoftJoint(EVEN, Penalty(SOFT / CONTACTS, SHEAR), JOINT - 1), variant)
+    passage, transmission = compare_passage(variant, whole), transmitted(variant, whole, jointed)
+    return Outcome(
+        passage.comparisons + transmission.comparisons, passage.charts + transmission.charts
+    )
+
+
+def compare_passage(variant: Variant, whole: Run) -> Outcome:
+    """Compare speed, amplitude and reflection in the bar without a soft joint."""
+    near, far, end = (peak(whole.history(name)) for name in ("near", "far", "end"))
+    speed = (FAR - NEAR) / (far[0] - near[0])
+    half = 0.5 * HEIGHT_OF_BELL
+    rows: list[Comparison] = [
+        relative("wave speed", "m/s", speed, SPEED, 0.005, "20 blocks a wave length"),
+        relative("velocity of the wave", "m/s", near[1], half, 0.03, DAMPING),
+        relative("velocity at the free end", "m/s", end[1], 2.0 * far[1], 0.02, DAMPING),
+    ]
+    return Outcome(tuple(rows), (_passage(variant, whole),))
+
+
+def transmitted(variant: Variant, whole: Run, jointed: Run) -> Outcome:
+    """Compare what passes the soft joint, at three frequencies."""
+    rows, passed = [], []
+    for share in SHARES:
+        frequency = share * FREQUENCY
+        found = amplitude(jointed.history("near"), frequency)
+        passed.append(found / amplitude(whole.history("near"), frequency))
+        quantity = f"transmission of waves of {WAVE_LENGTH / share:.3g} m"
+        exact = exact_transmission(frequency)
+        rows.append(relative(quantity, "", passed[-1], exact, 0.01, "blocks instead of a strip"))
+    return Outcome(tuple(rows), (_transmission(variant, passed),))
+
+
+def _passage(variant: Variant, whole: Run) -> Chart:
+    """Return the velocity over time at the recorded places."""
+    time = np.linspace(0.0, DURATION, 200)
+    exact = [0.5 * bell(NEAR - SPEED * t) for t in time]
+    doubled = [bell(BLOCKS - SPEED * t) for t in time]
+    near, end = whole.history("near"), whole.history("end")
+    every = slice(None, None, 40)
+    return Chart(
+        title="passage of the wave",
+        x_label="time, ms",
+        y_label="velocity, mm/s",
+        curves=(
+            exact_curve("half the bell", 1e3 * time, 1e3 * np.array(exact)),
+            exact_curve("free end: doubled", 1e3 * time, 1e3 * np.array(doubled)),
+            curve(variant.name, 1e3 * near.time[every], 1e3 * near.velocity[every, 0]),
+            curve(f"end, {variant.name}", 1e3 * end.time[every], 1e3 * end.velocity[every, 0]),
+        ),
+    )
+
+
+def _transmission(variant: Variant, passed: list[float]) -> Chart:
+    """Return the share that passes the joint over the frequency."""
+    fine = np.linspace(0.0, 1.2, 50)
+    return Chart(
+        title="transmission of the soft joint",
+        x_label="frequency / frequency of the bell",
+        y_label="amplitude behind / before",
+        curves=(
+            exact_curve("formula", fine, [exact_transmission(f * FREQUENCY) for f in fine]),
+            curve(variant.name, SHARES, passed),
+        ),
+    )
+
+
+PROBLEM = Problem(
+    name="wave",
+    title="P-wave in a bar of blocks",
+    text="A bar of 64 blocks of 1 m x 1 m without gravity, bonded in tension; a bell of velocity "
+    "20 m wide sends 5 mm/s to either side. E = 50 GPa, nu = 0.2, rho = 2700 kg/m3, plane stress, "
+    "h = 10 us. In a second run one joint has the normal stiffness k = w rho c/2.",
+    formula="c = sqrt(E/rho); velocity doubles at the free end; the joint transmits "
+    "1/sqrt(1 + (w rho c/(2k))^2)",
+    source="one-dimensional elasticity; displacement discontinuity of Pyrak-Nolte et al. (1990)",
+    set_up=bar,
+    examine=examine,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(LAGGED,),
+    examine_briefly=lambda variant: compare_passage(variant, run(EVEN, variant)),
+)

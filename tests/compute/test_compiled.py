@@ -1,0 +1,90 @@
+"""Compiled kernels: kept in a folder that belongs to their text, loaded without scipy."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+
+from clast.compute import jit as compiled
+from clast.contact import coulomb as laws
+
+CODE = "from clast.contact import coulomb; print(coulomb.penalty.stats.cache_path)"
+
+
+def cache_path(**environment: str) -> str:
+    """Return where a new process keeps its kernels."""
+    answer = subprocess.run(
+        [sys.executable, "-c", CODE],
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return answer.stdout.strip()
+
+
+def test_the_folder_is_named_after_the_text_of_the_kernels_used(tmp_path, monkeypatch):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    texts = {
+        "one": "from clast import two as kernel\n",
+        "two": "from clast.three import (\n    name,\n)\n",
+        "three": "",
+        "other": "from clast import plain\n",
+        "plain": "",
+    }
+
+    def kept() -> dict[str, str]:
+        compiled.used_by.cache_clear()
+        compiled.has_kernels.cache_clear()
+        compiled.folder.cache_clear()
+        return {name: compiled.folder(tmp_path / f"{name}.py", tmp_path) for name in texts}
+
+    for name, text in texts.items():
+        says = "" if name == "plain" else "from clast.compute.jit import kernel\n"
+        (tmp_path / f"{name}.py").write_text(says + text)
+    before = kept()
+    assert {Path(one).parent for one in before.values()} == {tmp_path / "__pycache__"}
+    assert len(set(before.values())) == len(texts)
+    assert kept() == before
+    (tmp_path / "plain.py").write_text("# changed\n")
+    assert {name for name in kept() if kept()[name] != before[name]} == {"plain"}
+    (tmp_path / "three.py").write_text("from clast.compute.jit import kernel  # changed\n")
+    after = kept()
+    assert {name for name in texts if after[name] != before[name]} == {
+        "one",
+        "two",
+        "three",
+        "plain",
+    }
+
+
+def test_kernels_are_kept_there_and_numbas_own_setting_is_left_alone():
+    kept = compiled.folder(Path(laws.__file__))
+    assert laws.penalty.stats.cache_path.startswith(kept or "/")
+    assert numba.config.CACHE_DIR == os.environ.get("NUMBA_CACHE_DIR", "")
+
+
+def test_the_users_folder_comes_first(tmp_path):
+    assert cache_path(NUMBA_CACHE_DIR=str(tmp_path)).startswith(str(tmp_path))
+
+
+LOADED = """
+import sys
+import numba
+import numpy as np
+from clast.block import polygon
+
+polygon.owners(np.array([0, 3, 7]))
+assert "scipy.linalg" not in sys.modules, "numba has asked scipy for a BLAS"
+product = numba.njit(lambda a, b: np.dot(a, b))(np.eye(2), np.array([[1.0, 2.0], [3.0, 4.0]]))
+assert product.tolist() == [[1.0, 2.0], [3.0, 4.0]]
+assert "scipy.linalg" in sys.modules
+"""
+
+
+def test_scipy_is_asked_for_a_blas_only_by_kernels_that_need_one():
+    """It takes a quarter of a second to import; a plugin's np.dot must work all the same."""
+    done = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,55 @@
+"""What is out of balance, against sums written contact by contact."""
+
+import numpy as np
+import pytest
+from test_interior import caught
+
+from clast.compute.chunks import SHARED
+from clast.studies.bench.scenes import wall
+
+
+def wanted(potential, unknowns, normal, shear):
+    """Return F - K d + sum of N n + T t (n, 6), 0 where fixed, and r.K^-1 r (n,)."""
+    contacts, base = potential.contacts, potential.base
+    residual = base.force - np.einsum("nij,nj->ni", base.diagonal, unknowns)
+    rows = contacts.rows
+    for row, force in enumerate((normal, normal, shear, shear)):
+        block = contacts.edge_block if row % 2 else contacts.vertex_block
+        np.add.at(residual, block, force[:, None] * rows[:, row])
+    residual[potential.fixed] = 0.0
+    return residual, np.einsum("ni,nij,nj->n", residual, potential.inverse, residual)
+
+
+@pytest.mark.parametrize(("courses", "columns"), [(4, 5), (20, 50)])
+def test_balance_of_all_blocks_and_of_some_again(monkeypatch, courses, columns):
+    model = wall(courses, columns)
+    assert (model.block_count > SHARED) == (courses > 4)
+    one = caught(monkeypatch, model, 5e9, 1e-3, 1e-3)[0]
+    rng = np.random.default_rng(courses)
+    point = one.at(1e-6 * rng.normal(size=(model.block_count, 6)) * ~model.fixed[:, None])
+    forces = point.response.normal_force, point.response.shear_force
+    residual, left = wanted(one, point.unknowns, *forces)
+    assert point.residual == pytest.approx(residual, rel=1e-9, abs=1e-9 * np.abs(residual).max())
+    assert point.left == pytest.approx(left, rel=1e-7, abs=1e-9 * left.max())
+
+    for share in (0.1, 1.0):
+        changed = np.flatnonzero(rng.random(model.block_count) < share)
+        before = point.residual.copy(), point.left.copy()
+        point.residual[changed] = point.left[changed] = np.nan
+        one.balance_again(changed, point)
+        assert np.array_equal(point.residual, before[0])
+        assert np.array_equal(point.left, before[1])
+
+
+def test_distances_at_several_starts_are_those_at_each(monkeypatch):
+    for courses, columns in ((4, 5), (20, 50)):
+        one = caught(monkeypatch, wall(courses, columns), 5e9, 1e-3, 1e-3)[0]
+        rng = np.random.default_rng(columns)
+        free = ~one.fixed[:, None]
+        starts = np.stack(
+            [one.untouched(), np.zeros((len(free), 6)), np.full((len(free), 6), 1e-6)]
+        )
+        starts[2] *= free
+        starts[1] += 1e-6 * rng.normal(size=(len(free), 6)) * free
+        wanted = [one.distances(one.at(start)) for start in starts]
+        assert one.distances_at(starts) == pytest.approx(np.stack(wanted), rel=1e-12)
