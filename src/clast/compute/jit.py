@@ -37,6 +37,8 @@ from numba.extending import overload as overload
 
 SETTINGS: Any = numba.config
 """numba's settings of this process."""
+BY_THREADS = os.environ.get("NUMBA_NUM_THREADS", "1") != "1"
+"""Whether this process has more than one thread: loops that threads share are compiled for it."""
 os.environ.setdefault("GOMP_SPINCOUNT", "30000")  # read when OpenMP is loaded, with the threads
 
 
@@ -117,7 +119,7 @@ def folder(file: Path, package: Path = PACKAGE) -> str:
     """
     if SETTINGS.CACHE_DIR:
         return ""
-    text = hashlib.sha256()
+    text = hashlib.sha256(b"by threads" if BY_THREADS else b"alone")
     for one in sorted(all_used_by(file, package)):
         text.update(one.read_bytes())
     kept = file.parent / "__pycache__" / f"{file.stem}-{text.hexdigest()[:16]}"

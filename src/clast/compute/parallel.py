@@ -1,18 +1,31 @@
-"""Loops that threads share, each in its own stretch first and then wherever work is left.
+"""Loops over blocks and contacts that threads share, from a body that says nothing of threads.
+
+    @shared(BLOCKS)
+    def add(first, last, a, b, total):
+        for i in range(first, last):
+            total[i] = a[i] + b[i]
+
+    add(len(a), a, b, total)
+
+The body does the pieces ``first`` to ``last`` - 1 of a loop, and writes to places of their own.
+What ``shared`` makes of it takes the length of the loop first; ``summed`` makes a function that
+returns the sum of what the body returns of each part, in the order of the parts.  Parts do not
+depend on the number of threads, and so neither does any digit.
+
+Code for several threads takes longer to compile than all else.  A process that has one thread, as
+all have that do not ask for more by NUMBA_NUM_THREADS, compiles and keeps a plain loop instead.
 
 Threads are never equally fast: one may have to share its core or its part of the cache.  Halves of
-a loop would both wait for the slower thread; so each takes piece after piece of its own stretch,
-and when that is done pieces of the others'.  Its own comes first, for what it has in its cache.
-Which thread does a piece must be of no account: pieces write to places of their own, and sums are
-made piece by piece.  So::
-
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for piece in to_do(thread, progress, pieces):
-            ...
+a loop would both wait for the slower thread; so each takes part after part of its own stretch, and
+when that is done parts of the others'.  Its own comes first, for what it has in its cache.
 """
 
 from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from llvmlite import ir
@@ -21,7 +34,7 @@ from numba import prange as prange
 from numba.core import cgutils, types
 from numba.core.imputils import RefType, impl_ret_borrowed, iternext_impl
 
-from clast.compute.jit import kernel, start_threads
+from clast.compute.jit import BY_THREADS, kernel, start_threads
 from clast.compute.vec6 import operation
 
 start_threads()
@@ -129,3 +142,109 @@ def _continue(context, builder, signature, arguments, result):
     result.set_valid(any_left)
     with builder.if_then(any_left):
         result.yield_(piece)
+
+
+# Loops that threads share ------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Sharing:
+    """From how many on, and in what parts, threads share a loop."""
+
+    part: int
+    """What a thread takes at a time."""
+    many: int
+    """Length of a loop from which threads share it; below, starting them costs more."""
+
+
+BLOCKS = Sharing(part=128, many=800)
+"""Loops over blocks."""
+CONTACTS = Sharing(part=1024, many=3000)
+"""Loops over contacts, pairs and vertices, with each of which little is done."""
+EACH = Sharing(part=1, many=2)
+"""Loops over a few large pieces of work."""
+
+LOOP = """
+def {name}(count, {names}):
+    if count < {many}:
+        {body}(0, count, {names})
+    else:
+        for part in range((count + {part} - 1) // {part}):
+            {body}(part * {part}, min((part + 1) * {part}, count), {names})
+"""
+LOOP_BY_THREADS = """
+def {name}(count, {names}):
+    if count < {many}:
+        {body}(0, count, {names})
+    else:
+        progress = nothing_done()
+        for thread in prange(threads_of(progress)):
+            for part in to_do(thread, progress, (count + {part} - 1) // {part}):
+                {body}(part * {part}, min((part + 1) * {part}, count), {names})
+"""
+SUM = """
+def {name}(count, {names}):
+    if count < {many}:
+        return {body}(0, count, {names})
+    sums = np.empty((count + {part} - 1) // {part})
+    for part in range(len(sums)):
+        sums[part] = {body}(part * {part}, min((part + 1) * {part}, count), {names})
+    return sums.sum()
+"""
+SUM_BY_THREADS = """
+def {name}(count, {names}):
+    if count < {many}:
+        return {body}(0, count, {names})
+    sums = np.empty((count + {part} - 1) // {part})
+    progress = nothing_done()
+    for thread in prange(threads_of(progress)):
+        for part in to_do(thread, progress, len(sums)):
+            sums[part] = {body}(part * {part}, min((part + 1) * {part}, count), {names})
+    return sums.sum()
+"""
+
+
+def shared(sharing: Sharing, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Return the decorator that makes a loop of a body ``(first, last, ...)``, which returns None.
+
+    The loop is called with its length in place of ``first`` and ``last``; ``options`` are those of
+    ``kernel`` for the body, which may be a kernel already.
+    """
+    return _loop(LOOP, LOOP_BY_THREADS, sharing, options)
+
+
+def summed(sharing: Sharing, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Return the decorator that makes a sum of a body ``(first, last, ...)``, which returns it."""
+    return _loop(SUM, SUM_BY_THREADS, sharing, options)
+
+
+def _loop(
+    alone: str, by_threads: str, sharing: Sharing, options: dict[str, Any]
+) -> Callable[[Callable[..., Any]], Any]:
+    """Return the decorator that fills in one of the two texts."""
+
+    def made(body: Any) -> Any:
+        compiled = body if hasattr(body, "py_func") else kernel(**options)(body)
+        function = compiled.py_func
+        names = ", ".join(list(inspect.signature(function).parameters)[2:])
+        name = f"{function.__name__}_loop"  # numba keeps it beside the body, under its name
+        text = (by_threads if BY_THREADS else alone).format(
+            name=name, names=names, body="_body", part=sharing.part, many=sharing.many
+        )
+        known = {
+            "_body": compiled,
+            "np": np,
+            "prange": prange,
+            "nothing_done": nothing_done,
+            "threads_of": threads_of,
+            "to_do": to_do,
+            "__name__": function.__module__,
+        }
+        code = compile(text.lstrip(), function.__code__.co_filename, "exec")
+        exec(code, known)
+        loop: Any = known[name]
+        loop.__module__, loop.__doc__ = function.__module__, function.__doc__
+        loop.__code__ = loop.__code__.replace(co_firstlineno=function.__code__.co_firstlineno)
+        return kernel(parallel=BY_THREADS)(loop)
+
+    return made

@@ -1,0 +1,58 @@
+"""Loops made of a body that says nothing of threads."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from clast.compute.jit import BY_THREADS
+from clast.compute.parallel import Sharing, shared, summed
+
+FEW = Sharing(part=4, many=10)
+
+
+@shared(FEW)
+def add(first, last, a, both, total):
+    """Write a + b + c."""
+    b, c = both
+    for i in range(first, last):
+        total[i] += a[i] + b[i] + c[i]
+
+
+@summed(FEW)
+def dot(first, last, a, b):
+    """Return a.b."""
+    found = 0.0
+    for i in range(first, last):
+        found += a[i] * b[i]
+    return found
+
+
+@pytest.mark.parametrize("count", [0, 1, 9, 10, 11, 12, 41])
+def test_every_piece_is_done_once(count: int):
+    a, b, c = np.random.default_rng(count).random((3, count))
+    total = np.zeros(count)
+    add(count, a, (b, c), total)
+    np.testing.assert_array_equal(total, a + b + c)
+    assert dot(count, a, b) == pytest.approx(a @ b, rel=1e-14)
+
+
+def test_a_loop_keeps_the_name_and_words_of_its_body():
+    assert add.__doc__ == "Write a + b + c."
+    assert add.py_func.__module__ == __name__
+
+
+def test_the_same_by_several_threads():
+    """The same tests in a process that has two, where this one has one."""
+    if BY_THREADS:
+        pytest.skip("this process has several")
+    answer = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", __file__],
+        env={**os.environ, "NUMBA_NUM_THREADS": "2"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert answer.returncode == 0, answer.stdout
