@@ -14,7 +14,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help env env-test env-docs demo paper verify docs test test-fast format lint types layers check build clean distclean
+.PHONY: help env env-test env-docs demo paper verify docs reference test test-fast format lint types layers check build clean distclean
 
 help:
 	@echo "make env        make .venv and install clast in it"
@@ -22,6 +22,7 @@ help:
 	@echo "make paper      repeat the paper's studies and write docs/paper.md (some minutes)"
 	@echo "make verify     run all verification problems and write docs/verification.md (minutes)"
 	@echo "make docs       build the documentation site into build/site"
+	@echo "make reference  write docs/reference/case-file.md from the models of the case file"
 	@echo "make test       run all tests"
 	@echo "make test-fast  run the tests that are not marked slow"
 	@echo "make format     format the code and sort its imports"
@@ -99,6 +100,10 @@ verify: env
 docs: env-docs
 	@$(BIN)/zensical build --clean --strict
 	@echo "Wrote build/site; open build/site/index.html"
+
+reference: env
+	@$(BIN)/python tools/case_reference.py
+	@echo "Wrote docs/reference/case-file.md"
 
 # --- testing and checking ------------------------------------------------------------------
 

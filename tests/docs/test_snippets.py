@@ -1,8 +1,8 @@
 """Every snippet of the tutorial and the how-to pages does what the page says.
 
-A page is worked through from top to bottom in an empty folder: TOML with a title is the file of that
-name, TOML without one is laid over the incline template and must be a valid case, shell lines are
-commands of clast, Python shares its names from block to block.
+A page is worked through from top to bottom in an empty folder: TOML with a title is the file of
+that name, TOML without one is laid over the incline template and must be a valid case, shell lines
+are commands of clast, Python shares its names from block to block.
 """
 
 from __future__ import annotations
