@@ -114,3 +114,10 @@ def test_decisions_are_numbered_once_and_listed():
     for page in pages:
         assert page.read_text("utf-8").startswith(f"# {int(page.name[:4])}. "), page.name
         assert f"]({page.name})" in index, page.name
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md"])
+def test_links_of_what_is_not_on_the_site_lead_somewhere(name):
+    links = re.findall(r"\]\(([^)#:]+)\)", (ROOT / name).read_text("utf-8"))
+    assert len(links) >= 4
+    assert [link for link in links if not (ROOT / link).exists()] == []
