@@ -20,7 +20,7 @@ from clast.contact.corner_rules import Bisector, CornerRule
 from clast.contact.detection import detect
 from clast.contact.laws import Penalty
 from clast.contact.search_distance import Reach
-from clast.contact.verlet_list import near_pairs
+from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import RunStopped, StepOutcome, StepRejected
 from clast.linear.solvers import Automatic, Scipy
 from clast.model.builder import ModelBuilder
@@ -34,6 +34,7 @@ from clast.step.convex import Convex
 from clast.step.integration import ConstantAcceleration
 from clast.step.method import Method, StepProcess, StepResult
 from clast.step.modified import Modified
+from clast.step.workspace import Workspace
 
 GRAVITY = 9.8
 
@@ -254,7 +255,7 @@ def candidates_of(
     """Return the candidate edges among outlines, free to move; ``shift`` as in find_candidates."""
     flats = flat(outlines)
     free = np.zeros(len(outlines), np.bool_)
-    pairs = near_pairs(flats.vertices, flats.start, free, reach.front + reach.critdis)
+    pairs = near_pairs(VerletList(), flats.vertices, flats.start, free, reach.front + reach.critdis)
     known = memory or ContactMemory()
     return find_candidates(flats.vertices, flats.start, pairs, known, reach, shift)
 
@@ -310,9 +311,11 @@ class Watched:
     """Called with every step taken."""
     rejected: Counter[StepOutcome] = field(default_factory=Counter)
 
-    def step(self, model: Model, how: Method, state: State, step: float) -> StepResult:
+    def step(
+        self, model: Model, how: Method, state: State, step: float, workspace: Workspace
+    ) -> StepResult:
         try:
-            result = self.process.step(model, how, state, step)
+            result = self.process.step(model, how, state, step, workspace)
         except StepRejected as rejected:
             self.rejected[rejected.outcome] += 1
             raise
@@ -421,10 +424,10 @@ def march(
     """Return the results of all steps to ``end``; a rejected step is halved, at most ten times."""
     state = open_ledger(model, how, state or at_start(model))
     results: list[StepResult] = []
-    wanted = step
+    wanted, workspace = step, Workspace()
     while end - state.time > 1e-9 * step:
         try:
-            result = how.process.step(model, how, state, min(wanted, end - state.time))
+            result = how.process.step(model, how, state, min(wanted, end - state.time), workspace)
         except StepRejected:
             wanted *= 0.5
             if wanted < step / 1024.0:

@@ -76,7 +76,7 @@ HOME = {
     "RunRecorder": "clast.results",
     "read": "clast.results",
     "read_results": "clast.results",
-    "Schedule": "clast.simulate",
+    "Schedule": "clast.run.schedule",
     "State": "clast.model.state",
 }
 """Public name -> module that defines it."""

@@ -19,7 +19,7 @@ from clast.contact import broad_phase
 from clast.contact.candidates import find_candidates
 from clast.contact.contacts import Contacts
 from clast.contact.search_distance import Reach
-from clast.contact.verlet_list import near_pairs
+from clast.contact.verlet_list import VerletList, near_pairs
 from clast.linear import block_matrix as block_rows
 from clast.linear.coarse_space import aggregates_of
 from clast.linear.solvers import with_aggregates
@@ -48,6 +48,7 @@ class Standing:
     state: State
     contacts: Contacts
     system: BlockSystem
+    near: VerletList
 
     @property
     def reach(self) -> Reach:
@@ -57,7 +58,8 @@ class Standing:
     @property
     def pairs(self) -> Ints:
         around = self.reach.front + self.reach.critdis
-        return near_pairs(self.state.vertices, self.model.block_start, self.model.fixed, around)
+        model = self.model
+        return near_pairs(self.near, self.state.vertices, model.block_start, model.fixed, around)
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +70,7 @@ def wall() -> Standing:
     result = method.process.step(model, method, first.state, STEP)
     system = system_of_step(model, method, result.state, STEP)
     assert system is not None
-    return Standing(model, method, result.state, result.contacts, system)
+    return Standing(model, method, result.state, result.contacts, system, VerletList())
 
 
 def test_broad_phase(benchmark, wall):

@@ -21,7 +21,7 @@ from clast.contact.crossings import with_crossings
 from clast.contact.jacobian import levers_of, movement
 from clast.contact.memory import recall
 from clast.contact.search_distance import Reach
-from clast.contact.verlet_list import near_pairs
+from clast.contact.verlet_list import VerletList, near_pairs
 from clast.model.model import Floats, Ints, Joint, JointTable, Model
 from clast.model.state import ContactMemory, State
 
@@ -46,6 +46,7 @@ def detect(
     centroid: Floats,
     reach: Reach,
     drift: Floats | None = None,
+    near: VerletList | None = None,
 ) -> Contacts:
     """Return the contacts of a step that starts at ``state``; ``centroid`` (n, 2) in m.
 
@@ -54,7 +55,8 @@ def detect(
     """
     around = reach.front + max(reach.critdis, reach.tip)
     travel = reach.travel_of(model.block_count)
-    pairs = near_pairs(state.vertices, model.block_start, model.fixed, around, travel)
+    near = near or VerletList()
+    pairs = near_pairs(near, state.vertices, model.block_start, model.fixed, around, travel)
     shift = None
     if drift is not None:
         block = model.vertex_block
@@ -167,14 +169,14 @@ def _contacts(
 
 
 def find_tunnelled(
-    model: Model, before: Floats, vertices: Floats, memory: ContactMemory
+    model: Model, before: Floats, vertices: Floats, memory: ContactMemory, near: VerletList
 ) -> tuple[float, int, int]:
     """Return depth beyond what contacts know, m, vertex and block of the deepest jump.
 
     From where the vertices (nv, 2) were ``before`` the step.  (0, -1, -1) where no vertex has got
     deeper into a block than the contacts of the two have.
     """
-    pairs = near_pairs(vertices, model.block_start, model.fixed, 0.0)
+    pairs = near_pairs(near, vertices, model.block_start, model.fixed, 0.0)
     box = polygon.boxes(vertices, model.block_start)
     depth = pair_penetration(model.block_start, pairs, memory)
     jump, vertex, block = narrow_phase.deepest_jump(

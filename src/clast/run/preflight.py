@@ -18,6 +18,7 @@ from clast.model.state import State, initial_state
 from clast.run.method_doubts import check_overlaps, method_doubts
 from clast.run.model_doubts import model_doubts
 from clast.step.modified import STABILITY_LIMIT, reach_of, stability_number
+from clast.step.workspace import Workspace
 
 if TYPE_CHECKING:
     from clast.contact.contacts import Contacts
@@ -160,7 +161,7 @@ def _seconds_of_a_step(model: Model, method: Method, schedule: Schedule, start: 
     """Return how long the first step takes, s of wall time."""
     begin = perf_counter()
     with suppress(StepRejected):
-        method.process.step(model, method, start, schedule.step)
+        method.process.step(model, method, start, schedule.step, Workspace())
     return perf_counter() - begin
 
 

@@ -12,6 +12,7 @@ from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step.method import Method
 from clast.step.reach import reach_within_step
+from clast.step.workspace import Workspace
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class Begun:
     """Velocity that enters the equations, shape (n, 6)."""
     step: float
     """h, s."""
+    workspace: Workspace
 
     @cached_property
     def drift(self) -> Floats:
@@ -42,4 +44,5 @@ class Begun:
             self.frames.centroid,
             reach_within_step(self.method, travel),
             self.drift,
+            self.workspace.near,
         )

@@ -52,6 +52,7 @@ from clast.step.reach import (
 )
 from clast.step.relief import relieved
 from clast.step.start import diagonal_terms
+from clast.step.workspace import Workspace
 
 AT_REST = 1.0
 """Slip rate below which a new contact is taken to hold at first, in units of g h."""
@@ -79,13 +80,20 @@ class Convex:
         ),
     }
 
-    def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
+    def step(
+        self,
+        model: Model,
+        method: Method,
+        state: State,
+        step: float,
+        workspace: Workspace | None = None,
+    ) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected."""
-        stages = Stages()
+        stages, workspace = Stages(), workspace or Workspace()
         velocity = method.dynamic_ratio * state.velocity
         with stages("contacts"):
             frames = block_frames(model, method.displacement, state)
-            begun = Begun(model, method, state, frames, velocity, step)
+            begun = Begun(model, method, state, frames, velocity, step, workspace)
             travel = travel_expected(model, method, frames, state, begun.drift, step)
             contacts = begun.contacts(travel)
         starts: tuple[Floats, ...] = (np.zeros_like(velocity),)
@@ -101,7 +109,7 @@ class Convex:
                 if not closes_unseen(seen, contacts, solved.unknowns):
                     break
             starts = (solved.unknowns,)
-        return conclude(model, method, state, solved, step, stages)
+        return conclude(model, method, state, solved, step, stages, workspace)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn of carried multipliers; the process itself holds for any stiffness and step."""

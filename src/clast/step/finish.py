@@ -9,6 +9,7 @@ from clast.compute.stopwatch import Stages
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.detection import find_tunnelled
 from clast.contact.memory import renew
+from clast.contact.verlet_list import VerletList
 from clast.errors import StepOutcome, StepRejected
 from clast.linear.system import contact_motions
 from clast.model.model import Floats, Model
@@ -17,6 +18,7 @@ from clast.step.energy_balance import balance
 from clast.step.integration import Scheme, end_velocity
 from clast.step.method import Method, StepResult
 from clast.step.motion import advance, end_stress
+from clast.step.workspace import Workspace
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +52,13 @@ class Solved:
 
 
 def conclude(
-    model: Model, method: Method, state: State, solved: Solved, step: float, stages: Stages
+    model: Model,
+    method: Method,
+    state: State,
+    solved: Solved,
+    step: float,
+    stages: Stages,
+    workspace: Workspace,
 ) -> StepResult:
     """Return the result of a solved step, or raise StepRejected where it must not be kept."""
     unknowns, contacts, response = solved.unknowns, solved.contacts, solved.response
@@ -58,13 +66,17 @@ def conclude(
         velocity = end_velocity(solved.scheme, unknowns, solved.drift, solved.velocity)
         velocity[model.fixed] = 0.0
         stress = end_stress(model, state, unknowns)
-        motion = advance(model, method, state, solved.frames, unknowns, velocity, stress)
+        motion = advance(
+            model, method, state, solved.frames, unknowns, velocity, stress, workspace.near
+        )
         opening, slip = contact_motions(contacts, unknowns)
         gap = contacts.gap + opening
         kept = replace(response, normal_force=solved.bearing)
         memory = renew(contacts, kept, gap, method.critdis)
     with stages("tunnelling"):
-        reject_tunnelled(model, state.vertices, motion.vertices, memory, solved.depth)
+        reject_tunnelled(
+            model, state.vertices, motion.vertices, memory, solved.depth, workspace.near
+        )
     with stages("ledger"):
         ledger = balance(
             model,
@@ -105,10 +117,15 @@ def conclude(
 
 
 def reject_tunnelled(
-    model: Model, before: Floats, vertices: Floats, memory: ContactMemory, depth_reach: float
+    model: Model,
+    before: Floats,
+    vertices: Floats,
+    memory: ContactMemory,
+    depth_reach: float,
+    near: VerletList,
 ) -> None:
     """Raise StepRejected where a vertex has jumped deeper into a block than ``depth_reach``, m."""
-    depth, vertex, block = find_tunnelled(model, before, vertices, memory)
+    depth, vertex, block = find_tunnelled(model, before, vertices, memory, near)
     if depth > depth_reach:
         own = int(model.vertex_block[vertex])
         raise StepRejected(

@@ -18,6 +18,7 @@ from clast.linear.factor import LinearSolver
 from clast.model.model import Model
 from clast.model.state import State
 from clast.step.integration import Integrator
+from clast.step.workspace import Workspace
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,8 +53,13 @@ class StepResult:
 class StepProcess(Protocol):
     """Carries the state over one step."""
 
-    def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
-        """Return the state ``step`` seconds later, or raise StepRejected (a smaller step helps)."""
+    def step(
+        self, model: Model, method: Method, state: State, step: float, workspace: Workspace
+    ) -> StepResult:
+        """Return the state ``step`` seconds later, or raise StepRejected (a smaller step helps).
+
+        ``workspace`` is what the run keeps to save time; a process need not use it.
+        """
         ...
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """The modified process of Yu & Yin (2015): one solve per step, springs only after invasion.
 
 The numbers in brackets are the paper's steps; (1)-(3), reading and preparing, belong to the case
-and the model; (15) and (17), the step size and the next step, to :mod:`clast.simulate`.
+and the model; (15) and (17), the step size and the next step, to :mod:`clast.run.simulate`.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from clast.step.impact import advice_without
 from clast.step.integration import Scheme
 from clast.step.method import Method, StepResult
 from clast.step.start import diagonal_terms
+from clast.step.workspace import Workspace
 
 THROWN = (
     "The contacts throw blocks apart: lower method.contact_law.normal_stiffness or time.step, or "
@@ -98,9 +99,16 @@ class Modified:
         StepOutcome.ENERGY_CREATED: f'{THROWN}, or set method.integrator = "backward-euler"',
     }
 
-    def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
+    def step(
+        self,
+        model: Model,
+        method: Method,
+        state: State,
+        step: float,
+        workspace: Workspace | None = None,
+    ) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected."""
-        stages = Stages()
+        stages, workspace = Stages(), workspace or Workspace()
         velocity = method.dynamic_ratio * state.velocity
         with stages("base system"):
             # (4) where the blocks are; (5) inertia and elasticity; (6) stress, weight, loads;
@@ -112,7 +120,13 @@ class Modified:
             # (8) blocks near each other; (9) entrance edges by the angle bisector
             reach = reach_of(method)
             contacts = detect(
-                model, method.corner_rule, method.displacement, state, frames.centroid, reach
+                model,
+                method.corner_rule,
+                method.displacement,
+                state,
+                frames.centroid,
+                reach,
+                near=workspace.near,
             )
         found = self._solve(model, method, base, contacts, velocity, step, stages)
         solved = Solved(
@@ -130,7 +144,7 @@ class Modified:
         )
         # (13) the blocks are moved and turned; (14) their velocities and stresses; (16) what the
         # contacts carry on
-        return conclude(model, method, state, solved, step, stages)
+        return conclude(model, method, state, solved, step, stages, workspace)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn where p h2/m is beyond what one pass bears, or carried multipliers swing up."""

@@ -11,7 +11,7 @@ from clast.block import polygon
 from clast.block.displacement import DisplacementFunction
 from clast.block.inertia import BlockFrames
 from clast.contact.jacobian import places_at_once
-from clast.contact.verlet_list import near_pairs
+from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Floats, Model
 from clast.model.state import State
@@ -77,6 +77,7 @@ def advance(
     unknowns: Floats,
     end_velocity: Floats,
     stress: Floats,
+    near: VerletList,
 ) -> Motion:
     """Return where the unknowns d (n, 6) of a step take the system.
 
@@ -96,7 +97,7 @@ def advance(
         raise StepRejected(StepOutcome.NOT_FINITE)
     approach = travel
     if travel > method.max_displacement:
-        approach = approach_of(model, state.vertices, vertices)
+        approach = approach_of(model, state.vertices, vertices, near)
     if approach > method.max_displacement:
         raise StepRejected(
             StepOutcome.TRAVELLED_TOO_FAR,
@@ -121,7 +122,7 @@ def advance(
     )
 
 
-def approach_of(model: Model, before: Floats, after: Floats) -> float:
+def approach_of(model: Model, before: Floats, after: Floats, near: VerletList) -> float:
     """Return how far a vertex moves at most against a block that it might touch, m.
 
     From vertices ``before`` to ``after`` a step, (nv, 2).  Free flight is exact at any length, and
@@ -133,7 +134,7 @@ def approach_of(model: Model, before: Floats, after: Floats) -> float:
         return thrown
     start, count = model.block_start, np.diff(model.block_start)
     way = np.asarray(polygon.farthest(moved, start))
-    pairs = near_pairs(before, start, model.fixed, 0.0, way)
+    pairs = near_pairs(near, before, start, model.fixed, 0.0, way)
     mean = np.add.reduceat(moved, start[:-1], axis=0) / count[:, None]
     own = np.asarray(polygon.farthest(moved - np.repeat(mean, count, axis=0), start))
     lower, higher = pairs.T

@@ -39,6 +39,7 @@ from clast.step.method import Method, StepResult
 from clast.step.modified import STABILITY_LIMIT, PassResult, pass_result, stability_number
 from clast.step.reach import JUMP, reach_within_step
 from clast.step.start import diagonal_terms
+from clast.step.workspace import Workspace
 
 CUT = 1.0 / 3.0
 """Shi's cut of a step whose modes do not settle."""
@@ -70,9 +71,16 @@ class OpenClose:
         ),
     }
 
-    def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
+    def step(
+        self,
+        model: Model,
+        method: Method,
+        state: State,
+        step: float,
+        workspace: Workspace | None = None,
+    ) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected."""
-        stages = Stages()
+        stages, workspace = Stages(), workspace or Workspace()
         velocity = method.dynamic_ratio * state.velocity
         scheme = Scheme(theta=method.integrator.theta, step=step)
         with stages("base system"):
@@ -89,6 +97,7 @@ class OpenClose:
                 frames.centroid,
                 reach,
                 step * velocity,
+                workspace.near,
             )
         found = self._iterate(model, method, base, contacts, velocity, step, stages)
         solved = Solved(
@@ -104,7 +113,7 @@ class OpenClose:
             depth=JUMP * method.critdis,
             counts=found.counts,
         )
-        return conclude(model, method, state, solved, step, stages)
+        return conclude(model, method, state, solved, step, stages, workspace)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn where p h2/m is beyond what impacts bear, or carried multipliers swing up.
