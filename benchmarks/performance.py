@@ -25,10 +25,10 @@ blocks, both at the end. What counts is wall time at a stated accuracy.
 
 Walls at rest are where implicit steps pay: fifty to a hundred times as long as those of the
 others, with less drift. In heaps of falling blocks everywhere contacts open, close, stick and
-slide at once, and a step of 2.5 ms takes 10 to 35 iterations. It pays that groups of blocks that
-touch are worked on one by one, as long as they have not come to rest (docs/solver-performance.md),
-and more so the more blocks there are. In heaps blocks may go a tenth of their size in a step, twice
-the default max_displacement.
+slide at once, and a step of 2.5 ms takes 10 to 35 iterations. Islands, groups of blocks that
+contacts connect, are minimised one by one (docs/solver-performance.md), which pays the more the
+more blocks there are. In heaps blocks may move a tenth of their size in a step, twice the default
+max_displacement.
 
 A run that is *stopped* after ten minutes of wall time is measured over what it had simulated by
 then.
