@@ -23,8 +23,9 @@ HEAD = """\
 
 Written by `make reference` from the models that read case files; `clast schema` prints the same as
 a JSON Schema, for editors that complete and check TOML. Units are SI per metre of thickness, angles
-degrees, stresses tension-positive in the order xx, yy, xy. A key without a default must be given.
-Unknown keys are refused with the nearest valid one. `--set time.end=2` replaces a value for a run.
+degrees, stresses tension-positive in the order xx, yy, xy. A key without a default must be given; a
+dash means that it may be left out. Unknown keys are refused with the nearest valid one.
+`--set time.end=2` replaces a value for a run.
 
 """
 
