@@ -20,9 +20,8 @@ from clast.block import polygon
 from clast.contact.contacts import SLIDE, ContactResponse, Contacts
 from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
-from clast.contact.laws import ContactLaw
+from clast.contact.laws import ContactLaw, has_limits
 from clast.contact.search_distance import Reach
-from clast.contact.spring_laws import has_limits
 from clast.model.builder import ModelBuilder
 from clast.model.model import Bools, Floats
 from clast.model.state import initial_state
