@@ -11,7 +11,6 @@ import numpy as np
 import shapely
 
 from clast.block import polygon
-from clast.block.displacement import FirstOrder
 from clast.block.inertia import block_frames
 from clast.block.rotation import Sine
 from clast.contact.candidates import Candidates, find_candidates
@@ -20,7 +19,7 @@ from clast.contact.corner_rules import Bisector, CornerRule
 from clast.contact.detection import detect
 from clast.contact.laws import Penalty
 from clast.contact.search_distance import Reach
-from clast.contact.verlet_list import near_pairs
+from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import RunStopped, StepOutcome, StepRejected
 from clast.linear.solvers import Automatic, Scipy
 from clast.model.builder import ModelBuilder
@@ -32,7 +31,7 @@ from clast.run.simulate import simulate
 from clast.step import energy_balance as energy
 from clast.step.convex import Convex
 from clast.step.integration import ConstantAcceleration
-from clast.step.method import Method, StepProcess, StepResult
+from clast.step.method import Method, StepProcess, StepResult, Workspace
 from clast.step.modified import Modified
 
 GRAVITY = 9.8
@@ -169,7 +168,7 @@ def method(**changes: object) -> Method:
         process=Modified(),
         contact_law=Penalty(normal_stiffness=1e8),
         corner_rule=Bisector(),
-        displacement=FirstOrder(Sine()),
+        rotation=Sine(),
         integrator=ConstantAcceleration(),
         solver=Scipy(),
         fixed_point_stiffness=1e11,
@@ -254,7 +253,7 @@ def candidates_of(
     """Return the candidate edges among outlines, free to move; ``shift`` as in find_candidates."""
     flats = flat(outlines)
     free = np.zeros(len(outlines), np.bool_)
-    pairs = near_pairs(flats.vertices, flats.start, free, reach.front + reach.critdis)
+    pairs = near_pairs(VerletList(), flats.vertices, flats.start, free, reach.front + reach.critdis)
     known = memory or ContactMemory()
     return find_candidates(flats.vertices, flats.start, pairs, known, reach, shift)
 
@@ -293,9 +292,8 @@ def contacts_of(
 ) -> Contacts:
     """Return the contacts of a state as a step sees them."""
     state = state or at_start(model)
-    displacement = FirstOrder(Sine())
     centroid = polygon.moments(state.vertices, model.block_start)[1]
-    return detect(model, rule, displacement, state, centroid, reach)
+    return detect(model, rule, state, centroid, reach)
 
 
 # --- runs to their end -----------------------------------------------------------------------
@@ -310,9 +308,11 @@ class Watched:
     """Called with every step taken."""
     rejected: Counter[StepOutcome] = field(default_factory=Counter)
 
-    def step(self, model: Model, how: Method, state: State, step: float) -> StepResult:
+    def step(
+        self, model: Model, how: Method, state: State, step: float, workspace: Workspace
+    ) -> StepResult:
         try:
-            result = self.process.step(model, how, state, step)
+            result = self.process.step(model, how, state, step, workspace)
         except StepRejected as rejected:
             self.rejected[rejected.outcome] += 1
             raise
@@ -412,7 +412,7 @@ def overlaps(model: Model, vertices: Floats) -> list[tuple[int, int, float]]:
 
 def open_ledger(model: Model, how: Method, state: State) -> State:
     """Return the state with the ledger that a run starts with."""
-    return replace(state, ledger=energy.opening(model, how, state))
+    return replace(state, ledger=energy.opening(model, state))
 
 
 def march(
@@ -421,10 +421,10 @@ def march(
     """Return the results of all steps to ``end``; a rejected step is halved, at most ten times."""
     state = open_ledger(model, how, state or at_start(model))
     results: list[StepResult] = []
-    wanted = step
+    wanted, workspace = step, Workspace()
     while end - state.time > 1e-9 * step:
         try:
-            result = how.process.step(model, how, state, min(wanted, end - state.time))
+            result = how.process.step(model, how, state, min(wanted, end - state.time), workspace)
         except StepRejected:
             wanted *= 0.5
             if wanted < step / 1024.0:
@@ -443,7 +443,7 @@ def centroids(model: Model, state: State) -> Floats:
 
 def momentum(model: Model, how: Method, state: State) -> Floats:
     """Return linear momentum and angular momentum about (0, 0), shape (3,)."""
-    frames = block_frames(model, how.displacement, state)
+    frames = block_frames(model, state)
     linear = model.mass[:, None] * state.velocity[:, :2]
     at = frames.centroid
     orbital = at[:, 0] * linear[:, 1] - at[:, 1] * linear[:, 0]

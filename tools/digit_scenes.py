@@ -314,6 +314,20 @@ def wall(
     return builder
 
 
+def jolted() -> clast.ModelBuilder:
+    """Return two walls apart from each other: one stands, the bricks of the other are jolted."""
+    numbers = uniform(7)
+    builder = begun(30.0)
+    for left, courses in ((0.0, 18), (30.0, 14)):
+        builder.block(vertices=box(left - 1.0, -1.0, 18.0), fixed=True)
+        for course in range(courses):
+            for column in range(15):
+                place = box(left + column + 0.5 * (course % 2), 0.5 * course, 1.0, 0.5)
+                speed = 0.4 * next(numbers) if left else 0.0
+                builder.block(vertices=place, velocity=(speed, -speed, 0.5 * speed))
+    return builder
+
+
 def heap(count: int, columns: int, *, stars: bool = False) -> clast.ModelBuilder:
     """Return squares, or polygons that are not convex, thrown into a fixed trough."""
     numbers = uniform(count)
@@ -334,8 +348,11 @@ def heap(count: int, columns: int, *, stars: bool = False) -> clast.ModelBuilder
     return builder
 
 
-def slope(size: int) -> clast.ModelBuilder:
-    """Return a benched slope of two joint sets, its bottom and back fixed."""
+def slope(size: int, *, shuffled: bool = False) -> clast.ModelBuilder:
+    """Return a benched slope of two joint sets, its bottom and back fixed.
+
+    ``shuffled``: its blocks are numbered in no order.
+    """
     dip, steep = math.radians(10.0), math.radians(80.0)
     rows = max(6, round(math.sqrt(size / 2.0)))
     first = [4 * (max(0, row - 1) // 5) for row in range(rows)]
@@ -344,13 +361,15 @@ def slope(size: int) -> clast.ModelBuilder:
     up = 0.8 * np.array([math.cos(steep), math.sin(steep)])
     corners = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     builder = begun(math.degrees(math.atan(0.5)), poisson=0.0)
-    for row in range(rows):
-        for column in range(first[row], columns):
-            place = corners + np.array([column, row])
-            builder.block(
-                vertices=place[:, :1] * along + place[:, 1:] * up,
-                fixed=row == 0 or column == columns - 1,
-            )
+    cells = [(row, column) for row in range(rows) for column in range(first[row], columns)]
+    if shuffled:
+        cells = [cell for _, cell in sorted(zip(uniform(size), cells, strict=False))]
+    for row, column in cells:
+        place = corners + np.array([column, row])
+        builder.block(
+            vertices=place[:, :1] * along + place[:, 1:] * up,
+            fixed=row == 0 or column == columns - 1,
+        )
     return builder
 
 
@@ -433,6 +452,10 @@ SCENES: dict[str, Scene] = {
     "slope-300-stiff": Built(
         build=lambda: slope(300), step=1e-3, steps=15, stiffness={"convex": 50.0 * YOUNG}
     ),
+    "slope-600-shuffled": Built(
+        build=lambda: slope(600, shuffled=True), step=1e-3, steps=5, stiffness=AS_ROCK
+    ),
+    "jolted": Built(build=jolted, step=1e-3, steps=8, stiffness=AS_ROCK),
     "wall-1600": Built(build=lambda: wall(40, 40), step=5e-3, steps=4, stiffness=AS_ROCK),
     "heap-1600": Built(build=lambda: heap(1600, 40), step=5e-3, steps=12, stiffness=AS_ROCK),
 }

@@ -62,7 +62,7 @@ class StepOutcome(Enum):
 class StepRejected(ClastError):
     """A step that must not be kept; the caller retries from the same state with ``cut`` of h.
 
-    ``remedy`` is what a user can do where no retry is left.
+    ``remedy`` is what a user can do where no retry is left; ``cuts`` then counts those there were.
     """
 
     def __init__(
@@ -71,6 +71,7 @@ class StepRejected(ClastError):
         self.outcome = outcome
         self.detail = detail
         self.cut = cut
+        self.cuts = 0
         what = f"{outcome.value} ({detail})" if detail else outcome.value
         super().__init__(f"{what}. {remedy}" if remedy else what)
 

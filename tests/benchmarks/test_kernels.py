@@ -14,12 +14,11 @@ import numpy as np
 import pytest
 
 from clast.block import polygon
-from clast.block.inertia import block_frames
 from clast.contact import broad_phase
 from clast.contact.candidates import find_candidates
 from clast.contact.contacts import Contacts
 from clast.contact.search_distance import Reach
-from clast.contact.verlet_list import near_pairs
+from clast.contact.verlet_list import VerletList, near_pairs
 from clast.linear import block_matrix as block_rows
 from clast.linear.coarse_space import aggregates_of
 from clast.linear.solvers import with_aggregates
@@ -28,9 +27,8 @@ from clast.minimise.islands import with_small_regions
 from clast.model.model import Ints, Model
 from clast.model.state import State
 from clast.step import convex
-from clast.step.integration import Scheme
 from clast.step.method import Method
-from clast.step.start import diagonal_terms
+from clast.step.start import begin, diagonal_terms
 from clast.studies.bench.bandwidth import system_of_step
 from clast.studies.bench.scenes import SCENES
 from clast.studies.bench.wishes import Wishes, method_for
@@ -48,6 +46,7 @@ class Standing:
     state: State
     contacts: Contacts
     system: BlockSystem
+    near: VerletList
 
     @property
     def reach(self) -> Reach:
@@ -57,7 +56,8 @@ class Standing:
     @property
     def pairs(self) -> Ints:
         around = self.reach.front + self.reach.critdis
-        return near_pairs(self.state.vertices, self.model.block_start, self.model.fixed, around)
+        model = self.model
+        return near_pairs(self.near, self.state.vertices, model.block_start, model.fixed, around)
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def wall() -> Standing:
     result = method.process.step(model, method, first.state, STEP)
     system = system_of_step(model, method, result.state, STEP)
     assert system is not None
-    return Standing(model, method, result.state, result.contacts, system)
+    return Standing(model, method, result.state, result.contacts, system, VerletList())
 
 
 def test_broad_phase(benchmark, wall):
@@ -100,9 +100,8 @@ def test_law(benchmark, wall):
 def test_assembly(benchmark, wall):
     model, method = wall.model, wall.method
     contacts = replace(wall.contacts, friction_base=wall.contacts.normal_force)
-    frames = block_frames(model, method.displacement, wall.state)
-    scheme, drift = Scheme(theta=0.5, step=STEP), STEP * wall.state.velocity
-    base = diagonal_terms(model, method, frames, wall.state, drift, scheme)
+    begun = begin(model, method, wall.state, STEP, None)
+    base = diagonal_terms(begun, begun.drift, begun.scheme)
     response = method.contact_law.respond(contacts, contacts.gap, np.zeros(len(contacts)))
     graph = graph_of(contacts, model.block_count)
     system = benchmark(symmetric_system, base, contacts, response, base.force, model.fixed, graph)

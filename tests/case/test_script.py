@@ -187,8 +187,8 @@ class Own:
 
     inner: Convex = dataclasses.field(default_factory=Convex)
 
-    def step(self, model, method, state, step):
-        return self.inner.step(model, method, state, step)
+    def step(self, model, method, state, step, workspace):
+        return self.inner.step(model, method, state, step, workspace)
 
     def advice(self, model, method, state, step):
         return ("this is my own",)

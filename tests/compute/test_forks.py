@@ -20,7 +20,8 @@ SCRIPT = """
 import concurrent.futures, multiprocessing, sys
 import clast
 from clast.case.templates import INCLINE
-from clast.simulate import Schedule, simulate
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
 
 
 def run(end):

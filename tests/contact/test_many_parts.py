@@ -10,6 +10,7 @@ from clast.compute.chunks import MANY, PART
 from clast.contact.contacts import ContactResponse
 from clast.contact.detection import find_tunnelled
 from clast.contact.memory import renew
+from clast.contact.verlet_list import VerletList
 from clast.model.state import ContactMemory
 from systems import at_start, contacts_of, courses_of_bricks, system
 
@@ -120,6 +121,8 @@ def test_the_deepest_jump_is_found_wherever_it_is():
         vertex = 4 * (copy * len(OUTLINES) + 20) + 1
         vertices = vertices.copy()
         vertices[vertex, 1] -= depth
-        found, which, _ = find_tunnelled(model, at_start(model).vertices, vertices, ContactMemory())
+        found, which, _ = find_tunnelled(
+            model, at_start(model).vertices, vertices, ContactMemory(), VerletList()
+        )
         assert which == vertex
         assert found == pytest.approx(depth, rel=0.3)

@@ -6,7 +6,7 @@ import pytest
 from clast.block import polygon
 from clast.compute.chunks import MANY
 from clast.contact.broad_phase import all_within, overlapping_pairs
-from clast.contact.verlet_list import SPARE, LastNeighbourhood
+from clast.contact.verlet_list import SPARE, VerletList
 from systems import box
 
 
@@ -32,7 +32,7 @@ def test_the_same_as_a_new_search(count, speed):
     vertices, start = squares(rng, count), np.arange(0, 4 * count + 1, 4)
     fixed = rng.random(count) < 0.1
     velocity = np.repeat(rng.normal(size=(count, 2)) * speed, 4, axis=0)
-    kept = LastNeighbourhood()
+    kept = VerletList()
     for step in range(12):
         half = 0.01 + rng.random(count) * 0.02 * (1 + step % 3)
         found = kept.near_pairs(vertices, start, half, fixed)
@@ -47,7 +47,7 @@ def test_the_same_as_a_new_search(count, speed):
 
 def test_a_slow_block_is_looked_for_once_in_several_steps():
     vertices, start = squares(np.random.default_rng(1), 50), np.arange(0, 201, 4)
-    half, fixed, kept = np.full(50, 0.01), np.zeros(50, bool), LastNeighbourhood()
+    half, fixed, kept = np.full(50, 0.01), np.zeros(50, bool), VerletList()
     steps = int(3 * SPARE)
     for _ in range(steps):
         kept.near_pairs(vertices, start, half, fixed)
@@ -59,7 +59,7 @@ def test_other_blocks_are_looked_for_anew():
     rng = np.random.default_rng(2)
     start, half = np.arange(0, 201, 4), np.full(50, 0.01)
     vertices = squares(rng, 50)
-    kept = LastNeighbourhood()
+    kept = VerletList()
     for number in range(3):
         fixed = np.arange(50) % 3 == number  # another array, other pairs that do not count
         found = kept.near_pairs(vertices, start, half, fixed)

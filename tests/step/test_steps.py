@@ -7,6 +7,7 @@ import pytest
 
 from clast.contact.laws import Penalty
 from clast.contact.search_distance import Reach
+from clast.contact.verlet_list import VerletList
 from clast.errors import StepOutcome, StepRejected
 from clast.model.state import ContactMemory
 from clast.step.convex import Convex
@@ -320,19 +321,21 @@ def test_vertex_that_jumps_deeper_than_the_reach_has_tunnelled():
     reach = reach_of(method()).depth
     model, state = sunk(1.01 * reach)
     with pytest.raises(StepRejected) as caught:
-        reject_tunnelled(model, model.vertices, state.vertices, ContactMemory(), reach)
+        reject_tunnelled(
+            model, model.vertices, state.vertices, ContactMemory(), reach, VerletList()
+        )
     assert caught.value.outcome is StepOutcome.TUNNELLED
     assert "block '2'" in caught.value.detail
     assert "inside '1'" in caught.value.detail
     model, state = sunk(0.99 * reach)
-    reject_tunnelled(model, model.vertices, state.vertices, ContactMemory(), reach)
+    reject_tunnelled(model, model.vertices, state.vertices, ContactMemory(), reach, VerletList())
 
 
 def test_vertex_that_was_as_deep_before_has_not_jumped():
     """To try a smaller step again and again would be of no use."""
     reach = reach_of(method()).depth
     model, state = sunk(3.0 * reach)
-    reject_tunnelled(model, state.vertices, state.vertices, ContactMemory(), reach)
+    reject_tunnelled(model, state.vertices, state.vertices, ContactMemory(), reach, VerletList())
 
 
 def test_depth_that_the_contacts_of_the_pair_know_is_no_tunnelling():
@@ -341,10 +344,17 @@ def test_depth_that_the_contacts_of_the_pair_know_is_no_tunnelling():
     model, state = sunk(4.0 * reach)
     for vertex in (4, 5):
         reject_tunnelled(
-            model, model.vertices, state.vertices, remembered(3.9 * reach, vertex), reach
+            model,
+            model.vertices,
+            state.vertices,
+            remembered(3.9 * reach, vertex),
+            reach,
+            VerletList(),
         )
     with pytest.raises(StepRejected):
-        reject_tunnelled(model, model.vertices, state.vertices, remembered(0.5 * reach), reach)
+        reject_tunnelled(
+            model, model.vertices, state.vertices, remembered(0.5 * reach), reach, VerletList()
+        )
 
 
 class Blind:

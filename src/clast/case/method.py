@@ -136,7 +136,6 @@ class MethodTable(Table):
         self, model: Model, *, step: float, max_displacement: float, dynamic_ratio: float = 1.0
     ) -> Method:
         """Return how to simulate; what the table leaves open follows from the model."""
-        from clast.block.displacement import FirstOrder
         from clast.step.method import Method
 
         process = self.build("process")
@@ -152,7 +151,7 @@ class MethodTable(Table):
             process=process,
             contact_law=contact_law,
             corner_rule=self.build("corner_rule"),
-            displacement=FirstOrder(rotation=self.build("rotation")),
+            rotation=self.build("rotation"),
             integrator=self.build("integrator"),
             solver=self.build("solver"),
             fixed_point_stiffness=self.fixed_point_stiffness or FIXED_POINT_FACTOR * stiffest,

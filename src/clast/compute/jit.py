@@ -78,7 +78,7 @@ PACKAGE = Path(__file__).resolve().parents[1]
 """Where the package is."""
 USES = re.compile(r"^from clast((?:\.\w+)*) import (\([^)]*\)|.*)$", re.MULTILINE)
 """An import of another module: `.folder.file import name`, or `.folder import file, file`."""
-KERNELS = re.compile(r"^from clast\.compute(\.jit)? import .*\b(kernel|jit)\b", re.MULTILINE)
+KERNELS = re.compile(r"^from clast\.compute\b", re.MULTILINE)
 """What a file says that has kernels."""
 
 

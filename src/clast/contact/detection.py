@@ -11,17 +11,16 @@ from functools import lru_cache
 import numpy as np
 
 from clast.block import polygon
-from clast.block.displacement import DisplacementFunction
+from clast.block.displacement import displacements
 from clast.contact import contact_kernels as kernel
 from clast.contact import narrow_phase
 from clast.contact.candidates import Candidates, find_candidates, pair_penetration
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.crossings import with_crossings
-from clast.contact.jacobian import levers_of, movement
 from clast.contact.memory import recall
 from clast.contact.search_distance import Reach
-from clast.contact.verlet_list import near_pairs
+from clast.contact.verlet_list import VerletList, near_pairs
 from clast.model.model import Floats, Ints, Joint, JointTable, Model
 from clast.model.state import ContactMemory, State
 
@@ -41,11 +40,11 @@ def joints_of_pairs(table: JointTable, block_rock: Ints, pairs: Ints) -> Ints:
 def detect(
     model: Model,
     corner_rule: CornerRule,
-    displacement: DisplacementFunction,
     state: State,
     centroid: Floats,
     reach: Reach,
     drift: Floats | None = None,
+    near: VerletList | None = None,
 ) -> Contacts:
     """Return the contacts of a step that starts at ``state``; ``centroid`` (n, 2) in m.
 
@@ -54,12 +53,13 @@ def detect(
     """
     around = reach.front + max(reach.critdis, reach.tip)
     travel = reach.travel_of(model.block_count)
-    pairs = near_pairs(state.vertices, model.block_start, model.fixed, around, travel)
+    near = near or VerletList()
+    pairs = near_pairs(near, state.vertices, model.block_start, model.fixed, around, travel)
     shift = None
     if drift is not None:
         block = model.vertex_block
         offset = polygon.offsets(state.vertices, block, centroid)
-        shift = movement(displacement, offset, drift, block)
+        shift = displacements(offset, drift, block)
     strain = np.einsum("nab,nb->na", model.compliance, state.stress)
     candidates = find_candidates(
         state.vertices, model.block_start, pairs, state.memory, reach, shift, strain
@@ -80,7 +80,7 @@ def detect(
         travel,
         reach.critdis,
     )
-    return _contacts(model, displacement, state, centroid, pairs, candidates, chosen, reach)
+    return _contacts(model, state, centroid, pairs, candidates, chosen, reach)
 
 
 @lru_cache(maxsize=8)
@@ -95,7 +95,6 @@ def _strengths_of(joints: tuple[Joint, ...]) -> tuple[Floats, Floats, Floats]:
 
 def _contacts(
     model: Model,
-    displacement: DisplacementFunction,
     state: State,
     centroid: Floats,
     pairs: Ints,
@@ -152,7 +151,7 @@ def _contacts(
             found.length,
             reach.critdis,
         ),
-        levers=levers_of(displacement, levers),
+        levers=levers,
         friction=friction,
         cohesion=cohesion,
         tensile_strength=tensile_strength,
@@ -167,14 +166,14 @@ def _contacts(
 
 
 def find_tunnelled(
-    model: Model, before: Floats, vertices: Floats, memory: ContactMemory
+    model: Model, before: Floats, vertices: Floats, memory: ContactMemory, near: VerletList
 ) -> tuple[float, int, int]:
     """Return depth beyond what contacts know, m, vertex and block of the deepest jump.
 
     From where the vertices (nv, 2) were ``before`` the step.  (0, -1, -1) where no vertex has got
     deeper into a block than the contacts of the two have.
     """
-    pairs = near_pairs(vertices, model.block_start, model.fixed, 0.0)
+    pairs = near_pairs(near, vertices, model.block_start, model.fixed, 0.0)
     box = polygon.boxes(vertices, model.block_start)
     depth = pair_penetration(model.block_start, pairs, memory)
     jump, vertex, block = narrow_phase.deepest_jump(

@@ -46,10 +46,11 @@ def neighbourhood_of(block_start: Ints, fixed: Bools, box: Floats, half: Floats)
     return Neighbourhood(block_start=block_start, fixed=fixed, box=wide, pairs=pairs)
 
 
-class LastNeighbourhood:
-    """The neighbourhood that was asked about last, for as long as it serves.
+class VerletList:
+    """Pairs of blocks near each other, kept for as long as they serve (Verlet 1967).
 
-    That of one model: others have arrays of their own, which nobody changes.
+    A run has one of its own, which may be thrown away at any time: what it answers is a function of
+    what is asked alone.
     """
 
     def __init__(self) -> None:
@@ -75,11 +76,8 @@ def serves(last: Neighbourhood, block_start: Ints, fixed: Bools, box: Floats) ->
     return bool(broad_phase.all_within(box, last.box))
 
 
-LAST = LastNeighbourhood()
-"""Shared by all runs: near pairs are a function of what is asked alone."""
-
-
 def near_pairs(
+    near: VerletList,
     vertices: Floats,
     block_start: Ints,
     fixed: Bools,
@@ -92,4 +90,4 @@ def near_pairs(
     """
     half = np.empty(len(block_start) - 1)
     half[:] = 0.5 * distance + np.asarray(travel)
-    return LAST.near_pairs(vertices, block_start, half, fixed)
+    return near.near_pairs(vertices, block_start, half, fixed)

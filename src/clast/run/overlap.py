@@ -12,7 +12,7 @@ import shapely
 
 from clast.block import polygon
 from clast.contact import crossing_kernels as crossings
-from clast.contact.verlet_list import near_pairs
+from clast.contact.verlet_list import VerletList, near_pairs
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, Overlap, State
 
@@ -33,7 +33,7 @@ def unseen_overlaps(
     is stretched by it; overlaps less deep than a fiftieth of ``critdis``, m, are not looked for.
     """
     vertices, block_start = state.vertices, model.block_start
-    pairs = near_pairs(vertices, block_start, model.fixed, 0.0)
+    pairs = near_pairs(VerletList(), vertices, block_start, model.fixed, 0.0)
     contacts, pair = _closed(model, state.memory, pairs, normal_stiffness)
     direction, _ = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)

@@ -17,6 +17,7 @@ from clast.model.model import Bools, Model
 from clast.model.state import State, initial_state
 from clast.run.method_doubts import check_overlaps, method_doubts
 from clast.run.model_doubts import model_doubts
+from clast.step.method import Workspace
 from clast.step.modified import STABILITY_LIMIT, reach_of, stability_number
 
 if TYPE_CHECKING:
@@ -160,16 +161,15 @@ def _seconds_of_a_step(model: Model, method: Method, schedule: Schedule, start: 
     """Return how long the first step takes, s of wall time."""
     begin = perf_counter()
     with suppress(StepRejected):
-        method.process.step(model, method, start, schedule.step)
+        method.process.step(model, method, start, schedule.step, Workspace())
     return perf_counter() - begin
 
 
 def _contacts(model: Model, method: Method, state: State) -> Contacts:
-    frames = block_frames(model, method.displacement, state)
+    frames = block_frames(model, state)
     return detect(
         model,
         method.corner_rule,
-        method.displacement,
         state,
         frames.centroid,
         reach_of(method),

@@ -1,4 +1,8 @@
-"""The loop over steps: accept, cut or grow the step (the paper's (15)), record."""
+"""A run: step after step from its start to its end, each accepted, cut or grown (the paper's (15)).
+
+All that a run carries from one step to the next is its :class:`RunState`.  Whoever has that of any
+step goes on as the run did, to the bit: ``simulate(..., begin=...)``.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +22,10 @@ from clast.run import law_check
 from clast.run.interrupts import held_back
 from clast.run.method_doubts import check_overlaps
 from clast.run.schedule import Progress, Schedule
-from clast.run.watch import Watch
-from clast.step import energy_balance as energy
-from clast.step.method import Method, StepResult
+from clast.run.tally import Tally
+from clast.run.watch import Watch, Watched
+from clast.step import energy_balance
+from clast.step.method import Method, StepResult, Workspace
 from clast.step.remedies import remedy
 
 GROW = 1.5
@@ -30,49 +35,112 @@ COMFORT = 0.8
 max_displacement."""
 SMALLEST_SHARE = 2.0**-12
 """The smallest step tried, as a share of the wanted one, unless the schedule names it."""
+ROUNDING = 1e-9
+"""Share of a step by which times may differ and be the same."""
 
 
-@dataclass(kw_only=True)
-class _Tally:
-    """Counts of a run, gathered while it goes."""
+@dataclass(frozen=True, kw_only=True)
+class RunState:
+    """All that a run carries from one step to the next."""
 
-    steps: int = 0
-    passes: int = 0
-    cut_steps: int = 0
-    contacts: int = 0
-    penetration: float = 0.0
-    seconds: dict[str, float] = field(default_factory=dict)
-    counts: dict[str, int] = field(default_factory=dict)
-    touching: Contacts | None = None
-    """Contacts of the last step that had any."""
+    state: State
+    """The blocks, their contacts and the energy ledger."""
+    step: float
+    """Length that the next step is tried with, s."""
+    taken: float = 0.0
+    """Length of the last step, s."""
+    frame: int = 1
+    """Number of the next frame; that at the start has the number 0."""
+    first: Ledger
+    """The ledger at the start, with the energy that contacts held there already."""
+    tally: Tally = field(default_factory=Tally)
+    """Counts so far."""
+    seen: Watched
+    """What the run will be warned of."""
 
-    def add(self, result: StepResult) -> None:
-        self.steps += 1
-        self.touching = result.contacts if len(result.contacts) else self.touching
-        self.passes += result.passes
-        self.contacts = max(self.contacts, len(result.contacts))
-        self.penetration = max(self.penetration, result.penetration)
-        for stage, seconds in result.seconds.items():
-            self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
-        for name, number in result.counts.items():
-            self.counts[name] = self.counts.get(name, 0) + number
 
-    def report(self, ledger: Ledger, wall: float, outcome: str, finished: bool) -> Report:
-        return Report(
-            steps=self.steps,
-            passes=self.passes,
-            cut_steps=self.cut_steps,
-            largest_contacts=self.contacts,
-            largest_penetration=self.penetration,
-            ledger=ledger,
-            seconds=dict(self.seconds),
-            counts=dict(self.counts),
-            wall_seconds=wall,
-            outcome=outcome,
-            finished=finished,
-            warnings=(),
-            overlaps=(),
+@dataclass(frozen=True, kw_only=True)
+class Stepping:
+    """What all steps of a run have in common."""
+
+    model: Model
+    method: Method
+    schedule: Schedule
+    watch: Watch
+    workspace: Workspace
+
+    def begin(self) -> RunState:
+        """Return the run before its first step: at rest, or with its initial velocities."""
+        state = initial_state(self.model)
+        ledger = energy_balance.opening(self.model, state)
+        state = replace(state, ledger=ledger)
+        return RunState(
+            state=state, step=self.schedule.step, first=ledger, seen=self.watch.begin(state)
         )
+
+    def is_over(self, now: RunState) -> bool:
+        """Return whether the end of the schedule is reached."""
+        return self.schedule.end - now.state.time <= ROUNDING * self.schedule.step
+
+    def next(self, now: RunState) -> tuple[RunState, StepResult]:
+        """Return the run one accepted step later, and that step's result.
+
+        Raises StepRejected where even the smallest step is.
+        """
+        wanted = min(now.step, self.schedule.end - now.state.time)
+        result, taken, cuts = self._accepted(now.state, wanted)
+        tally = replace(now.tally, cut_steps=now.tally.cut_steps + cuts).with_step(result)
+        first = now.first
+        if now.state.time == 0.0:
+            first = energy_balance.with_overlap(first, self.method, result.contacts)
+        return (
+            replace(
+                now,
+                state=result.state,
+                step=_next_step(taken, result, self.schedule, self.method),
+                taken=taken,
+                first=first,
+                tally=tally,
+                seen=self.watch.with_step(now.seen, result),
+            ),
+            result,
+        )
+
+    def frame_is_due(self, now: RunState) -> bool:
+        """Return whether a frame is to be kept."""
+        due = now.frame * self.schedule.every
+        return now.state.time >= due - ROUNDING * self.schedule.step
+
+    def with_frame(self, now: RunState) -> RunState:
+        """Return the run after a frame has been kept."""
+        time = now.state.time + ROUNDING * self.schedule.step
+        return replace(
+            now,
+            frame=int(time / self.schedule.every) + 1,
+            seen=self.watch.with_frame(now.seen, now.state),
+        )
+
+    def _accepted(self, state: State, step: float) -> tuple[StepResult, float, int]:
+        """Return the longest step that is accepted, cutting from ``step``, s; its length; cuts.
+
+        Raises the last rejection where a step would become smaller than the smallest.
+        """
+        model, method, cuts = self.model, self.method, 0
+        smallest = self.schedule.smallest_step or SMALLEST_SHARE * self.schedule.step
+        while True:
+            try:
+                return method.process.step(model, method, state, step, self.workspace), step, cuts
+            except StepRejected as rejected:
+                cuts += 1
+                if step * rejected.cut < smallest:
+                    last = StepRejected(
+                        rejected.outcome,
+                        _last_words(rejected, step),
+                        remedy=remedy(rejected.outcome, model, method, state, step),
+                    )
+                    last.cuts = cuts
+                    raise last from rejected
+                step *= rejected.cut
 
 
 def simulate(
@@ -82,6 +150,8 @@ def simulate(
     *,
     recorder: RunRecorder | None = None,
     watch: Callable[[Progress], None] | None = None,
+    keep: Callable[[RunState], None] | None = None,
+    begin: RunState | None = None,
     warnings: tuple[str, ...] = (),
 ) -> Run:
     """Simulate a model from rest (or its initial velocities) to the end of the schedule.
@@ -92,41 +162,38 @@ def simulate(
     report beside what the process itself has to say; a contact law of one's own is tried on the
     run's contacts (see :func:`clast.check_law`), and its faults are warnings too.  Raises
     ModelError where blocks overlap by more than contacts of this stiffness explain.
+
+    ``keep`` is handed what the run carries after each step; a run of the same model, method and
+    schedule that has it as ``begin`` goes on from there, and records from there on.
     """
     check_overlaps(model, method)
     recorder = recorder or RunRecorder(model)
-    tally = _Tally()
     start = perf_counter()
-    state = initial_state(model)
-    state = replace(state, ledger=energy.opening(model, method, state))
-    advice = method.process.advice(model, method, state, schedule.step)
+    stepping = Stepping(
+        model=model,
+        method=method,
+        schedule=schedule,
+        watch=Watch(model=model, method=method),
+        workspace=Workspace(),
+    )
+    now = begin or stepping.begin()
+    advice = method.process.advice(model, method, now.state, schedule.step)
     warnings = tuple(dict.fromkeys((*warnings, *advice)))
-    recorder.start(state, about_method(method, schedule.step, schedule.end))
-    on_watch = Watch(model=model, method=method, state=state)
-    failure = ""
-    outcome = "the run reached its end"
-    ended_by = 0
+    recorder.start(now.state, about_method(method, schedule.step, schedule.end))
+    march = _March(stepping, recorder, watch, keep, now)
+    failure, outcome, ended_by = "", "the run reached its end", 0
     with held_back() as let_go, threads_worth(model.block_count):
         try:
-            _march(model, method, schedule, state, recorder, watch, on_watch, tally, let_go)
+            march.to_the_end(let_go)
         except (StepRejected, ResultsLost) as gave_up:
+            march.count_cuts(getattr(gave_up, "cuts", 0))
             failure = str(gave_up)
             outcome = f"stopped at t = {recorder.state.time:.6g} s: {failure}"
         except KeyboardInterrupt as asked:
             ended_by = getattr(asked, "number", signal.SIGINT)
             outcome = f"interrupted{_by(ended_by)} at t = {recorder.state.time:.6g} s"
-        state = recorder.state
-        finished = not failure and not ended_by
-        report = tally.report(state.ledger, perf_counter() - start, outcome, finished)
-        on_watch.frame(state)
-        warnings += on_watch.warnings()
-        if tally.touching is not None:
-            warnings += law_check.warnings_of(method.contact_law, tally.touching)
-        report = replace(
-            report,
-            warnings=warnings,
-            overlaps=tuple(on_watch.overlaps.values()),
-            notes=(*model.notes, *method.notes),
+        report = march.report(
+            perf_counter() - start, outcome, finished=not failure and not ended_by, said=warnings
         )
         run = replace(recorder.finish(report), ended_by=ended_by)
     if failure:
@@ -139,86 +206,92 @@ def _by(number: int) -> str:
     return "" if number == signal.SIGINT else f" by {signal.Signals(number).name}"
 
 
-def _march(
-    model: Model,
-    method: Method,
-    schedule: Schedule,
-    state: State,
-    recorder: RunRecorder,
-    watch: Callable[[Progress], None] | None,
-    on_watch: Watch,
-    tally: _Tally,
-    let_go: Callable[[], None],
-) -> State:
-    """Step from ``state`` to the end of the schedule and return the last state.
+@dataclass
+class _March:
+    """A run on its way: where it is, and who is told."""
 
-    ``let_go`` is called between steps, and raises KeyboardInterrupt if the key was pressed.
-    """
-    smallest = schedule.smallest_step or SMALLEST_SHARE * schedule.step
-    step, frame, first = schedule.step, 1, state.ledger
-    result: StepResult | None = None
-    while schedule.end - state.time > 1e-9 * schedule.step:
-        let_go()
-        wanted = min(step, schedule.end - state.time)
-        result, taken = _accepted_step(model, method, state, wanted, smallest, tally)
-        if state.time == 0.0:
-            first = energy.with_overlap(first, method, result.contacts)
-        state = result.state
-        tally.add(result)
-        recorder.step(result, taken)
-        on_watch.step(result, taken)
-        if watch:
-            watch(
-                Progress(
-                    time=state.time,
-                    end=schedule.end,
-                    step=taken,
-                    steps=tally.steps,
-                    contacts=len(result.contacts),
-                    penetration=result.penetration,
-                )
-            )
-        if state.time >= frame * schedule.every - 1e-9 * schedule.step:
-            recorder.frame(state, result.contacts, result.response)
-            on_watch.frame(state)
-            frame = int((state.time + 1e-9 * schedule.step) / schedule.every) + 1
-        _reject_created_energy(model, method, state, first)
-        step = _next_step(taken, result, schedule, method)
-    return state
+    stepping: Stepping
+    recorder: RunRecorder
+    watch: Callable[[Progress], None] | None
+    keep: Callable[[RunState], None] | None
+    now: RunState
+    touching: Contacts | None = None
+    """Contacts of the last step that had any, which a law of one's own is tried on."""
+
+    def to_the_end(self, let_go: Callable[[], None]) -> None:
+        """Step to the end of the schedule.
+
+        ``let_go`` is called between steps, and raises KeyboardInterrupt if the key was pressed.
+        """
+        stepping = self.stepping
+        while not stepping.is_over(self.now):
+            let_go()
+            self.now, result = stepping.next(self.now)
+            self.touching = result.contacts if len(result.contacts) else self.touching
+            self.recorder.step(result, self.now.taken)
+            if self.watch:
+                self.watch(_progress(self.now, result, stepping.schedule))
+            if stepping.frame_is_due(self.now):
+                self.recorder.frame(result.state, result.contacts, result.response)
+                self.now = stepping.with_frame(self.now)
+            _reject_created_energy(stepping.model, stepping.method, result.state, self.now.first)
+            if self.keep:
+                self.keep(self.now)
+
+    def count_cuts(self, cuts: int) -> None:
+        """Count the cuts of a step that was given up."""
+        tally = replace(self.now.tally, cut_steps=self.now.tally.cut_steps + cuts)
+        self.now = replace(self.now, tally=tally)
+
+    def report(self, wall: float, outcome: str, *, finished: bool, said: tuple[str, ...]) -> Report:
+        """Return the report of a run that is over, after ``wall`` s."""
+        model, method, watch = self.stepping.model, self.stepping.method, self.stepping.watch
+        state, tally = self.recorder.state, self.now.tally
+        seen = watch.with_frame(self.now.seen, state)
+        warnings = *said, *watch.warnings(seen, state, self.now.taken)
+        if self.touching is not None:
+            warnings += law_check.warnings_of(method.contact_law, self.touching)
+        return Report(
+            steps=tally.steps,
+            passes=tally.passes,
+            cut_steps=tally.cut_steps,
+            largest_contacts=tally.contacts,
+            largest_penetration=tally.penetration,
+            ledger=state.ledger,
+            seconds=dict(tally.seconds),
+            counts=dict(tally.counts),
+            wall_seconds=wall,
+            outcome=outcome,
+            finished=finished,
+            warnings=warnings,
+            overlaps=tuple(seen.overlaps.values()),
+            notes=(*model.notes, *method.notes),
+        )
+
+
+def _progress(now: RunState, result: StepResult, schedule: Schedule) -> Progress:
+    """Return where a run is after a step."""
+    return Progress(
+        time=now.state.time,
+        end=schedule.end,
+        step=now.taken,
+        steps=now.tally.steps,
+        contacts=len(result.contacts),
+        penetration=result.penetration,
+    )
 
 
 def _reject_created_energy(model: Model, method: Method, state: State, first: Ledger) -> None:
     """Raise StepRejected where the blocks hold far more energy than they can have."""
-    created = energy.created(state.ledger, first)
-    allowed = energy.tolerated(model, state.ledger, first)
-    allowed += energy.round_off(method, state, len(state.memory))
+    created = energy_balance.created(state.ledger, first)
+    allowed = energy_balance.tolerated(model, state.ledger, first)
+    allowed += energy_balance.round_off(method, state, len(state.memory))
     if created > allowed:
         raise StepRejected(
             StepOutcome.ENERGY_CREATED,
             f"{created:.3g} J/m too much at t = {state.time:.6g} s",
             remedy=remedy(StepOutcome.ENERGY_CREATED, model, method, state, 0.0),
         )
-
-
-def _accepted_step(
-    model: Model, method: Method, state: State, step: float, smallest: float, tally: _Tally
-) -> tuple[StepResult, float]:
-    """Return the result of the longest step that is accepted, cutting from ``step``, s.
-
-    Raises the last rejection where a step would become smaller than ``smallest``.
-    """
-    while True:
-        try:
-            return method.process.step(model, method, state, step), step
-        except StepRejected as rejected:
-            tally.cut_steps += 1
-            if step * rejected.cut < smallest:
-                raise StepRejected(
-                    rejected.outcome,
-                    _last_words(rejected, step),
-                    remedy=remedy(rejected.outcome, model, method, state, step),
-                ) from rejected
-            step *= rejected.cut
 
 
 def _last_words(rejected: StepRejected, step: float) -> str:
@@ -230,6 +303,3 @@ def _next_step(taken: float, result: StepResult, schedule: Schedule, method: Met
     """Return the length of the next step, s: grown back where the last one was comfortable."""
     comfortable = result.approach * GROW < COMFORT * method.max_displacement
     return min(schedule.step, taken * GROW if comfortable else taken)
-
-
-__all__ = ["Progress", "Schedule", "simulate"]

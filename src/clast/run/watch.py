@@ -6,7 +6,9 @@ longer what the method promises, with the key that helps.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -30,68 +32,91 @@ NAMED = 3
 """Overlaps that are told one by one."""
 
 
-@dataclass(kw_only=True)
+@dataclass(frozen=True, kw_only=True)
+class Watched:
+    """What was seen of a run so far; a part of what it carries from step to step."""
+
+    lowest: Floats
+    """Least value of each of the energies of :func:`_held`, J/m, shape (7,)."""
+    highest: Floats
+    """Largest, likewise."""
+    deepest: tuple[float, str] = (DEEP, "")
+    """Largest penetration beyond DEEP, as a share of the thinner block, and what to say of it."""
+    overlaps: Mapping[tuple[str, str], Overlap] = field(default_factory=dict)
+    """The deepest overlap that contacts do not know of, by the names of the blocks."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Watch:
     """Looks at a run while it goes."""
 
     model: Model
     method: Method
-    state: State
-    """The first state, then the last."""
-    overlaps: dict[tuple[str, str], Overlap] = field(default_factory=dict)
-    """The deepest overlap that contacts do not know of, by the names of the blocks."""
 
-    def __post_init__(self) -> None:
-        self._thickness: Floats = crossings.thicknesses(self.model.vertices, self.model.block_start)
-        self._thinnest = float(self._thickness.min())
-        self._deepest: tuple[float, str] = (DEEP, "")
-        self._first = self.state
-        self._highest = _held(self.state.ledger)
-        self._lowest = np.minimum(self._highest, np.array([np.inf] * 6 + [0.0]))
-        self._step = 0.0
+    @cached_property
+    def _thickness(self) -> Floats:
+        """Thickness of each block, m, shape (n,)."""
+        return crossings.thicknesses(self.model.vertices, self.model.block_start)
 
-    def step(self, result: StepResult, step: float) -> None:
-        """Look at an accepted step of length ``step``, s."""
-        self.state, self._step = result.state, step
+    @cached_property
+    def _thinnest(self) -> float:
+        return float(self._thickness.min())
+
+    def begin(self, state: State) -> Watched:
+        """Return what is seen at the start of a run."""
+        held = _held(state.ledger)
+        return Watched(lowest=np.minimum(held, np.array([np.inf] * 6 + [0.0])), highest=held)
+
+    def with_step(self, seen: Watched, result: StepResult) -> Watched:
+        """Return what is seen after an accepted step."""
         held = _held(result.state.ledger)
-        self._lowest = np.minimum(self._lowest, held)
-        self._highest = np.maximum(self._highest, held)
-        if result.penetration > self._deepest[0] * self._thinnest:
-            self._look_at_penetration(result)
+        seen = replace(
+            seen,
+            lowest=np.minimum(seen.lowest, held),
+            highest=np.maximum(seen.highest, held),
+        )
+        if result.penetration <= seen.deepest[0] * self._thinnest:
+            return seen
+        return replace(seen, deepest=self._deeper(seen.deepest, result))
 
-    def frame(self, state: State) -> None:
-        """Look at the outlines of a frame."""
+    def with_frame(self, seen: Watched, state: State) -> Watched:
+        """Return what is seen after a look at the outlines of a frame."""
         stiffness = self.method.contact_law.normal_stiffness
+        overlaps = dict(seen.overlaps)
         for one in unseen_overlaps(self.model, state, stiffness, self.method.critdis):
-            before = self.overlaps.get(one.blocks)
+            before = overlaps.get(one.blocks)
             if before is None or one.depth > before.depth:
-                self.overlaps[one.blocks] = one
+                overlaps[one.blocks] = one
+        return replace(seen, overlaps=overlaps)
 
-    def warnings(self) -> tuple[str, ...]:
-        """Return what is to be said when the run is over, each with its number and a remedy."""
+    def warnings(self, seen: Watched, state: State, step: float) -> tuple[str, ...]:
+        """Return what is to be said at the end of a run, each with its number and a remedy.
+
+        ``state`` is the last one, ``step``, s, the length of the step to it, 0 if there was none.
+        """
         return tuple(
             text
             for text in (
-                *self._of_overlaps(),
-                self._deepest[1],
-                self._of_energy(self.state.ledger),
-                self._of_rest(),
-                self._of_stress(),
+                *self._of_overlaps(seen),
+                seen.deepest[1],
+                self._of_energy(seen, state.ledger),
+                self._of_rest(state, step),
+                self._of_stress(state, step),
             )
             if text
         )
 
-    def _look_at_penetration(self, result: StepResult) -> None:
-        """Keep the largest penetration against the thinner of its two blocks."""
+    def _deeper(self, before: tuple[float, str], result: StepResult) -> tuple[float, str]:
+        """Return the largest penetration against the thinner of its two blocks."""
         memory, model = result.state.memory, self.model
         own, other = model.vertex_block[memory.vertex], memory.block
         thinner = np.minimum(self._thickness[own], self._thickness[other])
         share = -memory.gap / thinner
         at = int(share.argmax())
-        if share[at] <= self._deepest[0]:
-            return
+        if share[at] <= before[0]:
+            return before
         names = model.block_name[own[at]], model.block_name[other[at]]
-        self._deepest = (
+        return (
             float(share[at]),
             f"block '{names[0]}' was {-memory.gap[at]:.3g} m inside '{names[1]}' at t = "
             f"{result.state.time:.4g} s, {100.0 * share[at]:.3g} % of the thinner of the two: the "
@@ -99,9 +124,9 @@ class Watch:
             f"method.contact_law.normal_stiffness ({self.method.contact_law.normal_stiffness:.3g})",
         )
 
-    def _of_overlaps(self) -> list[str]:
+    def _of_overlaps(self, seen: Watched) -> list[str]:
         """Return a warning for the deepest overlaps and one for the number of all."""
-        worst = sorted(self.overlaps.values(), key=lambda one: -one.depth)
+        worst = sorted(seen.overlaps.values(), key=lambda one: -one.depth)
         texts = [
             f"overlap: blocks '{one.blocks[0]}' and '{one.blocks[1]}' share {one.area:.3g} m2, "
             f"{one.depth:.3g} m deep, at t = {one.time:.4g} s, of which their contacts know "
@@ -113,14 +138,14 @@ class Watch:
             texts.append(f"overlap: so do {len(worst) - NAMED} more pairs of blocks")
         return texts
 
-    def _of_energy(self, ledger: Ledger) -> str:
+    def _of_energy(self, seen: Watched, ledger: Ledger) -> str:
         """Return a warning where the time integration took or gave too much energy.
 
         Static runs and a dissipative scheme are to take it.
         """
         if self.method.dynamic_ratio < 1.0 or self.method.integrator.theta > 0.5:
             return ""
-        turned_over = float((self._highest - self._lowest).max())
+        turned_over = float((seen.highest - seen.lowest).max())
         share = abs(ledger.numerical) / turned_over if turned_over > 0.0 else 0.0
         size = np.sqrt(self.model.area[~self.model.fixed])
         weight = self.model.mass[~self.model.fixed] * float(np.hypot(*self.model.gravity))
@@ -132,12 +157,12 @@ class Watch:
             f'("numerical" {ledger.numerical:.3g} J/m): lower time.step'
         )
 
-    def _of_rest(self) -> str:
+    def _of_rest(self, state: State, step: float) -> str:
         """Return a warning where a static run ends while blocks still move.
 
         The inertia of a step that begins at rest, 2 m d/h2, is the force that nothing balances.
         """
-        model, state, step = self.model, self.state, self._step
+        model = self.model
         free = ~model.fixed
         if self.method.dynamic_ratio > 0.0 or step == 0.0 or not free.any():
             return ""
@@ -158,14 +183,14 @@ class Watch:
             "with which blocks come to rest sooner"
         )
 
-    def _of_stress(self) -> str:
+    def _of_stress(self, state: State, step: float) -> str:
         """Return a warning where the mean stress of the start is gone."""
         model = self.model
         stressed = np.any(model.initial_stress != 0.0, axis=1) & ~model.fixed
-        if not stressed.any() or self._step == 0.0:
+        if not stressed.any() or step == 0.0:
             return ""
         weight = model.area[stressed] / model.area[stressed].sum()
-        mean = [weight @ stress[stressed] for stress in (model.initial_stress, self.state.stress)]
+        mean = [weight @ stress[stressed] for stress in (model.initial_stress, state.stress)]
         lost = float(np.linalg.norm(mean[1] - mean[0]) / np.linalg.norm(mean[0]))
         if lost <= RELAXED:
             return ""
@@ -177,11 +202,6 @@ class Watch:
             f"({self.method.contact_law.normal_stiffness:.3g}), or give an initial_stress that "
             "gravity, loads and supports balance"
         )
-
-
-def watch_of(model: Model, method: Method, state: State) -> Watch:
-    """Return a watch on a run that begins with ``state``."""
-    return Watch(model=model, method=method, state=state)
 
 
 def _held(ledger: Ledger) -> Floats:

@@ -17,7 +17,7 @@ from clast.linear.solvers import DIRECTION, PCG, IteratedMatrix
 from clast.linear.system import BlockSystem
 from clast.model.model import Model
 from clast.model.state import State
-from clast.step.method import Method
+from clast.step.method import Method, Workspace
 from clast.studies.bench import triad as stream
 
 REPEATS = 7
@@ -83,7 +83,11 @@ def system_of_step(model: Model, method: Method, state: State, step: float) -> B
     velocity[~model.fixed, :2] += step * model.gravity
     try:
         method.process.step(
-            model, replace(method, solver=_Capture()), replace(state, velocity=velocity), step
+            model,
+            replace(method, solver=_Capture()),
+            replace(state, velocity=velocity),
+            step,
+            Workspace(),
         )
     except _Captured as captured:
         return captured.system

@@ -8,7 +8,7 @@ from time import perf_counter
 
 from clast.model.model import Model
 from clast.model.state import State
-from clast.step.method import Method, StepProcess, StepResult
+from clast.step.method import Method, StepProcess, StepResult, Workspace
 
 
 @dataclass(kw_only=True)
@@ -39,9 +39,11 @@ class Counted:
         self.costs = Costs()
         self.last: StepResult | None = None
 
-    def step(self, model: Model, method: Method, state: State, step: float) -> StepResult:
+    def step(
+        self, model: Model, method: Method, state: State, step: float, workspace: Workspace
+    ) -> StepResult:
         """Return the state ``step`` seconds later."""
-        result = self._process.step(model, method, state, step)
+        result = self._process.step(model, method, state, step, workspace)
         self.last = result
         if self._left > 0:
             self._left -= 1
