@@ -234,8 +234,8 @@ def simulate(
         output=None if output is None else Path(output),
         contacts=settings.output.contacts,
     )
-    warnings = examine(model, method, schedule).warnings
     with shown(progress) as watch:
+        warnings = examine(model, method, schedule).warnings
         return march(model, method, schedule, recorder=recorder, watch=watch, warnings=warnings)
 
 
