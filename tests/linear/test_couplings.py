@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from clast.contact.contacts import ContactResponse
-from clast.contact.jacobian import rows_of
 from clast.linear import block_matrix as block_rows
 from clast.linear import pcg as conjugate
 from clast.linear.couplings import Blocks
@@ -15,7 +14,7 @@ from clast.linear.system import DiagonalTerms, graph_of, symmetric_system
 from scenes.systems import at_start, centroids, contacts_of, wall
 
 
-def springs(courses=6, columns=5, *, by_rows=False, weight=1e4, seed=0):
+def springs(courses=6, columns=5, *, weight=1e4, seed=0):
     """Return a system of random springs between bricks, two of them fixed besides the base.
 
     A third of the contacts have no stiffness, and some pairs none at all.
@@ -24,8 +23,6 @@ def springs(courses=6, columns=5, *, by_rows=False, weight=1e4, seed=0):
     fixed = model.fixed.copy()
     fixed[[model.block_count // 2, -1]] = True
     contacts = contacts_of(model)
-    if by_rows:
-        contacts = replace(contacts, levers=rows_of(contacts.levers))
     rng = np.random.default_rng(seed)
     count, number = model.block_count, len(contacts)
     own = rng.normal(size=(count, 6, 6))
@@ -60,21 +57,11 @@ def by_blocks(one):
     return replace(one, couplings=Blocks(upper=one.upper.copy(), lower=one.lower.copy()))
 
 
-def alike(here, there, given):
-    """Return whether numbers are the same: where rows are summed up in single precision, to 1e-6.
-
-    That is where contacts come as rows; offsets are summed up in registers.
-    """
-    if here.dtype == np.float32 and "by_rows" in given:
-        return np.abs(here - there).max() <= 1e-6 * np.abs(there).max()
-    return np.array_equal(here, there)
-
-
 LARGE = {"courses": 30, "columns": 35}
 """Of so many blocks and pairs that threads share them."""
 
 
-@pytest.mark.parametrize("given", [{}, {"by_rows": True}, LARGE])
+@pytest.mark.parametrize("given", [{}, LARGE])
 def test_springs_couple_what_their_blocks_couple(given):
     one = springs(**given)
     two = by_blocks(one)
@@ -83,10 +70,10 @@ def test_springs_couple_what_their_blocks_couple(given):
     for precision in (np.float32, np.float64):
         found = one.couplings.in_precision(precision)
         assert found.dtype == precision
-        assert alike(found, two.couplings.in_precision(precision), given)
+        assert np.array_equal(found, two.couplings.in_precision(precision))
 
 
-@pytest.mark.parametrize("given", [{}, {"by_rows": True}, {"weight": 1e-1}, LARGE])
+@pytest.mark.parametrize("given", [{}, {"weight": 1e-1}, LARGE])
 def test_springs_leave_to_translations_what_the_sums_of_rows_leave(given):
     one = springs(**given)
     assert inertia_shares(one) == pytest.approx(inertia_shares(by_blocks(one)), rel=1e-7)
@@ -103,20 +90,20 @@ def test_springs_without_stiffness_leave_everything():
 
 
 @pytest.mark.parametrize("precision", [np.float32, np.float64])
-@pytest.mark.parametrize("given", [{}, {"by_rows": True}, LARGE])
+@pytest.mark.parametrize("given", [{}, LARGE])
 def test_both_are_factorised_alike(given, precision):
-    """The factor, K in its order and the solution; to the last bit by offsets."""
+    """The factor, K in its order and the solution, to the last bit."""
     one = springs(**given)
     ways = [with_incomplete(system, 50, precision) for system in (one, by_blocks(one))]
     for here, there in zip(
         (*ways[0].incomplete, *ways[0].matrix), (*ways[1].incomplete, *ways[1].matrix), strict=True
     ):
-        assert alike(here, there, given)
+        assert np.array_equal(here, there)
     assert {part.dtype for part in ways[0].matrix} == {np.dtype(precision)}
     guess = np.zeros_like(one.force)
     found = [way(one.force, guess, 1e-5) for way in ways]
     assert found[0][0] == pytest.approx(found[1][0], abs=1e-4 * np.abs(found[0][0]).max())
-    assert "by_rows" in given or np.array_equal(found[0][0], found[1][0])
+    assert np.array_equal(found[0][0], found[1][0])
     assert found[0][2] <= 1e-5
     product = np.empty_like(one.force)
     matrix = one.diagonal, one.upper, one.pairs, *one.rows

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clast.block.displacement import FirstOrder
-from clast.block.inertia import block_frames
+from clast.block.displacement import movements
+from clast.block.rotation import Sine
 from clast.linear.block_matrix import row_pointers
 from clast.linear.couplings import Blocks
 from clast.linear.solvers import Scipy, solve
@@ -33,10 +33,9 @@ def still(model):
 def base_of(model, how=None, state=None, velocity=None, theta=0.5, step=1e-3):
     """Return the base system of a step."""
     how, state = how or method(), state or at_start(model)
-    frames = block_frames(model, how.displacement, state)
     velocity = still(model) if velocity is None else velocity
-    scheme = Scheme(theta=theta, step=step)
-    return terms.diagonal_terms(model, how, frames, state, step * velocity, scheme)
+    begun = terms.begin(model, how, state, step, None)
+    return terms.diagonal_terms(begun, step * velocity, Scheme(theta=theta, step=step))
 
 
 # --- time ----------------------------------------------------------------------------------
@@ -142,7 +141,7 @@ def test_point_load_does_the_work_of_its_point():
     rng = np.random.default_rng(0)
     for unknowns in 1e-7 * rng.normal(size=(5, 6)):
         offset = np.array([[0.5, 0.25]])
-        moved = FirstOrder().place(offset, unknowns[None]) - offset
+        moved = movements(Sine(), offset, unknowns[None], np.zeros(1, np.int64))
         assert force @ unknowns == pytest.approx(moved[0] @ [3e3, -4e3], rel=1e-5)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clast.compute.stopwatch import Stages
-from clast.contact.spring_laws import limits_of
+from clast.contact.laws import limits_of
 from clast.linear.reuse import FactorOfStep
 from clast.linear.solvers import Direct
 from clast.linear.system import gap_at_end, slip_in_step

@@ -84,15 +84,6 @@ def test_so_they_do_with_bonds_multipliers_and_remembered_forces(monkeypatch, se
         check_same_minimum(monkeypatch, one, found, enough)
 
 
-def test_rows_of_other_displacement_functions_serve_as_well(monkeypatch):
-    for usual in potentials_of(monkeypatch, heap(30, 10), 5e-3, 0.2, 5e8)[::3]:
-        one = replace(usual, contacts=replace(usual.contacts, levers=usual.contacts.rows))
-        enough = TOLERANCE**2 * one.yardstick()
-        found, left = with_small_regions(one, start(one), enough, none())
-        assert left <= enough
-        check_same_minimum(monkeypatch, usual, found, enough)
-
-
 def test_regions_are_small_by_their_blocks_or_where_they_are_like_trees(monkeypatch):
     """A tower of 256 bricks is, a wall of as many is not."""
     tower = [box(0.0, 0.5 * k, 1.0, 0.5) for k in range(256)]

@@ -11,7 +11,6 @@ import numpy as np
 import shapely
 
 from clast.block import polygon
-from clast.block.displacement import FirstOrder
 from clast.block.inertia import block_frames
 from clast.block.rotation import Sine
 from clast.contact.candidates import Candidates, find_candidates
@@ -32,9 +31,8 @@ from clast.run.simulate import simulate
 from clast.step import energy_balance as energy
 from clast.step.convex import Convex
 from clast.step.integration import ConstantAcceleration
-from clast.step.method import Method, StepProcess, StepResult
+from clast.step.method import Method, StepProcess, StepResult, Workspace
 from clast.step.modified import Modified
-from clast.step.workspace import Workspace
 
 GRAVITY = 9.8
 
@@ -170,7 +168,7 @@ def method(**changes: object) -> Method:
         process=Modified(),
         contact_law=Penalty(normal_stiffness=1e8),
         corner_rule=Bisector(),
-        displacement=FirstOrder(Sine()),
+        rotation=Sine(),
         integrator=ConstantAcceleration(),
         solver=Scipy(),
         fixed_point_stiffness=1e11,
@@ -294,9 +292,8 @@ def contacts_of(
 ) -> Contacts:
     """Return the contacts of a state as a step sees them."""
     state = state or at_start(model)
-    displacement = FirstOrder(Sine())
     centroid = polygon.moments(state.vertices, model.block_start)[1]
-    return detect(model, rule, displacement, state, centroid, reach)
+    return detect(model, rule, state, centroid, reach)
 
 
 # --- runs to their end -----------------------------------------------------------------------
@@ -415,7 +412,7 @@ def overlaps(model: Model, vertices: Floats) -> list[tuple[int, int, float]]:
 
 def open_ledger(model: Model, how: Method, state: State) -> State:
     """Return the state with the ledger that a run starts with."""
-    return replace(state, ledger=energy.opening(model, how, state))
+    return replace(state, ledger=energy.opening(model, state))
 
 
 def march(
@@ -446,7 +443,7 @@ def centroids(model: Model, state: State) -> Floats:
 
 def momentum(model: Model, how: Method, state: State) -> Floats:
     """Return linear momentum and angular momentum about (0, 0), shape (3,)."""
-    frames = block_frames(model, how.displacement, state)
+    frames = block_frames(model, state)
     linear = model.mass[:, None] * state.velocity[:, :2]
     at = frames.centroid
     orbital = at[:, 0] * linear[:, 1] - at[:, 1] * linear[:, 0]

@@ -1,16 +1,13 @@
-"""A contact law and a displacement function in plain NumPy, put into a method from outside."""
+"""A contact law in plain NumPy, put into a method from outside."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
-from clast.block.displacement import FirstOrder
 from clast.contact.contacts import ContactResponse
-from clast.contact.jacobian import levers_of, movement
 from clast.step.convex import Convex
 from clast.step.modified import ImplicitFriction, Modified
-from clast.step.motion import move
 from scenes.systems import at_start, box, centroids, incline, march, method, slide, system
 
 PROCESSES = {
@@ -61,35 +58,6 @@ class Hardening:
         return np.sqrt(half**2 + force / self.hardening) - half
 
 
-@dataclass(frozen=True)
-class Rigid:
-    """Blocks that turn and move but never strain: the strain unknowns move no point."""
-
-    def basis(self, offset):
-        """Return T (m, 2, 6)."""
-        t = np.zeros((len(offset), 2, 6))
-        t[:, 0, 0] = t[:, 1, 1] = 1.0
-        t[:, 0, 2], t[:, 1, 2] = -offset[:, 1], offset[:, 0]
-        return t
-
-    def mass_matrix(self, mass, moments):
-        """Return M (n, 6, 6)."""
-        m = np.zeros((len(mass), 6, 6))
-        m[:, 0, 0] = m[:, 1, 1] = mass
-        m[:, 2, 2] = moments[:, 0] + moments[:, 1]
-        return m
-
-    def place(self, offset, displacement):
-        """Return the new offsets (m, 2)."""
-        c, s = np.cos(displacement[:, 2]), np.sin(displacement[:, 2])
-        x, y = offset[:, 0], offset[:, 1]
-        return displacement[:, :2] + np.stack([c * x - s * y, s * x + c * y], axis=1)
-
-    def turn(self, displacement):
-        """Return the rotation, rad."""
-        return displacement[:, 2]
-
-
 def moved(model, how, step=STEP, end=TIME):
     """Return how far the blocks move, m, and the last result."""
     last = march(model, how, step, end)[-1]
@@ -114,47 +82,3 @@ def test_hardening_law_settles_at_its_own_penetration(process):
     assert last.penetration == pytest.approx(Hardening().depth(0.5 * weight), rel=1e-3)
     assert last.response.normal_force.sum() == pytest.approx(weight, rel=1e-3)
     assert way[1, 1] == pytest.approx(-last.penetration, rel=0.05)
-
-
-@pytest.mark.parametrize("process", PROCESSES)
-def test_rigid_displacement_function_drives_the_incline(process):
-    model = incline(20.0, young=1e7)  # so soft that straining blocks would show
-    how = method(process=PROCESSES[process], displacement=Rigid(), max_displacement=0.02)
-    way, last = moved(model, how)
-    assert way[1] == pytest.approx([slide(20.0, TIME), -slide(20.0, TIME)], rel=0.02)
-    assert np.array_equal(last.state.stress, np.zeros((2, 3)))
-    sides = np.hypot(*np.diff(last.state.vertices[3:], axis=0).T)
-    assert sides == pytest.approx(np.hypot(*np.diff(model.vertices[3:], axis=0).T), rel=1e-12)
-
-
-@dataclass(frozen=True)
-class OwnPlace(FirstOrder):
-    """The built-in one but for where it places points: a metre further to the right."""
-
-    def place(self, offset, displacement):
-        """Return the new offsets (m, 2)."""
-        return super().place(offset, displacement) + np.array([1.0, 0.0])
-
-
-@dataclass(frozen=True)
-class OwnBasis(FirstOrder):
-    """The built-in one but for its basis, that of blocks that do not strain."""
-
-    def basis(self, offset):
-        """Return T (m, 2, 6)."""
-        return Rigid().basis(offset)
-
-
-def test_what_a_displacement_function_replaces_is_asked_for():
-    """Kernels that know the built-in one by heart do not go past a method of its own."""
-    offset, d = np.array([[0.5, -0.25]]), np.array([[0.1, 0.2, 0.05, 0.3, -0.2, 0.1]])
-    at, block = np.array([[2.5, 1.75]]), np.zeros(1, np.int64)
-    usual = move(FirstOrder(), at, block, at - offset, d)
-    placed = move(OwnPlace(), at, block, at - offset, d)
-    assert placed - usual == pytest.approx(np.array([[1.0, 0.0]]))
-    levers = np.array([[0.6, 0.8, 0.5, 0.5, -0.5, 0.25]])
-    assert levers_of(FirstOrder(), levers) is levers
-    rows, rigid = levers_of(OwnBasis(), levers), levers_of(Rigid(), levers)
-    assert np.array_equal(rows, rigid)
-    wanted = np.einsum("kxi,ki->kx", Rigid().basis(offset), d)
-    assert movement(OwnBasis(), offset, d, block) == pytest.approx(wanted)

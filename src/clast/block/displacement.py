@@ -1,99 +1,123 @@
-"""The complete first-order displacement function of Shi: u0, v0, r0, ex, ey, gxy.
+"""The first-order displacement function T(x, y) of a block (Shi 1988), and what follows from it.
 
-T(x, y) = | 1 0 -y  x  0  y/2 |      x = X - Xc, y = Y - Yc  (Shi 1988)
-          | 0 1  x  0  y  x/2 |
+A point at the offset (x, y) = (X - Xc, Y - Yc) from the centroid of its block is displaced by
+(u, v) = T(x, y) d, with the six unknowns d = (u0, v0, r0, ex, ey, gxy) of the block and
+
+    T(x, y) = | 1 0 -y  x  0  y/2 |
+              | 0 1  x  0  y  x/2 |
+
+Kernels of every chapter get T d, T^T f, T^T (u; v) and sums of T^T C T from here.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Protocol
-
 import numpy as np
 
-from clast.block import displacement_kernels as kernel
-from clast.block.rotation import Sine
+from clast.block.rotation import RotationRule
+from clast.compute.jit import kernel
+from clast.compute.parallel import CONTACTS, shared
+from clast.compute.vec6 import numbers, plus, plus_scaled, put_line, row, six
 from clast.model.model import Floats, Ints
 
 
-class RotationRule(Protocol):
-    """What the third unknown means (see :mod:`clast.block.rotation`)."""
-
-    def angle(self, unknown: Floats) -> Floats:
-        """Return the rotation, rad."""
-        ...
-
-    def gradient(self, unknowns: Floats) -> Floats:
-        """Return the displacement gradient G (n, 2, 2) of d (n, 6): u(x) = (u0, v0) + G x."""
-        ...
+@kernel(forceinline=True)
+def displacement_at(x, y, d):
+    """Return T(x, y) d, m, as u and v, for the six unknowns d of a block (vec6)."""
+    u0, v0, r0, ex, ey, gxy = numbers(d)
+    return u0 - y * r0 + x * ex + 0.5 * y * gxy, v0 + x * r0 + y * ey + 0.5 * x * gxy
 
 
-@dataclass(frozen=True)
-class FirstOrder:
-    """Constant strain in each block; large rotation by the rule given."""
-
-    rotation: RotationRule = field(default_factory=Sine)
-
-    def basis(self, offset: Floats) -> Floats:
-        """Return T (m, 2, 6) at offsets (m, 2) from the centroid, m."""
-        x, y = offset[:, 0], offset[:, 1]
-        t = np.zeros((len(offset), 2, 6))
-        t[:, 0, 0] = 1.0
-        t[:, 0, 2] = -y
-        t[:, 0, 3] = x
-        t[:, 0, 5] = 0.5 * y
-        t[:, 1, 1] = 1.0
-        t[:, 1, 2] = x
-        t[:, 1, 4] = y
-        t[:, 1, 5] = 0.5 * x
-        return t
-
-    def mass_matrix(self, mass: Floats, moments: Floats) -> Floats:
-        """Return M = int T^T T dm (n, 6, 6), exact, from mass (n,) kg/m and moments (n, 3).
-
-        ``moments`` are the mass moments about the centroid int x2, int y2, int xy dm, kg m2/m.
-        """
-        matrices: Floats = kernel.mass_matrices(mass, moments)
-        return matrices
-
-    def displacements(self, offset: Floats, unknowns: Floats, block: Ints) -> Floats:
-        """Return T d (k, 2) at offsets (k, 2) in blocks (k,) with d (n, 6), m."""
-        moved: Floats = kernel.displacements(offset, unknowns, block)
-        return moved
-
-    def movements(self, offset: Floats, unknowns: Floats, block: Ints) -> Floats:
-        """Return how far points at offsets (k, 2) in blocks (k,) are moved by d (n, 6), m, (k, 2).
-
-        Not to first order: the blocks turn as the rotation rule says.
-        """
-        gradient = self.rotation.gradient(unknowns)
-        moved: Floats = kernel.movements(offset, unknowns, gradient, block)
-        return moved
-
-    def place(self, offset: Floats, displacement: Floats) -> Floats:
-        """Return new offsets (m, 2) from the *old* centroid after displacements d (m, 6)."""
-        return offset + self.movements(offset, displacement, np.arange(len(offset)))
-
-    def turn(self, displacement: Floats) -> Floats:
-        """Return the rotation, rad, of displacements d (n, 6); nan where it is impossible."""
-        return self.rotation.angle(displacement[:, 2])
+@kernel(forceinline=True)
+def force_at(x, y, fx, fy):
+    """Return T(x, y)^T f, the generalised force (vec6) of a force f, N/m, at an offset, m."""
+    return six(fx, fy, x * fy - y * fx, x * fx, y * fy, 0.5 * (y * fx + x * fy))
 
 
-class DisplacementFunction(Protocol):
-    """How a block moves and strains with its six unknowns about its centroid."""
+@kernel(forceinline=True)
+def plus_transposed(k0, k1, k2, k3, k4, k5, x, y, u, v):
+    """Return the six lines of K + T(x, y)^T (u; v) for lines k0 to k5 and u, v (vec6 each)."""
+    k2 = plus_scaled(plus_scaled(k2, -y, u), x, v)
+    k3, k4 = plus_scaled(k3, x, u), plus_scaled(k4, y, v)
+    k5 = plus_scaled(plus_scaled(k5, 0.5 * y, u), 0.5 * x, v)
+    return plus(k0, u), plus(k1, v), k2, k3, k4, k5
 
-    def basis(self, offset: Floats) -> Floats:
-        """Return T (m, 2, 6) at offsets (m, 2) from the centroid, m."""
-        ...
 
-    def mass_matrix(self, mass: Floats, moments: Floats) -> Floats:
-        """Return M (n, 6, 6) from mass (n,) and mass moments (n, 3): int x2, y2, xy dm, kg m2."""
-        ...
+@kernel(forceinline=True)
+def powers_at(x, y):
+    """Return (1, x, y, x^2, xy, y^2) as vec6: what T^T C T is made of at an offset, m."""
+    return six(1.0, x, y, x * x, x * y, y * y)
 
-    def place(self, offset: Floats, displacement: Floats) -> Floats:
-        """Return the new offsets (m, 2) from the *old* centroid after displacements d (m, 6)."""
-        ...
 
-    def turn(self, displacement: Floats) -> Floats:
-        """Return the rotation, rad, of displacements d (n, 6); nan where it is impossible."""
-        ...
+@kernel(forceinline=True)
+def weighted_squares(xx, xy, yy):
+    """Return the six lines (vec6) of sum T^T C T, from the moments of symmetric matrices C (2, 2).
+
+    ``xx``, ``xy`` and ``yy`` are the sums of the components of C times :func:`powers_at` (vec6).
+    With C = I dm this is the mass matrix, with C the stiffness of a contact its share of K_ii.
+    """
+    a1, ax, ay, axx, axy, ayy = numbers(xx)
+    b1, bx, by, bxx, bxy, byy = numbers(xy)
+    c1, cx, cy, cxx, cxy, cyy = numbers(yy)
+    ur, us, vr, vs = bx - ay, 0.5 * (ay + bx), cx - by, 0.5 * (by + cx)
+    re, rf, rs = bxx - axy, cxy - byy, 0.5 * (cxx - ayy)
+    es, fs = 0.5 * (axy + bxx), 0.5 * (byy + cxy)
+    rr, ss = ayy - 2.0 * bxy + cxx, 0.25 * (ayy + 2.0 * bxy + cxx)
+    return (
+        six(a1, b1, ur, ax, by, us),
+        six(b1, c1, vr, bx, cy, vs),
+        six(ur, vr, rr, re, rf, rs),
+        six(ax, bx, re, axx, bxy, es),
+        six(by, cy, rf, bxy, cyy, fs),
+        six(us, vs, rs, es, fs, ss),
+    )
+
+
+@shared(CONTACTS)
+def _basis(first, last, offset, result):
+    """Write T at points ``first`` to ``last`` - 1, line by line: T^T of a unit force along x, y."""
+    for k in range(first, last):
+        x, y = offset[k, 0], offset[k, 1]
+        put_line(result, k, 0, force_at(x, y, 1.0, 0.0))
+        put_line(result, k, 1, force_at(x, y, 0.0, 1.0))
+
+
+def basis(offset: Floats) -> Floats:
+    """Return T (k, 2, 6) at offsets (k, 2) from the centroids, m."""
+    result = np.empty((len(offset), 2, 6))
+    _basis(len(offset), np.ascontiguousarray(offset), result)
+    return result
+
+
+@shared(CONTACTS)
+def _displacements(first, last, offset, unknowns, block, result):
+    """Write T d at points ``first`` to ``last`` - 1."""
+    for k in range(first, last):
+        d = row(unknowns, block[k])
+        result[k, 0], result[k, 1] = displacement_at(offset[k, 0], offset[k, 1], d)
+
+
+def displacements(offset: Floats, unknowns: Floats, block: Ints) -> Floats:
+    """Return T d (k, 2), m, at offsets (k, 2), m, in blocks (k,), from d (n, 6): to first order."""
+    result = np.empty_like(offset)
+    _displacements(len(offset), offset, unknowns, block, result)
+    return result
+
+
+@shared(CONTACTS)
+def _movements(first, last, offset, unknowns, gradient, block, result):
+    """Write (u0, v0) + G x of points ``first`` to ``last`` - 1."""
+    for k in range(first, last):
+        x, y, b = offset[k, 0], offset[k, 1], block[k]
+        result[k, 0] = unknowns[b, 0] + (gradient[b, 0, 0] * x + gradient[b, 0, 1] * y)
+        result[k, 1] = unknowns[b, 1] + (gradient[b, 1, 0] * x + gradient[b, 1, 1] * y)
+
+
+def movements(rotation: RotationRule, offset: Floats, unknowns: Floats, block: Ints) -> Floats:
+    """Return how far d (n, 6) moves points at offsets (k, 2), m, of blocks (k,), m, (k, 2).
+
+    Other than :func:`displacements` not to first order: u(x) = (u0, v0) + G x, with the gradient G
+    of the rotation rule.
+    """
+    result = np.empty_like(offset)
+    _movements(len(offset), offset, unknowns, rotation.gradient(unknowns), block, result)
+    return result

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.block.outline import vertex_after
+from clast.block.polygon import vertex_after
 from clast.compute.jit import kernel
 
 FEW = 48

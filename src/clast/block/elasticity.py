@@ -1,16 +1,23 @@
-"""Stress and strain rates of the blocks at the end of a step (step/motion.py)."""
+"""Stress and strain rates of the blocks at the end of a step."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from clast.compute.chunks import MANY, bounds, parts
-from clast.compute.jit import kernel
-from clast.compute.parallel import nothing_done, prange, threads_of, to_do
+from clast.compute.parallel import BLOCKS, shared
+from clast.model.model import Floats
 
 
-@kernel()
+def strained(stress: Floats, elasticity: Floats, unknowns: Floats) -> Floats:
+    """Return sigma + E' e, Pa, (n, 3), for the strains e of d (n, 6); E' (n, 3, 3) in Pa."""
+    result = np.empty_like(stress)
+    _strain(len(stress), stress, elasticity, unknowns, result)
+    return result
+
+
+@shared(BLOCKS)
 def _strain(low, high, stress, elasticity, unknowns, result):
+    """Write the stress of blocks ``low`` to ``high`` - 1."""
     for b in range(low, high):
         for i in range(3):
             gained = 0.0
@@ -19,28 +26,19 @@ def _strain(low, high, stress, elasticity, unknowns, result):
             result[b, i] = stress[b, i] + gained
 
 
-@kernel(parallel=True)
-def _strain_shared(stress, elasticity, unknowns, result):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for part in to_do(thread, progress, parts(len(stress))):
-            low, high = bounds(part, len(stress))
-            _strain(low, high, stress, elasticity, unknowns, result)
+def turned(tensor: Floats, first: int, angle: Floats, shear_factor: float) -> Floats:
+    """Return a copy with columns ``first`` to first + 2, xx, yy and xy, turned by angles (n,), rad.
 
-
-@kernel()
-def strained(stress, elasticity, unknowns):
-    """Return sigma + E' e, Pa, (n, 3), for the strains of d (n, 6); E' (n, 3, 3)."""
-    result = np.empty_like(stress)
-    if len(stress) >= MANY:
-        _strain_shared(stress, elasticity, unknowns, result)
-    else:
-        _strain(0, len(stress), stress, elasticity, unknowns, result)
+    The shear is xy times ``shear_factor``: 1 for stress, 2 for strain with engineering shear.
+    """
+    result = np.empty_like(tensor)
+    _turn(len(tensor), tensor, first, angle, shear_factor, result)
     return result
 
 
-@kernel()
+@shared(BLOCKS)
 def _turn(low, high, tensor, first, angle, shear_factor, result):
+    """Write the turned tensors, R S R^T, of blocks ``low`` to ``high`` - 1."""
     for b in range(low, high):
         for k in range(tensor.shape[1]):
             result[b, k] = tensor[b, k]
@@ -52,26 +50,3 @@ def _turn(low, high, tensor, first, angle, shear_factor, result):
         result[b, first + 1] = sine**2 * xx + cosine**2 * yy + both
         mixed = cosine * sine * (xx - yy) + (cosine**2 - sine**2) * xy
         result[b, first + 2] = shear_factor * mixed
-
-
-@kernel(parallel=True)
-def _turn_shared(tensor, first, angle, shear_factor, result):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for part in to_do(thread, progress, parts(len(tensor))):
-            low, high = bounds(part, len(tensor))
-            _turn(low, high, tensor, first, angle, shear_factor, result)
-
-
-@kernel()
-def turned(tensor, first, angle, shear_factor):
-    """Return a copy with columns ``first`` to first + 2, xx, yy and xy, turned by angles (n,), rad.
-
-    The shear is xy times ``shear_factor``: 1 for stress, 2 for strain with engineering shear.
-    """
-    result = np.empty_like(tensor)
-    if len(tensor) >= MANY:
-        _turn_shared(tensor, first, angle, shear_factor, result)
-    else:
-        _turn(0, len(tensor), tensor, first, angle, shear_factor, result)
-    return result

@@ -1,14 +1,49 @@
-"""What each block contributes to K d = F by itself (step/start.py)."""
+"""What each block contributes to the equations K d = F by itself."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from clast.compute.chunks import CHUNK, SHARED, chunks
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
-from clast.compute.parallel import nothing_done, prange, threads_of, to_do
+from clast.compute.parallel import BLOCKS, shared
 from clast.compute.vec6 import line, plus_scaled, put_line, put_row, row, zeros
+from clast.model.model import Floats
+
+
+def terms(
+    inertia: tuple[Floats, float, Floats],
+    elastic: tuple[Floats, Floats],
+    stress: Floats,
+    mass: Floats,
+    acceleration: Floats,
+) -> tuple[Floats, Floats, Floats]:
+    """Return K (n, 6, 6), F and its part that is momentum, M/(theta h2) drift, (n, 6) each.
+
+    ``inertia``: mass matrix (n, 6, 6), 1/(theta h2) in 1/s2 and the drift h v (n, 6), m;
+    ``elastic``: area (n,), m2, and E' (n, 3, 3), Pa; ``stress`` (n, 3) in Pa, ``mass`` (n,) in
+    kg/m, ``acceleration`` (2,) of every mass, m/s2 (Shi 1988).
+    """
+    matrix, drift = np.empty_like(inertia[0]), inertia[2]
+    found = matrix, np.empty_like(drift), np.empty_like(drift)
+    _terms(len(mass), inertia, elastic, stress, mass, acceleration, found)
+    return found
+
+
+@shared(BLOCKS)
+def _terms(first, last, inertia, elastic, stress, mass, acceleration, found):
+    """Write the terms of blocks ``first`` to ``last`` - 1."""
+    mass_matrix, factor, drift = inertia
+    area, elasticity = elastic
+    matrix, force, momentum = found
+    for b in range(first, last):
+        _inertia(b, mass_matrix, factor, matrix)
+        _elasticity(b, area, elasticity, matrix)
+        md = times(mass_matrix, b, drift, b)
+        put_row(momentum, b, plus_scaled(zeros(), factor, md))
+        put_row(force, b, row(momentum, b))
+        _stress(b, area, stress, force)
+        _weight(b, mass, acceleration, force)
 
 
 @kernel()
@@ -38,44 +73,3 @@ def _weight(b, mass, acceleration, force):
     """Add rho A g, at the centroid, to block b."""
     force[b, 0] += mass[b] * acceleration[0]
     force[b, 1] += mass[b] * acceleration[1]
-
-
-@kernel()
-def _of_blocks(first, last, inertia, elastic, stress, mass, acceleration, found):
-    """Write the terms of blocks ``first`` to ``last`` - 1."""
-    mass_matrix, factor, drift = inertia
-    area, elasticity = elastic
-    matrix, force, momentum = found
-    for b in range(first, last):
-        _inertia(b, mass_matrix, factor, matrix)
-        _elasticity(b, area, elasticity, matrix)
-        md = times(mass_matrix, b, drift, b)
-        put_row(momentum, b, plus_scaled(zeros(), factor, md))
-        put_row(force, b, row(momentum, b))
-        _stress(b, area, stress, force)
-        _weight(b, mass, acceleration, force)
-
-
-@kernel(parallel=True)
-def _of_blocks_shared(inertia, elastic, stress, mass, acceleration, found):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(mass))):
-            last = min((c + 1) * CHUNK, len(mass))
-            _of_blocks(c * CHUNK, last, inertia, elastic, stress, mass, acceleration, found)
-
-
-@kernel()
-def terms(inertia, elastic, stress, mass, acceleration):
-    """Return K (n, 6, 6), F and its part that is momentum, M/(theta h2) drift, (n, 6) each.
-
-    ``inertia``: mass matrix (n, 6, 6), 1/(theta h2) and the drift (n, 6), m.  ``elastic``: area
-    (n,) and E' (n, 3, 3).  ``stress`` (n, 3) in Pa, ``acceleration`` (2,) of every mass, m/s2.
-    """
-    mass_matrix, _, drift = inertia
-    found = np.empty_like(mass_matrix), np.empty_like(drift), np.empty_like(drift)
-    if len(mass) >= SHARED:
-        _of_blocks_shared(inertia, elastic, stress, mass, acceleration, found)
-    else:
-        _of_blocks(0, len(mass), inertia, elastic, stress, mass, acceleration, found)
-    return found

@@ -24,23 +24,15 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 import numpy as np
 
 from clast import spelling
-from clast.case.case_file import (
-    GROUND_MOTIONS,
-    PLANES,
-    BlockTable,
-    Case,
-    FixedPointTable,
-    GroundMotionTable,
-    JointTable,
-    LineLoadTable,
-    MeasuredPointTable,
-    MethodTable,
-    OutputTable,
-    PointLoadTable,
-    RockTable,
-    Table,
-    TimeTable,
-)
+from clast.case.blocks import BlockTable
+from clast.case.case_file import PLANES, Case
+from clast.case.ground_motion import GROUND_MOTIONS, GroundMotionTable
+from clast.case.materials import JointTable, RockTable
+from clast.case.measurements import MeasuredPointTable
+from clast.case.method import MethodTable
+from clast.case.supports_and_loads import FixedPointTable, LineLoadTable, PointLoadTable
+from clast.case.table import Table
+from clast.case.time_and_output import OutputTable, TimeTable
 from clast.case.writing import as_plain, table_of
 from clast.errors import CaseError
 from clast.model import builder as model_builder
@@ -129,6 +121,8 @@ class ModelBuilder(model_builder.ModelBuilder):
 
     def _content(self) -> dict[str, Any]:
         """Return the tables of a case file that hold the system of blocks."""
+        for action in self.actions[:1]:
+            raise _no_name("actions", action)
         rocks = {rock.name: table_of(RockTable, _unnamed(rock)) for rock in self._rocks}
         content = {
             "title": self.title,
@@ -242,8 +236,8 @@ def simulate(
         output=None if output is None else Path(output),
         contacts=settings.output.contacts,
     )
-    warnings = examine(model, method, schedule).warnings
     with shown(progress) as watch:
+        warnings = examine(model, method, schedule).warnings
         return march(model, method, schedule, recorder=recorder, watch=watch, warnings=warnings)
 
 

@@ -35,6 +35,8 @@ import numba
 from numba import types as types
 from numba.extending import overload as overload
 
+from clast.compute.compilation import COMPILATION
+
 SETTINGS: Any = numba.config
 """numba's settings of this process."""
 BY_THREADS = os.environ.get("NUMBA_NUM_THREADS", "1") != "1"
@@ -78,7 +80,7 @@ PACKAGE = Path(__file__).resolve().parents[1]
 """Where the package is."""
 USES = re.compile(r"^from clast((?:\.\w+)*) import (\([^)]*\)|.*)$", re.MULTILINE)
 """An import of another module: `.folder.file import name`, or `.folder import file, file`."""
-KERNELS = re.compile(r"^from clast\.compute(\.jit)? import .*\b(kernel|jit)\b", re.MULTILINE)
+KERNELS = re.compile(r"^from clast\.compute\b", re.MULTILINE)
 """What a file says that has kernels."""
 
 
@@ -138,6 +140,7 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """Return the decorator of a kernel; ``options`` are those of ``numba.njit``."""
 
     def compiled(function: Callable[..., Any]) -> Any:
+        COMPILATION.known += 1
         usual = SETTINGS.CACHE_DIR
         SETTINGS.CACHE_DIR = folder(Path(function.__code__.co_filename)) or usual
         try:

@@ -41,7 +41,7 @@ class Contacts:
     length: Floats
     """Length of joint that the contact stands for (cohesion, tensile strength), m, shape (m,)."""
     levers: Floats
-    """Normal and offsets of P and Q from the centroids, or the rows below, (m, 6) or (m, 4, 6)."""
+    """Normal (nx, ny), and offsets of P and Q from the centroids of i and j, m, shape (m, 6)."""
     friction: Floats
     """tan(friction angle) of the joint, shape (m,)."""
     cohesion: Floats
@@ -68,7 +68,7 @@ class Contacts:
 
     @property
     def rows(self) -> Floats:
-        """n_i, n_j, t_i, t_j: T_i^T n, -T_j^T n, T_i^T t, -T_j^T t, t along the edge, (m, 4, 6)."""
+        """Contact Jacobian n_i, n_j, t_i, t_j: T_i^T n, -T_j^T n, T_i^T t, -T_j^T t, (m, 4, 6)."""
         return rows_of(self.levers)
 
     def __repr__(self) -> str:

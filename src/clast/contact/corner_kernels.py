@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.block.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
+from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
 from clast.compute.chunks import PART, parts
 from clast.compute.jit import kernel
 from clast.compute.parallel import nothing_done, prange, threads_of, to_do

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from clast.block.edge_lists import edges_within, left_to_right
-from clast.block.outline import vertex_after, vertex_before
+from clast.block.polygon import vertex_after, vertex_before
 from clast.compute.jit import kernel
 from clast.contact.narrow_phase import depth_inside
 

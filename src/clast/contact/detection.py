@@ -11,14 +11,13 @@ from functools import lru_cache
 import numpy as np
 
 from clast.block import polygon
-from clast.block.displacement import DisplacementFunction
+from clast.block.displacement import displacements
 from clast.contact import contact_kernels as kernel
 from clast.contact import narrow_phase
 from clast.contact.candidates import Candidates, find_candidates, pair_penetration
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.crossings import with_crossings
-from clast.contact.jacobian import levers_of, movement
 from clast.contact.memory import recall
 from clast.contact.search_distance import Reach
 from clast.contact.verlet_list import VerletList, near_pairs
@@ -41,7 +40,6 @@ def joints_of_pairs(table: JointTable, block_rock: Ints, pairs: Ints) -> Ints:
 def detect(
     model: Model,
     corner_rule: CornerRule,
-    displacement: DisplacementFunction,
     state: State,
     centroid: Floats,
     reach: Reach,
@@ -61,7 +59,7 @@ def detect(
     if drift is not None:
         block = model.vertex_block
         offset = polygon.offsets(state.vertices, block, centroid)
-        shift = movement(displacement, offset, drift, block)
+        shift = displacements(offset, drift, block)
     strain = np.einsum("nab,nb->na", model.compliance, state.stress)
     candidates = find_candidates(
         state.vertices, model.block_start, pairs, state.memory, reach, shift, strain
@@ -82,7 +80,7 @@ def detect(
         travel,
         reach.critdis,
     )
-    return _contacts(model, displacement, state, centroid, pairs, candidates, chosen, reach)
+    return _contacts(model, state, centroid, pairs, candidates, chosen, reach)
 
 
 @lru_cache(maxsize=8)
@@ -97,7 +95,6 @@ def _strengths_of(joints: tuple[Joint, ...]) -> tuple[Floats, Floats, Floats]:
 
 def _contacts(
     model: Model,
-    displacement: DisplacementFunction,
     state: State,
     centroid: Floats,
     pairs: Ints,
@@ -154,7 +151,7 @@ def _contacts(
             found.length,
             reach.critdis,
         ),
-        levers=levers_of(displacement, levers),
+        levers=levers,
         friction=friction,
         cohesion=cohesion,
         tensile_strength=tensile_strength,

@@ -1,87 +1,108 @@
-"""How gap and slip of the contacts follow the unknowns of two blocks."""
+"""The contact Jacobian: how two blocks move a contact, and how the contact acts on them.
+
+Vertex P of block i moves by u_i = T_i d_i, the point Q of block j that it touches by u_j; the
+contact opens by n.(u_i - u_j) and slips by t.(u_i - u_j), t = (-ny, nx).  Forces act by T^T, and
+springs stiffen by T^T (k_n n n^T + k_s t t^T) T (Shi 1988).
+
+T follows from the offset of a point from the centroid of its block (block/displacement.py).  So a
+contact is six numbers, its ``levers`` (nx, ny, x_i, y_i, x_j, y_j): the unit normal of the edge,
+and the offsets of P and Q, m.  ``levers`` are those of all contacts, (m, 6).
+"""
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import TYPE_CHECKING, Protocol
-
 import numpy as np
 
-from clast.block import displacement_kernels as first_order
-from clast.block.displacement import DisplacementFunction
-from clast.model.model import Floats, Ints
-
-if TYPE_CHECKING:
-    from typing_extensions import TypeIs
-
-
-class ByOffsets(DisplacementFunction, Protocol):
-    """Shi's first-order displacement function, in which offsets say all about a point."""
-
-    def displacements(self, offset: Floats, unknowns: Floats, block: Ints) -> Floats:
-        """Return T d (k, 2) at offsets (k, 2) in blocks (k,) with d (n, 6), to first order, m."""
-        ...
-
-    def movements(self, offset: Floats, unknowns: Floats, block: Ints) -> Floats:
-        """Return how far points at offsets (k, 2) in blocks (k,) are moved by d (n, 6), m, (k, 2).
-
-        With the rotation as it is, other than ``displacements``.
-        """
-        ...
+from clast.block.displacement import (
+    displacement_at,
+    force_at,
+    plus_transposed,
+    powers_at,
+)
+from clast.compute.jit import kernel
+from clast.compute.mat6 import lines, put_lines
+from clast.compute.parallel import CONTACTS, shared
+from clast.compute.vec6 import numbers, plus_scaled, put_line, row
+from clast.model.model import Floats
 
 
-@lru_cache(maxsize=64)
-def _by_one_class(kind: type, *names: str) -> bool:
-    """Return True where all these methods of a class are defined by the same class.
-
-    One that takes over all of another but a method of its own would else not be asked for that.
-    """
-    defining = [next((one for one in kind.__mro__ if name in vars(one)), None) for name in names]
-    return None not in defining and len(set(defining)) == 1
-
-
-def by_offsets(displacement: DisplacementFunction) -> TypeIs[ByOffsets]:
-    """Return True where kernels need no basis but the offsets."""
-    return _by_one_class(type(displacement), "basis", "displacements")
+@kernel(forceinline=True)
+def relative_motion(levers, c, d, i, j):
+    """Return n.d and t.d of contact c of vertex block i and edge block j, m, for d (n, 6)."""
+    nx, ny, x_i, y_i, x_j, y_j = numbers(row(levers, c))
+    u_i, v_i = displacement_at(x_i, y_i, row(d, i))
+    u_j, v_j = displacement_at(x_j, y_j, row(d, j))
+    u, v = u_i - u_j, v_i - v_j
+    return nx * u + ny * v, nx * v - ny * u
 
 
-def places_at_once(displacement: DisplacementFunction) -> TypeIs[ByOffsets]:
-    """Return True where ``movements`` gives what ``place`` gives, for all points together."""
-    return _by_one_class(type(displacement), "place", "movements")
+@kernel(forceinline=True)
+def force_on(levers, c, of_vertex, normal, shear):
+    """Return the generalised force N n + T t (vec6) on the vertex's block or on the edge's."""
+    nx, ny = levers[c, 0], levers[c, 1]
+    fx, fy = normal * nx - shear * ny, normal * ny + shear * nx
+    if of_vertex:
+        return force_at(levers[c, 2], levers[c, 3], fx, fy)
+    return force_at(levers[c, 4], levers[c, 5], -fx, -fy)
 
 
-def levers_of(displacement: DisplacementFunction, levers: Floats) -> Floats:
-    """Return what contacts are in the equations (contact/levers.py).
-
-    ``levers`` (m, 6) are their normals and the offsets of vertex and foot from the centroids of
-    their blocks, m.  Shape (m, 6), or for a displacement function that is known by its basis alone
-    (m, 4, 6).
-    """
-    if by_offsets(displacement):
-        return levers
-    normal, at_vertex, at_edge = (levers[:, k : k + 2] for k in (0, 2, 4))
-    tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
-    i, j = displacement.basis(at_vertex), displacement.basis(at_edge)
-    return np.stack(
-        [
-            np.einsum("mxk,mx->mk", i, normal),
-            -np.einsum("mxk,mx->mk", j, normal),
-            np.einsum("mxk,mx->mk", i, tangent),
-            -np.einsum("mxk,mx->mk", j, tangent),
-        ],
-        axis=1,
+@kernel(forceinline=True)
+def stiffness_of(levers, c, kn, ks):
+    """Return xx, xy, yy of k_n n n^T + k_s t t^T of contact c, N/m per m; kn and ks (m,)."""
+    nx, ny = levers[c, 0], levers[c, 1]
+    return (
+        kn[c] * nx * nx + ks[c] * ny * ny,
+        (kn[c] - ks[c]) * nx * ny,
+        kn[c] * ny * ny + ks[c] * nx * nx,
     )
 
 
+@kernel(forceinline=True)
+def plus_moments(moments, levers, i, first, last, vertex_block, kn, ks):
+    """Return ``moments`` and those of the stiffness of contacts ``first`` to ``last`` - 1 of i.
+
+    ``moments`` are three times six numbers, from which ``weighted_squares`` makes K_ii
+    (block/displacement.py).
+    """
+    xx, xy, yy = moments
+    for c in range(first, last):
+        at = 2 if vertex_block[c] == i else 4
+        powers = powers_at(levers[c, at], levers[c, at + 1])
+        kxx, kxy, kyy = stiffness_of(levers, c, kn, ks)
+        xx, xy = plus_scaled(xx, kxx, powers), plus_scaled(xy, kxy, powers)
+        yy = plus_scaled(yy, kyy, powers)
+    return xx, xy, yy
+
+
+@kernel(forceinline=True)
+def couple(levers, i, q, first, last, vertex_block, kn, ks, upper):
+    """Add -T_i^T C T_j of contacts ``first`` to ``last`` - 1 to block q of ``upper``, in place.
+
+    i is the block of the rows, j the other one; C = k_n n n^T + k_s t t^T.
+    """
+    k0, k1, k2, k3, k4, k5 = lines(upper, q)
+    for c in range(first, last):
+        kxx, kxy, kyy = stiffness_of(levers, c, kn, ks)
+        own, other = (2, 4) if vertex_block[c] == i else (4, 2)
+        x, y = levers[c, other], levers[c, other + 1]
+        u, v = force_at(x, y, -kxx, -kxy), force_at(x, y, -kxy, -kyy)  # the lines of -C T_j
+        x, y = levers[c, own], levers[c, own + 1]
+        k0, k1, k2, k3, k4, k5 = plus_transposed(k0, k1, k2, k3, k4, k5, x, y, u, v)
+    put_lines(upper, q, k0, k1, k2, k3, k4, k5)
+
+
+@shared(CONTACTS)
+def _rows(first, last, levers, rows):
+    """Write the rows of contacts ``first`` to ``last`` - 1."""
+    for c in range(first, last):
+        put_line(rows, c, 0, force_on(levers, c, True, 1.0, 0.0))
+        put_line(rows, c, 1, force_on(levers, c, False, 1.0, 0.0))
+        put_line(rows, c, 2, force_on(levers, c, True, 0.0, 1.0))
+        put_line(rows, c, 3, force_on(levers, c, False, 0.0, 1.0))
+
+
 def rows_of(levers: Floats) -> Floats:
-    """Return T_i^T n, -T_j^T n, T_i^T t and -T_j^T t of contacts, shape (m, 4, 6)."""
-    return levers if levers.ndim == 3 else np.asarray(first_order.contact_rows(levers))
-
-
-def movement(
-    displacement: DisplacementFunction, offset: Floats, unknowns: Floats, block: Ints
-) -> Floats:
-    """Return T d, m, (k, 2): how far points (k, 2) of blocks (k,) move to first order."""
-    if by_offsets(displacement):
-        return displacement.displacements(offset, unknowns, block)
-    return np.einsum("vxk,vk->vx", displacement.basis(offset), unknowns[block])
+    """Return n_i, n_j, t_i, t_j = T_i^T n, -T_j^T n, T_i^T t, -T_j^T t of contacts, (m, 4, 6)."""
+    rows = np.empty((len(levers), 4, 6))
+    _rows(len(levers), levers, rows)
+    return rows

@@ -3,14 +3,52 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import numpy as np
 
-from clast.contact import coulomb as kernel
+from clast.compute.parallel import CONTACTS, shared
 from clast.contact.contacts import ContactResponse, Contacts, SpringLimits
+from clast.contact.coulomb import (
+    Found,
+    answer_with_friction,
+    largest_forces,
+    memory_of,
+    nothing_found,
+    resist,
+    strengths_of,
+    tension_of,
+)
 from clast.errors import CaseError
 from clast.model.model import Floats
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeIs
+
+
+@shared(CONTACTS, error_model="numpy")
+def answer_of_springs(first, last, gap, slip, stiffnesses, strengths, memory, found):
+    """Write what contacts ``first`` to ``last`` - 1 answer to gaps and slips: see :func:`springs`.
+
+    In a minimisation (friction bound given) a contact that just touches counts with its stiffness:
+    at the kink either is a derivative, and it is about to close.
+    """
+    p, k = stiffnesses
+    _, _, tensile_strength, length = strengths
+    _, _, multiplier, friction_base = memory
+    normal, _, kn, _, _, _, _, energy, _ = found
+    for c in range(first, last):
+        given = not np.isnan(friction_base[c])
+        trial = multiplier[c] - p * gap[c]
+        tension = tension_of(tensile_strength[c], length[c])
+        bears = (trial > -tension) | (given & (trial == -tension))
+        counts = bears | given | (tension != 0.0)
+        # -tension is the cut-off; the bond is lost when the step is over
+        n = trial if bears else -tension
+        normal[c] = n if counts else 0.0
+        kn[c] = p if bears else 0.0
+        energy[c] = 0.5 * (n - max(0.0, multiplier[c])) ** 2 / p if counts else 0.0
+        resist(c, slip[c], k, strengths, memory, bears, counts, found)
 
 
 def springs(
@@ -22,28 +60,17 @@ def springs(
 ) -> ContactResponse:
     """Return the forces of linear springs with Coulomb friction, cohesion and tension cut-off.
 
-    N = max(0, lambda - p d_n); the shear force follows its spring from the remembered one and is
-    returned to |T| <= N tan(phi) + c L.  A bonded contact bears tension up to sigma_t L.  A step in
-    which it slips or reaches that tension is its last as a bonded one: from then on N tan(phi)
-    remains.  Gaps and slips (m,) at the end of the step, m; stiffnesses in N/m per m.
+    N = max(-sigma_t L, lambda - p d_n), sigma_t being 0 where no bond is left; friction is that of
+    contact/coulomb.py.  Gaps and slips (m,) at the end of the step, m; stiffnesses p and k in N/m
+    per m.
     """
-    normal, shear, kn, ks, coupling, mode, bonded, energy, loss = kernel.penalty(
-        gap,
-        slip,
-        (normal_stiffness, normal_stiffness if shear_stiffness is None else shear_stiffness),
-        *_joints_and_memory(contacts),
+    found = nothing_found(len(gap))
+    k = normal_stiffness if shear_stiffness is None else shear_stiffness
+    stiffnesses = float(normal_stiffness), float(k)
+    answer_of_springs(
+        len(gap), gap, slip, stiffnesses, strengths_of(contacts), memory_of(contacts), found
     )
-    return ContactResponse(
-        normal_force=normal,
-        shear_force=shear,
-        normal_stiffness=kn,
-        shear_stiffness=ks,
-        coupling=coupling,
-        mode=mode,
-        bonded=bonded,
-        energy=energy,
-        dissipation=loss,
-    )
+    return _response(found)
 
 
 def with_friction(
@@ -62,39 +89,35 @@ def with_friction(
     is -dN/dgap, N/m per m, ``energy`` (m,) the work that N has stored, J/m; that of the shear
     spring is added.  ``slip`` (m,) in m, ``shear_stiffness`` in N/m per m.
     """
-    force = np.ascontiguousarray(normal_force, np.float64)
-    shear, ks, coupling, mode, bonded, stored, loss = kernel.coulomb(
-        slip, float(shear_stiffness), *_joints_and_memory(contacts), force
-    )
+    found = nothing_found(len(slip))
+    found[0][:] = normal_force
+    k = float(shear_stiffness)
+    answer_with_friction(len(slip), slip, k, strengths_of(contacts), memory_of(contacts), found)
+    response = _response(found)
+    return replace(response, normal_stiffness=normal_stiffness, energy=energy + response.energy)
+
+
+def _response(found: Found) -> ContactResponse:
+    """Return what kernels have found, by its names."""
+    normal, shear, kn, ks, coupling, mode, bonded, energy, loss = found
     return ContactResponse(
-        normal_force=force,
+        normal_force=normal,
         shear_force=shear,
-        normal_stiffness=normal_stiffness,
+        normal_stiffness=kn,
         shear_stiffness=ks,
         coupling=coupling,
         mode=mode,
         bonded=bonded,
-        energy=energy + stored,
+        energy=energy,
         dissipation=loss,
     )
-
-
-def _strengths(contacts: Contacts) -> tuple[Floats, ...]:
-    """Return the strengths of contacts as the kernels take them."""
-    return contacts.friction, contacts.cohesion, contacts.tensile_strength, contacts.length
-
-
-def _joints_and_memory(contacts: Contacts) -> tuple[tuple[Floats, ...], tuple[Any, ...]]:
-    """Return strengths and memory of contacts as the kernels take them."""
-    memory = contacts.bonded, contacts.shear_force, contacts.multiplier, contacts.friction_base
-    return _strengths(contacts), memory
 
 
 def limits_of_springs(
     contacts: Contacts, normal_stiffness: float, shear_stiffness: float | None
 ) -> SpringLimits:
     """Return the bounds of ``springs`` for contacts whose friction bound is given."""
-    tension, strength = kernel.most(_strengths(contacts), contacts.friction_base)
+    tension, strength = largest_forces(contacts, contacts.friction_base)
     return SpringLimits(
         normal_stiffness=normal_stiffness,
         shear_stiffness=normal_stiffness if shear_stiffness is None else shear_stiffness,
@@ -271,3 +294,13 @@ class MultiplierLaw(ContactLaw, Protocol):
     def renew(self, contacts: Contacts, response: ContactResponse) -> Contacts:
         """Return the contacts with the multipliers that follow from the forces of a solve."""
         ...
+
+
+def has_limits(law: ContactLaw) -> TypeIs[SpringLaw]:
+    """Return True for laws of springs with bounds; isinstance of a protocol is slow."""
+    return hasattr(law, "limits")
+
+
+def limits_of(law: ContactLaw, contacts: Contacts) -> SpringLimits | None:
+    """Return the law as springs with bounds, or None for any other law or without contacts."""
+    return law.limits(contacts) if has_limits(law) and len(contacts) else None

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.block.outline import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
+from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
 from clast.compute.jit import kernel
 
 FACES_LIKE, BEND = np.cos(np.radians(45.0)), np.sin(np.radians(45.0))

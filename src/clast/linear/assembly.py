@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from clast.block.displacement import weighted_squares
 from clast.compute.chunks import CHUNK, MANY, PART, SHARED, chunks, parts
 from clast.compute.jit import kernel
-from clast.compute.mat6 import times
+from clast.compute.mat6 import lines, put_lines, times
 from clast.compute.parallel import nothing_done, prange, threads_of, to_do
-from clast.compute.vec6 import line, plus_product, put_line, row, total, with_number, zeros
-from clast.contact.levers import couple, finish_own, gather_own, normal_of, relative_motion
+from clast.compute.vec6 import plus, plus_product, put_line, row, total, with_number, zeros
+from clast.contact.jacobian import couple, plus_moments, relative_motion, stiffness_of
 from clast.linear.block_matrix import row_pointers
 
 
@@ -124,10 +125,8 @@ def _stiffness_against(held, q, start, levers, kn, ks):
     """Return ``held`` = (xx, xy, yy) and what the contacts of pair q add to it, N/m."""
     xx, xy, yy = held
     for c in range(start[q], start[q + 1]):
-        nx, ny = normal_of(levers, c)
-        xx += kn[c] * nx * nx + ks[c] * ny * ny
-        xy += (kn[c] - ks[c]) * nx * ny
-        yy += kn[c] * ny * ny + ks[c] * nx * nx
+        kxx, kxy, kyy = stiffness_of(levers, c, kn, ks)
+        xx, xy, yy = xx + kxx, xy + kxy, yy + kyy
     return xx, xy, yy
 
 
@@ -159,32 +158,31 @@ def _left_over(i, base, own, fixed, pairs, stiff, graph, levers, kn, ks):
 
 
 @kernel(forceinline=True)
-def assemble_own(i, base, graph, vertex_block, levers, kn, ks, moments, own):
-    """Write K_ii with the contact springs in it; ``moments`` (1, 3, 6) is room for it."""
+def assemble_own(i, base, graph, vertex_block, levers, kn, ks, own):
+    """Write K_ii with the contact springs in it into block i of ``own``."""
     start, right, left, listed = graph
-    for a in range(6):
-        put_line(own, i, a, line(base, i, a))
-    for a in range(3):
-        put_line(moments, 0, a, zeros())
+    moments = zeros(), zeros(), zeros()
     for at in range(left[i], left[i + 1]):
         q = listed[at]
-        gather_own(levers, i, start[q], start[q + 1], vertex_block, kn, ks, moments, own)
+        moments = plus_moments(moments, levers, i, start[q], start[q + 1], vertex_block, kn, ks)
     # the pairs that begin with a block follow each other, and so do their contacts
     first, last = start[right[i]], start[right[i + 1]]
-    gather_own(levers, i, first, last, vertex_block, kn, ks, moments, own)
-    finish_own(levers, moments, own, i)
+    xx, xy, yy = plus_moments(moments, levers, i, first, last, vertex_block, kn, ks)
+    k0, k1, k2, k3, k4, k5 = lines(base, i)
+    s0, s1, s2, s3, s4, s5 = weighted_squares(xx, xy, yy)
+    k0, k1, k2 = plus(k0, s0), plus(k1, s1), plus(k2, s2)
+    put_lines(own, i, k0, k1, k2, plus(k3, s3), plus(k4, s4), plus(k5, s5))
 
 
 @kernel()
 def _own_rows(low, high, base, fixed, pairs, stiff, graph, vertex_block, levers, kn, ks, own):
     """Assemble K_ii of blocks ``low`` to ``high`` - 1; return what ``_left_over`` sums up to."""
-    moments = np.empty((1, 3, 6))
     whole, rest, least = 0.0, 0.0, 1.0
     for i in range(low, high):
         if fixed[i]:
             _hold(i, base, own)
             continue
-        assemble_own(i, base, graph, vertex_block, levers, kn, ks, moments, own)
+        assemble_own(i, base, graph, vertex_block, levers, kn, ks, own)
         found = _left_over(i, base, own, fixed, pairs, stiff, graph, levers, kn, ks)
         whole, rest, least = whole + found[0], rest + found[1], min(least, found[2])
     return whole, rest, least
@@ -209,7 +207,7 @@ def assemble(base, fixed, pairs, graph, vertex_block, levers, kn, ks, own):
 
     ``base`` (n, 6, 6) is K without contacts; ``graph`` the first contact of each pair and
     the pairs of each block (see block_rows.row_pointers); ``levers`` what contacts are in the
-    equations (contact/levers.py).  Returned are the pairs that are coupled at all (q,), and which
+    equations (contact/jacobian.py).  Returned are the pairs that are coupled at all (q,), and which
     share of their stiffness against translation couplings leave to the blocks, to all coupled ones
     together and to the one with the least, in its weakest direction; 1 where none is coupled.
     Blocks held fixed keep a diagonal of their own size and no couplings.  Every block sums up its

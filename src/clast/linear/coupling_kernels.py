@@ -1,7 +1,7 @@
 """What couples the blocks of a pair, K_ij, from where it is known.
 
 Either blocks (q, 6, 6), K_ij with i < j, or contact springs: the first contact of each pair
-(q + 1,), the blocks of the vertices (m,), levers (contact/levers.py) and stiffnesses (m,) against
+(q + 1,), the blocks of the vertices (m,), levers (contact/jacobian.py) and stiffnesses (m,) against
 opening and slip.  From springs K_ij is found where it is wanted, in the order and the precision in
 which it is wanted: to read six numbers a contact is less than to write 36 and to read them again.
 """
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from clast.compute.jit import overload, types
 from clast.compute.vec6 import line, put_line, zeros
-from clast.contact.levers import couple
+from clast.contact.jacobian import couple
 
 
 def put_coupling(couplings, source, i, target, t):

@@ -96,7 +96,7 @@ class Springs:
     vertex_block: Ints
     """Block of each contact's vertex, shape (m,)."""
     levers: Floats
-    """What contacts are in the equations (contact/levers.py)."""
+    """What contacts are in the equations (contact/jacobian.py)."""
     normal_stiffness: Floats
     """Stiffness of each contact against opening, N/m2, shape (m,)."""
     shear_stiffness: Floats

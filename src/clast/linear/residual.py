@@ -9,7 +9,7 @@ from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.parallel import nothing_done, prange, threads_of, to_do
 from clast.compute.vec6 import plus, plus_product, plus_scaled, put_row, row, total, zeros
-from clast.contact.levers import force_on
+from clast.contact.jacobian import force_on
 
 
 @kernel(forceinline=True)

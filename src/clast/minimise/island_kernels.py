@@ -13,7 +13,7 @@ from clast.compute.chunks import MANY, SHARED, sum_of
 from clast.compute.jit import kernel
 from clast.compute.parallel import nothing_done, prange, threads_of, to_do
 from clast.compute.vec6 import plus_scaled, put_row, row
-from clast.contact.levers import couple
+from clast.contact.jacobian import couple
 from clast.linear import elimination
 from clast.linear.assembly import assemble_own, contact_motions, form, stiff_pairs
 from clast.linear.block_matrix import dot
@@ -80,10 +80,10 @@ def _assemble(problem, kn, ks, own, links):
     (base, _, _, fixed), pairs, graph, (vertex_block, _, levers), _ = problem
     start = graph[0]
     degree, _, _, blocks, used = links
-    count, moments = len(degree), np.empty((1, 3, 6))
+    count = len(degree)
     degree[:], used[0] = 0, 0
     for i in range(count):
-        assemble_own(i, base, graph, vertex_block, levers, kn, ks, moments, own)
+        assemble_own(i, base, graph, vertex_block, levers, kn, ks, own)
     stiff = stiff_pairs(fixed, pairs, start, kn, ks)
     for q in range(len(pairs)):
         if stiff[q]:

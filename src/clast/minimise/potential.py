@@ -10,8 +10,7 @@ import numpy as np
 
 from clast.compute.stopwatch import Stages
 from clast.contact.contacts import ContactResponse, Contacts, SpringLimits
-from clast.contact.laws import ContactLaw
-from clast.contact.spring_laws import limits_of
+from clast.contact.laws import ContactLaw, limits_of
 from clast.linear import assembly
 from clast.linear import block_matrix as block_rows
 from clast.linear import residual as balance

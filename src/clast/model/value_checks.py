@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.model import ranges
 from clast.model.ground_motion import GroundMotion, InertialForce, MovingBase
@@ -82,6 +83,23 @@ def _positive(value: float, limits: ranges.Range, where: str, remedy: str) -> No
     if not 0.0 < value < math.inf:
         raise ModelError(f"{value:g} must be above 0 and finite", where=where, remedy=remedy)
     ranges.check_size(value, limits, where, remedy)
+
+
+ACTION = ("begin", "share", "finish")
+"""Methods of an action."""
+
+
+def check_actions(actions: Sequence[object]) -> None:
+    """Refuse what lacks a method of an action."""
+    for k, action in enumerate(actions, 1):
+        lacking = [name for name in ACTION if not callable(getattr(action, name, None))]
+        if isinstance(action, type) or lacking:
+            raise ModelError(
+                f"{action if isinstance(action, type) else type(action).__name__} is no action"
+                + (f": it has no {', '.join(lacking)}" if lacking else ", but a class"),
+                where=f"actions, number {k}",
+                remedy="give an object with the methods of clast.actions.action.Action",
+            )
 
 
 def check_ground_motion(motion: GroundMotion, fixed_points: int) -> None:
@@ -211,3 +229,15 @@ def check_title(title: str) -> None:
         raise ModelError(
             what, where="title", remedy=f"give a text of at most {LONGEST_TITLE} characters"
         )
+
+
+def number_of(name: str, number: dict[str, int], kind: str, where: str) -> int:
+    """Return the index of a named thing, or suggest the nearest name."""
+    name = check_name(name, kind, where)
+    if name not in number:
+        raise ModelError(
+            f"there is no {kind} '{shortened(name)}'",
+            where=where,
+            remedy=spelling.advice(name, number, kind=kind),
+        )
+    return number[name]

@@ -17,14 +17,11 @@ from itertools import chain
 import numpy as np
 
 from clast.block import polygon
-from clast.block.displacement import FirstOrder
-from clast.block.rotation import Exact
 from clast.contact.contacts import SLIDE, ContactResponse, Contacts
 from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
-from clast.contact.laws import ContactLaw
+from clast.contact.laws import ContactLaw, has_limits
 from clast.contact.search_distance import Reach
-from clast.contact.spring_laws import has_limits
 from clast.model.builder import ModelBuilder
 from clast.model.model import Bools, Floats
 from clast.model.state import initial_state
@@ -251,7 +248,7 @@ def _some_contacts() -> Contacts:
     model = builder.build()
     centroid = polygon.moments(model.vertices, model.block_start)[1]
     reach = Reach(front=0.01, depth=0.01, critdis=0.01)
-    found = detect(model, Bisector(), FirstOrder(Exact()), initial_state(model), centroid, reach)
+    found = detect(model, Bisector(), initial_state(model), centroid, reach)
     rng = np.random.default_rng(2)
     count = len(found)
     cohesion = np.where(rng.random(count) < 0.3, 10.0 ** rng.uniform(2.0, 6.0, count), 0.0)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from time import perf_counter
 
+from clast.compute.compilation import COMPILATION, working_time
 from clast.compute.threads import threads_worth
 from clast.contact.contacts import Contacts
 from clast.errors import ResultsLost, RunStopped, StepOutcome, StepRejected
@@ -25,9 +25,8 @@ from clast.run.schedule import Progress, Schedule
 from clast.run.tally import Tally
 from clast.run.watch import Watch, Watched
 from clast.step import energy_balance
-from clast.step.method import Method, StepResult
+from clast.step.method import Method, StepResult, Workspace
 from clast.step.remedies import remedy
-from clast.step.workspace import Workspace
 
 GROW = 1.5
 """After a step that was far from its limits the next one is longer by this factor."""
@@ -73,7 +72,7 @@ class Stepping:
     def begin(self) -> RunState:
         """Return the run before its first step: at rest, or with its initial velocities."""
         state = initial_state(self.model)
-        ledger = energy_balance.opening(self.model, self.method, state)
+        ledger = energy_balance.opening(self.model, state)
         state = replace(state, ledger=ledger)
         return RunState(
             state=state, step=self.schedule.step, first=ledger, seen=self.watch.begin(state)
@@ -169,7 +168,7 @@ def simulate(
     """
     check_overlaps(model, method)
     recorder = recorder or RunRecorder(model)
-    start = perf_counter()
+    start = working_time()
     stepping = Stepping(
         model=model,
         method=method,
@@ -194,8 +193,11 @@ def simulate(
             ended_by = getattr(asked, "number", signal.SIGINT)
             outcome = f"interrupted{_by(ended_by)} at t = {recorder.state.time:.6g} s"
         report = march.report(
-            perf_counter() - start, outcome, finished=not failure and not ended_by, said=warnings
+            working_time() - start, outcome, finished=not failure and not ended_by, said=warnings
         )
+        compiling = COMPILATION.unreported()
+        if compiling > 0.0:
+            report = replace(report, seconds={**report.seconds, "compilation": compiling})
         run = replace(recorder.finish(report), ended_by=ended_by)
     if failure:
         raise RunStopped(f"the run {outcome}", run)
@@ -245,7 +247,7 @@ class _March:
         self.now = replace(self.now, tally=tally)
 
     def report(self, wall: float, outcome: str, *, finished: bool, said: tuple[str, ...]) -> Report:
-        """Return the report of a run that is over, after ``wall`` s."""
+        """Return the report of a run that is over, after ``wall`` s of work."""
         model, method, watch = self.stepping.model, self.stepping.method, self.stepping.watch
         state, tally = self.recorder.state, self.now.tally
         seen = watch.with_frame(self.now.seen, state)

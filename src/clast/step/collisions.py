@@ -6,7 +6,7 @@ step with its new velocity, ``shift`` away from where it was: by -t dv for a cha
 ``bodies`` are velocities now and before the impact (n, 6), shifts (n, 6), m, the time of the last
 impact (n,), s, accelerations (n, 2), mobilities (n, 3, 3), what an impulse changes of (u, v, r),
 and mass matrices (n, 6, 6).  ``contacts`` are gaps (m,), m, the two blocks (m,) each, levers
-(contact/levers.py), restitutions and tan(phi) (m,).  ``live`` are the moment (m,), s, at which a
+(contact/jacobian.py), restitutions and tan(phi) (m,).  ``live`` are the moment (m,), s, at which a
 contact strikes, infinity if it does not; whether it bears, and how often it has struck (m,); which
 contacts may wait to strike, whether each is among them (m,), and how many they are.
 ``around`` is where the contacts of each block begin (n + 1,) and these.  ``limits`` are the step,
@@ -26,7 +26,7 @@ import numpy as np
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.vec6 import numbers, plus_product, row, total, zeros
-from clast.contact.levers import force_on, normal_of, relative_motion
+from clast.contact.jacobian import force_on, relative_motion
 from clast.step.impulses import find, rate_along
 
 SAME = 1e-9
@@ -55,7 +55,7 @@ def _accelerations(c, acceleration, contacts):
     """Return the accelerations of contact c along its normal and its edge, m/s2."""
     _, vertex_block, edge_block, levers, _, _ = contacts
     i, j = vertex_block[c], edge_block[c]
-    nx, ny = normal_of(levers, c)
+    nx, ny = levers[c, 0], levers[c, 1]
     x, y = acceleration[i, 0] - acceleration[j, 0], acceleration[i, 1] - acceleration[j, 1]
     return nx * x + ny * y, nx * y - ny * x
 

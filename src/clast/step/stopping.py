@@ -24,7 +24,7 @@ from clast.compute.vec6 import (
     with_number,
     zeros,
 )
-from clast.contact.levers import force_on
+from clast.contact.jacobian import force_on
 
 SAME = 1e-10
 """Share of a motion's square beside others that does not count: it is one of theirs."""

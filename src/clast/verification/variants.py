@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from clast.block.displacement import FirstOrder
-from clast.case.case_file import FIXED_POINT_FACTOR, MethodTable
+from clast.case.method import FIXED_POINT_FACTOR, MethodTable
 from clast.model.model import Model
 from clast.step.method import Method
 
@@ -60,7 +59,7 @@ class Variant:
             process=table.build("process"),
             contact_law=table.build("contact_law"),
             corner_rule=table.build("corner_rule"),
-            displacement=FirstOrder(rotation=table.build("rotation")),
+            rotation=table.build("rotation"),
             integrator=table.build("integrator"),
             solver=table.build("solver"),
             fixed_point_stiffness=FIXED_POINT_FACTOR * stiffest,
