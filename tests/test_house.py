@@ -55,7 +55,6 @@ EXCEPTIONS: dict[str, dict[str, int]] = {
     "folders have at most 16 files": {
         "contact": 5,
         "linear": 6,
-        "minimise": 3,
         "step": 3,
     },
     "functions have at most 8 arguments": {
@@ -77,9 +76,6 @@ EXCEPTIONS: dict[str, dict[str, int]] = {
         "linear/parts.py": 2,
         "linear/residual.py": 3,
         "linear/single_rows.py": 4,
-        "minimise/interior_kernels.py": 7,
-        "minimise/island_kernels.py": 1,
-        "minimise/line_search.py": 2,
         "run/simulate.py": 1,
         "step/energies.py": 1,
         "step/energy_balance.py": 1,

@@ -7,9 +7,9 @@ import pytest
 from clast.compute import chunks as shares
 from clast.linear import block_matrix as block_rows
 from clast.linear import parts
-from clast.minimise import newton
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
+from scenes.potentials import Scheduled
 from scenes.systems import at_start, by_convex, open_ledger, wall
 
 
@@ -25,11 +25,10 @@ def steps(model, method, h, count):
 @pytest.mark.slow
 @pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="one processor")
 @pytest.mark.parametrize(("h", "stiffness"), [(1e-3, 1e11), (2e-2, 5e9)])
-def test_same_bits_by_any_number_of_threads(monkeypatch, h, stiffness):
+def test_same_bits_by_any_number_of_threads(h, stiffness):
     """5,051 bricks, with the interior point method (1 ms) and with levels (20 ms)."""
-    monkeypatch.setattr(newton, "INTERIOR", 10)
     model = wall(50, 100)
-    method = by_convex(stiffness)
+    method = by_convex(stiffness, process=Scheduled(changes={"patience": 10.0}))
     assert model.block_count >= max(block_rows.SHARED, 2 * parts.LEAST)
     found = []
     threads = numba.get_num_threads()
