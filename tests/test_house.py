@@ -56,7 +56,6 @@ EXCEPTIONS: dict[str, dict[str, int]] = {
     "folders have at most 16 files": {
         "contact": 3,
         "linear": 6,
-        "minimise": 3,
     },
     "functions have at most 8 arguments": {
         "block/displacement.py": 1,
@@ -77,9 +76,6 @@ EXCEPTIONS: dict[str, dict[str, int]] = {
         "linear/parts.py": 2,
         "linear/residual.py": 3,
         "linear/single_rows.py": 4,
-        "minimise/interior_kernels.py": 7,
-        "minimise/island_kernels.py": 1,
-        "minimise/line_search.py": 2,
         "step/impulses.py": 1,
         "step/stopping.py": 1,
     },

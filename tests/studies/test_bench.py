@@ -206,7 +206,7 @@ def test_the_command_prints_tables_and_keeps_json_and_states(tmp_path):
     output = tmp_path / "bench.json"
     done = bench_command("wall", *SHORT, "-o", output, "--results", tmp_path)
     assert done.exit_code == 0, done.output
-    for word in ("wall", "ms per step", "small regions", "of triad", "GB/s"):
+    for word in ("wall", "ms per step", "small islands", "of triad", "GB/s"):
         assert word in done.stdout
     assert json.loads(output.read_text(encoding="utf-8"))["rows"][0]["scene"] == "wall"
     kept = read_results(tmp_path / "wall-40.vtkhdf")

@@ -105,7 +105,50 @@ def inverse_of_blocks(diagonal: Floats) -> Floats:
     return np.asarray(inverse)
 
 
-def contact_motions(contacts: Contacts | Springs, displacement: Floats) -> tuple[Floats, Floats]:
+class Links(Protocol):
+    """Links between points of two blocks, as contacts are, in the order of the pairs of blocks."""
+
+    @property
+    def vertex_block(self) -> Ints:
+        """Block of the first point, shape (m,)."""
+        ...
+
+    @property
+    def edge_block(self) -> Ints:
+        """Block of the other point, shape (m,)."""
+        ...
+
+    @property
+    def levers(self) -> Floats:
+        """What they are in the equations (contact/jacobian.py)."""
+        ...
+
+    @property
+    def pairs(self) -> Ints:
+        """Pairs of blocks (lower, higher) that share links, sorted, shape (q, 2)."""
+        ...
+
+
+class Stiffnesses(Protocol):
+    """How stiff the springs of links are."""
+
+    @property
+    def normal_stiffness(self) -> Floats:
+        """-dN/dgap, N/m per m, shape (m,)."""
+        ...
+
+    @property
+    def shear_stiffness(self) -> Floats:
+        """-dT/dslip, N/m per m, shape (m,)."""
+        ...
+
+    @property
+    def coupling(self) -> Floats:
+        """dT/dN, shape (m,), or (0,) where it is 0."""
+        ...
+
+
+def contact_motions(contacts: Links, displacement: Floats) -> tuple[Floats, Floats]:
     """Return how far each contact opens and slips by d (n, 6), m, shape (m,): n.d and t.d."""
     return assembly.contact_motions(
         contacts.vertex_block, contacts.edge_block, contacts.levers, displacement
@@ -191,8 +234,8 @@ def _with_contacts(
 
 def symmetric_system(
     base: DiagonalTerms,
-    contacts: Contacts | Springs,
-    response: Bearing,
+    contacts: Links,
+    response: Stiffnesses,
     force: Floats,
     fixed: Bools,
     graph: Graph,

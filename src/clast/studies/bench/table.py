@@ -12,7 +12,7 @@ STAGES = (
     "contacts",
     "base system",
     "law",
-    "small regions",
+    "small islands",
     "assembly",
     "solve",
     "line search",
