@@ -97,9 +97,9 @@ def bench(
     as_json: AsJson = False,
 ) -> None:
     """Measure what scenes of any size cost: time by stage, iterations, accuracy, memory."""
-    from clast.studies.bench import SCENES, Wishes, benchmark, sizes_in
+    from clast.studies.bench import SCENES, Settings, benchmark, sizes_in
 
-    wanted = Wishes(
+    wanted = Settings(
         scenes=tuple(dict.fromkeys(scenes or SCENES)),
         sizes=sizes_in(size),
         step=step,
@@ -132,15 +132,15 @@ def warmup() -> None:
     from clast.linear.solvers import PCG
     from clast.run.simulate import simulate
     from clast.studies.bench.scenes import SCENES
-    from clast.studies.bench.wishes import Wishes, method_for, schedule_of
+    from clast.studies.bench.settings import Settings, method_for, schedule_of
 
     start = perf_counter()
     for settings in WARMUPS:
         Case.from_toml(INCLINE, ["time.end=0.003", *settings]).run()
     for scene, size, step, share, plain in WARMUP_SCENES:
-        model, wishes = SCENES[scene].build(size), Wishes(step=step, steps=1, share=share)
-        method = replace(method_for(model, wishes), solver=PCG(plain=plain))
-        simulate(model, method, schedule_of(wishes))
+        model, measured = SCENES[scene].build(size), Settings(step=step, steps=1, share=share)
+        method = replace(method_for(model, measured), solver=PCG(plain=plain))
+        simulate(model, method, schedule_of(measured))
     typer.echo(f"kernels are ready after {perf_counter() - start:.1f} s")
 
 
