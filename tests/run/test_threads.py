@@ -32,7 +32,7 @@ YOUNG = 5e9
 SCENES: dict[str, tuple[Callable[[], Model], float, float, int]] = {
     "wall": (lambda: wall(25, 40), YOUNG, 5e-3, 4),
     "stiff slope": (lambda: slope_of(1000), 50.0 * YOUNG, 1e-3, 2),
-    "heap": (lambda: heap(900, 30), YOUNG, 5e-3, 30),
+    "heap": (lambda: heap(900, 30), YOUNG, 5e-3, 160),
 }
 """Model, normal stiffness in N/m per m, step in s, number of steps."""
 
@@ -86,7 +86,7 @@ def by_two():
 def test_same_bits_by_one_thread_and_by_two(name, by_two):
     one = digits(name)
     assert one["blocks"] >= BLOCKS.many
-    assert name == "heap" or one["contacts"] >= CONTACTS.many
+    assert one["contacts"] >= (100 if name == "heap" else CONTACTS.many)
     assert len(one) > 20
     assert by_two[name] == one
 

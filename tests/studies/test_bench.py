@@ -188,7 +188,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_bad_wishes_are_refused_before_anything_runs(case, tmp_path, monkeypatch):
+def test_bad_settings_are_refused_before_anything_runs(case, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     arguments, message = REFUSED[case]
     done = bench_command(*arguments)
