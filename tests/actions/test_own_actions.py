@@ -182,7 +182,7 @@ def test_a_spring_between_two_blocks(process: str, stiffness: float):
         process=process,
         contact_law={"name": "penalty", "normal_stiffness": stiffness},
     )
-    moved = run.final.vertices[[4, 8], 0] - run.model.vertices[[4, 8], 0]
+    moved = (run.final.vertices - run.model.vertices)[4:, 0].reshape(2, 4).mean(axis=1)
     assert moved.sum() == pytest.approx(2.0 * end, rel=1e-5)  # momentum
     damping = np.exp(-(RATE**2) * step * end / 4.0)  # forces act as they are at a step's end
     wanted = damping * 2.0 / RATE * np.sin(RATE * end)
