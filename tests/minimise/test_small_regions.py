@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from clast.compute.stopwatch import Stages
-from clast.linear import elimination
 from clast.linear.reuse import FactorOfStep
 from clast.linear.solvers import Automatic, Direct
 from clast.minimise import island_kernels as kernel
@@ -180,10 +179,3 @@ def test_same_bits_by_any_number_of_threads():
     for name, value in vars(found[0]).items():
         if isinstance(value, np.ndarray):
             assert np.array_equal(value, getattr(found[1], name)), name
-
-
-def test_room_is_bounded():
-    """Blocks of 288 bytes, and what tells where they are, for each block of a region."""
-    links = elimination.room_for(100)
-    each = 288 * elimination.ROOM + 8 * elimination.MOST + 8
-    assert sum(one.nbytes for one in links) <= 100 * each + 8

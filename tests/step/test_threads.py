@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from clast.compute import chunks as shares
-from clast.linear import block_matrix as block_rows
-from clast.linear import parts
+from clast.linear import ordering
 from clast.minimise import newton
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
@@ -30,7 +29,7 @@ def test_same_bits_by_any_number_of_threads(monkeypatch, h, stiffness):
     monkeypatch.setattr(newton, "INTERIOR", 10)
     model = wall(50, 100)
     method = by_convex(stiffness)
-    assert model.block_count >= max(block_rows.SHARED, 2 * parts.LEAST)
+    assert model.block_count >= 2 * ordering.LEAST
     found = []
     threads = numba.get_num_threads()
     for number in (1, 2):

@@ -14,9 +14,8 @@ from clast.contact.laws import ContactLaw, limits_of
 from clast.linear import assembly
 from clast.linear import block_matrix as block_rows
 from clast.linear import residual as balance
-from clast.linear.couplings import Graph
 from clast.linear.reuse import FactorOfStep
-from clast.linear.system import DiagonalTerms, contact_motions, symmetric_system
+from clast.linear.system import DiagonalTerms, Graph, contact_motions, symmetric_system
 from clast.minimise import connected as regions
 from clast.minimise import island_kernels as small_regions
 from clast.minimise import island_sums as region_sums
