@@ -53,7 +53,7 @@ $(BIN)/pip:
 
 $(VENV)/.stamp-env: pyproject.toml constraints.txt | $(BIN)/pip
 	@echo "Installing clast into $(VENV)"
-	@$(PIP) install --quiet -c constraints.txt -e '.[plot]'
+	@$(PIP) install --quiet --no-compile -c constraints.txt -e '.[plot]'
 	@touch $@
 
 $(VENV)/.stamp-env-test: pyproject.toml constraints.txt | $(BIN)/pip

@@ -26,15 +26,15 @@ from clast.linear.coarse_space import aggregates_of
 from clast.linear.pattern import Patterns
 from clast.linear.solvers import SHIFT, TRIED, Attempt
 from clast.linear.system import BlockSystem, graph_of, symmetric_system
-from clast.minimise.islands import with_small_regions
+from clast.minimise.schedule import SmallIslands
 from clast.model.model import Ints, Model
 from clast.model.state import State
-from clast.step import convex
 from clast.step.method import Method
 from clast.step.start import begin, diagonal_terms
 from clast.studies.bench.bandwidth import system_of_step
 from clast.studies.bench.scenes import SCENES
-from clast.studies.bench.wishes import Wishes, method_for
+from clast.studies.bench.settings import Settings, method_for
+from scenes.potentials import at_rest, caught, tolerance_of, work
 from scenes.systems import at_start
 
 STEP = 1e-3
@@ -66,7 +66,7 @@ class Standing:
 @pytest.fixture(scope="module")
 def wall() -> Standing:
     model = SCENES["wall"].build(1000)
-    method = method_for(model, Wishes(step=STEP))
+    method = method_for(model, Settings(step=STEP))
     first = method.process.step(model, method, at_start(model), STEP)
     result = method.process.step(model, method, first.state, STEP)
     system = system_of_step(model, method, result.state, STEP)
@@ -140,20 +140,10 @@ def test_iteration(benchmark, wall):
     assert np.isfinite(d).all()
 
 
-def test_small_regions(benchmark, monkeypatch):
+def test_small_islands(benchmark):
     """Towers that are put upon each other, each minimised by itself."""
-    kept = []
-
-    def minimise(potential, point, *others):
-        kept.append((potential, point))
-        return usual(potential, point, *others)
-
-    usual = convex.minimise
-    monkeypatch.setattr(convex, "minimise", minimise)
     model = SCENES["stack"].build(1000)
-    method = method_for(model, Wishes(step=STEP))
-    method.process.step(model, method, at_start(model), STEP)
-    potential, start = kept[0]
-    enough, counts = 1e-14 * potential.yardstick(), {"passes": 0, "line_search": 0}
-    _, left = benchmark(with_small_regions, potential, start, enough, counts)
-    assert left <= enough < potential.distance(start)
+    potential = caught(model, model.stiffest, STEP, STEP)[0]
+    start, tolerance = at_rest(potential), tolerance_of(potential)
+    _, left = benchmark(SmallIslands().minimise, potential, start, tolerance, work())
+    assert left.sum() <= tolerance < potential.distance(start)

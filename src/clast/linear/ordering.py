@@ -36,7 +36,7 @@ HUB = 32
 
 
 @kernel()
-def graph(count, pairs, coupled):
+def neighbours_of(count, pairs, coupled):
     """Return starts (n + 1,) and neighbours of every block."""
     start = np.zeros(count + 1, np.int64)
     for q in range(len(pairs)):
@@ -60,11 +60,14 @@ def graph(count, pairs, coupled):
 
 
 @kernel()
-def _distances(root, part, label, start, neighbour, queue, level, seen, stamp):
+def _distances(root, label, graph, room, stamp):
     """Fill ``queue`` with the blocks of part ``label`` by distance from ``root``; return how many.
 
-    ``level`` holds their distance; ``seen`` marks them with ``stamp``.
+    ``graph`` is the part of each block and the starts and neighbours of all; ``room`` the queue,
+    ``level``, which holds their distance, and ``seen``, which marks them with ``stamp``.
     """
+    part, start, neighbour = graph
+    queue, level, seen = room
     queue[0] = root
     seen[root] = stamp
     level[root] = 0
@@ -83,11 +86,12 @@ def _distances(root, part, label, start, neighbour, queue, level, seen, stamp):
 
 
 @kernel()
-def _coordinates(found, part, label, start, neighbour, queue, level, seen, stamp, distance):
+def _coordinates(found, label, graph, room, stamp, distance):
     """Fill ``distance`` (k, found) with the distances of the queue's blocks from the landmarks.
 
     The queue holds a connected part as it was found from its first block; its order stays.
     """
+    queue, level, _ = room
     members = np.empty(found, np.int64)
     nearest = np.empty(found, np.int64)
     for m in range(found):
@@ -95,7 +99,7 @@ def _coordinates(found, part, label, start, neighbour, queue, level, seen, stamp
         nearest[m] = found + 1
     root = members[found - 1]
     for k in range(LANDMARKS):
-        _distances(root, part, label, start, neighbour, queue, level, seen, stamp + k)
+        _distances(root, label, graph, room, stamp + k)
         far, best = 0, -1
         for m in range(found):
             distance[k, m] = level[members[m]]
@@ -166,8 +170,9 @@ def _ranks(value, found):
 
 
 @kernel()
-def _rim(queue, rank, cut, found, part, label, start, neighbour, position):
+def _rim(queue, rank, cut, found, label, graph, position):
     """Return how many blocks before the cut have a neighbour behind it, and the other way round."""
+    part, start, neighbour = graph
     before, behind = 0, 0
     for m in range(found):
         node = queue[m]
@@ -184,8 +189,9 @@ def _rim(queue, rank, cut, found, part, label, start, neighbour, position):
 
 
 @kernel()
-def _split(found, part, label, start, neighbour, queue, position, distance, kind):
+def _split(found, label, graph, queue, position, distance, kind):
     """Say for each block of the queue if it is in one half (0), the other (1) or between (2)."""
+    part, start, neighbour = graph
     rank = _ranks(_along(distance, found), found)
     for m in range(found):
         position[queue[m]] = m
@@ -193,7 +199,7 @@ def _split(found, part, label, start, neighbour, queue, position, distance, kind
     for one in range(CUTS):
         share = 0.42 + 0.16 * one / (CUTS - 1)
         place = int(share * found)
-        before, behind = _rim(queue, rank, place, found, part, label, start, neighbour, position)
+        before, behind = _rim(queue, rank, place, found, label, graph, position)
         cost = min(before, behind) * (1.0 + 2.0 * abs(share - 0.5))
         if cost < best:
             best, cut, rim = cost, place, 0 if before <= behind else 1
@@ -253,7 +259,7 @@ def nested_dissection(count, pairs, coupled):
     Leaves of the graph come first.  Each part of the others is parted in two halves and the blocks
     between them, which come after both.  Blocks with very many neighbours come last of all.
     """
-    start, neighbour = graph(count, pairs, coupled)
+    start, neighbour = neighbours_of(count, pairs, coupled)
     order, part = np.empty(count, np.int64), np.zeros(count, np.int64)
     leaves = _leaves_first(count, start, neighbour, order, part)
     if leaves == count:
@@ -277,6 +283,7 @@ def _dissect(leaves, last, start, neighbour, nodes, part, order):
     distance = np.empty((LANDMARKS, count))
     kind = np.empty(count, np.int64)
     stack = np.empty((64 + 2 * count, 3), np.int64)  # first, last, label
+    graph, room = (part, start, neighbour), (queue, level, seen)
     stack[0, 0], stack[0, 1], stack[0, 2] = leaves, last, 0
     depth, labels, stamp = 1, 1, 0
     while depth > 0:
@@ -286,13 +293,11 @@ def _dissect(leaves, last, start, neighbour, nodes, part, order):
             for k in range(low, high):
                 order[k] = nodes[k]
             continue
-        found = _distances(nodes[low], part, label, start, neighbour, queue, level, seen, stamp)
+        found = _distances(nodes[low], label, graph, room, stamp)
         stamp += 1
         if found == high - low:
-            stamp = _coordinates(
-                found, part, label, start, neighbour, queue, level, seen, stamp, distance
-            )
-            _split(found, part, label, start, neighbour, queue, position, distance, kind)
+            stamp = _coordinates(found, label, graph, room, stamp, distance)
+            _split(found, label, graph, queue, position, distance, kind)
             for k in range(found):
                 nodes[low + k] = queue[k]
         else:  # several pieces: the one just found, and the rest

@@ -39,8 +39,9 @@ def inverse_of(order):
 
 
 @shared(BLOCKS)
-def _count_rows(low, high, order, place, pairs, rows, coupled, right, left):
+def _count_rows(low, high, places, pairs, rows, coupled, right, left):
     """Write how many coupled pairs begin and end with each place."""
+    order, place = places
     first, last, listed = rows
     for k in range(low, high):
         i, after, before = order[k], 0, 0
@@ -110,7 +111,7 @@ def without_fill(order, begin, pairs, rows, coupled):
     """
     count, place = len(order), inverse_of(order)
     right, left = np.zeros(count + 1, np.int32), np.zeros(count + 1, np.int32)
-    _count_rows(count, order, place, pairs, rows, coupled, right, left)
+    _count_rows(count, (order, place), pairs, rows, coupled, right, left)
     for k in range(count):
         right[k + 1] += right[k]
         left[k + 1] += left[k]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.clipped_spring import Springs
+from clast.contact.contacts import Contacts
 from clast.errors import StepOutcome, StepRejected
 from clast.linear import assembly
 from clast.linear import block_matrix as block_rows
@@ -31,6 +33,35 @@ class DiagonalTerms:
     """The part of it that is momentum, M/(theta h2) drift, shape (n, 6)."""
     centroid: Floats
     """Centroids of the blocks, m, shape (n, 2)."""
+
+
+class Bearing(Protocol):
+    """What links between blocks bear, linearised (see ContactResponse); each of shape (m,)."""
+
+    @property
+    def normal_force(self) -> Floats:
+        """N, N/m."""
+        ...
+
+    @property
+    def shear_force(self) -> Floats:
+        """T, N/m."""
+        ...
+
+    @property
+    def normal_stiffness(self) -> Floats:
+        """-dN/dgap, N/m per m."""
+        ...
+
+    @property
+    def shear_stiffness(self) -> Floats:
+        """-dT/dslip, N/m per m."""
+        ...
+
+    @property
+    def coupling(self) -> Floats:
+        """dT/dN."""
+        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +96,7 @@ class BlockSystem:
         return self.unsymmetric is None
 
 
-def graph_of(contacts: Contacts, count: int) -> Graph:
+def graph_of(contacts: Contacts | Springs, count: int) -> Graph:
     """Return which pairs ``count`` blocks belong to and which contacts those have."""
     graph: Graph = assembly.graph(count, contacts.pairs, contacts.pair)
     return graph
@@ -79,11 +110,60 @@ def inverse_of_blocks(diagonal: Floats) -> Floats:
     return np.asarray(inverse)
 
 
-def contact_motions(contacts: Contacts, displacement: Floats) -> tuple[Floats, Floats]:
+class Links(Protocol):
+    """Links between points of two blocks, as contacts are, in the order of the pairs of blocks."""
+
+    @property
+    def vertex_block(self) -> Ints:
+        """Block of the first point, shape (m,)."""
+        ...
+
+    @property
+    def edge_block(self) -> Ints:
+        """Block of the other point, shape (m,)."""
+        ...
+
+    @property
+    def levers(self) -> Floats:
+        """What they are in the equations (contact/jacobian.py)."""
+        ...
+
+    @property
+    def pairs(self) -> Ints:
+        """Pairs of blocks (lower, higher) that share links, sorted, shape (q, 2)."""
+        ...
+
+
+class Stiffnesses(Protocol):
+    """How stiff the springs of links are."""
+
+    @property
+    def normal_stiffness(self) -> Floats:
+        """-dN/dgap, N/m per m, shape (m,)."""
+        ...
+
+    @property
+    def shear_stiffness(self) -> Floats:
+        """-dT/dslip, N/m per m, shape (m,)."""
+        ...
+
+    @property
+    def coupling(self) -> Floats:
+        """dT/dN, shape (m,), or (0,) where it is 0."""
+        ...
+
+
+def contact_motions(contacts: Links, displacement: Floats) -> tuple[Floats, Floats]:
     """Return how far each contact opens and slips by d (n, 6), m, shape (m,): n.d and t.d."""
     return assembly.contact_motions(
         contacts.vertex_block, contacts.edge_block, contacts.levers, displacement
     )
+
+
+def stretches(springs: Springs, displacement: Floats) -> tuple[Floats, Floats]:
+    """Return gap and slip of the links of springs (m,), m, after d (n, 6)."""
+    opening, slip = contact_motions(springs, displacement)
+    return springs.gap + opening, springs.slip + slip
 
 
 def gap_at_end(contacts: Contacts, displacement: Floats) -> Floats:
@@ -103,7 +183,7 @@ def gap_rate(contacts: Contacts, velocity: Floats) -> Floats:
 
 def with_contact_forces(
     force: Floats,
-    contacts: Contacts,
+    contacts: Contacts | Springs,
     graph: Graph,
     fixed: Bools,
     normal: Floats,
@@ -117,8 +197,8 @@ def with_contact_forces(
 
 def _unsymmetric_system(
     base: DiagonalTerms,
-    contacts: Contacts,
-    response: ContactResponse,
+    contacts: Contacts | Springs,
+    response: Bearing,
     force: Floats,
     fixed: Bools,
     graph: Graph,
@@ -147,8 +227,8 @@ def _unsymmetric_system(
 
 def symmetric_system(
     base: DiagonalTerms,
-    contacts: Contacts,
-    response: ContactResponse,
+    contacts: Links,
+    response: Stiffnesses,
     force: Floats,
     fixed: Bools,
     graph: Graph,
@@ -178,8 +258,8 @@ def symmetric_system(
 
 def assemble(
     base: DiagonalTerms,
-    contacts: Contacts,
-    response: ContactResponse,
+    contacts: Contacts | Springs,
+    response: Bearing,
     gap: Floats,
     slip: Floats,
     fixed: Bools,

@@ -1,74 +1,429 @@
-"""Small regions are minimised one by one before what is left goes on together.
+"""Islands: blocks that springs connect, and Newton's method on a small one by itself.
 
-Of a falling heap, of towers, of rock that comes down in many places, no part touches another.  All
-together take as many iterations as the slowest of them, and what each needs of the work of an
-iteration is little beside its being called for.
+Blocks of two islands share no spring; blocks that stand still belong to none and connect nothing.
+Each island has a minimum, a system and iterations of its own.  What a small one needs is copied
+together and stays in the processor's cache from the first iteration to the last; threads take
+islands one by one.
+
+A problem is (system, links): B, B^-1 (n, 6, 6), the load (n, 6) and which blocks stand still (n,);
+the pairs of blocks (q, 2), their graph (linear/assembly.py), vertex_block, edge_block (m,) and
+levers of the springs, and these (Springs.arrays).  A point is d (n, 6), gap, slip, N, T and the
+stiffnesses against them (m,), r (n, 6) and r.B^-1 r (n,).
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from clast.minimise import island_kernels as small_regions
-from clast.minimise.potential import Point, Potential
-from clast.minimise.subproblem import ANSWERS
-from clast.minimise.unfinished import FINISHED, unfinished
-from clast.model.model import Floats
+from clast.compute.chunks import MANY, SHARED, sum_of
+from clast.compute.jit import kernel
+from clast.compute.parallel import EACH, shared
+from clast.compute.vec6 import line, plus_scaled, put_line, put_row, row, zeros
+from clast.contact.clipped_spring import Springs
+from clast.linear import ldlt
+from clast.linear.assembly import assemble, contact_motions, form
+from clast.linear.block_matrix import dot, row_pointers
+from clast.linear.pattern import with_fill
+from clast.linear.residual import unbalanced
+from clast.minimise.line_search import island_sums, lengths_along, links_along
+from clast.model.model import Bools, Ints
 
-ITERATIONS = 30
-"""Iterations at most; what needs more has other ways to go (minimise/newton.py)."""
+
+@dataclass(frozen=True, kw_only=True)
+class Islands:
+    """Blocks that springs connect: the potential is a sum over islands."""
+
+    count: int
+    """Number of islands; the last holds the blocks that stand still."""
+    of_blocks: Ints
+    """Island of each block, shape (n,)."""
+    of_links: Ints
+    """Island of each link between blocks, shape (m,)."""
+
+    @cached_property
+    def listing(self) -> tuple[Ints, Ints, Ints]:
+        """Where the blocks of each island begin (count + 1,), these, and their places (n,)."""
+        start, blocks, place = listed(self.of_blocks, self.count)
+        return start, blocks, place
 
 
-def with_small_regions(
-    potential: Potential, point: Point, enough: float, counts: dict[str, int]
-) -> tuple[Point, float]:
-    """Return the point where small regions are minimised, and what all have left, J/m.
+def islands_of(springs: Springs, fixed: Bools) -> Islands:
+    """Return the islands of blocks of which some are ``fixed`` (n,)."""
+    of_blocks, count = connected(springs.pairs, fixed)
+    ends = springs.vertex_block, springs.edge_block
+    return Islands(
+        count=count, of_blocks=of_blocks, of_links=islands_of_links(of_blocks, count, *ends)
+    )
 
-    They come near enough for all to be within ``enough``, J/m, where all are small.  The potential
-    must be that of a law of springs with bounds; of any other nothing is minimised.  Iterations
-    are counted of the region that takes most.
+
+# --- which blocks belong together ----------------------------------------------------------
+
+
+@kernel()
+def _root(parent, i):
+    """Return the first block of the tree that i is in, and shorten the way there."""
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i
+
+
+@kernel()
+def connected(pairs, fixed):
+    """Return the island of each block, shape (n,), and their number; fixed blocks are in the last.
+
+    ``pairs`` (q, 2) are the blocks that share springs.  Islands are numbered by their first block.
     """
-    left = potential.distances(point)
-    limits, regions = potential.limits, potential.regions
-    chosen = unfinished(left, enough) & potential.small_regions()
-    if limits is None or not chosen.any():
-        return point, float(left.sum())
-    start, _, _ = regions.listing
-    wanted = np.flatnonzero(chosen)
-    # the largest first: the others fill up what time is left
-    wanted = wanted[np.argsort(-np.diff(start)[wanted], kind="stable")]
-    moved = copied(potential, point)
-    found = small_regions.minimise(
-        wanted,
-        regions.listing,
-        potential.problem(limits),
-        arrays_of(moved),
-        FINISHED * enough / len(wanted),
-        ITERATIONS,
-        left,
+    count = len(fixed)
+    parent = np.arange(count)
+    for q in range(len(pairs)):
+        i, j = pairs[q, 0], pairs[q, 1]
+        if fixed[i] or fixed[j]:
+            continue
+        a, b = _root(parent, i), _root(parent, j)
+        if a != b:
+            parent[max(a, b)] = min(a, b)
+    island = np.empty(count, np.int64)
+    found = 0
+    for i in range(count):
+        if not fixed[i]:
+            first = _root(parent, i)
+            if first == i:
+                island[i] = found
+                found += 1
+            else:
+                island[i] = island[first]
+    for i in range(count):
+        if fixed[i]:
+            island[i] = found
+    return island, found + 1
+
+
+@kernel()
+def islands_of_links(island, count, vertex_block, edge_block):
+    """Return the island of each link, shape (m,): of the one of its blocks that is not fixed.
+
+    ``count`` is the number of islands; fixed blocks have the last.
+    """
+    result = np.empty(len(vertex_block), np.int64)
+    for c in range(len(result)):
+        own = island[vertex_block[c]]
+        result[c] = own if own != count - 1 else island[edge_block[c]]
+    return result
+
+
+@kernel()
+def listed(island, count):
+    """Return where the blocks of each island begin (count + 1,), these, and their places (n,).
+
+    ``island`` (n,) is that of each block.
+    """
+    start = np.zeros(count + 1, np.int64)
+    for r in island:
+        start[r + 1] += 1
+    for r in range(count):
+        start[r + 1] += start[r]
+    at = start[:-1].copy()
+    blocks, place = np.empty(len(island), np.int64), np.empty(len(island), np.int64)
+    for i in range(len(island)):
+        r = island[i]
+        blocks[at[r]], place[i] = i, at[r] - start[r]
+        at[r] += 1
+    return start, blocks, place
+
+
+@kernel()
+def are_small(island, count, pairs, first, fixed, few, like_trees):
+    """Return which of ``count`` islands are small (count,); the last, of fixed blocks, is not.
+
+    Those of up to ``few`` blocks are, and those of up to ``like_trees`` pairs for each block.
+    ``island`` (n,) is that of each block, ``first`` (q + 1,) the first link of each pair.
+    """
+    blocks, joins, links = np.zeros((3, count), np.int64)
+    for r in island:
+        blocks[r] += 1
+    for q in range(len(pairs)):
+        i, j = pairs[q, 0], pairs[q, 1]
+        r = island[j] if fixed[i] else island[i]
+        joins[r] += not (fixed[i] or fixed[j])
+        links[r] += first[q + 1] - first[q]
+    small = np.empty(count, np.bool_)
+    for r in range(count):
+        simple = blocks[r] <= few or joins[r] <= like_trees * blocks[r]
+        # what is called below must not want to be shared: the thread is one of several already
+        small[r] = simple and blocks[r] + 1 < SHARED and links[r] < MANY
+    small[count - 1] = False
+    return small
+
+
+# --- some blocks taken out of all ----------------------------------------------------------
+
+
+@kernel()
+def _size(blocks, pairs, graph, moves):
+    """Return how many pairs and links some blocks have; those within count once."""
+    start, right, left, listed = graph
+    joins, links = 0, 0
+    for i in blocks:
+        joins += right[i + 1] - right[i]
+        links += start[right[i + 1]] - start[right[i]]
+        for at in range(left[i], left[i + 1]):
+            q = listed[at]
+            if not moves[pairs[q, 0]]:
+                joins += 1
+                links += start[q + 1] - start[q]
+    return joins, links
+
+
+@kernel()
+def _add_pair(q, k, other, start, at, own, first, source):
+    """Write pair q as that of the blocks k and ``other``, and its links."""
+    own[at, 0], own[at, 1] = k, other
+    place = first[at]
+    for c in range(start[q], start[q + 1]):
+        source[place] = c
+        place += 1
+    first[at + 1] = place
+
+
+@kernel()
+def _pairs_of(blocks, place, moves, pairs, graph):
+    """Return the pairs (q, 2) of some blocks, the first link of each, and where its links are."""
+    start, right, left, listed = graph
+    count = len(blocks)
+    joins, links = _size(blocks, pairs, graph, moves)
+    own, first = np.empty((joins, 2), np.int64), np.zeros(joins + 1, np.int64)
+    source, at = np.empty(links, np.int64), 0
+    for k in range(count):
+        i = blocks[k]
+        for q in range(right[i], right[i + 1]):
+            if moves[pairs[q, 1]]:
+                _add_pair(q, k, place[pairs[q, 1]], start, at, own, first, source)
+                at += 1
+        for e in range(left[i], left[i + 1]):
+            if not moves[pairs[listed[e], 0]]:
+                _add_pair(listed[e], k, count, start, at, own, first, source)
+                at += 1
+        for q in range(right[i], right[i + 1]):
+            if not moves[pairs[q, 1]]:
+                _add_pair(q, k, count, start, at, own, first, source)
+                at += 1
+    return own, first, source
+
+
+@kernel()
+def _taken(values, source):
+    """Return of numbers (m,) those of the links ``source``."""
+    found = np.empty(len(source))
+    for c in range(len(source)):
+        found[c] = values[source[c]]
+    return found
+
+
+@kernel()
+def _rows_of(values, blocks):
+    """Return of rows (n, 6) those of ``blocks``, and one of zeros."""
+    found = np.empty((len(blocks) + 1, 6))
+    for k in range(len(blocks)):
+        put_row(found, k, row(values, blocks[k]))
+    put_row(found, len(blocks), zeros())
+    return found
+
+
+@kernel()
+def _blocks_of(values, blocks):
+    """Return of blocks (n, 6, 6) those of ``blocks``, and the first of them once more."""
+    count = len(blocks)
+    found = np.empty((count + 1, 6, 6))
+    for k in range(count + 1):
+        for a in range(6):
+            put_line(found, k, a, line(values, blocks[k if k < count else 0], a))
+    return found
+
+
+@kernel()
+def _levers_of(levers, source):
+    """Return of levers (m, 6) those of the links ``source``."""
+    found = np.empty((len(source), 6))
+    for c in range(len(source)):
+        put_row(found, c, row(levers, source[c]))
+    return found
+
+
+@kernel()
+def _ends_of(ends, source, place, moves, last):
+    """Return the numbers that the blocks of links ``source`` have among some blocks."""
+    found = np.empty(len(source), np.int64)
+    for c in range(len(source)):
+        i = ends[source[c]]
+        found[c] = place[i] if moves[i] else last
+    return found
+
+
+@kernel()
+def _springs_of(springs, source):
+    """Return of springs (four arrays, (m,)) those of the links ``source``."""
+    at_zero, stiffness, low, high = springs
+    return (
+        _taken(at_zero, source),
+        _taken(stiffness, source),
+        _taken(low, source),
+        _taken(high, source),
     )
-    passes, evaluations = found.max(axis=0)
-    counts["passes"] += int(passes)
-    counts["line_search"] += int(evaluations)
-    return moved, float(left.sum())
 
 
-def copied(potential: Potential, point: Point) -> Point:
-    """Return a copy of a point, with what Newton's method needs of the law's answer."""
-    answers = {name: getattr(point.response, name).copy() for name in ANSWERS}
-    return Point(
-        unknowns=point.unknowns.copy(),
-        gap=point.gap.copy(),
-        slip=point.slip.copy(),
-        response=replace(potential.at_rest, **answers),
-        residual=point.residual.copy(),
-        left=point.left.copy(),
+@kernel()
+def _point_of(blocks, source, point):
+    """Return the point of some blocks."""
+    d, gap, slip, normal, shear, kn, ks, residual, distance = point
+    own_distance = np.zeros(len(blocks) + 1)
+    for k in range(len(blocks)):
+        own_distance[k] = distance[blocks[k]]
+    return (
+        _rows_of(d, blocks),
+        _taken(gap, source),
+        _taken(slip, source),
+        _taken(normal, source),
+        _taken(shear, source),
+        _taken(kn, source),
+        _taken(ks, source),
+        _rows_of(residual, blocks),
+        own_distance,
     )
 
 
-def arrays_of(point: Point) -> tuple[Floats, ...]:
-    """Return a point as kernels take it (minimise/one_island.py)."""
-    answers = (getattr(point.response, name) for name in ANSWERS)
-    return point.unknowns, point.gap, point.slip, *answers, point.residual, point.left
+@kernel()
+def taken_out(blocks, place, moves, problem, point):
+    """Return the problem and the point of ``blocks`` (k,), and where their links are.
+
+    These blocks move, among those that ``moves`` (n,) says, where ``place`` (n,) has their numbers
+    among themselves, in their order.  All that stand still are one block, the last: it is wanted
+    for nothing but that it does not move, for gaps and slips know where it is.
+    """
+    (base, inverse, load, _), (pairs, graph, ends, springs) = problem
+    vertex_block, edge_block, levers = ends
+    count = len(blocks)
+    own_pairs, first, source = _pairs_of(blocks, place, moves, pairs, graph)
+    held = np.zeros(count + 1, np.bool_)
+    held[count] = True
+    system = _blocks_of(base, blocks), _blocks_of(inverse, blocks), _rows_of(load, blocks), held
+    own_ends = (
+        _ends_of(vertex_block, source, place, moves, count),
+        _ends_of(edge_block, source, place, moves, count),
+        _levers_of(levers, source),
+    )
+    own_springs = _springs_of(springs[0], source), _springs_of(springs[1], source)
+    links = own_pairs, (first, *row_pointers(count + 1, own_pairs)), own_ends, own_springs
+    return (system, links), _point_of(blocks, source, point), source
+
+
+@kernel()
+def put_back(blocks, source, found, point):
+    """Write the point of some blocks where it belongs."""
+    d, gap, slip, normal, shear, kn, ks, residual, distance = point
+    own_d, own_gap, own_slip, own_normal, own_shear, own_kn, own_ks, own_residual, left = found
+    for k in range(len(blocks)):
+        put_row(d, blocks[k], row(own_d, k))
+        put_row(residual, blocks[k], row(own_residual, k))
+        distance[blocks[k]] = left[k]
+    for k in range(len(source)):
+        c = source[k]
+        gap[c], slip[c] = own_gap[k], own_slip[k]
+        normal[c], shear[c] = own_normal[k], own_shear[k]
+        kn[c], ks[c] = own_kn[k], own_ks[k]
+
+
+# --- Newton's method on one island ---------------------------------------------------------
+
+
+@kernel()
+def _pattern(problem):
+    """Return the pattern of the exact factor of an island: that of all pairs of free blocks."""
+    (_, _, _, fixed), (pairs, _, _, _) = problem
+    free = np.empty(len(pairs), np.bool_)
+    for q in range(len(pairs)):
+        free[q] = not (fixed[pairs[q, 0]] or fixed[pairs[q, 1]])
+    return with_fill(len(fixed), pairs, free)
+
+
+@kernel()
+def _factor(problem, pattern, kn, ks):
+    """Return the factor of an island's system, and the first block without a pivot or -1."""
+    (base, _, _, fixed), (pairs, graph, (vertex_block, _, levers), _) = problem
+    own, upper = assemble(base, fixed, pairs, graph, (vertex_block, levers, kn, ks))
+    return ldlt.exact(pattern, own, upper)
+
+
+@kernel()
+def _searched(problem, point, direction, decrement):
+    """Return the point to which an exact line search leads, and evaluations."""
+    system, (_, graph, (vertex_block, edge_block, levers), springs) = problem
+    d, gap, slip, normal, shear, _, _, _, _ = point
+    opening, sliding = contact_motions(vertex_block, edge_block, levers, direction)
+    only, start = np.zeros(len(gap), np.int64), np.full(1, -decrement)
+    smooth = start + island_sums(normal * opening + shear * sliding, only, 1)
+    bend = np.full(1, form(system[0], direction))
+    line = gap, opening, slip, sliding
+    length, evaluations = lengths_along(only, line, springs, smooth, bend, start)
+    for i in range(len(d)):
+        put_row(d, i, plus_scaled(row(d, i), length[0], row(direction, i)))
+    gap, slip, normal, shear, kn, ks = links_along(only, length, line, springs)
+    residual, distance = unbalanced(system, graph, (vertex_block, levers), d, normal, shear)
+    return (d, gap, slip, normal, shear, kn, ks, residual, distance), evaluations
+
+
+@kernel()
+def _minimum(problem, point, tolerance, iterations):
+    """Return the point within ``tolerance`` of an island's minimum, its distance, what it took.
+
+    By as many ``iterations`` at most; or the point from which it does not go on, where there is no
+    direction that is as good as exact.
+    """
+    pattern, evaluations = _pattern(problem), 0
+    for k in range(iterations):
+        left = sum_of(point[8])
+        if left <= tolerance:
+            return point, left, k, evaluations
+        factor, bad = _factor(problem, pattern, point[5], point[6])
+        if bad >= 0:
+            return point, left, k, evaluations
+        residual = point[7]
+        direction = ldlt.solve(factor, residual)  # 0 for the block that stands still
+        decrement = dot(residual, direction)
+        if not 0.0 < decrement < np.inf:
+            return point, left, k, evaluations
+        point, tries = _searched(problem, point, direction, decrement)
+        evaluations += tries
+        if decrement <= tolerance:
+            return point, min(decrement, sum_of(point[8])), k + 1, evaluations
+    return point, sum_of(point[8]), iterations, evaluations
+
+
+@shared(EACH)
+def _minimise(first, last, which, moves, problem, point, limits, found):
+    wanted, (start, blocks, place) = which
+    left, counts = found
+    for k in range(first, last):
+        r = wanted[k]
+        own = blocks[start[r] : start[r + 1]]
+        own_problem, own_point, source = taken_out(own, place, moves, problem, point)
+        moved, left[r], counts[k, 0], counts[k, 1] = _minimum(own_problem, own_point, *limits)
+        put_back(own, source, moved, point)
+
+
+@kernel()
+def minimise_each(wanted, listing, problem, point, limits, left):
+    """Minimise the islands ``wanted`` (k,) in place; return the most iterations and evaluations.
+
+    ``listing`` is that of :class:`Islands`, ``limits`` are the tolerance, J/m, of each island and
+    the iterations that it may take.  What islands have ``left`` (r,), J/m, is written for those
+    wanted: at most the tolerance, unless an island takes more iterations, or its system is
+    singular.
+    """
+    counts = np.zeros((len(wanted), 2), np.int64)
+    which, moves = (wanted, listing), ~problem[0][3]
+    _minimise(len(wanted), which, moves, problem, point, limits, (left, counts))
+    return counts[:, 0].max(), counts[:, 1].max()

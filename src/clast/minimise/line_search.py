@@ -1,16 +1,22 @@
-"""The exact line search of each region by itself, for springs with bounds, and where it leads.
+"""The exact line search of each island by itself, for clipped springs.
 
-The potential is a sum over regions (connected.py), and along a direction each has a minimum
-of its own: the root of a slope that rises and is piecewise linear.
+The potential is a sum over islands (islands.py), and along a search direction each has a minimum of
+its own: the root of a slope that rises and is piecewise linear.  Newton's method on the slope, kept
+inside a bracket, ends on it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from clast.compute.chunks import MANY, PART, bounds, in_part, only_region, parts, sum_of
+from clast.compute.chunks import CHUNK, PART, in_part, sum_of
 from clast.compute.jit import kernel
-from clast.compute.parallel import nothing_done, prange, threads_of, to_do
+from clast.compute.mat6 import times
+from clast.compute.parallel import BLOCKS, CONTACTS, shared
+from clast.compute.vec6 import plus_product, plus_scaled, put_row, row, total, zeros
+from clast.contact.clipped_spring import clipped, forces_at, in_piece
 
 TOLERANCE = 1e-9
 """The line's minimum is found where the slope has fallen to this share of its start."""
@@ -20,122 +26,126 @@ NOTHING = 1e-14
 """Slope that does not count, as a share of the sum of all slopes."""
 
 
-@kernel(forceinline=True)
-def _normal(gap, multiplier, p, tension):
-    """Return the normal force and its stiffness."""
-    force = multiplier - p * gap
-    bears = force >= -tension
-    return force if bears else -tension, p if bears else 0.0
-
-
-@kernel(forceinline=True)
-def _shear(slip, shear_force, k, bound):
-    """Return the shear force and its stiffness."""
-    force = shear_force - k * slip
-    within = min(max(force, -bound), bound)
-    return within, k if (force == within) & (bound > 0.0) else 0.0
+# --- sums over islands ---------------------------------------------------------------------
 
 
 @kernel()
-def _only_regions(region):
-    """Return the region that all contacts of each part are in, or -1."""
-    only = np.empty(parts(len(region)), np.int64)
-    for part in range(len(only)):
-        first, last = bounds(part, len(region))
-        only[part] = only_region(region[first:last])
+def _only(island):
+    """Return the island that all terms are in (k,), or -1; of no terms -1, too."""
+    same = len(island) > 0
+    for k in range(len(island)):
+        same &= island[k] == island[0]
+    return island[0] if same else -1
+
+
+@kernel()
+def whole_pieces(island, size):
+    """Return of each piece of ``size`` terms the island that all are in, or -1, (pieces,)."""
+    only = np.empty((len(island) + size - 1) // size, np.int64)
+    for piece in range(len(only)):
+        only[piece] = _only(island[piece * size : (piece + 1) * size])
     return only
 
 
 @kernel()
-def _lengths(length, region, only):
-    """Return the length of each contact's region (m,), which is ``only`` that or -1."""
-    at = np.empty(len(region))
+def sums(terms, island, only, size, count):
+    """Return the sums of terms (k,) over ``count`` islands (count,), piece by piece.
+
+    ``island`` (k,) is that of each term, ``only`` the :func:`whole_pieces` of ``size`` terms.
+    """
+    result = np.zeros(count)
+    for piece in range(len(only)):
+        first, last = piece * size, min((piece + 1) * size, len(terms))
+        if only[piece] >= 0:
+            result[only[piece]] += sum_of(terms[first:last])
+            continue
+        current, added = island[first], 0.0
+        for k in range(first, last):
+            if island[k] != current:
+                result[current] += added
+                current, added = island[k], 0.0
+            added += terms[k]
+        result[current] += added
+    return result
+
+
+@kernel()
+def island_sums(values, island, count):
+    """Return the sums of values (k,) over ``count`` islands (count,)."""
+    return sums(values, island, whole_pieces(island, PART), PART, count)
+
+
+@shared(BLOCKS)
+def _along(first, last, blocks, residual, direction, forms, products):
+    for i in range(first, last):
+        own = times(blocks, i, direction, i)
+        forms[i] = total(plus_product(zeros(), own, row(direction, i)))
+        products[i] = total(plus_product(zeros(), row(residual, i), row(direction, i)))
+
+
+@shared(CONTACTS)
+def _works(first, last, forces, motions, works):
+    normal, shear = in_part(forces, first, last)
+    opening, sliding = in_part(motions, first, last)
+    works = works[first:last]
+    for c in range(len(works)):
+        works[c] = normal[c] * opening[c] + shear[c] * sliding[c]
+
+
+@kernel()
+def slopes(of_blocks, of_links, count, blocks, residual, direction, forces, motions):
+    """Return along a direction (n, 6) what blocks bend, the slope, and that without springs.
+
+    Of each of ``count`` islands, J/m; ``of_blocks`` (n,) and ``of_links`` (m,) are the islands,
+    ``blocks`` K without springs (n, 6, 6), ``residual`` (n, 6) minus the gradient, ``forces`` N and
+    T and ``motions`` the changes of gap and slip, (m,) each.
+    """
+    forms, products = np.empty(len(direction)), np.empty(len(direction))
+    _along(len(direction), blocks, residual, direction, forms, products)
+    works = np.empty(len(of_links))
+    _works(len(works), forces, motions, works)
+    only = whole_pieces(of_blocks, CHUNK)
+    start = -sums(products, of_blocks, only, CHUNK, count)
+    bend = sums(forms, of_blocks, only, CHUNK, count)
+    return bend, start, start + island_sums(works, of_links, count)
+
+
+# --- the search ----------------------------------------------------------------------------
+
+
+@kernel()
+def _lengths(length, island):
+    """Return the length of each link's island (k,)."""
+    at = np.empty(len(island))
+    only = _only(island)
     if only >= 0:
         at[:] = length[only]
     else:
-        for c in range(len(region)):
-            at[c] = length[region[c]]
+        for c in range(len(island)):
+            at[c] = length[island[c]]
     return at
 
 
-@kernel()
-def _work(first, last, at, line, springs, works, bends):
-    """Write what the forces of each contact do along the line, and how that bends."""
-    multiplier, shear_force, p, k, tension, strength = springs
+@shared(CONTACTS)
+def _work(first, last, island, length, line, springs, works, bends):
+    """Write what the forces of each link do along the line, and how that bends."""
+    at = _lengths(length, island[first:last])
     gap, d_gap = in_part((line[0], line[1]), first, last)
     slip, d_slip = in_part((line[2], line[3]), first, last)
-    multiplier, shear_force = in_part((multiplier, shear_force), first, last)
-    tension, strength = in_part((tension, strength), first, last)
+    n0, kn, n_low, n_high = in_piece(springs[0], first, last)
+    t0, kt, t_low, t_high = in_piece(springs[1], first, last)
+    works, bends = in_part((works, bends), first, last)
     for c in range(len(gap)):
         opening, sliding = d_gap[c], d_slip[c]
-        n, kn = _normal(gap[c] + at[c] * opening, multiplier[c], p, tension[c])
-        t, ks = _shear(slip[c] + at[c] * sliding, shear_force[c], k, strength[c])
+        n, k = clipped(n0[c], kn[c], n_low[c], n_high[c], gap[c] + at[c] * opening)
+        t, ks = clipped(t0[c], kt[c], t_low[c], t_high[c], slip[c] + at[c] * sliding)
         works[c] = n * opening + t * sliding
-        bends[c] = kn * opening * opening + ks * sliding * sliding
-
-
-@kernel()
-def _add_up(region, done, works, bends, of_run):
-    """Add up the terms of contacts (m,) that follow each other in a region, in their place.
-
-    Return how many such runs there are; regions that are done have none.
-    """
-    c, runs = 0, 0
-    while c < len(region):
-        r, here, how = region[c], 0.0, 0.0
-        while c < len(region) and region[c] == r:
-            here += works[c]
-            how += bends[c]
-            c += 1
-        if not done[r]:
-            works[runs], bends[runs], of_run[runs] = here, how, r
-            runs += 1
-    return runs
-
-
-@kernel()
-def _work_of_part(part, length, done, only, region, line, springs, terms, of_run, runs):
-    """Write the sums of the terms of a part's contacts, run by run."""
-    first, last = bounds(part, len(region))
-    works, bends = in_part((terms[0], terms[1]), first, last)
-    r, runs[part] = only[part], 0
-    if r < 0 or not done[r]:
-        at = _lengths(length, region[first:last], r)
-        _work(first, last, at, line, springs, works, bends)
-        if r >= 0:
-            works[0], bends[0], of_run[first], runs[part] = sum_of(works), sum_of(bends), r, 1
-        else:
-            runs[part] = _add_up(region[first:last], done, works, bends, of_run[first:last])
-
-
-@kernel(parallel=True)
-def _work_of_parts(length, done, only, region, line, springs, terms, of_run, runs):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for part in to_do(thread, progress, len(only)):
-            _work_of_part(part, length, done, only, region, line, springs, terms, of_run, runs)
-
-
-@kernel()
-def _works_along(length, done, only, region, line, springs, room):
-    """Return the work of all contacts in each region (r,) along the line, and how it bends."""
-    terms, of_run, runs = room
-    if len(region) >= MANY:
-        _work_of_parts(length, done, only, region, line, springs, terms, of_run, runs)
-    else:
-        for part in range(len(only)):
-            _work_of_part(part, length, done, only, region, line, springs, terms, of_run, runs)
-    work, bend = np.zeros(len(length)), np.zeros(len(length))
-    for part in range(len(only)):
-        for at in range(part * PART, part * PART + runs[part]):
-            work[of_run[at]] += terms[0, at]
-            bend[of_run[at]] += terms[1, at]
-    return work, bend
+        bends[c] = k * opening * opening + ks * sliding * sliding
 
 
 @kernel()
 def _narrow(search, slope, bend, enough):
-    """Judge the regions by their slopes (r,), and choose the next lengths; return how many go on.
+    """Judge the islands by their slopes (r,), and choose the next lengths; return how many go on.
 
     Newton's method, kept inside the bracket.
     """
@@ -161,19 +171,18 @@ def _narrow(search, slope, bend, enough):
 
 
 @kernel()
-def lengths_along(region, line, springs, smooth, curvature, start):
-    """Return where the potential of each region (r,) is least along a line, and evaluations.
+def lengths_along(island, line, springs, smooth, curvature, start):
+    """Return where the potential of each island (r,) is least along a line, and evaluations.
 
-    ``line`` are gap, its change, slip and its change (m,) of the contacts, which are in ``region``
-    (m,); their forces are N = max(-tension, multiplier - p gap) and T = shear_force - k slip within
-    +-strength, given by ``springs``.  ``smooth`` and ``curvature`` (r,) are the slope and the bend
-    of all the rest at length 0, ``start`` (r,) is the whole slope there.  Newton's method on the
-    slope, kept inside a bracket, until it has fallen to TOLERANCE of its start, or to next to
-    nothing beside those of all regions.
+    ``line`` are gap, its change, slip and its change (m,) of the links, which are in ``island``
+    (m,); ``springs`` are theirs (Springs.arrays).  ``smooth`` and ``curvature`` (r,) are the slope
+    and the bend of all the rest at length 0, ``start`` (r,) is the whole slope there.  A length is
+    found where the slope has fallen to TOLERANCE of its start, or to next to nothing beside those
+    of all islands.
     """
-    count = len(start)
-    only = _only_regions(region)
-    room = np.empty((2, len(region))), np.empty(len(region), np.int64), np.empty_like(only)
+    count, links = len(start), len(island)
+    only = whole_pieces(island, PART)
+    works, bends = np.empty(links), np.empty(links)
     enough = TOLERANCE * np.abs(start) + NOTHING * np.abs(start).sum()
     done = start == 0.0
     length = np.ones(count)
@@ -181,66 +190,57 @@ def lengths_along(region, line, springs, smooth, curvature, start):
     left, evaluations = count - int(done.sum()), 0
     while left > 0 and evaluations < LIMIT:
         evaluations += 1
-        work, bend = _works_along(length, done, only, region, line, springs, room)
-        left = _narrow(search, smooth + length * curvature - work, curvature + bend, enough)
+        _work(links, island, length, line, springs, works, bends)
+        slope = smooth + length * curvature - sums(works, island, only, PART, count)
+        left = _narrow(search, slope, curvature + sums(bends, island, only, PART, count), enough)
     return length, evaluations
 
 
-@kernel()
-def _answer_normal(at, gap, d_gap, springs, found):
-    multiplier, tension, p = springs
-    new_gap, force, stiffness = found
+@shared(CONTACTS)
+def _advance(first, last, island, length, line, gap, slip):
+    """Write gap and slip at the lengths of the links' islands."""
+    at = _lengths(length, island[first:last])
+    old_gap, d_gap = in_part((line[0], line[1]), first, last)
+    old_slip, d_slip = in_part((line[2], line[3]), first, last)
+    gap, slip = in_part((gap, slip), first, last)
     for c in range(len(at)):
-        new_gap[c] = gap[c] + at[c] * d_gap[c]
-        force[c], stiffness[c] = _normal(new_gap[c], multiplier[c], p, tension[c])
+        gap[c] = old_gap[c] + at[c] * d_gap[c]
+        slip[c] = old_slip[c] + at[c] * d_slip[c]
 
 
 @kernel()
-def _answer_shear(at, slip, d_slip, springs, found):
-    shear_force, strength, k = springs
-    new_slip, force, stiffness = found
-    for c in range(len(at)):
-        new_slip[c] = slip[c] + at[c] * d_slip[c]
-        force[c], stiffness[c] = _shear(new_slip[c], shear_force[c], k, strength[c])
+def links_along(island, length, line, springs):
+    """Return gap, slip, N, T and their stiffnesses (m,) at the lengths (r,) of the islands."""
+    gap, slip = np.empty(len(island)), np.empty(len(island))
+    _advance(len(island), island, length, line, gap, slip)
+    return gap, slip, *forces_at(gap, slip, springs)
+
+
+@shared(BLOCKS)
+def _advance_blocks(first, last, unknowns, direction, length, island, result):
+    for i in range(first, last):
+        put_row(result, i, plus_scaled(row(unknowns, i), length[island[i]], row(direction, i)))
 
 
 @kernel()
-def _answer(first, last, region, length, line, springs, found):
-    """Write what contacts ``first`` to ``last`` - 1 have come to and how they answer."""
-    at = _lengths(length, region[first:last], -1)
-    multiplier, shear_force, p, k, tension, strength = springs
-    gap, slip, normal, shear, kn, ks = found
-    of_normal = *in_part((multiplier, tension), first, last), p
-    of_shear = *in_part((shear_force, strength), first, last), k
-    normal_found = gap[first:last], normal[first:last], kn[first:last]
-    shear_found = slip[first:last], shear[first:last], ks[first:last]
-    _answer_normal(at, line[0][first:last], line[1][first:last], of_normal, normal_found)
-    _answer_shear(at, line[2][first:last], line[3][first:last], of_shear, shear_found)
+def blocks_along(unknowns, direction, length, island):
+    """Return d + l dd, with the length l (r,) of each block's island (n,), of d and dd (n, 6)."""
+    result = np.empty_like(unknowns)
+    _advance_blocks(len(result), unknowns, direction, length, island, result)
+    return result
 
 
-@kernel(parallel=True)
-def _answer_parts(region, length, line, springs, found):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for part in to_do(thread, progress, parts(len(region))):
-            first, last = bounds(part, len(region))
-            _answer(first, last, region, length, line, springs, found)
+def common_length(along: Callable[[float], tuple[float, float]], start: float) -> tuple[float, int]:
+    """Return one length for all islands, for springs of any law, and evaluations.
 
-
-@kernel()
-def answers(region, length, line, springs):
-    """Return gap, slip, N, T and their stiffnesses (m,) at the lengths (r,) of the regions."""
-    count = len(region)
-    found = (
-        np.empty(count),
-        np.empty(count),
-        np.empty(count),
-        np.empty(count),
-        np.empty(count),
-        np.empty(count),
-    )
-    if count >= MANY:
-        _answer_parts(region, length, line, springs, found)
-    else:
-        _answer(0, count, region, length, line, springs, found)
-    return found
+    ``along`` returns slope and bend at a length, J/m; ``start`` is the slope at 0.
+    """
+    low, high, length = 0.0, np.inf, 1.0
+    for evaluations in range(1, LIMIT + 1):
+        slope, bend = along(length)
+        if abs(slope) <= TOLERANCE * abs(start):
+            return length, evaluations
+        low, high = (length, high) if slope < 0.0 else (low, length)
+        trial = length - slope / bend
+        length = trial if low < trial < high else 0.5 * (low + min(high, 2.0 * low + 1.0))
+    return length, LIMIT

@@ -1,87 +1,234 @@
-"""The blocks that are farthest from rest go first, while the others stand still.
+"""In which order the blocks come to their minimum, and by which method.
 
-Newton's method goes along its direction as far as the contacts allow that open, close, stick and
-slide on the way: all blocks together no farther than suits those few of them that have most to
-settle, and the more blocks there are the more of those.  Yet nearly all that is left to the minimum
-lies with few blocks.  So before a direction for all, these few and their neighbours are minimised
-by themselves.  Each place where they are has a length of its own along the direction, and costs
-what it has blocks.  The potential falls in either case, so that Newton's method converges as
-before (a nonlinear elimination; Cai and Li 2011).
+Small islands go one by one (islands.py): of a falling heap, of towers, of rock that comes down in
+many places all together would take as many iterations as the slowest of them.
+
+What is left goes on together by Newton's method.  It goes along its direction as far as the springs
+allow that open, close, stick and slide on the way: all blocks no farther than suits those few of
+them that have most to settle, and the more blocks there are the more of those.  Yet nearly all that
+is left to the minimum lies with few blocks.  So before a direction for all, these few and their
+neighbours are minimised by themselves while the others stand still (a nonlinear elimination; Cai
+and Li 2011).  The potential falls in either case, so that Newton's method converges as before.
+
+Where it takes long all the same, the interior point method takes over (interior_point.py).
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field, replace
+
 import numpy as np
 
-from clast.compute.stopwatch import Stages
-from clast.linear.reuse import FactorOfStep
-from clast.minimise.iteration import iterate
-from clast.minimise.neighbours import with_neighbours
+from clast.errors import StepOutcome, StepRejected
+from clast.minimise.interior_point import InteriorPoint
+from clast.minimise.islands import are_small, minimise_each
+from clast.minimise.newton import Ending, Newton, Work, iterate
 from clast.minimise.potential import Point, Potential
-from clast.minimise.subproblem import part_of, with_part
+from clast.minimise.subproblem import copied, subproblem, with_neighbours
 from clast.model.model import Bools, Floats
 
-LARGE = 1500
-"""Blocks from which the worst go first: among fewer it costs as much as it saves."""
-ALL_THE_SAME = 0.05
-"""What an iteration of few blocks costs in any case, as a share of one of all blocks."""
-LEAST = 1e-4
-"""Share of what is left that the iterations of few blocks come to at best."""
-FEW = 0.4
-"""Where they and their neighbours are a larger share of the blocks all go on together."""
-NEARLY = 0.25
-"""Share of what is enough at which they are done in any case."""
-ITERATIONS = 6
-"""Iterations of theirs; where more are needed the others need to move as well."""
+
+@dataclass(frozen=True, kw_only=True)
+class SmallIslands:
+    """Newton's method on each small island by itself, its systems solved exactly."""
+
+    few: int = 200
+    """Blocks up to which any island is small; 0: none is."""
+    like_trees: float = 1.3
+    """Pairs for each block up to which larger ones are, too: they are solved with next to no
+    fill."""
+    iterations: int = 30
+    """Iterations at most; what needs more goes on with the large ones."""
+    finished: float = 0.25
+    """Share of the tolerance that islands may hold together which are left as they are."""
+
+    def minimise(
+        self, potential: Potential, point: Point, tolerance: float, work: Work
+    ) -> tuple[Point, Floats]:
+        """Return the point where small islands are at their minimum, what all have left, J/m, (r,).
+
+        They come near enough for all to be within ``tolerance``, J/m, where all are small.
+        Iterations are counted of the island that takes most.
+        """
+        islands, left = potential.islands, potential.island_distances(point)
+        if potential.law is not None or self.few == 0:
+            return point, left
+        chosen = unfinished(left, self.finished * tolerance) & self.small(potential)
+        if not chosen.any():
+            return point, left
+        wanted = np.flatnonzero(chosen)
+        # the largest first: the others fill up what time is left
+        wanted = wanted[np.argsort(-np.diff(islands.listing[0])[wanted], kind="stable")]
+        moved = copied(point)
+        passes, evaluations = minimise_each(
+            wanted,
+            islands.listing,
+            potential.problem,
+            moved.arrays,
+            (self.finished * tolerance / len(wanted), self.iterations),
+            left,
+        )
+        work.count("passes", int(passes))
+        work.count("line_search", int(evaluations))
+        return moved, left
+
+    def small(self, potential: Potential) -> Bools:
+        """Return which islands (r,) are small."""
+        islands = potential.islands
+        return np.asarray(
+            are_small(
+                islands.of_blocks,
+                islands.count,
+                potential.springs.pairs,
+                potential.graph[0],
+                potential.fixed,
+                self.few,
+                self.like_trees,
+            )
+        )
 
 
-def worst_first(
-    potential: Potential,
-    point: Point,
-    factor: FactorOfStep,
-    enough: float,
-    counts: dict[str, int],
-    stages: Stages,
-) -> Point:
-    """Return a lower point: the worst blocks are near their minimum, where they are few.
+def unfinished(distances: Floats, together: float) -> Bools:
+    """Return True for the islands (r,) without which the others are within ``together``, J/m.
 
-    They are done where they have no more left to it than all others together.
+    Those that are left alone are as many as may be.
     """
-    with stages("law"):
-        found, others = worst(point.left)
-        wanted = with_neighbours(found, potential.contacts.pairs)
-        wanted &= ~potential.fixed
-        if not 0 < np.count_nonzero(wanted) <= FEW * np.count_nonzero(~potential.fixed):
+    wanted: Bools = ~(distances <= together)  # what is not finite is not finished
+    others = np.flatnonzero(~wanted & (distances > 0.0))
+    left = distances.take(others)
+    if float(left.sum()) > together:
+        order = np.argsort(left, kind="stable")
+        wanted[others[order][np.cumsum(left[order]) > together]] = True
+    return wanted
+
+
+@dataclass(frozen=True, kw_only=True)
+class NonlinearElimination:
+    """The blocks that are farthest from their minimum go first, while the others stand still."""
+
+    large: int = 1500
+    """Free blocks from which this is done: among fewer it costs as much as it saves."""
+    few: float = 0.4
+    """Share of the blocks above which they and their neighbours do not go by themselves."""
+    iterations: int = 6
+    """Iterations of theirs; where more are needed the others need to move as well."""
+    nearly: float = 0.25
+    """Share of the tolerance at which they are done in any case."""
+    all_the_same: float = 0.05
+    """What an iteration of few blocks costs in any case, as a share of one of all blocks."""
+    least: float = 1e-4
+    """Share of what is left that the iterations of few blocks come to at best."""
+
+    def lower(self, potential: Potential, point: Point, tolerance: float, work: Work) -> Point:
+        """Return a lower point: the worst blocks are near their minimum, where they are few.
+
+        They are done where they have no more left to it than all others together.
+        """
+        blocks = np.count_nonzero(~potential.fixed)
+        if blocks <= self.large or potential.law is not None:
             return point
-        part = part_of(potential, wanted)
-        inner = part.within(point)
-    left = max(others, NEARLY * enough)
-    for _ in range(ITERATIONS):
-        if part.potential.distance(inner) <= left:
-            break
-        inner, _ = iterate(part.potential, inner, factor, counts, stages)
-        counts["local"] = counts.get("local", 0) + 1
-    with stages("law"):
-        return with_part(potential, point, part, inner)
+        with work.stages("law"):
+            found, others = self.worst(point.distances)
+            moves = with_neighbours(found, potential.springs.pairs) & ~potential.fixed
+            if not 0 < np.count_nonzero(moves) <= self.few * blocks:
+                return point
+            part = subproblem(potential, point, moves)
+        moved, left = part.point, max(others, self.nearly * tolerance)
+        for _ in range(self.iterations):
+            if part.potential.distance(moved) <= left:
+                break
+            moved, _ = iterate(part.potential, moved, work)
+            work.count("local")
+        with work.stages("law"):
+            return part.put_back(potential, point, moved)
+
+    def worst(self, distances: Floats) -> tuple[Bools, float]:
+        """Return which blocks (n,) are worth going first, and what the others have left, J/m.
+
+        They are those whose ``distances`` (n,), J/m, are of some power of two or a higher one: of
+        the one with which most is gained, as a logarithm of what is left, for the price of an
+        iteration.  There are none where a distance is not finite.
+        """
+        total = float(distances.sum())
+        if not 0.0 < total < np.inf:
+            return np.zeros(len(distances), bool), total
+        _, power = np.frexp(distances)
+        place = power - int(power.min())
+        together = np.bincount(place, weights=distances)
+        number = np.bincount(place, weights=distances != 0.0)  # frexp gives 0 for 0 and for 1/2
+        others = np.concatenate([[0.0], np.cumsum(together)[:-1]])
+        gained = -np.log(np.maximum(others / total, self.least))
+        price = self.all_the_same + np.cumsum(number[::-1])[::-1] / len(distances)
+        best = int(np.argmax(gained / price))
+        found: Bools = (place >= best) & (distances != 0.0)
+        return found, float(others[best])
 
 
-def worst(distances: Floats) -> tuple[Bools, float]:
-    """Return True for the blocks that are worth going first, and what the others have left, J/m.
+@dataclass(frozen=True, kw_only=True)
+class Schedule:
+    """How a potential is minimised: small islands, the worst blocks, all of them."""
 
-    They are those whose ``distances`` (n,), J/m, are of some power of two or a higher one: of the
-    one with which most is gained, as a logarithm of what is left, for the price of an iteration.
-    There are none where a distance is not finite.
-    """
-    total = float(distances.sum())
-    if not 0.0 < total < np.inf:
-        return np.zeros(len(distances), bool), total
-    _, power = np.frexp(distances)
-    place = power - int(power.min())
-    together = np.bincount(place, weights=distances)
-    number = np.bincount(place, weights=distances != 0.0)  # frexp gives 0 for 0 and for 1/2
-    others = np.concatenate([[0.0], np.cumsum(together)[:-1]])
-    gained = -np.log(np.maximum(others / total, LEAST))
-    price = ALL_THE_SAME + np.cumsum(number[::-1])[::-1] / len(distances)
-    best = int(np.argmax(gained / price))
-    found: Bools = (place >= best) & (distances != 0.0)
-    return found, float(others[best])
+    newton: Newton = field(default_factory=Newton)
+    """Newton's method on all blocks together."""
+    small: SmallIslands = field(default_factory=SmallIslands)
+    """What small islands do first."""
+    elimination: NonlinearElimination = field(default_factory=NonlinearElimination)
+    """What the worst blocks do before each iteration."""
+    inside: InteriorPoint | None = field(default_factory=InteriorPoint)
+    """What takes over where Newton's method takes long; None: nothing."""
+    patience: float = 60.0
+    """Iterations to go that are worth a change to the interior point method, which needs 20 to 30:
+    Newton's last iterations gain far more than those from which their number is foretold."""
+
+    finished: float = 0.25
+    """Share of the tolerance that islands may hold together which are left as they are."""
+    most: float = 0.9
+    """Share of the blocks up to which those of the other islands go on without them."""
+
+    def minimise(self, potential: Potential, point: Point, tolerance: float, work: Work) -> Point:
+        """Return the minimum of the potential, from ``point`` on.
+
+        Done where twice the potential is within ``tolerance``, J/m, of its minimum.  Raises
+        StepRejected where Newton's method needs more than its iterations.
+        """
+        with work.stages("law"):
+            if potential.distance(point) <= tolerance:
+                return point
+        with work.stages("small islands"):
+            point, left = self.small.minimise(potential, point, tolerance, work)
+        if float(left.sum()) <= tolerance:
+            return point
+        with work.stages("law"):
+            wanted = unfinished(left, self.finished * tolerance)
+            moves = wanted[potential.islands.of_blocks] & ~potential.fixed
+            free = np.count_nonzero(~potential.fixed)
+            few = potential.law is None and np.count_nonzero(moves) <= self.most * free
+            part = subproblem(potential, point, moves) if few else None
+        if part is None:
+            return self.descend(potential, point, tolerance, work)
+        rest = tolerance - float(left[~wanted].sum())
+        moved = self.descend(part.potential, part.point, rest, work)
+        with work.stages("law"):
+            return part.put_back(potential, point, moved)
+
+    def descend(self, potential: Potential, point: Point, tolerance: float, work: Work) -> Point:
+        """Return a point within ``tolerance``, J/m, of the minimum, of all blocks together."""
+
+        def before(point: Point) -> Point:
+            return self.elimination.lower(potential, point, tolerance, work)
+
+        if self.inside is not None and potential.law is None:
+            hasty = replace(self.newton, patience=min(self.patience, self.newton.patience))
+            point, ending = hasty.descend(potential, point, tolerance, work, before)
+            if ending is Ending.DONE:
+                return point
+            work.count("interior")
+            point = self.inside.minimise(potential, point, tolerance, work)
+        point, ending = self.newton.descend(potential, point, tolerance, work, before)
+        if ending is Ending.DONE:
+            return point
+        raise StepRejected(
+            StepOutcome.NOT_CONVERGED,
+            f"{self.newton.iterations} Newton iterations left {potential.distance(point):.3g} "
+            f"of {tolerance:.3g} J/m",
+        )

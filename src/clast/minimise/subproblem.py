@@ -1,120 +1,122 @@
-"""Parts of a potential: some blocks while the others stand still, or all in another order."""
+"""Subproblems: some blocks move while all others stand still where they are."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from clast.contact.contacts import Contacts, of_pairs, reordered
-from clast.linear import block_matrix as block_rows
-from clast.linear.system import DiagonalTerms, graph_of
-from clast.minimise.neighbours import touching, with_neighbours
-from clast.minimise.potential import Point, Potential, regions_of
+from clast.compute.jit import kernel
+from clast.contact.clipped_spring import Forces, Springs, clipped_from
+from clast.linear.system import DiagonalTerms, contact_motions
+from clast.minimise.islands import islands_of, put_back, taken_out
+from clast.minimise.potential import Point, Potential
 from clast.model.model import Bools, Floats, Ints
-
-ANSWERS = ("normal_force", "shear_force", "normal_stiffness", "shear_stiffness")
-"""What Newton's method needs of what a law of springs with bounds answers."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
-    """A potential of some blocks, or of all in another order, and where they are in the whole."""
+class Subproblem:
+    """The potential of some blocks of a whole while all others stand still.
+
+    What stands still is one block, the last, of which nothing but that is known.
+    """
 
     potential: Potential
-    """Their potential; blocks that stand still are fixed in it."""
+    """Their potential."""
+    point: Point
+    """The whole's point as they have it."""
     blocks: Ints
-    """Its blocks among those of the whole."""
-    contacts: Ints
-    """Its contacts among those of the whole."""
+    """Those that move among the blocks of the whole, shape (k,)."""
+    links: Ints
+    """Their links among those of the whole."""
 
-    def within(self, point: Point) -> Point:
-        """Return the whole's ``point`` as the part has it."""
-        potential, own = self.potential, self.contacts
-        unknowns = point.unknowns.take(self.blocks, axis=0)
-        if potential.limits is None:
-            return potential.at(unknowns)
-        residual, left = point.residual.take(self.blocks, axis=0), point.left.take(self.blocks)
-        residual[potential.fixed], left[potential.fixed] = 0.0, 0.0
-        answers = {name: getattr(point.response, name).take(own) for name in ANSWERS}
-        return Point(
-            unknowns=unknowns,
-            gap=point.gap.take(own),
-            slip=point.slip.take(own),
-            response=replace(potential.at_rest, **answers),
-            residual=residual,
-            left=left,
-        )
+    def put_back(self, whole: Potential, point: Point, moved: Point) -> Point:
+        """Return a ``point`` of the whole with these blocks where they ``moved`` to."""
+        result = copied(point)
+        put_back(self.blocks, self.links, moved.arrays, result.arrays)
+        moves = np.zeros(len(whole.fixed), np.bool_)
+        moves[self.blocks] = True
+        beside = with_neighbours(moves, whole.springs.pairs) & ~moves & ~whole.fixed
+        whole.balance_again(np.flatnonzero(beside), result)
+        return result
 
 
-def part_of(potential: Potential, wanted: Bools) -> Part:
-    """Return the potential of the free blocks ``wanted`` (n,) while all others stand still.
+def subproblem(potential: Potential, point: Point, moves: Bools) -> Subproblem:
+    """Return the potential of the free blocks that may ``move`` (n,), the others being at a point.
 
-    Those that they touch are there too, with the displacements that they have.
+    Of potentials of clipped springs alone.
     """
-    contacts = potential.contacts
-    pairs, kept, pair = touching(wanted, contacts.pairs, potential.graph[0])
-    needed = with_neighbours(wanted, contacts.pairs)
-    blocks = np.flatnonzero(needed)
-    own = of_pairs(contacts, pairs, kept, pair, np.cumsum(needed) - 1)
-    part = _potential_of(potential, blocks, own, ~wanted[blocks])
-    return Part(potential=part, blocks=blocks, contacts=kept)
-
-
-def renumbered(potential: Potential, order: Ints) -> Part:
-    """Return the same potential with the blocks in another ``order`` (n,)."""
-    number = np.empty(len(order), np.int64)
-    number[order] = np.arange(len(order))
-    contacts, places = reordered(potential.contacts, number)
-    own = _potential_of(potential, order, contacts, potential.fixed[order])
-    return Part(potential=own, blocks=order, contacts=places)
-
-
-def with_part(potential: Potential, point: Point, part: Part, moved: Point) -> Point:
-    """Return ``point`` with the blocks and contacts of a part where they ``moved`` to."""
-    unknowns = _put(moved.unknowns, part.blocks, point.unknowns)
-    if potential.limits is None:
-        return potential.at(unknowns)
-    before, after = point.response, moved.response
-    answers: dict[str, Any] = {
-        name: _put(getattr(after, name), part.contacts, getattr(before, name)) for name in ANSWERS
-    }
-    found = Point(
-        unknowns=unknowns,
-        gap=_put(moved.gap, part.contacts, point.gap),
-        slip=_put(moved.slip, part.contacts, point.slip),
-        response=replace(potential.at_rest, **answers),
-        residual=point.residual.copy(),
-        left=point.left.copy(),
+    blocks = np.flatnonzero(moves)
+    place = np.cumsum(moves) - 1
+    (system, links), own, source = taken_out(blocks, place, moves, potential.problem, point.arrays)
+    diagonal, inverse, force, fixed = system
+    pairs, graph, (vertex_block, edge_block, levers), (normal, shear) = links
+    unknowns, gap, slip, *forces, residual, distances = own
+    springs = Springs(
+        vertex_block=vertex_block,
+        edge_block=edge_block,
+        levers=levers,
+        pair=np.repeat(np.arange(len(pairs)), np.diff(graph[0])),
+        pairs=pairs,
+        gap=gap,
+        slip=slip,
+        normal=clipped_from(*normal),
+        shear=clipped_from(*shear),
     )
-    potential.balance_again(part.blocks, found)
-    return found
-
-
-def _put(values: Floats, where: Ints, among: Floats) -> Floats:
-    """Return a copy of ``among`` with ``values`` at the places ``where``."""
-    result = among.copy()
-    result[where] = values
-    return result
-
-
-def _potential_of(
-    potential: Potential, blocks: Ints, contacts: Contacts, fixed: Bools
-) -> Potential:
-    """Return the potential of ``blocks`` (k,), some ``fixed`` (k,), and their ``contacts``."""
-    base = potential.base
-    return replace(
-        potential,
-        base=DiagonalTerms(
-            diagonal=block_rows.taken(base.diagonal, blocks),
-            force=base.force.take(blocks, axis=0),
-            momentum=base.momentum.take(blocks, axis=0),
-            centroid=base.centroid.take(blocks, axis=0),
+    opened, slipped = contact_motions(springs, unknowns)
+    springs = replace(springs, gap=gap - opened, slip=slip - slipped)
+    return Subproblem(
+        potential=Potential(
+            base=DiagonalTerms(
+                diagonal=diagonal,
+                force=force,
+                momentum=_with_one_more(potential.base.momentum, blocks),
+                centroid=_with_one_more(potential.base.centroid, blocks),
+            ),
+            inverse=inverse,
+            fixed=fixed,
+            springs=springs,
+            graph=graph,
+            islands=islands_of(springs, fixed),
         ),
-        inverse=block_rows.taken(potential.inverse, blocks),
-        contacts=contacts,
-        fixed=fixed,
-        graph=graph_of(contacts, len(blocks)),
-        regions=regions_of(contacts, fixed),
+        point=Point(
+            unknowns=unknowns,
+            gap=gap,
+            slip=slip,
+            forces=Forces(*forces),
+            residual=residual,
+            distances=distances,
+        ),
+        blocks=blocks,
+        links=source,
     )
+
+
+def copied(point: Point) -> Point:
+    """Return a copy of a point."""
+    unknowns, gap, slip, normal, shear, kn, ks, residual, distances = (
+        one.copy() for one in point.arrays
+    )
+    return Point(
+        unknowns=unknowns,
+        gap=gap,
+        slip=slip,
+        forces=Forces(normal, shear, kn, ks),
+        residual=residual,
+        distances=distances,
+    )
+
+
+def _with_one_more(values: Floats, blocks: Ints) -> Floats:
+    """Return the rows of ``blocks``, and the first of them once more."""
+    return values.take(np.append(blocks, blocks[:1]), axis=0)
+
+
+@kernel()
+def with_neighbours(chosen, pairs):
+    """Return True for blocks ``chosen`` (n,) and for those with which they share ``pairs``."""
+    grown = chosen.copy()
+    for q in range(len(pairs)):
+        if chosen[pairs[q, 0]] or chosen[pairs[q, 1]]:
+            grown[pairs[q, 0]] = grown[pairs[q, 1]] = True
+    return grown

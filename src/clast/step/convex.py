@@ -9,10 +9,13 @@ converges from anywhere.  Each iteration solves one assembled, symmetric positiv
 Where it takes long the interior point method takes over (minimise/interior_point.py).
 
 What is not convex is taken out of the minimisation and repeated around it: the friction bound
-follows the normal force (``friction_updates``) of a minimum that need only be as near as that asks
-for (minimise/rough.py), and bonds that reach their strength are broken before the minimum is sought
-again; bonds only break, so this ends.  Multipliers, where the law has
+follows the normal force (``friction_updates``), and bonds that reach their strength are broken
+before the minimum is sought again; bonds only break, so this ends.  Multipliers, where the law has
 them, are renewed after convergence.
+
+What a minimisation leaves open is no more than a start for the next one, with bounds that push the
+minimum away in any case.  So where the friction bound is going to be renewed, the minimum need not
+be nearer than a small share of how far the new bounds push it.
 """
 
 from __future__ import annotations
@@ -25,15 +28,17 @@ import numpy as np
 
 from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
+from clast.contact.clipped_spring import Clipped, Rows, Springs, merged, springs_of
 from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.laws import ContactLaw, SpringLaw, has_limits
 from clast.errors import StepOutcome
 from clast.linear.reuse import FactorOfStep
 from clast.linear.solvers import DIRECTION, inexact
 from clast.linear.system import contact_motions, graph_of, inverse_of_blocks
-from clast.minimise.newton import best_of, minimise
-from clast.minimise.potential import Point, Potential, regions_of
-from clast.minimise.rough import bound_by, with_new_bounds
-from clast.minimise.touched import as_numbered, touched_part, with_flight
+from clast.minimise.islands import islands_of
+from clast.minimise.newton import Newton, Work, best_of
+from clast.minimise.potential import Answer, Point, Potential
+from clast.minimise.schedule import Schedule, SmallIslands
 from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step.energy_balance import round_off
@@ -132,24 +137,36 @@ class Convex:
             scheme = scheme_of(begun, contacts, graph, entering)
         with stages("base system"):
             base = diagonal_terms(begun, entering.drift, scheme)
-            whole = Potential(
+            others = () if begun.springs is None else (begun.springs,)
+            springs, (rows, *_) = merged(springs_of(contacts), others)
+            potential = Potential(
                 base=base,
                 inverse=inverse_of_blocks(base.diagonal),
-                law=method.contact_law,
-                contacts=contacts,
                 fixed=model.fixed,
-                graph=graph,
-                regions=regions_of(contacts, model.fixed),
+                springs=springs,
+                graph=graph_of(springs, model.block_count) if others else graph,
+                islands=islands_of(springs, model.fixed),
             )
+        tolerance = max(
+            self.tolerance**2 * potential.reference_energy(),
+            round_off(method, begun.state, len(contacts)),
+        )
+        largest = potential.sum_of_forces()
+        contacts = replace(contacts, friction_base=first_friction_base(begun, contacts, largest))
         # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
-        starts = (entering.drift, *starts, whole.untouched())
-        base_force = first_friction_base(begun, whole)
-        enough = max(
-            self.tolerance**2 * whole.yardstick(), round_off(method, begun.state, len(contacts))
+        starts = (entering.drift, *starts, potential.untouched())
+        factor = FactorOfStep(inexact(method.solver, DIRECTION))
+        search = Search(
+            law=method.contact_law,
+            rows=rows,
+            schedule=self.schedule(factor),
+            friction=self.friction(),
+            tolerance=tolerance,
+            work=Work(factor=factor, counts=counts, stages=stages),
         )
-        unknowns, contacts, response = self._found(
-            whole, starts, base_force, enough, method, counts, stages
-        )
+        unknowns, contacts, response = search.minimum(potential, contacts, starts)
+        counts["factorisations"] += factor.factorised
+        counts["pcg"] += factor.iterations
         return Solved(
             velocity=entering.velocity,
             drift=entering.drift,
@@ -164,95 +181,170 @@ class Convex:
             counts=counts,
         )
 
-    def _found(
-        self,
-        whole: Potential,
-        starts: tuple[Floats, ...],
-        base: Floats,
-        enough: float,
-        method: Method,
-        counts: dict[str, int],
-        stages: Stages,
-    ) -> tuple[Floats, Contacts, ContactResponse]:
-        """Return d (n, 6), the contacts and what the law answers, within ``enough`` of the minimum.
-
-        The last of the ``starts`` is that of blocks that nothing touches; where these are many
-        only the others are minimised.  ``base`` (m,) bounds friction to begin with, N/m.
-        """
-        with stages("law"):
-            part = touched_part(whole)
-        if part is None:
-            potential, point = self._minimum(whole, starts, base, enough, method, counts, stages)
-            return point.unknowns, potential.contacts, point.response
-        inside = tuple(start.take(part.blocks, axis=0) for start in starts)
-        potential, point = self._minimum(
-            part.potential, inside, base, enough, method, counts, stages
+    def schedule(self, factor: FactorOfStep) -> Schedule:
+        """Return how a potential is minimised whose systems ``factor`` solves."""
+        # who asks for a solver has everything solved by it
+        return Schedule(
+            newton=Newton(iterations=self.iterations),
+            small=SmallIslands() if factor.is_free else SmallIslands(few=0),
         )
-        unknowns = with_flight(part, starts[-1], point.unknowns)
-        return unknowns, as_numbered(potential.contacts, whole.contacts), point.response
 
-    def _minimum(
-        self,
-        potential: Potential,
-        starts: tuple[Floats, ...],
-        base: Floats,
-        enough: float,
-        method: Method,
-        counts: dict[str, int],
-        stages: Stages,
-    ) -> tuple[Potential, Point]:
-        """Return the minimum with friction bounds, bonds and multipliers in accord with it.
+    def friction(self) -> FrictionLoop:
+        """Return how friction bounds are brought into accord with the normal forces."""
+        return FrictionLoop(updates=self.friction_updates)
 
-        ``base`` (m,) are the normal forces that bound friction to begin with, N/m; the minimum is
-        found to within ``enough``, J/m.
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionLoop:
+    """How near a minimum is asked for whose normal forces are to bound friction."""
+
+    updates: int = 1
+    """Times that the friction bound is renewed."""
+    coarse: float = 1e8
+    """Energy left open to begin with, in units of the tolerance."""
+    share: float = 1e-2
+    """Energy left open in the end, in units of what new friction bounds bring in."""
+    sharper: float = 0.1
+    """Energy left open at the next try, in units of that at the last, at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Search:
+    """The minimum with friction bounds, bonds and multipliers in accord with it."""
+
+    law: ContactLaw
+    rows: Rows
+    """Where the contacts are in the table of springs."""
+    schedule: Schedule
+    friction: FrictionLoop
+    tolerance: float
+    """Distance from the minimum at which the step is solved, J/m."""
+    work: Work
+
+    def minimum(
+        self, potential: Potential, contacts: Contacts, starts: tuple[Floats, ...]
+    ) -> tuple[Floats, Contacts, ContactResponse]:
+        """Return d (n, 6), the contacts and what the law answers at the minimum.
+
+        It is searched for from the best of the ``starts``, (n, 6) each, with the friction bounds
+        that the contacts have.
         """
-        law = method.contact_law
-        factor = FactorOfStep(inexact(method.solver, DIRECTION))
-
-        def minimum(potential: Potential, point: Point, enough: float) -> Point:
-            return minimise(potential, point, factor, enough, self.iterations, counts, stages)
-
+        law, stages = self.law, self.work.stages
         with stages("law"):
-            contacts = multipliers.begin(law, potential.contacts)
-            potential = bound_by(replace(potential, contacts=contacts), base)
+            contacts = multipliers.begin(law, contacts)
+            potential = self.bound(potential, contacts)
             point = best_of(potential, starts)
         # new multipliers shift the normal forces: their solve has its own friction to find
-        updates = self.friction_updates + int(multipliers.has_multipliers(law))
+        updates = self.friction.updates + int(multipliers.has_multipliers(law))
         solves = 0
         while True:
             for _ in range(updates):
-                potential, point = with_new_bounds(minimum, potential, point, enough, stages)
-            point = minimum(potential, point, enough)
+                potential, contacts, point = self.with_new_bounds(potential, contacts, point)
+            point = self.schedule.minimise(potential, point, self.tolerance, self.work)
             with stages("law"):
-                point = potential.answered(point)
+                gap, slip = point.gap[self.rows], point.slip[self.rows]
+                response = law.respond(contacts, gap, slip)
             solves += 1
-            contacts, response = potential.contacts, point.response
-            if not multipliers.enough(law, solves, point.gap):
+            if not multipliers.enough(law, solves, gap):
                 contacts = multipliers.renew(law, contacts, response)
             else:
                 # only the last solve has the forces by which bonds are judged
                 broken = contacts.bonded & ~response.bonded
                 if not broken.any():
-                    break
+                    return point.unknowns, multipliers.renew(law, contacts, response), response
                 contacts, solves = without_bonds(contacts, broken), solves - 1
-            potential = bound_by(replace(potential, contacts=contacts), response.normal_force)
             with stages("law"):
+                contacts = replace(contacts, friction_base=response.normal_force)
+                potential = self.bound(potential, contacts)
                 point = potential.again(point)
-        counts["factorisations"] += factor.factorised
-        counts["pcg"] += factor.iterations
-        contacts = multipliers.renew(law, potential.contacts, point.response)
-        return replace(potential, contacts=contacts), point
+
+    def with_new_bounds(
+        self, potential: Potential, contacts: Contacts, point: Point
+    ) -> tuple[Potential, Contacts, Point]:
+        """Return potential and contacts with friction bound by a minimum's forces, and that.
+
+        Each island is as near to it as its own new bounds ask for; others may be far larger.  No
+        more is asked for than the tolerance of the step.
+        """
+        enough = self.tolerance
+        asked = self.friction.coarse * enough
+        while True:
+            point = self.schedule.minimise(potential, point, asked, self.work)
+            with self.work.stages("law"):
+                bounds = replace(contacts, friction_base=point.forces.normal_force[self.rows])
+                renewed = self.bound(potential, bounds)
+                moved = renewed.again(point)
+                left = potential.island_distances(point)
+                tolerated = self.friction.share * renewed.island_distances(moved)
+            if asked <= enough or float(left[~(left <= tolerated)].sum()) <= enough:
+                return renewed, bounds, moved
+            asked = max(enough, min(self.friction.sharper * asked, float(tolerated.sum())))
+
+    def bound(self, potential: Potential, contacts: Contacts) -> Potential:
+        """Return the potential with the springs that the contacts are now."""
+        if has_limits(self.law):
+            return replace(
+                potential, springs=potential.springs.put(self.rows, *clipped(self.law, contacts))
+            )
+        return replace(potential, law=OfContacts(self.law, contacts, self.rows, potential.springs))
 
 
-def first_friction_base(begun: Begun, potential: Potential) -> Floats:
+@dataclass(frozen=True)
+class OfContacts:
+    """What springs bear of which some are contacts whose law is no clipped straight line."""
+
+    law: ContactLaw
+    contacts: Contacts
+    rows: Rows
+    """Where the contacts are in the table of springs."""
+    springs: Springs
+    """That table; what it has for the contacts does not count."""
+
+    def at(self, gap: Floats, slip: Floats) -> Answer:
+        """Return what all springs bear at gaps and slips (m,), m."""
+        answer = self.law.respond(self.contacts, gap[self.rows], slip[self.rows])
+        if len(self.contacts) == len(self.springs):
+            return answer
+        forces = self.springs.at(gap, slip)
+        for name in ("normal_force", "shear_force", "normal_stiffness", "shear_stiffness"):
+            getattr(forces, name)[self.rows] = getattr(answer, name)
+        return forces
+
+    def energy(self, gap: Floats, slip: Floats) -> float:
+        """Return the energy of all springs at gaps and slips (m,), m, in J/m."""
+        answer = self.law.respond(self.contacts, gap[self.rows], slip[self.rows])
+        of_contacts = float(answer.energy.sum() + answer.dissipation.sum())
+        return of_contacts + self.springs.energy(gap, slip)
+
+
+def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
+    """Return the contacts' normal springs, N in [-tension, inf), and shear springs, T in +-b."""
+    limits, count = law.limits(contacts), len(contacts)
+    normal = Clipped(
+        at_zero=contacts.multiplier,
+        stiffness=np.full(count, limits.normal_stiffness),
+        low=-limits.tension,
+        high=np.full(count, np.inf),
+    )
+    shear = Clipped(
+        at_zero=contacts.shear_force,
+        stiffness=np.full(count, limits.shear_stiffness),
+        low=-limits.strength,
+        high=limits.strength,
+    )
+    return normal, shear
+
+
+def first_friction_base(begun: Begun, contacts: Contacts, largest: float) -> Floats:
     """Return the normal forces, N/m, that bound friction at first, shape (m,).
 
-    Those of the last step.  A contact that bore nothing then holds whatever comes if it lands
-    without slipping, or was there at the start of the run, so that blocks just put upon each other
-    are not minimised without any friction first.  It has none if it slips, or stays open, or only
-    slides in beside another block's face.  Since when it has been known plays no part.
+    Those of the last step.  A contact that bore nothing then holds whatever comes, ``largest``, if
+    it lands without slipping, or was there at the start of the run, so that blocks just put upon
+    each other are not minimised without any friction first.  It has none if it slips, or stays
+    open, or only slides in beside another block's face.  Since when it has been known plays no
+    part.
     """
-    contacts, step = potential.contacts, begun.step
+    step = begun.step
     speed = float(np.hypot(*begun.model.gravity)) * step
     return np.asarray(
         first_bases(
@@ -263,7 +355,7 @@ def first_friction_base(begun: Begun, potential: Potential) -> Floats:
             LANDING * speed,
             step,
             begun.state.time == 0.0,
-            potential.largest_force(),
+            largest,
         )
     )
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from clast import spelling
 from clast.case.case_file import Case
 from clast.case.choices import Chosen, Given
-from clast.case.method import CONTACT_LAWS, PROCESSES
+from clast.case.tables.method import CONTACT_LAWS, PROCESSES
 from clast.errors import CaseError, RunStopped
 from clast.model.model import Bools, Floats, Ints
 from clast.results import Report, Run
@@ -116,7 +116,7 @@ class Row:
             "law": self.combination.law,
             "normal_stiffness": self.stiffness,
             "time": self.time,
-            "displacement": {name: list(way) for name, way in self.displacement.items()},
+            "displacement": {name: list(moved) for name, moved in self.displacement.items()},
             "deviations": [one.as_dict() for one in self.deviations],
             "largest_penetration": self.report.largest_penetration,
             "penetration": self.penetration,
@@ -205,12 +205,12 @@ def row_of(case: Case, combination: Combination, watch: Watch | None = None) -> 
     """Run a case with one combination; interrupting it interrupts the comparison."""
     applied = combination.applied_to(case)
 
-    def told(progress: Progress) -> None:
+    def report(progress: Progress) -> None:
         if watch:
             watch(combination, progress)
 
     try:
-        run = applied.run(progress=told)
+        run = applied.run(progress=report)
     except RunStopped as stopped:
         run = stopped.run  # type: ignore[assignment]
     else:
