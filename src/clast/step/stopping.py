@@ -8,11 +8,12 @@ motion what the contacts stop, and the rest is free of them.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from clast.compute.chunks import CHUNK, SHARED, chunks
 from clast.compute.jit import kernel
-from clast.compute.parallel import nothing_done, prange, threads_of, to_do
+from clast.compute.parallel import BLOCKS, shared
 from clast.compute.vec6 import (
     line,
     numbers,
@@ -25,6 +26,7 @@ from clast.compute.vec6 import (
     zeros,
 )
 from clast.contact.jacobian import force_on
+from clast.model.model import Bools, Floats, Ints
 
 SAME = 1e-10
 """Share of a motion's square beside others that does not count: it is one of theirs."""
@@ -109,7 +111,7 @@ def _any(first, last, closes):
     return found
 
 
-@kernel()
+@shared(BLOCKS)
 def _of_blocks(low, high, mass_matrix, fixed, graph, contacts, stops, stopped):
     """Write what contacts stop on blocks ``low`` to ``high`` - 1."""
     start, right, left, listed = graph
@@ -136,17 +138,9 @@ def _of_blocks(low, high, mass_matrix, fixed, graph, contacts, stops, stopped):
             _stop(b, start[q], start[q + 1], vertex_block, levers, stops, factor, room, stopped)
 
 
-@kernel(parallel=True)
-def _of_blocks_shared(mass_matrix, fixed, graph, contacts, stops, stopped):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(fixed))):
-            last = min((c + 1) * CHUNK, len(fixed))
-            _of_blocks(c * CHUNK, last, mass_matrix, fixed, graph, contacts, stops, stopped)
-
-
-@kernel()
-def stopped_motions(mass_matrix, fixed, graph, contacts, stops):
+def stopped_motions(
+    mass_matrix: Floats, fixed: Bools, graph: Any, contacts: Any, stops: Any
+) -> tuple[Ints, Floats, Floats]:
     """Return how many motions contacts stop on each block (n,), these q and M q (n, 6, 6) each.
 
     Rows from that number on are not written.  ``graph`` is that of the contacts
@@ -155,10 +149,7 @@ def stopped_motions(mass_matrix, fixed, graph, contacts, stops):
     """
     count = len(fixed)
     stopped = np.empty(count, np.int64), np.empty((count, 6, 6)), np.empty((count, 6, 6))
-    if count >= SHARED:
-        _of_blocks_shared(mass_matrix, fixed, graph, contacts, stops, stopped)
-    else:
-        _of_blocks(0, count, mass_matrix, fixed, graph, contacts, stops, stopped)
+    _of_blocks(count, mass_matrix, fixed, graph, contacts, stops, stopped)
     return stopped
 
 
