@@ -14,13 +14,15 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help env env-test demo paper verify test test-fast format lint types layers check build clean distclean
+.PHONY: help env env-test env-docs demo paper verify docs reference test test-fast format lint types layers check build clean distclean
 
 help:
 	@echo "make env        make .venv and install clast in it"
 	@echo "make demo       run, verify and draw the block on an incline"
 	@echo "make paper      repeat the paper's studies and write docs/paper.md (some minutes)"
 	@echo "make verify     run all verification problems and write docs/verification.md (minutes)"
+	@echo "make docs       build the documentation site into build/site"
+	@echo "make reference  write docs/reference/case-file.md from the models of the case file"
 	@echo "make test       run all tests"
 	@echo "make test-fast  run the tests that are not marked slow"
 	@echo "make format     format the code and sort its imports"
@@ -59,9 +61,16 @@ $(VENV)/.stamp-env-test: pyproject.toml constraints.txt | $(BIN)/pip
 	@$(PIP) install --quiet -c constraints.txt -e '.[dev]'
 	@touch $@ $(VENV)/.stamp-env
 
+$(VENV)/.stamp-env-docs: pyproject.toml constraints.txt | $(BIN)/pip
+	@echo "Installing clast with what builds its documentation into $(VENV)"
+	@$(PIP) install --quiet -c constraints.txt -e '.[plot,docs]'
+	@touch $@ $(VENV)/.stamp-env
+
 env: $(VENV)/.stamp-env
 
 env-test: $(VENV)/.stamp-env-test
+
+env-docs: $(VENV)/.stamp-env-docs
 
 # --- trying --------------------------------------------------------------------------------
 
@@ -87,6 +96,14 @@ verify: env
 	    cp build/verification/verification.md docs/verification.md; \
 	    cp build/verification/images/verification/*.png docs/images/verification/; exit $$code
 	@echo "Wrote docs/verification.md"
+
+docs: env-docs
+	@$(BIN)/zensical build --clean --strict
+	@echo "Wrote build/site; open build/site/index.html"
+
+reference: env
+	@$(BIN)/python tools/case_reference.py
+	@echo "Wrote docs/reference/case-file.md"
 
 # --- testing and checking ------------------------------------------------------------------
 

@@ -25,10 +25,10 @@ blocks, both at the end. What counts is wall time at a stated accuracy.
 
 Walls at rest are where implicit steps pay: fifty to a hundred times as long as those of the
 others, with less drift. In heaps of falling blocks everywhere contacts open, close, stick and
-slide at once, and a step of 2.5 ms takes 10 to 35 iterations. It pays that groups of blocks that
-touch are worked on one by one, as long as they have not come to rest (docs/decisions/0021, 0039),
-and more so the more blocks there are. In heaps blocks may go a tenth of their size in a step, twice
-the default max_displacement.
+slide at once, and a step of 2.5 ms takes 10 to 35 iterations. Islands, groups of blocks that
+contacts connect, are minimised one by one (docs/solver-performance.md), which pays the more the
+more blocks there are. In heaps blocks may move a tenth of their size in a step, twice the default
+max_displacement.
 
 A run that is *stopped* after ten minutes of wall time is measured over what it had simulated by
 then.
@@ -42,7 +42,7 @@ triad over as many bytes (which stay in the cache up to 10,000 blocks or so), an
 main memory, which reaches {triad:.3g} GB/s. *Solves* are the share of a step that systems of
 equations take, factors and couplings included; *small regions* that of the minimisation of what
 touches nothing else, from the first to the last iteration, with its systems
-(docs/decisions/0039). Where blocks rest or fall freely there is next to nothing to solve.
+(docs/solver-performance.md). Where blocks rest or fall freely there is next to nothing to solve.
 
 The first steps of a wall or a slope are the dearest: weight goes on at once, and waves run
 through blocks without any damping. What grows from 1,000 to 10,000 blocks is also the height of
@@ -56,12 +56,12 @@ Apart from the runs above, on the machine named:
 - Of one height cost per block hardly grows with the number of blocks: in their first steps walls
   of 50 courses with 1,026, 10,026 and 100,026 bricks take 33, 22 and 27 µs per block and step at
   1 ms (five steps), where those that have most to settle go first by themselves
-  (docs/decisions/0034, 0038), and 16.0, 22.8 and 23.4 µs at 5 ms (ten steps), where the largest
+  (docs/solver-performance.md), and 16.0, 22.8 and 23.4 µs at 5 ms (ten steps), where the largest
   need 15 iterations of conjugate gradients for a direction instead of 9. In the table above what
   grows is the height: scenes of 1,000 blocks are 32 storeys or 45 courses high.
 - `--threads 2` with 10,000 blocks, by one and by two threads in turns, medians of four: the first
   four steps of a wall at 5 ms 1.69 times as fast as by one, at 1 ms 1.69, of a slope 1.87 and 1.73,
-  of towers 1.80, of a heap at 0.8 s 1.69, at 1.4 s 1.74, at 1.9 s 1.88 (docs/decisions/0039), while
+  of towers 1.80, of a heap at 0.8 s 1.69, at 1.4 s 1.74, at 1.9 s 1.88, while
   the second core has nothing else to do. Below 800 blocks one thread does all. The results are the
   same to the last bit.
 - `clast bench heap --size 1000000 --step 2.5e-3 --steps 100 --results build`: a million falling
@@ -72,16 +72,16 @@ Apart from the runs above, on the machine named:
   first and last state saved (1 GB), and 6.0 GiB of memory at most; the matrix product reaches
   27 GB/s there, 91 % of the triad over as many bytes by as many threads.
 
-Before docs/decisions/0033, on an AMD EPYC with 2 cores and 23.5 GiB:
+Before the rough first minimum (docs/solver-performance.md), on an AMD EPYC with 2 cores and
+23.5 GiB:
 
 - Numbered at random instead of course by course, walls of 1,011, 10,026 and 100,026 bricks take
-  1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew
-  (docs/decisions/0024).
-- Where Newton's directions have K in single precision the product reads each block once
-  (docs/decisions/0027), 144 bytes instead of 288. For 100,026 bricks it takes 3.3 to 5.6 ms by one
-  thread and 2.7 to 3.2 by two; in double precision, as `modified` and `open-close` have it, 7.5 to
-  12.7 and 6.1 to 7.6. That is 12 to 20 and 20 to 25 GB/s, 75 to 85 % and 76 to 84 % of the
-  triad in main memory by as many threads, measured in turns with it.
+  1.2 to 1.4 times as long at 1 ms; 1.6, 2.1 and 3.0 times before they were numbered anew.
+- Where Newton's directions have K in single precision the product reads each block once, 144
+  bytes instead of 288. For 100,026 bricks it takes 3.3 to 5.6 ms by one thread and 2.7 to 3.2
+  by two; in double precision, as `modified` and `open-close` have it, 7.5 to 12.7 and 6.1 to
+  7.6. That is 12 to 20 and 20 to 25 GB/s, 75 to 85 % and 76 to 84 % of the triad in main memory
+  by as many threads, measured in turns with it.
 """
 PEER_HEADINGS = ("program", "wall time per simulated second", "drift", "overlap", "remark")
 BENCH_HEADINGS = (

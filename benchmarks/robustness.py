@@ -1,8 +1,8 @@
 """Where the convex process holds: walls and heaps over stiffness and step.
 
-    python benchmarks/robustness.py --quick       a minute: the small wall, a small heap
-    python benchmarks/robustness.py               all of it: hours
-    python benchmarks/robustness.py --only small-wall heap
+    python -m benchmarks.robustness --quick       a minute: the small wall, a small heap
+    python -m benchmarks.robustness               all of it: hours
+    python -m benchmarks.robustness --only small-wall heap
 
 Every run that has ended is kept in build/robustness.jsonl and not repeated; the tables of what is
 there are written to docs/robustness.md.
@@ -19,14 +19,12 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from tests.scenes import systems
+
+from clast.model.model import Model
+from clast.step.method import StepResult
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests"))
-
-import systems  # noqa: E402
-from clast.model.model import Model  # noqa: E402
-from clast.step.method import StepResult  # noqa: E402
-
 YOUNG = 5e9
 SHARES = (0.01, 0.1, 1.0, 10.0, 50.0)
 """Normal stiffness in units of E times 1 m."""
@@ -241,7 +239,7 @@ def heap_table(title: str, runs: list[tuple[Wanted, Figures]]) -> list[str]:
 
 HEAD = """# Where the convex process holds
 
-Written by `python benchmarks/robustness.py`; only runs that have been made are listed. No number
+Written by `python -m benchmarks.robustness`; only runs that have been made are listed. No number
 was tuned for any row: one method, penalty law, constant acceleration, default tolerance.
 The tables of 1,000 bricks and of heaps were made before impacts became events (decision 41) and
 seams were looked at (40); walls and columns of 100 bricks have been run since and stand as before.
@@ -283,12 +281,12 @@ a wedge of 32 blocks that must rest on a slope of 26.5 degrees, a block at the v
 friction, a block that touches nothing, stacked boxes, an arch. Random small systems converge, give
 the same answer moved, turned, renumbered, in another unit, and repeat bit for bit.
 
-Random systems of 2 to 11 blocks (`tests/random_systems.py`: sizes 1:100, half of them not convex,
-tight and loose, p/E 1e-3 to 50, h 0.2 to 20 ms, friction 0 to 60 degrees, some with cohesion,
-velocities up to 20 m/s) are run for 50 to 150 steps and looked at with a polygon clipper. Of 2,088
-none stops and none gains more than 0.1 % of the energy turned over. In 32 two blocks overlap by
-more than 1.5 times what their contacts know, 29 by micrometres, three by 1 to 92 mm, and each is
-warned of.
+Random systems of 2 to 11 blocks (`tests/scenes/random_systems.py`: sizes 1:100, half of them not
+convex, tight and loose, p/E 1e-3 to 50, h 0.2 to 20 ms, friction 0 to 60 degrees, some with
+cohesion, velocities up to 20 m/s) are run for 50 to 150 steps and looked at with a polygon
+clipper. Of 2,088 none stops and none gains more than 0.1 % of the energy turned over. In 32 two
+blocks overlap by more than 1.5 times what their contacts know, 29 by micrometres, three by 1 to 92
+mm, and each is warned of.
 
 critdis (default 5 mm) belongs below a tenth of the thinnest block, max_displacement below its
 thickness: 0.5 mm and 1 mm for cubes of 1 cm below a block of 10 m.

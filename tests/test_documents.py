@@ -1,4 +1,4 @@
-"""The examples of README and CONTRIBUTING do what is said of them."""
+"""The examples of the README, of docstrings and of the contact law do what is said of them."""
 
 from __future__ import annotations
 
@@ -42,22 +42,15 @@ def snippets(document: str) -> list[str]:
 
 @pytest.fixture(scope="module")
 def hardening() -> Any:
-    """The contact law of CONTRIBUTING."""
-    (text,) = snippets("CONTRIBUTING.md")
-    return executed(text, "CONTRIBUTING.md")["Hardening"]
-
-
-def test_the_readme_runs_a_case(monkeypatch):
-    monkeypatch.chdir(ROOT)
-    run = executed(snippets("README.md")[0], "README.md")["run"]
-    assert run.report.finished
-    assert run.field("stress").shape == (len(run.times), 2, 3)
+    """The contact law of the how-to page."""
+    page = "docs/how-to/contact-law.md"
+    return executed(snippets(page)[0], page)["Hardening"]
 
 
 def test_the_readme_builds_and_runs_a_model():
-    names = executed(snippets("README.md")[1], "README.md")
+    names = executed(snippets("README.md")[0], "README.md")
     run = names["run"]
-    assert len(snippets("README.md")) == 2
+    assert len(snippets("README.md")) == 1
     assert run.report.finished
     assert run.block("brick").displacement[-1, 0] == pytest.approx(0.0884, rel=0.01)
     assert run.block("brick").velocity[-1] == pytest.approx([0.0, 0.0], abs=1e-3)
@@ -71,14 +64,14 @@ def test_the_examples_of_docstrings_run(module, monkeypatch):
     executed(indented(module.__doc__), module.__name__)
 
 
-def test_the_law_of_contributing_is_one(hardening):
+def test_the_law_of_the_page_is_one(hardening):
     assert clast.check_law(hardening()) == ()
 
 
 @pytest.mark.parametrize(
     ("process", "tolerance"), [("modified", 2e-3), ("open-close", 2e-3), ("convex", 3e-4)]
 )
-def test_the_law_of_contributing_slides_as_it_should(hardening, process, tolerance):
+def test_the_law_of_the_page_slides_as_it_should(hardening, process, tolerance):
     """Incline of 45 degrees, friction 20: friction lags by a step but in the convex process."""
     case = Case.from_toml(INCLINE, [f"method.process={process}"])
     run = case.with_method(contact_law=hardening()).run()

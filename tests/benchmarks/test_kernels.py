@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 
 from clast.block import polygon
-from clast.block.inertia import block_frames
 from clast.contact import broad_phase
 from clast.contact.candidates import find_candidates
 from clast.contact.contacts import Contacts
@@ -28,13 +27,12 @@ from clast.minimise.islands import with_small_regions
 from clast.model.model import Ints, Model
 from clast.model.state import State
 from clast.step import convex
-from clast.step.integration import Scheme
 from clast.step.method import Method
-from clast.step.start import diagonal_terms
+from clast.step.start import begin, diagonal_terms
 from clast.studies.bench.bandwidth import system_of_step
 from clast.studies.bench.scenes import SCENES
 from clast.studies.bench.wishes import Wishes, method_for
-from systems import at_start
+from scenes.systems import at_start
 
 STEP = 1e-3
 
@@ -102,9 +100,8 @@ def test_law(benchmark, wall):
 def test_assembly(benchmark, wall):
     model, method = wall.model, wall.method
     contacts = replace(wall.contacts, friction_base=wall.contacts.normal_force)
-    frames = block_frames(model, wall.state)
-    scheme, drift = Scheme(theta=0.5, step=STEP), STEP * wall.state.velocity
-    base = diagonal_terms(model, method, frames, wall.state, drift, scheme)
+    begun = begin(model, method, wall.state, STEP, None)
+    base = diagonal_terms(begun, begun.drift, begun.scheme)
     response = method.contact_law.respond(contacts, contacts.gap, np.zeros(len(contacts)))
     graph = graph_of(contacts, model.block_count)
     system = benchmark(symmetric_system, base, contacts, response, base.force, model.fixed, graph)

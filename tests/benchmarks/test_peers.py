@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import asdict
-from pathlib import Path
 
 import numpy as np
-import pytest
-
-from clast.studies.bench import Wishes, benchmark
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
-
 import peers
 import performance
 import programs
+import pytest
+
+from clast.studies.bench import Wishes, benchmark
 
 PROGRAMS = (
     programs.Clast(0.005),

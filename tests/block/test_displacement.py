@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from quadrature import integral
 
 from clast.block import polygon
 from clast.block.displacement import basis, displacements, movements
 from clast.block.elasticity import turned as turned_tensor
 from clast.block.inertia import mass_matrices
 from clast.block.rotation import Exact, Linear, Sine
-from systems import box, convex, flat, star, turned
+from scenes.quadrature import integral
+from scenes.systems import box, convex, flat, star, turned
 
 RULES = {"exact": Exact(), "sine": Sine(), "linear": Linear()}
 

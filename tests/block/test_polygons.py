@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 import shapely
-from quadrature import integral
 
 from clast.block import polygon
-from systems import box, convex, flat, regular, star, turned
+from scenes.quadrature import integral
+from scenes.systems import box, convex, flat, regular, star, turned
 
 SEEDS = range(20)
 

@@ -10,7 +10,7 @@ import pytest
 from clast.errors import ModelError
 from clast.model.builder import ModelBuilder
 from clast.model.model import Model
-from systems import box
+from scenes.systems import box
 
 SQUARES = np.array([box(2.0 * k, 0.0) for k in range(3)])
 TRIANGLE = np.array([(0.0, 3.0), (1.0, 3.0), (0.0, 4.0)])

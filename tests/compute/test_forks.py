@@ -30,7 +30,7 @@ def run(end):
 
 def shared(steps):
     "Work that threads share: a system of more than 800 blocks."
-    from systems import by_convex, wall
+    from scenes.systems import by_convex, wall
     schedule = Schedule(step=1e-3, end=1e-3 * steps, every=1.0)
     return simulate(wall(25, 40), by_convex(5e9), schedule).state.vertices.tobytes()
 

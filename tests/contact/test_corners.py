@@ -1,31 +1,13 @@
 """Corners: the bisector, exact ties, flat vertices, sliding across and round a corner."""
 
 import numpy as np
-import oracle
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clast.model.state import ContactMemory
-from systems import REACH, box, touches_of, turned
-
-RIGHT, TOP = 1, 2
-"""Edges of a box that meet at its upper right corner (its vertex 2)."""
-
-
-def remembering(edge, gap=0.0, vertex=4, block=0, shear_force=7.0):
-    """Return the memory of one contact of the second outline's first vertex."""
-    return ContactMemory(
-        vertex=np.array([vertex]),
-        block=np.array([block]),
-        edge=np.array([edge]),
-        gap=np.array([gap]),
-        normal_force=np.array([1.0]),
-        shear_force=np.array([shear_force]),
-        multiplier=np.array([0.0]),
-        mode=np.array([2]),
-        bonded=np.array([True]),
-    )
+from scenes import oracle
+from scenes.corners import RIGHT, TOP, remembering
+from scenes.systems import REACH, box, touches_of, turned
 
 
 def needle(tip, way):

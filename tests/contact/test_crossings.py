@@ -11,7 +11,7 @@ from clast.contact import crossings, detection
 from clast.contact.crossings import with_crossings
 from clast.model.state import ContactMemory
 from clast.run.overlap import unseen_overlaps
-from systems import (
+from scenes.systems import (
     at_start,
     box,
     by_convex,

@@ -4,12 +4,12 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-import oracle
 import pytest
 import shapely
-from encounters import FAMILIES, encounters, normal_of
 
-from systems import REACH, Touch, box, candidates_of, flat, star, touches_of, turned
+from scenes import oracle
+from scenes.encounters import FAMILIES, encounters, normal_of
+from scenes.systems import REACH, Touch, box, candidates_of, flat, star, touches_of, turned
 
 CASES = 300
 

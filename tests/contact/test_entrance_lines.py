@@ -10,8 +10,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from test_coinciding_corners import SYSTEMS, crown_drop, faces_in_common, held
-from test_corners import TOP, remembering
 
 from clast.case.case_file import Case
 from clast.case.templates import INCLINE
@@ -19,7 +17,9 @@ from clast.contact.corner_rules import Bisector, EntranceLines
 from clast.contact.laws import Penalty
 from clast.step.convex import Convex
 from clast.step.open_close import OpenClose
-from systems import REACH, box, contacts_of, finish, method, system, touches_of, wall
+from scenes.corners import TOP, remembering
+from scenes.joints import SYSTEMS, crown_drop, faces_in_common, held
+from scenes.systems import REACH, box, contacts_of, finish, method, system, touches_of, wall
 
 RULES = {"bisector": Bisector(), "shi": EntranceLines()}
 

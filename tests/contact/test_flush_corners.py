@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from systems import (
+from scenes.systems import (
     BISECTOR,
     box,
     by_convex,

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from encounters import FAMILIES, encounters
 
 from clast.model.builder import ModelBuilder
-from systems import (
+from scenes.encounters import FAMILIES, encounters
+from scenes.systems import (
     REACH,
     box,
     bricks,

@@ -7,7 +7,7 @@ from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
 from clast.linear import assembly
 from clast.linear.system import contact_motions, graph_of, with_contact_forces
-from systems import REACH, at_start, centroids, heap, system, turned, voussoirs, wall
+from scenes.systems import REACH, at_start, centroids, heap, system, turned, voussoirs, wall
 
 SYSTEMS = {
     "wall": wall(4, 4),

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from clast.contact.contacts import LOCK, OPEN, SLIDE
 from clast.contact.laws import AugmentedLagrangian, Penalty
 from clast.errors import CaseError
-from systems import box, contacts_of, system
+from scenes.systems import box, contacts_of, system
 
 P, KS = 1e8, 4e7
 LAW = Penalty(normal_stiffness=P, shear_stiffness=KS)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from systems import box, bricks, contacts_of, system, turned, voussoirs
+from scenes.systems import box, bricks, contacts_of, system, turned, voussoirs
 
 
 def shared_length(contacts, one, other):

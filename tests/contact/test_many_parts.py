@@ -12,7 +12,7 @@ from clast.contact.detection import find_tunnelled
 from clast.contact.memory import renew
 from clast.contact.verlet_list import VerletList
 from clast.model.state import ContactMemory
-from systems import at_start, contacts_of, courses_of_bricks, system
+from scenes.systems import at_start, contacts_of, courses_of_bricks, system
 
 COPIES = 60
 APART = 64.0

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from clast.contact.contacts import ContactResponse
 from clast.contact.memory import recall, renew
 from clast.model.state import ContactMemory
-from systems import at_start, box, contacts_of, march, method, system
+from scenes.systems import at_start, box, contacts_of, march, method, system
 
 KEY = st.tuples(st.integers(0, 3), st.integers(0, 2))
 ROW = st.tuples(KEY, st.integers(0, 4))

@@ -7,7 +7,7 @@ from clast.block import polygon
 from clast.compute.parallel import CONTACTS
 from clast.contact.broad_phase import all_within, overlapping_pairs
 from clast.contact.verlet_list import SPARE, VerletList
-from systems import box
+from scenes.systems import box
 
 
 def squares(rng, count):

@@ -10,7 +10,7 @@ from clast.model.model import Floats
 from clast.step.convex import Convex
 from clast.step.modified import Modified
 from clast.step.open_close import OpenClose
-from systems import box, by_convex, march, method, system, turned
+from scenes.systems import box, by_convex, march, method, system, turned
 
 LENGTH, HEIGHT, TILE = 0.8, 0.4, 0.5
 STIFFNESS = 1e9

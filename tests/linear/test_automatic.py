@@ -18,7 +18,7 @@ from clast.linear.solvers import (
 from clast.studies.bench.bandwidth import system_of_step
 from clast.studies.bench.scenes import SCENES, stack
 from clast.studies.bench.scenes import wall as wall_of
-from systems import at_start, by_convex, open_ledger
+from scenes.systems import at_start, by_convex, open_ledger
 
 
 def wall(bricks):

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numba
 import numpy as np
 import pytest
-from test_cholesky import PATTERNS, dense, grid, random_system, with_upper
 
 from clast.errors import StepOutcome, StepRejected
 from clast.linear import aggregates, substitution
@@ -15,6 +14,7 @@ from clast.linear import pcg as conjugate
 from clast.linear.cholesky import Cholesky
 from clast.linear.coarse_space import LAST, aggregates_of, number_of_aggregates
 from clast.linear.solvers import PCG, with_aggregates, with_incomplete
+from scenes.block_matrices import PATTERNS, dense, elastic_grid, grid, random_system
 
 
 def prolongation(parent, offset, count):
@@ -133,32 +133,6 @@ def test_what_is_preconditioned_with_is_symmetric_and_positive(precision):
     near = {np.float64: 1e-10, np.float32: 1e-5}[precision]
     assert np.abs(matrix - matrix.T).max() <= near * np.abs(matrix).max()
     assert np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min() > 0.0
-
-
-def elastic_grid(rows, columns, stiffness=1e6):
-    """Return a sheet of elastic unit squares with springs at the ends of common edges."""
-    pairs = grid(rows, columns)
-    x, y = np.meshgrid(np.arange(columns), np.arange(rows))
-    centroid = np.stack([x.ravel(), y.ravel()], axis=1).astype(float)
-    apart = np.abs(centroid[pairs[:, 0]] - centroid[pairs[:, 1]]).sum(axis=1)
-    pairs = np.ascontiguousarray(pairs[apart == 1.0])
-    one = random_system(np.random.default_rng(0), len(centroid), pairs, stiffness=0.0)
-    diagonal, upper = one.diagonal.copy(), one.upper.copy()
-    diagonal[:, [3, 4, 5], [3, 4, 5]] += stiffness
-    for q, (i, j) in enumerate(pairs):
-        middle = 0.5 * (centroid[i] + centroid[j])
-        across = np.array([-(centroid[j] - centroid[i])[1], (centroid[j] - centroid[i])[0]])
-        for end in (-0.5, 0.5):
-            at = middle + end * across
-            rows_of = []
-            for b, sign in ((i, 1.0), (j, -1.0)):
-                dx, dy = at - centroid[b]
-                basis = [[1, 0, -dy, dx, 0, 0.5 * dy], [0, 1, dx, 0, dy, 0.5 * dx]]
-                rows_of.append(sign * np.array(basis).T)
-            diagonal[i] += stiffness * rows_of[0] @ rows_of[0].T
-            diagonal[j] += stiffness * rows_of[1] @ rows_of[1].T
-            upper[q] += stiffness * rows_of[0] @ rows_of[1].T
-    return with_upper(replace(one, diagonal=diagonal, centroid=centroid), upper)
 
 
 def test_iterations_grow_far_less_than_the_width_of_a_sheet():

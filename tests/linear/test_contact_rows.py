@@ -6,8 +6,8 @@ import pytest
 from clast.block.inertia import block_frames
 from clast.block.rotation import Exact, Linear, Sine
 from clast.linear.system import gap_at_end, gap_rate, graph_of, slip_in_step, with_contact_forces
-from clast.step.motion import move
-from systems import at_start, box, bricks, contacts_of, system, turned, voussoirs
+from clast.step.finish import move
+from scenes.systems import at_start, box, bricks, contacts_of, system, turned, voussoirs
 
 SIZES = np.array([1.0, 1.0, 1.0, 0.3, 0.3, 0.3])
 

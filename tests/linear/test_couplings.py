@@ -11,7 +11,7 @@ from clast.linear import pcg as conjugate
 from clast.linear.couplings import Blocks
 from clast.linear.solvers import PCG, inertia_shares, with_incomplete
 from clast.linear.system import DiagonalTerms, graph_of, symmetric_system
-from systems import at_start, centroids, contacts_of, wall
+from scenes.systems import at_start, centroids, contacts_of, wall
 
 
 def springs(courses=6, columns=5, *, weight=1e4, seed=0):

@@ -5,14 +5,13 @@ from dataclasses import replace
 import numba
 import numpy as np
 import pytest
-from test_cholesky import PATTERNS, dense, grid, random_pairs, random_system
-from test_coarse import elastic_grid
 
 from clast.errors import StepOutcome, StepRejected
 from clast.linear import incomplete, parts, substitution
 from clast.linear import pcg as conjugate
 from clast.linear.cholesky import Cholesky
 from clast.linear.solvers import SHIFT, with_incomplete
+from scenes.block_matrices import PATTERNS, dense, elastic_grid, grid, random_pairs, random_system
 
 
 def applied(one):

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_cholesky import PATTERNS, dense, grid, random_system, with_upper
-from test_coarse import elastic_grid
 
 from clast.contact.contacts import ContactResponse
 from clast.linear.block_matrix import multiply, row_pointers
@@ -25,6 +23,7 @@ from clast.linear.solvers import (
     with_aggregates,
     with_incomplete,
 )
+from scenes.block_matrices import PATTERNS, dense, elastic_grid, grid, random_system, with_upper
 
 
 def by_incomplete(one, guess, tolerance, limit):

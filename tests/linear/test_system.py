@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from clast.block.inertia import block_frames
 from clast.contact.contacts import Contacts
 from clast.contact.laws import Penalty
 from clast.errors import StepOutcome, StepRejected
@@ -20,9 +19,8 @@ from clast.linear.system import (
     symmetric_system,
 )
 from clast.model.model import Model
-from clast.step.integration import Scheme
-from clast.step.start import diagonal_terms
-from systems import at_start, bricks, contacts_of, method, system
+from clast.step.start import begin, diagonal_terms
+from scenes.systems import at_start, bricks, contacts_of, method, system
 
 STEP = 1e-3
 
@@ -53,10 +51,9 @@ def wall(implicit=False, fixed=(0, 1, 2), seed=0):
     contacts = contacts_of(model, state)
     contacts = replace(contacts, shear_force=1e4 * rng.normal(size=len(contacts)))
     how = method(contact_law=Penalty(normal_stiffness=1e8, shear_stiffness=3e7))
-    frames = block_frames(model, state)
-    scheme = Scheme(theta=0.5, step=STEP)
     velocity = 0.01 * rng.normal(size=(model.block_count, 6)) * ~model.fixed[:, None]
-    base = diagonal_terms(model, how, frames, state, STEP * velocity, scheme)
+    begun = begin(model, how, state, STEP, None)
+    base = diagonal_terms(begun, STEP * velocity, begun.scheme)
     unknowns = 1e-5 * rng.normal(size=(model.block_count, 6))
     gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
     response = how.contact_law.respond(contacts, gap, slip)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from clast.block.displacement import movements
-from clast.block.inertia import block_frames
 from clast.block.rotation import Sine
 from clast.linear.block_matrix import row_pointers
 from clast.linear.couplings import Blocks
@@ -16,7 +15,7 @@ from clast.model.builder import ModelBuilder
 from clast.model.model import PlaneStrain, PlaneStress
 from clast.step import start as terms
 from clast.step.integration import Scheme, end_velocity
-from systems import GRAVITY, at_start, box, march, method, star, system, turned
+from scenes.systems import GRAVITY, at_start, box, march, method, star, system, turned
 
 YOUNG, POISSON, DENSITY = 2e7, 0.3, 2000.0
 
@@ -34,10 +33,9 @@ def still(model):
 def base_of(model, how=None, state=None, velocity=None, theta=0.5, step=1e-3):
     """Return the base system of a step."""
     how, state = how or method(), state or at_start(model)
-    frames = block_frames(model, state)
     velocity = still(model) if velocity is None else velocity
-    scheme = Scheme(theta=theta, step=step)
-    return terms.diagonal_terms(model, how, frames, state, step * velocity, scheme)
+    begun = terms.begin(model, how, state, step, None)
+    return terms.diagonal_terms(begun, step * velocity, Scheme(theta=theta, step=step))
 
 
 # --- time ----------------------------------------------------------------------------------

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_interior import caught
 
 from clast.compute.stopwatch import Stages
 from clast.linear.reuse import FactorOfStep
@@ -12,7 +11,8 @@ from clast.minimise import connected as kernel
 from clast.minimise import numbering
 from clast.minimise.subproblem import renumbered
 from clast.studies.bench.scenes import GRAVITY, box, outlines_of_wall
-from systems import at_start, by_convex, heap, open_ledger, system
+from scenes.potentials import caught
+from scenes.systems import at_start, by_convex, heap, open_ledger, system
 
 
 def bricks(courses, columns, seed=None):

@@ -7,12 +7,12 @@ import pytest
 from scipy.optimize import brentq
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from test_interior import caught
 
 from clast.minimise import connected as kernel
 from clast.minimise import unfinished
 from clast.minimise.subproblem import part_of
-from systems import by_convex, heap, march, wall
+from scenes.potentials import caught
+from scenes.systems import by_convex, heap, march, wall
 
 
 def random_pairs(rng, count):

@@ -4,27 +4,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_interior import TOLERANCE, caught
 
 from clast.compute.stopwatch import Stages
 from clast.linear.reuse import FactorOfStep
 from clast.linear.solvers import Direct
 from clast.minimise import rough
 from clast.minimise.newton import minimise
-from systems import (
+from scenes.potentials import TOLERANCE, caught
+from scenes.sliding import FRICTION_ANGLE, STEEP, sliding
+from scenes.systems import (
     box,
     by_convex,
     courses_of_bricks,
     heap,
     loose_polygons,
     march,
-    system,
-    turned,
     wall,
 )
-
-STEEP, FRICTION_ANGLE = 40.0, 30.0
-"""Dip of a plane and friction angle, degrees: a block slides down it."""
 
 
 def wall_and_slide():
@@ -103,14 +99,6 @@ def test_without_updates_nothing_is_minimised_roughly(monkeypatch, updates):
     steps = march(wall(3, 3), how, 1e-3, 5e-3)
     assert len(asked) >= updates * len(steps)
     assert bool(asked) == bool(updates)
-
-
-def sliding(others):
-    """Return a model of a plane, a small block upon it, and others, of which the first is fixed."""
-    dip = -np.radians(STEEP)
-    places = (box(-1.0, -1.0, 12.0), box(0.0, 0.0, 0.1, 0.1))
-    plane, slider = (turned(place, dip, (100.0, 0.0)) for place in places)
-    return system([plane, slider, *others], fixed=[0, 2], friction_angle=FRICTION_ANGLE)
 
 
 def way_down(others):

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numba
 import numpy as np
 import pytest
-from test_interior import TOLERANCE, by_newton, caught, strengthened
 
 from clast.compute.stopwatch import Stages
 from clast.linear import elimination
@@ -16,7 +15,8 @@ from clast.minimise import islands as small_regions
 from clast.minimise import newton
 from clast.minimise.islands import with_small_regions
 from clast.studies.bench.scenes import SCENES
-from systems import at_start, box, bricks, by_convex, heap, open_ledger, system, wall
+from scenes.potentials import TOLERANCE, by_newton, caught, strengthened
+from scenes.systems import at_start, box, bricks, by_convex, heap, open_ledger, system, wall
 
 
 def potentials_of(monkeypatch, model, step, end, stiffness=5e9):

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_rough import sliding
 
 from clast.contact.laws import AugmentedLagrangian
 from clast.minimise import touched
 from clast.step import convex
 from clast.studies.bench.scenes import heap
-from systems import box, by_convex, march
+from scenes.sliding import sliding
+from scenes.systems import box, by_convex, march
 
 END = 0.3
 """End of short runs, s: the lowest squares of a heap have landed."""

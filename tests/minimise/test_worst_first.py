@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_interior import TOLERANCE, by_newton, caught, strengthened
 
 from clast.compute.stopwatch import Stages
 from clast.linear import block_matrix as block_rows
@@ -15,8 +14,9 @@ from clast.minimise import schedule as worst_first
 from clast.minimise.neighbours import with_neighbours
 from clast.minimise.subproblem import part_of, with_part
 from clast.studies.bench.scenes import SCENES, wall
-from systems import by_convex, heap, march
-from systems import wall as high_wall
+from scenes.potentials import TOLERANCE, by_newton, caught, strengthened
+from scenes.systems import by_convex, heap, march
+from scenes.systems import wall as high_wall
 
 
 def scene(name):

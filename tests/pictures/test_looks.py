@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_plot import text_of
 
 from clast.errors import CaseError
 from clast.pictures import canvas
@@ -17,6 +16,7 @@ from clast.pictures.look import Look
 from clast.pictures.plot import plot_results
 from clast.pictures.scale import colours_between, largest_but_few, scale_of
 from clast.results import Results
+from scenes.drawings import text_of
 
 matplotlib = pytest.importorskip("matplotlib")
 

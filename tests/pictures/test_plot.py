@@ -16,15 +16,11 @@ from clast.errors import CaseError
 from clast.pictures.fields import KINDS, SCALARS, prefixed, round_below
 from clast.pictures.plot import plot_history, plot_results
 from clast.results import Results
+from scenes.drawings import text_of
 
 matplotlib = pytest.importorskip("matplotlib")
 
 Wall = Callable[..., Results]
-
-
-def text_of(path: Path) -> str:
-    """All words of an SVG picture, in the order in which they are drawn."""
-    return " ".join(re.findall(r"<text[^>]*>(?:<tspan[^>]*>)*([^<]*)<", path.read_text()))
 
 
 @pytest.fixture

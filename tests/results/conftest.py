@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from recorded_run import Recorded, record, three_blocks
+
+from scenes.recorded_run import Recorded, record, three_blocks
 
 
 @pytest.fixture

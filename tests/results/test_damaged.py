@@ -14,13 +14,13 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from recorded_run import record, three_blocks
 from typer.testing import CliRunner
 
 from clast.cli.commands import app
 from clast.errors import CaseError
 from clast.results import opening, read_results, summary
-from clast.results.about import texts
+from clast.results.provenance import texts
+from scenes.recorded_run import record, three_blocks
 
 
 @pytest.fixture(scope="module")

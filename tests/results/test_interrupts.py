@@ -11,7 +11,7 @@ from clast.results import read_results
 from clast.run.interrupts import heard, held_back
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from systems import box, by_convex, system
+from scenes.systems import box, by_convex, system
 
 
 @pytest.fixture(autouse=True)

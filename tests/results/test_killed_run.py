@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recorded_run import moved, three_blocks
 
 from clast.results import read_results, summary
 from clast.results.journal import read_journal
+from scenes.recorded_run import moved, three_blocks
 
 KILLED = 30
 
@@ -23,10 +23,10 @@ def killed(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[Path, int]]:
     """Files of writers that were killed, and the frames that each had written for certain."""
     if not hasattr(os, "fork"):
         pytest.skip("writers are killed by POSIX signals")
-    script = Path(__file__).with_name("killed_writers.py")
     folder = tmp_path_factory.mktemp("killed")
     said = subprocess.run(
-        [sys.executable, str(script), str(folder), str(KILLED)],
+        [sys.executable, "-m", "scenes.killed_writers", str(folder), str(KILLED)],
+        cwd=Path(__file__).parents[1],
         capture_output=True,
         text=True,
         check=True,

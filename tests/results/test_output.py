@@ -13,12 +13,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from recorded_run import moved, record, report, step_result, three_blocks
 
 from clast.case.templates import INCLINE
 from clast.errors import CaseError
 from clast.results import RunRecorder, read_results
 from clast.results.layout import history_path
+from scenes.recorded_run import moved, record, report, step_result, three_blocks
 
 posix = pytest.mark.skipif(os.name != "posix", reason="needs what POSIX systems have")
 
@@ -139,7 +139,7 @@ def test_a_run_that_never_began_leaves_nothing(tmp_path):
 KILLED = """
 import os, sys
 sys.path.insert(0, sys.argv[2])
-from recorded_run import moved, three_blocks
+from scenes.recorded_run import moved, three_blocks
 from clast.results import RunRecorder
 recorder = RunRecorder(three_blocks(), output=sys.argv[1])
 if sys.argv[3] == "begun":
@@ -151,7 +151,7 @@ os.kill(os.getpid(), 9)
 @posix
 @pytest.mark.parametrize("when", ["begun", "before"])
 def test_a_run_that_was_killed_locks_nothing_and_is_cleared_away(tmp_path, when):
-    path, here = tmp_path / "out.vtkhdf", str(Path(__file__).parent)
+    path, here = tmp_path / "out.vtkhdf", str(Path(__file__).parents[1])
     done = subprocess.run([sys.executable, "-c", KILLED, str(path), here, when], check=False)
     assert done.returncode == -signal.SIGKILL
     assert len(os.listdir(tmp_path)) == 1
@@ -258,12 +258,12 @@ def test_texts_that_no_file_can_hold(tmp_path, title):
 
 LIMITED = """
 import resource, sys
-from clast.case import Case
+from clast.case.case_file import Case
 from clast.case.templates import INCLINE
 Case.from_toml(INCLINE, ["time.end=0.002"]).run()  # what is compiled is kept on disk
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), int(sys.argv[1])))
 sys.argv[:] = ["clast", *sys.argv[2:]]
-from clast.cli import main
+from clast.cli.commands import main
 main()
 """
 

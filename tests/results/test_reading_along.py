@@ -10,16 +10,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recorded_run import moved, record, three_blocks
 from typer.testing import CliRunner
 
 from clast.cli.commands import app
 from clast.results import locks, read_results, summary
+from scenes.recorded_run import moved, record, three_blocks
 
 WRITER = """
 import sys
 sys.path.insert(0, sys.argv[2])
-from recorded_run import moved, step_result, three_blocks
+from scenes.recorded_run import moved, step_result, three_blocks
 from clast.results import RunRecorder
 model = three_blocks()
 recorder = RunRecorder(model, output=sys.argv[1])
@@ -35,7 +35,7 @@ READINGS = 30
 @pytest.mark.skipif(os.name != "posix", reason="needs the locks of POSIX systems")
 def test_a_file_is_read_at_any_moment_while_it_is_written(tmp_path: Path):
     path, model = tmp_path / "out.vtkhdf", three_blocks()
-    command = [sys.executable, "-c", WRITER, str(path), str(Path(__file__).parent)]
+    command = [sys.executable, "-c", WRITER, str(path), str(Path(__file__).parents[1])]
     writer = subprocess.Popen(command)
     try:
         give_up = time.monotonic() + 60.0

@@ -7,13 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recorded_run import moved, record, three_blocks
 
 import clast
 from clast.errors import CaseError
 from clast.results import Run
-from clast.results import kept as kept_frames
-from clast.results.columns import Columns
+from clast.results.tables import Columns
+from scenes.recorded_run import moved, record, three_blocks
 
 
 @pytest.fixture
@@ -137,10 +136,9 @@ def test_a_file_that_holds_another_run_now_is_refused(both, tmp_path):
         written.field("stress")
 
 
-def test_frames_beyond_the_memory_are_left_out_and_said(monkeypatch):
+def test_frames_beyond_the_memory_are_left_out_and_said():
     whole = record(three_blocks()).run
-    monkeypatch.setattr(kept_frames, "MOST_BYTES", 2200)
-    run = record(three_blocks()).run
+    run = record(three_blocks(), memory_limit=2200).run
     assert 2 < len(run.times) < len(whole.times)
     assert run.times[-1] == whole.times[-1]
     np.testing.assert_array_equal(run.field("stress")[-1], whole.field("stress")[-1])

@@ -11,18 +11,18 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from recorded_run import Recorded, moved, record, report, step_result, three_blocks
 
 from clast.contact.laws import AugmentedLagrangian
 from clast.errors import CaseError
 from clast.results import RunRecorder, read_results, summary
-from clast.results.about import texts
 from clast.results.layout import CELL_ARRAYS
+from clast.results.provenance import texts
 from clast.results.writing import _Column
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.step.modified import Modified
-from systems import incline, method
+from scenes.recorded_run import Recorded, moved, record, report, step_result, three_blocks
+from scenes.systems import incline, method
 
 
 def vtk_frames(path: Path) -> list[tuple[float, object]]:
@@ -295,7 +295,7 @@ def test_full_disk_keeps_the_frames_before(tmp_path: Path):
     code = """if True:
         import resource, signal, sys
         sys.path.insert(0, sys.argv[2])
-        from recorded_run import moved, step_result, three_blocks
+        from scenes.recorded_run import moved, step_result, three_blocks
         from clast.errors import CaseError
         from clast.results import RunRecorder
         model = three_blocks()
@@ -312,7 +312,7 @@ def test_full_disk_keeps_the_frames_before(tmp_path: Path):
             print(number, error)
     """
     path = tmp_path / "out.vtkhdf"
-    here = str(Path(__file__).parent)
+    here = str(Path(__file__).parents[1])
     seen = subprocess.run(
         [sys.executable, "-c", code, str(path), here], capture_output=True, text=True, check=False
     )

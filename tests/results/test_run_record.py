@@ -8,13 +8,22 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from recorded_run import SPIN, STEP, TRANSLATION, moved, record, report, step_result, three_blocks
 
 from clast.block import polygon
 from clast.errors import CaseError
 from clast.results import RunRecorder
-from clast.results.points import point_velocity
 from clast.results.run import report_from_dict
+from clast.results.sampling import point_velocity
+from scenes.recorded_run import (
+    SPIN,
+    STEP,
+    TRANSLATION,
+    moved,
+    record,
+    report,
+    step_result,
+    three_blocks,
+)
 
 
 def test_history_of_a_point_is_its_exact_motion():

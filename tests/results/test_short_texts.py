@@ -10,7 +10,7 @@ from clast import studies
 from clast.case.case_file import Case
 from clast.case.templates import INCLINE
 from clast.contact.contacts import Contacts
-from systems import contacts_of, wall
+from scenes.systems import contacts_of, wall
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,6 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from recorded_run import moved, report, step_result, three_blocks
 
 from clast.errors import CaseError
 from clast.model.builder import ModelBuilder
@@ -24,6 +23,7 @@ from clast.results.journal import JournalledFile, read_journal
 from clast.results.layout import CELL_ARRAYS, POINT_ARRAYS
 from clast.results.pages import PAGE, packed
 from clast.results.writing import MOVING
+from scenes.recorded_run import moved, report, step_result, three_blocks
 
 KEPT = 4096
 """Linux stops a write at the end of a page when the process is killed."""

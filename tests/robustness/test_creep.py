@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from systems import box, by_convex, march, system, turned
+from scenes.systems import box, by_convex, march, system, turned
 
 
 def creep(step: float, end: float) -> float:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from systems import Finished, by_convex, finish, heap, overlaps
+from scenes.systems import Finished, by_convex, finish, heap, overlaps
 
 YOUNG = 5e9
 LONGEST = 1.1

@@ -5,7 +5,7 @@ import pytest
 
 from clast.model.model import Model
 from clast.step.method import StepResult
-from systems import GRAVITY, Floats, box, by_convex, march, system, turned
+from scenes.systems import GRAVITY, Floats, box, by_convex, march, system, turned
 
 PLAIN = box(-2.0, -1.0, 8.0, 1.0)
 

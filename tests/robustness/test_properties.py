@@ -18,7 +18,7 @@ from clast.model.builder import ModelBuilder
 from clast.model.model import Model
 from clast.model.state import State
 from clast.step.method import Method
-from systems import (
+from scenes.systems import (
     GRAVITY,
     Floats,
     box,

@@ -3,7 +3,7 @@
 import pytest
 
 from clast.errors import CaseError
-from random_systems import drawn, outcome
+from scenes.random_systems import drawn, outcome
 
 SEEDS = (25, 33, 35, 80, 103, 158, 178)
 """Gained energy, stopped, or overlapped without a contact before crossing edges were looked for."""

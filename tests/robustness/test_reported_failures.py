@@ -8,7 +8,7 @@ import shapely
 
 from clast.model.model import Floats, Model
 from clast.step.convex import Convex
-from systems import (
+from scenes.systems import (
     at_start,
     box,
     by_convex,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from systems import GRAVITY, Finished, at_start, box, by_convex, centroids, finish, system
+from scenes.systems import GRAVITY, Finished, at_start, box, by_convex, centroids, finish, system
 
 GROUND = box(-20.0, -1.0, 40.0, 1.0)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from systems import GRAVITY, Finished, by_convex, finish, wall
+from scenes.systems import GRAVITY, Finished, by_convex, finish, wall
 
 YOUNG = 5e9
 MUCH = 5e-5

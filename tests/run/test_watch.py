@@ -14,7 +14,7 @@ from clast.step.convex import Convex
 from clast.step.modified import Modified
 from clast.step.open_close import OpenClose
 from clast.step.remedies import GENERAL, remedy
-from systems import at_start, box, by_convex, finish, method, system
+from scenes.systems import at_start, box, by_convex, finish, method, system
 
 HEAD = """
 schema = 1

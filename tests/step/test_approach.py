@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clast.step import approach
+from clast.step import impact as approach
 
 
 def some(count, seed):

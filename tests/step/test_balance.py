@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from test_interior import caught
 
 from clast.compute.chunks import SHARED
 from clast.studies.bench.scenes import wall
+from scenes.potentials import caught
 
 
 def wanted(potential, unknowns, normal, shear):

@@ -8,7 +8,7 @@ import pytest
 from clast.contact.contacts import ContactResponse
 from clast.step.convex import Convex
 from clast.step.modified import ImplicitFriction, Modified
-from systems import at_start, box, centroids, incline, march, method, slide, system
+from scenes.systems import at_start, box, centroids, incline, march, method, slide, system
 
 PROCESSES = {
     "lagged": Modified(),

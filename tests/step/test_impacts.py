@@ -10,7 +10,7 @@ from clast.model.builder import ModelBuilder
 from clast.step.convex import Convex
 from clast.step.modified import Modified
 from clast.step.open_close import OpenClose
-from systems import (
+from scenes.systems import (
     GRAVITY,
     at_start,
     box,

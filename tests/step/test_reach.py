@@ -7,7 +7,7 @@ import pytest
 
 from clast.step import convex
 from clast.step.reach import SPARE, farther
-from systems import at_start, box, by_convex, heap, march, method, system
+from scenes.systems import at_start, box, by_convex, heap, march, method, system
 
 MAX = 0.05
 

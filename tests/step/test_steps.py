@@ -15,7 +15,7 @@ from clast.step.finish import reject_tunnelled
 from clast.step.integration import BackwardEuler, ConstantAcceleration
 from clast.step.modified import ImplicitFriction, Modified, reach_of
 from clast.step.open_close import OpenClose
-from systems import (
+from scenes.systems import (
     GRAVITY,
     at_start,
     box,

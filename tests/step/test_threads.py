@@ -10,7 +10,7 @@ from clast.linear import parts
 from clast.minimise import newton
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from systems import at_start, by_convex, open_ledger, wall
+from scenes.systems import at_start, by_convex, open_ledger, wall
 
 
 def steps(model, method, h, count):

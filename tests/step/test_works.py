@@ -5,8 +5,9 @@ import pytest
 
 from clast.block import elasticity as tensors
 from clast.block import equations as block_terms
-from clast.compute.chunks import CHUNK, PART, SHARED
-from clast.step import energies as works
+from clast.compute.chunks import SHARED
+from clast.step import energy_balance as works
+from clast.step.energy_balance import CHUNK, PART
 
 
 def definite(rng, count, size):
@@ -23,15 +24,14 @@ def test_works_of_blocks(count):
     rng = np.random.default_rng(count)
     d, entering, leaving = rng.normal(size=(3, count, 6))
     mass_matrix, compliance = definite(rng, count, 6), definite(rng, count, 3)
-    area, mass = rng.uniform(0.5, 1.0, (2, count))
+    area = rng.uniform(0.5, 1.0, count)
     before, after = rng.normal(size=(2, count, 3))
-    gravity, inertial, step = np.array([0.3, -9.8]), np.array([1.5, 0.25]), 0.01
-    found = works.of_blocks(
+    step = 0.01
+    found = works.energies_of_blocks(
         (d, entering, leaving),
         (mass_matrix, step),
         (before, after),
         (area, compliance),
-        (mass, gravity, inertial),
     )
     acceleration = (leaving - entering) / step
     weighed = area[:, None, None] * compliance
@@ -42,8 +42,6 @@ def test_works_of_blocks(count):
         0.5 * form(weighed, before),
         0.5 * form(weighed, after),
         -float(np.sum(area[:, None] * after * d[:, 3:])),
-        float(np.sum(mass[:, None] * gravity * d[:, :2])),
-        float(np.sum(mass[:, None] * inertial * d[:, :2])),
     ]
     assert found == pytest.approx(wanted, rel=1e-12, abs=1e-10)
 
@@ -51,7 +49,7 @@ def test_works_of_blocks(count):
 @pytest.mark.parametrize("count", [0, 3, 2 * PART + 1])
 def test_works_of_contacts(count):
     normal, shear, start, end, slip, energy, loss = np.random.default_rng(1).normal(size=(7, count))
-    found = works.of_contacts((normal, shear), (start, end), slip, (energy, loss))
+    found = works.energies_of_contacts((normal, shear), (start, end), slip, (energy, loss))
     work = float(np.sum(normal * (end - start) + shear * slip))
     assert found == pytest.approx([work, energy.sum(), loss.sum()], rel=1e-12, abs=1e-10)
 

@@ -30,7 +30,7 @@ from clast.studies.bench.table import (
     stage_headings,
 )
 from clast.studies.bench.wishes import method_for, schedule_of
-from systems import at_start, overlaps
+from scenes.systems import at_start, overlaps
 
 SHORT = ["--size", "40", "--steps", "3"]
 PRODUCT = {"bytes", "rate", "triad", "triad_by_threads", "shared", "share"}

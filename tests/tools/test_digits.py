@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import json
-import sys
 from dataclasses import replace
-from pathlib import Path
-
-import pytest
-
-import clast
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
 import digit_scenes
 import digits
+import pytest
+
+import clast
 
 KEY = digits.Key("incline", "convex", "penalty", 1)
 

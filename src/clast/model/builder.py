@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import shapely
@@ -87,13 +88,15 @@ class ModelBuilder:
     """Collects what a system of blocks is made of; :meth:`build` checks it and makes the Model.
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
-    yy, xy), angles in degrees, velocities in m/s and rad/s.
+    yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
+    that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
     """
 
     title: str = ""
     plane: Plane = field(default_factory=PlaneStress)
     gravity: Vector = (0.0, -9.8)
     ground_motion: GroundMotion = field(default_factory=Still)
+    actions: list[Any] = field(default_factory=list)
     _rocks: list[Rock] = field(default_factory=list, init=False)
     _joints: list[_Joint] = field(default_factory=list, init=False)
     _entries: list[Entry] = field(default_factory=list, init=False)
@@ -282,6 +285,7 @@ class ModelBuilder:
         fixed, measured = places(self._fixed_points), places(self._measured_points)
         points, lines = places(self._point_loads), places(self._line_loads)
         value_checks.check_ground_motion(self.ground_motion, len(fixed.block))
+        value_checks.check_actions(self.actions)
         return Model(
             title=self.title,
             plane=self.plane,
@@ -306,6 +310,7 @@ class ModelBuilder:
                 block=measured.block, at=measured.at, name=tuple(self._measured_names)
             ),
             ground_motion=self.ground_motion,
+            actions=tuple(self.actions),
             overlaps=overlaps,
             notes=model_checks.turned_note(outlines, clockwise),
         )

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from itertools import accumulate
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,6 +141,17 @@ class MeasuredPoints(MaterialPoints):
 
 
 @dataclass(frozen=True, kw_only=True)
+class PointSlices:
+    """Rows of ``Model.material_points``, and of ``State.points``, by kind."""
+
+    fixed: slice
+    loaded: slice
+    line_start: slice
+    line_end: slice
+    measured: slice
+
+
+@dataclass(frozen=True, kw_only=True)
 class JointTable:
     """The joint of a contact: by pair of blocks, else by pair of rocks, else the first."""
 
@@ -212,6 +224,8 @@ class Model:
     """Tractions along lines."""
     measured_points: MeasuredPoints
     """Points recorded every step."""
+    actions: tuple[Any, ...] = ()
+    """What else acts on blocks: objects with the methods of ``clast.actions.action.Action``."""
     ground_motion: GroundMotion = field(default_factory=Still)
     """What the ground does: nothing, a body force, or a motion of the fixed points."""
     overlaps: StartOverlaps = field(default_factory=StartOverlaps)
@@ -278,6 +292,21 @@ class Model:
                     self.measured_points.at,
                 ]
             ),
+        )
+
+    @cached_property
+    def point_slices(self) -> PointSlices:
+        """Which of the material points are of which kind."""
+        lines = len(self.line_loads.block)
+        kinds = len(self.fixed_points.block), len(self.point_loads.block), lines, lines
+        stops = [0, *accumulate((*kinds, len(self.measured_points.block)))]
+        fixed, loaded, line_start, line_end, measured = map(slice, stops[:-1], stops[1:])
+        return PointSlices(
+            fixed=fixed,
+            loaded=loaded,
+            line_start=line_start,
+            line_end=line_end,
+            measured=measured,
         )
 
     def polygon(self, block: int) -> Floats:

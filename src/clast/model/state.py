@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 
@@ -60,9 +61,9 @@ class Ledger:
     """The energy of the system and where it went, J per metre of thickness.
 
     Stored energies are those of the instant; ``loads``, ``friction``, ``impacts`` and ``numerical``
-    are sums since the start.  Kinetic + elastic + gravity + contact + fixed_points - loads +
-    friction + impacts + numerical stays at its first value but for ``unaccounted``, which is
-    measured, not assumed.
+    are sums since the start.  Kinetic + elastic + gravity + contact + fixed_points + actions -
+    loads + friction + impacts + numerical stays at its first value but for ``unaccounted``, which
+    is measured, not assumed.
     """
 
     kinetic: float = 0.0
@@ -81,6 +82,8 @@ class Ledger:
     """Work lost in sliding, >= 0 (and in the breaking of bonds)."""
     impacts: float = 0.0
     """Energy lost in impacts: by restitution, and by friction within them."""
+    actions: float = 0.0
+    """Energy that further actions store, and what they have lost."""
     numerical: float = 0.0
     """Energy removed by the time integration (positive) or brought in by it (negative)."""
     unaccounted: float = 0.0
@@ -89,7 +92,17 @@ class Ledger:
     @property
     def stored(self) -> float:
         """Energy in the system now."""
-        return self.kinetic + self.elastic + self.gravity + self.contact + self.fixed_points
+        held = self.kinetic + self.elastic + self.gravity + self.contact
+        return held + self.fixed_points + self.actions
+
+    def plus(self, change: Ledger) -> Ledger:
+        """Return the ledger with every entry changed by that of ``change``."""
+        return Ledger(
+            **{
+                entry.name: getattr(self, entry.name) + getattr(change, entry.name)
+                for entry in fields(self)
+            }
+        )
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -112,6 +125,8 @@ class State:
     """Contact memory."""
     ledger: Ledger
     """Energy ledger."""
+    actions: tuple[Any, ...] = ()
+    """Own state of each action, in the order of :func:`clast.actions.acting.actions_of`."""
 
     def __repr__(self) -> str:
         speed = np.hypot(*self.velocity[:, :2].T).max(initial=0.0)

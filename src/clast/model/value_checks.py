@@ -84,6 +84,23 @@ def _positive(value: float, limits: ranges.Range, where: str, remedy: str) -> No
     ranges.check_size(value, limits, where, remedy)
 
 
+ACTION = ("begin", "share", "finish")
+"""Methods of an action."""
+
+
+def check_actions(actions: Sequence[object]) -> None:
+    """Refuse what lacks a method of an action."""
+    for k, action in enumerate(actions, 1):
+        lacking = [name for name in ACTION if not callable(getattr(action, name, None))]
+        if isinstance(action, type) or lacking:
+            raise ModelError(
+                f"{action if isinstance(action, type) else type(action).__name__} is no action"
+                + (f": it has no {', '.join(lacking)}" if lacking else ", but a class"),
+                where=f"actions, number {k}",
+                remedy="give an object with the methods of clast.actions.action.Action",
+            )
+
+
 def check_ground_motion(motion: GroundMotion, fixed_points: int) -> None:
     """Refuse accelerograms that are none, and a moving base without fixed points."""
     where = "ground_motion"

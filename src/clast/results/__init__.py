@@ -6,11 +6,11 @@ A run writes through :class:`RunRecorder`, which gives a :class:`Run`; a file is
 
 from __future__ import annotations
 
-from clast.results.columns import BlockHistory, FrameContacts, PointHistory
+from clast.results.frames import Frame
 from clast.results.reading import Results, read_results, summary
-from clast.results.recorded import Frame
 from clast.results.recorder import RunRecorder
 from clast.results.run import Report, Run
+from clast.results.tables import BlockHistory, FrameContacts, PointHistory
 
 Recording = Results | Run
 """Whatever frames and histories can be read from."""

@@ -33,9 +33,9 @@ import numpy as np
 from clast.results import locks
 from clast.results.pages import (
     PAGE,
+    FileObject,
     Piece,
     Sums,
-    overlaid,
     packed,
     page_count,
     read_at,
@@ -47,7 +47,7 @@ TRAILER = struct.Struct("<QQI8s")
 MARK = b"clastjnl"
 
 
-class JournalledFile:
+class JournalledFile(FileObject):
     """A file object for h5py to write into; only :meth:`commit` changes what was there before.
 
     ``file`` is open and empty.  It never fails while HDF5 writes, which HDF5 would not recover
@@ -56,9 +56,8 @@ class JournalledFile:
     """
 
     def __init__(self, file: BinaryIO) -> None:
-        self._file = file
-        self._end = self._committed = 0
-        self._place = 0
+        super().__init__(file, end=0)
+        self._committed = 0
         # The last bytes written to each stretch, in the order in which they were written.
         self._changes: dict[tuple[int, int], bytes] = {}
         self._changes_end = 0
@@ -66,31 +65,6 @@ class JournalledFile:
         self._sums: Sums = np.zeros(0, np.uint32)
         self._touched: set[int] = set()
         self._process = os.getpid()
-
-    # What h5py calls ---------------------------------------------------------------------------
-
-    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a place; returns it, bytes from the start."""
-        start = {os.SEEK_SET: 0, os.SEEK_CUR: self._place, os.SEEK_END: self._end}[whence]
-        self._place = start + offset
-        return self._place
-
-    def tell(self) -> int:
-        """Return the place, bytes from the start."""
-        return self._place
-
-    def readinto(self, buffer: memoryview) -> int:
-        """Fill the buffer from the place on, changes not yet committed included."""
-        view = memoryview(buffer).cast("B")
-        count = max(0, min(len(view), self._end - self._place))
-        view[:count] = self._content(self._place, count)
-        self._place += count
-        return count
-
-    def read(self, count: int) -> bytes:
-        """Return ``count`` bytes from the place on, or as many as there are."""
-        buffer = bytearray(count)
-        return bytes(buffer[: self.readinto(memoryview(buffer))])
 
     def write(self, data: memoryview) -> int:
         """Append the bytes, or keep them for the next commit where they change what is there."""
@@ -106,11 +80,6 @@ class JournalledFile:
         self._touch(min(size, self._end), max(size, self._end))
         self._end = size
         return size
-
-    def flush(self) -> None:
-        """Do nothing: ``commit`` decides when changes take effect."""
-
-    # What the writer of results calls ------------------------------------------------------------
 
     def commit(self) -> None:
         """Let all changes take effect, together; raises OSError where the disk is full."""
@@ -167,9 +136,7 @@ class JournalledFile:
                 changes.setdefault(page, []).append((start, new))
         for page in {page for page in self._touched if page < count}:
             first, length = page * PAGE, min(PAGE, self._end - page * PAGE)
-            content = bytearray(read_at(self._file, first, length).ljust(length, b"\0"))
-            overlaid(first, content, changes.get(page, ()))
-            sums[page] = zlib.crc32(content)
+            sums[page] = zlib.crc32(self._overlaid(first, length, changes.get(page, ())))
         self._sums = sums
 
     def _touch(self, first: int, last: int) -> None:
@@ -194,11 +161,10 @@ class JournalledFile:
             return False
         return True
 
-    def _content(self, place: int, count: int) -> bytes:
-        """Return ``count`` bytes, changes included, zeros behind the end of what was written."""
-        content = bytearray(read_at(self._file, place, count).ljust(count, b"\0"))
-        overlaid(place, content, [(start, new) for (start, _), new in self._changes.items()])
-        return bytes(content)
+    def _read(self, place: int, count: int) -> bytes:
+        """Return the bytes from ``place`` on, changes not yet committed included."""
+        changes = ((start, new) for (start, _), new in self._changes.items())
+        return self._overlaid(place, count, changes)
 
     def _write_at(self, place: int, data: bytes) -> None:
         self._file.seek(place)

@@ -24,7 +24,11 @@ Tables are HDF5 compound datasets: ``file["energy"]["kinetic"]``.
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
+
+from clast.model.state import Ledger
 
 FORMAT = 2
 """Version of the layout outside of /VTKHDF: 1 had no checksums."""
@@ -73,6 +77,41 @@ ABOUT = {
 
 FRAME_ROW = np.dtype([("time", "f8"), ("steps", "i8"), ("instants", "i8"), ("contacts", "i8")])
 """A frame: time, s, and the rows of /steps, of /energy and /history, of /contacts until then."""
+
+LEDGER_ENTRIES = tuple(entry.name for entry in dataclasses.fields(Ledger))
+
+ENERGY_ROW = np.dtype([("time", "f8"), *((name, "f8") for name in LEDGER_ENTRIES)])
+"""Time and every entry of the energy ledger."""
+
+STEP_ROW = np.dtype(
+    [
+        ("time", "f8"),
+        ("step", "f8"),
+        ("passes", "i8"),
+        ("contacts", "i8"),
+        ("penetration", "f8"),
+        ("travel", "f8"),
+    ]
+)
+"""Time at the end of a step, its size, passes, contacts, penetration, largest vertex movement."""
+
+POINT_ROW = np.dtype(
+    [("time", "f8"), ("displacement", "f8", 2), ("velocity", "f8", 2), ("rotation", "f8")]
+)
+"""One measured point at one instant."""
+
+CONTACT_ROW = np.dtype(
+    [
+        ("position", "f8", 2),
+        ("normal", "f8", 2),
+        ("normal_force", "f8"),
+        ("shear_force", "f8"),
+        ("vertex", "i8"),
+        ("edge", "i8"),
+        ("mode", "i8"),
+    ]
+)
+"""One contact of one frame."""
 
 
 SPECIAL = str.maketrans({sign: f"%{ord(sign):02X}" for sign in "%/"})

@@ -137,6 +137,6 @@ def _without_frames(error: Exception) -> Exception:
 def _as_case_error(error: Exception, path: Path) -> CaseError:
     if isinstance(error, CaseError):
         return CaseError(error.what, where=error.where or str(path), remedy=error.remedy)
-    told = isinstance(error, MalformedError | DamagedPageError)
-    reason = f"is damaged: {error}" if told else "is no result file of clast, or is damaged"
+    specific = isinstance(error, MalformedError | DamagedPageError)
+    reason = f"is damaged: {error}" if specific else "is no result file of clast, or is damaged"
     return CaseError(reason, where=str(path), remedy=AGAIN)

@@ -16,7 +16,7 @@ import errno
 import os
 import struct
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import BinaryIO
 
 import numpy as np
@@ -61,14 +61,6 @@ def unpacked(content: bytes, end: int) -> Sums | None:
     return np.frombuffer(content[HEAD.size : -SUM.size], "<u4").astype(np.uint32)
 
 
-def overlaid(start: int, content: bytearray, pieces: Sequence[Piece]) -> None:
-    """Put the pieces, one after the other, into ``content``, which begins at ``start``."""
-    for place, new in pieces:
-        first, last = max(place, start), min(place + len(new), start + len(content))
-        if first < last:
-            content[first - start : last - start] = new[first - place : last - place]
-
-
 def page_sum(read: Callable[[int, int], bytes], page: int, end: int) -> int:
     """Return the checksum of a page; ``read`` gives the bytes of a place and a length."""
     return zlib.crc32(read(page * PAGE, min(PAGE, end - page * PAGE)))
@@ -78,18 +70,64 @@ class DamagedPageError(Exception):
     """Bytes of a result file that are not what was written."""
 
 
-class CheckedFile:
+class FileObject:
+    """What h5py wants of a file object, but for writing: a place in it, and reading from there."""
+
+    def __init__(self, file: BinaryIO, end: int) -> None:
+        self._file = file
+        self._end = end
+        self._place = 0
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Go to a place; returns it, bytes from the start."""
+        start = {os.SEEK_SET: 0, os.SEEK_CUR: self._place, os.SEEK_END: self._end}[whence]
+        self._place = start + offset
+        return self._place
+
+    def tell(self) -> int:
+        """Return the place, bytes from the start."""
+        return self._place
+
+    def readinto(self, buffer: memoryview) -> int:
+        """Fill the buffer from the place on; returns how many bytes there are."""
+        view = memoryview(buffer).cast("B")
+        count = max(0, min(len(view), self._end - self._place))
+        view[:count] = self._read(self._place, count)
+        self._place += count
+        return count
+
+    def read(self, count: int) -> bytes:
+        """Return ``count`` bytes from the place on, or as many as there are."""
+        buffer = bytearray(count)
+        return bytes(buffer[: self.readinto(memoryview(buffer))])
+
+    def flush(self) -> None:
+        """Do nothing: a reader writes nothing, a writer's changes wait for its commit."""
+
+    def _read(self, place: int, count: int) -> bytes:
+        """Return the ``count`` bytes from ``place`` on, all before the end."""
+        raise NotImplementedError
+
+    def _overlaid(self, place: int, count: int, pieces: Iterable[Piece]) -> bytes:
+        """Return ``count`` bytes with the pieces put in; zeros behind the end of the file."""
+        content = bytearray(read_at(self._file, place, count).ljust(count, b"\0"))
+        for start, new in pieces:
+            first, last = max(start, place), min(start + len(new), place + count)
+            if first < last:
+                content[first - place : last - place] = new[first - start : last - start]
+        return bytes(content)
+
+
+class CheckedFile(FileObject):
     """A file object for h5py to read from: the file with some pieces replaced, and checked.
 
     ``file`` is read only; ``pieces`` are what a journal wants to be there instead.
     """
 
     def __init__(self, file: BinaryIO, size: int, pieces: Sequence[Piece] = ()) -> None:
-        self._file = file
+        super().__init__(file, size)
         self._pieces = pieces
-        self._place = 0
         self._sound: set[int] = set()
-        self._end = size
         self.sums: Sums | None = None
         # What went wrong when something was read.  An error must not go through HDF5, nor be kept
         # here: it knows all that has called this, and HDF5 would never let go of the file.
@@ -104,36 +142,6 @@ class CheckedFile:
         """Raise DamagedPageError for the first page that is not what was written."""
         self._check(0, self._end)
 
-    # What h5py calls ---------------------------------------------------------------------------
-
-    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a place; returns it, bytes from the start."""
-        start = {os.SEEK_SET: 0, os.SEEK_CUR: self._place, os.SEEK_END: self._end}[whence]
-        self._place = start + offset
-        return self._place
-
-    def tell(self) -> int:
-        """Return the place, bytes from the start."""
-        return self._place
-
-    def readinto(self, buffer: memoryview) -> int:
-        """Fill the buffer from the place on, with zeros where the file is damaged."""
-        view = memoryview(buffer).cast("B")
-        count = max(0, min(len(view), self._end - self._place))
-        try:
-            self._check(self._place, self._place + count)
-            view[:count] = self._content(self._place, count)
-        except (DamagedPageError, OSError) as error:
-            self.damage = str(error)
-            view[:count] = bytes(count)
-        self._place += count
-        return count
-
-    def read(self, count: int) -> bytes:
-        """Return ``count`` bytes from the place on, or as many as there are."""
-        buffer = bytearray(count)
-        return bytes(buffer[: self.readinto(memoryview(buffer))])
-
     def write(self, _data: memoryview) -> int:
         """Refuse: the file is read only."""
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
@@ -141,9 +149,6 @@ class CheckedFile:
     def truncate(self, size: int) -> int:
         """Leave the file as it is."""
         return size
-
-    def flush(self) -> None:
-        """Do nothing: nothing is written."""
 
     def _check(self, first: int, last: int) -> None:
         """Raise DamagedPageError where bytes from ``first`` up to ``last`` are not as written."""
@@ -157,11 +162,18 @@ class CheckedFile:
                 )
             self._sound.add(page)
 
+    def _read(self, place: int, count: int) -> bytes:
+        """Return the bytes from ``place`` on, zeros where the file is damaged."""
+        try:
+            self._check(place, place + count)
+            return self._content(place, count)
+        except (DamagedPageError, OSError) as error:
+            self.damage = str(error)
+            return bytes(count)
+
     def _content(self, place: int, count: int) -> bytes:
-        """Return ``count`` bytes with the pieces in their places, zeros behind the end."""
-        content = bytearray(read_at(self._file, place, count).ljust(count, b"\0"))
-        overlaid(place, content, self._pieces)
-        return bytes(content)
+        """Return ``count`` bytes as the journal wants them, unchecked."""
+        return self._overlaid(place, count, self._pieces)
 
 
 def read_at(file: BinaryIO, place: int, count: int) -> bytes:

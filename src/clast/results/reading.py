@@ -14,11 +14,7 @@ from numpy.typing import NDArray
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints
 from clast.results import structure
-from clast.results.about import asked_most
-from clast.results.columns import BlockHistory, Columns, FrameContacts, PointHistory
-from clast.results.layout import FORMAT, PLANE_VECTORS, history_path
-from clast.results.opening import AGAIN, ask, check_ours
-from clast.results.recorded import (
+from clast.results.frames import (
     KIND_FIELDS,
     VERTICES,
     Frame,
@@ -28,7 +24,11 @@ from clast.results.recorded import (
     frame_of,
     unknown_name,
 )
+from clast.results.layout import FORMAT, PLANE_VECTORS, history_path
+from clast.results.opening import AGAIN, ask, check_ours
+from clast.results.provenance import main_parameters
 from clast.results.run import Report
+from clast.results.tables import BlockHistory, Columns, FrameContacts, PointHistory
 
 LARGEST = 1e150
 """No place and no force is that large."""
@@ -241,7 +241,7 @@ def summary(results: Results) -> dict[str, Any]:
         "file": str(results.path),
         "size_bytes": results.path.stat().st_size,
         "title": results.title,
-        **asked_most(results.about),
+        **main_parameters(results.about),
         "about": results.about,
         "version": results.versions.get("clast", "unknown"),
         "versions": results.versions,

@@ -13,19 +13,16 @@ import numpy as np
 from clast.errors import ResultsLost, RunStopped
 from clast.model.model import Model
 from clast.model.state import State
+from clast.results.layout import ENERGY_ROW, LEDGER_ENTRIES, STEP_ROW
 from clast.results.run import Report, Run
-from clast.results.tables import (
-    ENERGY_ROW,
-    LEDGER_ENTRIES,
-    STEP_ROW,
-    Table,
-    no_contacts,
-    points_row,
-)
+from clast.results.tables import Table, no_contacts, points_row
 from clast.step.method import StepResult
 
 if TYPE_CHECKING:
     from clast.contact.contacts import ContactResponse, Contacts
+
+MEMORY_LIMIT = 2e9
+"""Memory for the frames of a run that writes no file, bytes, unless another is given."""
 
 _ledger_entries = attrgetter(*LEDGER_ENTRIES)
 
@@ -35,8 +32,9 @@ class RunRecorder:
 
     The output is looked at when the recorder is made, so that a bad path is known before the
     first step, and written from ``start`` on; a good result of an earlier run under the same name
-    is kept until then.  ``contacts=False`` leaves contact forces out of the frames.  Raises
-    CaseError for an output that cannot be written.
+    is kept until then.  ``contacts=False`` leaves contact forces out of the frames.  Without an
+    output, frames beyond ``memory_limit`` bytes are not kept, but for the last.  Raises CaseError
+    for an output that cannot be written.
     """
 
     def __init__(
@@ -45,11 +43,11 @@ class RunRecorder:
         case_text: str = "",
         output: Path | str | None = None,
         contacts: bool = True,
+        memory_limit: float = MEMORY_LIMIT,
     ) -> None:
         # Compiled kernels are slow to import; who only reads results does not need them.
-        from clast.results.fields import FrameFields
-        from clast.results.kept import KeptFrames
-        from clast.results.points import PointTracker
+        from clast.results.frames_in_memory import FramesInMemory
+        from clast.results.sampling import FrameFields, PointTracker
 
         self._model = model
         self._case_text = case_text
@@ -62,7 +60,7 @@ class RunRecorder:
         self._state: State | None = None
         self._result: StepResult | None = None
         self._frame_times: list[float] = []
-        self._kept = KeptFrames(model) if output is None else None
+        self._kept = FramesInMemory(model, memory_limit) if output is None else None
         self._file = None
         if output is not None:
             from clast.results.writing import ResultFile
@@ -79,7 +77,7 @@ class RunRecorder:
     def start(self, state: State, about: Mapping[str, Any] | None = None) -> None:
         """Record the state at the start of the run and begin the file with it.
 
-        ``about`` says how the run is simulated (:mod:`clast.results.about`).
+        ``about`` says how the run is simulated (:mod:`clast.results.provenance`).
         """
         if self._file is not None:
             self._file.about = about or {}

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, Overlap, State
-from clast.results.columns import BlockHistory, Columns, FrameContacts, PointHistory
-from clast.results.recorded import (
+from clast.results.frames import (
     VERTICES,
     Frame,
     FrameStore,
@@ -26,10 +25,10 @@ from clast.results.recorded import (
     frame_of,
     unknown_name,
 )
-from clast.results.tables import rows_of_point
+from clast.results.tables import BlockHistory, Columns, FrameContacts, PointHistory, rows_of_point
 
 if TYPE_CHECKING:
-    from clast.results.kept import KeptFrames
+    from clast.results.frames_in_memory import FramesInMemory
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -128,7 +127,7 @@ class Run:
     """Accepted steps, a row each: time at its end, size, passes, contacts, penetration, travel."""
     times: Floats
     """Time of each frame, s, shape (frames,)."""
-    kept: KeptFrames | None = None
+    kept: FramesInMemory | None = None
     """Frames in memory; None where they are in the file."""
     ended_by: int = 0
     """Number of the signal that ended the run early, 0 where none did."""

@@ -16,17 +16,19 @@ from numpy.typing import NDArray
 
 from clast.model.model import Bools, Floats, Ints
 from clast.model.state import Ledger
-from clast.results.about import about_in
 from clast.results.layout import (
     CELL_ARRAYS,
+    CONTACT_ROW,
     FRAME_ROW,
     POINT_ARRAYS,
+    POINT_ROW,
     POLYGON,
+    STEP_ROW,
     history_path,
 )
 from clast.results.opening import MalformedError
+from clast.results.provenance import about_in
 from clast.results.run import Report, report_from_dict
-from clast.results.tables import CONTACT_ROW, POINT_ROW, STEP_ROW
 
 
 @dataclass(frozen=True, kw_only=True)

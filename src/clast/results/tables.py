@@ -1,70 +1,23 @@
-"""Tables that grow by a row per step, and what their columns are."""
+"""Tables of results: as they grow while a run goes, and as they are read.
+
+What is read has columns of equal length by name, as pandas and polars take them::
+
+    pandas.DataFrame(run.history("A"))
+    pandas.DataFrame(run.energy)
+"""
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.model.state import Ledger
+from clast.model.model import Floats, Ints
+from clast.results.layout import CONTACT_ROW, POINT_ROW
 
-LEDGER_ENTRIES = tuple(entry.name for entry in dataclasses.fields(Ledger))
-
-ENERGY_ROW = np.dtype([("time", "f8"), *((name, "f8") for name in LEDGER_ENTRIES)])
-"""Time and every entry of the energy ledger."""
-
-STEP_ROW = np.dtype(
-    [
-        ("time", "f8"),
-        ("step", "f8"),
-        ("passes", "i8"),
-        ("contacts", "i8"),
-        ("penetration", "f8"),
-        ("travel", "f8"),
-    ]
-)
-"""Time at the end of a step, its size, passes, contacts, penetration, largest vertex movement."""
-
-POINT_ROW = np.dtype(
-    [("time", "f8"), ("displacement", "f8", 2), ("velocity", "f8", 2), ("rotation", "f8")]
-)
-"""One measured point at one instant."""
-
-CONTACT_ROW = np.dtype(
-    [
-        ("position", "f8", 2),
-        ("normal", "f8", 2),
-        ("normal_force", "f8"),
-        ("shear_force", "f8"),
-        ("vertex", "i8"),
-        ("edge", "i8"),
-        ("mode", "i8"),
-    ]
-)
-"""One contact of one frame."""
-
-
-def points_row(count: int) -> np.dtype[Any]:
-    """Return the row that holds ``count`` measured points at one instant."""
-    return np.dtype(
-        [
-            ("time", "f8"),
-            ("displacement", "f8", (count, 2)),
-            ("velocity", "f8", (count, 2)),
-            ("rotation", "f8", (count,)),
-        ]
-    )
-
-
-def rows_of_point(rows: NDArray[Any], point: int) -> NDArray[Any]:
-    """Return the rows of one measured point, by its index, from the rows of all."""
-    one = np.zeros(len(rows), POINT_ROW)
-    one["time"] = rows["time"]
-    for name in ("displacement", "velocity", "rotation"):
-        one[name] = rows[name][:, point]
-    return one
+PARTS = {2: ("x", "y"), 3: ("xx", "yy", "xy")}
+"""What the columns of vectors and of stresses are called: displacement_x, stress_xx."""
 
 
 class Table:
@@ -88,6 +41,176 @@ class Table:
 
     def __len__(self) -> int:
         return self._count
+
+
+class Columns(dict[str, NDArray[Any]]):
+    """A table: column name -> array (rows,).  Iterating gives the names, ``len`` the rows."""
+
+    def __init__(self, rows: NDArray[Any]) -> None:
+        super().__init__()
+        self.rows = rows
+        for name in rows.dtype.names or ():
+            values = rows[name]
+            if values.ndim == 1:
+                self[name] = values
+                continue
+            for part, number in zip(PARTS[values.shape[1]], range(values.shape[1]), strict=True):
+                self[f"{name}_{part}"] = values[:, number]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({len(self)} rows: {', '.join(self)})"
+
+
+class Motion(Columns):
+    """How a point moved, a row per instant; t rows."""
+
+    @property
+    def time(self) -> Floats:
+        """Time, s, shape (t,)."""
+        return self.rows["time"]
+
+    @property
+    def displacement(self) -> Floats:
+        """Displacement (x, y) since the start, m, shape (t, 2)."""
+        return self.rows["displacement"]
+
+    @property
+    def velocity(self) -> Floats:
+        """Velocity (x, y), m/s, shape (t, 2)."""
+        return self.rows["velocity"]
+
+    @property
+    def rotation(self) -> Floats:
+        """Rotation of its block since the start, rad, counter-clockwise, shape (t,)."""
+        return self.rows["rotation"]
+
+
+class PointHistory(Motion):
+    """How one measured point moved, a row at the start and after every step; t rows.
+
+    Columns: time, displacement_x, displacement_y, velocity_x, velocity_y, rotation.
+    """
+
+
+class BlockHistory(Motion):
+    """How one block moved, its centroid being the point, a row per frame; t rows.
+
+    Columns: time, displacement_x, displacement_y, velocity_x, velocity_y, rotation, stress_xx,
+    stress_yy, stress_xy.
+    """
+
+    def __init__(self, rows: NDArray[Any], name: str, number: int, vertices: Floats) -> None:
+        super().__init__(rows)
+        self.name = name
+        """Its name."""
+        self.number = number
+        """Its index among the blocks, from 0."""
+        self.vertices = vertices
+        """Its vertices, m, shape (t, k, 2)."""
+
+    @property
+    def stress(self) -> Floats:
+        """Stress (xx, yy, xy), Pa, tension positive, shape (t, 3)."""
+        return self.rows["stress"]
+
+    def __repr__(self) -> str:
+        return f"BlockHistory('{self.name}', {len(self)} rows: {', '.join(self)})"
+
+
+class FrameContacts(Columns):
+    """The contacts of one frame that carry a force, a row each; m rows.
+
+    Columns: position_x, position_y, normal_x, normal_y, normal_force, shear_force, vertex, edge,
+    mode, vertex_block, edge_block.
+    """
+
+    def __init__(self, rows: NDArray[Any], block_start: Ints) -> None:
+        super().__init__(rows)
+        for end in ("vertex", "edge"):
+            self[f"{end}_block"] = np.searchsorted(block_start, self[end], side="right") - 1
+
+    @property
+    def position(self) -> Floats:
+        """Invading vertex, m, shape (m, 2)."""
+        return self.rows["position"]
+
+    @property
+    def normal(self) -> Floats:
+        """Outward unit normal of the edge, shape (m, 2)."""
+        return self.rows["normal"]
+
+    @property
+    def normal_force(self) -> Floats:
+        """Normal force, N/m, compression positive, shape (m,)."""
+        return self.rows["normal_force"]
+
+    @property
+    def shear_force(self) -> Floats:
+        """Shear force on the vertex along the edge's direction, N/m, shape (m,)."""
+        return self.rows["shear_force"]
+
+    @property
+    def vertex(self) -> Ints:
+        """Invading vertex, shape (m,)."""
+        return self.rows["vertex"]
+
+    @property
+    def edge(self) -> Ints:
+        """Entrance edge: index of its first vertex, shape (m,)."""
+        return self.rows["edge"]
+
+    @property
+    def mode(self) -> Ints:
+        """0 open, 1 slide, 2 lock, shape (m,)."""
+        return self.rows["mode"]
+
+    @property
+    def vertex_block(self) -> Ints:
+        """Block of the vertex: its index, shape (m,)."""
+        return self["vertex_block"]
+
+    @property
+    def edge_block(self) -> Ints:
+        """Block of the edge: its index, shape (m,)."""
+        return self["edge_block"]
+
+    @property
+    def force(self) -> Floats:
+        """Force on the invading vertex's block, N/m, shape (m, 2)."""
+        # Polygons run counter-clockwise: the edge's direction is its outward normal turned left.
+        along = np.column_stack([-self.normal[:, 1], self.normal[:, 0]])
+        forces: Floats = (
+            self.normal_force[:, None] * self.normal + self.shear_force[:, None] * along
+        )
+        return forces
+
+    def __repr__(self) -> str:
+        total = float(self.normal_force.sum()) if len(self) else 0.0
+        return f"FrameContacts({len(self)} rows, normal forces {total:.4g} N/m: {', '.join(self)})"
+
+
+def points_row(count: int) -> np.dtype[Any]:
+    """Return the row that holds ``count`` measured points at one instant."""
+    return np.dtype(
+        [
+            ("time", "f8"),
+            ("displacement", "f8", (count, 2)),
+            ("velocity", "f8", (count, 2)),
+            ("rotation", "f8", (count,)),
+        ]
+    )
+
+
+def rows_of_point(rows: NDArray[Any], point: int) -> NDArray[Any]:
+    """Return the rows of one measured point, by its index, from the rows of all."""
+    one = np.zeros(len(rows), POINT_ROW)
+    one["time"] = rows["time"]
+    for name in ("displacement", "velocity", "rotation"):
+        one[name] = rows[name][:, point]
+    return one
 
 
 def no_contacts() -> NDArray[Any]:

@@ -19,21 +19,25 @@ from numpy.typing import DTypeLike, NDArray
 
 from clast.errors import CaseError, ResultsLost
 from clast.model.model import Floats, Ints, Model
-from clast.results.about import about_model
 from clast.results.journal import JournalledFile
 from clast.results.layout import (
     ABOUT,
     CELL_ARRAYS,
+    CONTACT_ROW,
+    ENERGY_ROW,
     FORMAT,
     FRAME_ROW,
     POINT_ARRAYS,
+    POINT_ROW,
     POLYGON,
+    STEP_ROW,
     VTKHDF_VERSION,
     history_path,
 )
 from clast.results.output import check_output, claimed, hidden
+from clast.results.provenance import about_model
 from clast.results.run import Report
-from clast.results.tables import CONTACT_ROW, ENERGY_ROW, POINT_ROW, STEP_ROW, Table, rows_of_point
+from clast.results.tables import Table, rows_of_point
 
 # Newer formats mark a file as being written, and nothing opens it after the process was killed.
 FILE_FORMAT = ("v108", "v108")
@@ -61,7 +65,7 @@ class ResultFile:
         self._model = model
         self._case_text = case_text
         self.about: Mapping[str, Any] = {}
-        """How the run is simulated (results.about), to be set before the first frame."""
+        """How the run is simulated (results.provenance), to be set before the first frame."""
         self._storage = JournalledFile(claimed(self.path))
         self._file: Any = None
         self._columns: dict[str, _Column] = {}

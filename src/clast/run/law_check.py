@@ -1,4 +1,4 @@
-"""Whether a contact law is one: its forces, stiffnesses, energies and friction belong together.
+"""The consistency of a contact law: forces, stiffnesses, energies and friction belong together.
 
     assert not clast.check_law(MyLaw())
 
@@ -39,30 +39,29 @@ NEAR = 1e-3
 
 
 def check_law(law: ContactLaw) -> tuple[str, ...]:
-    """Return what is wrong with a contact law, a sentence each; nothing where all holds.
+    """Return the faults of a contact law, a sentence each; none where all holds.
 
-    The law is asked for penetrations of 1e-8 to 3e-3 m and slips of that order.  It must leave its
-    contacts as they are; N = -dE/dgap, T = -d(E + loss)/dslip, stiffnesses and coupling must be
+    The law is evaluated at penetrations of 1e-8 to 3e-3 m and slips of that order.  It must leave
+    its contacts as they are; N = -dE/dgap, T = -d(E + loss)/dslip, stiffnesses and coupling must be
     derivatives of the forces, no loss negative; |T| <= N tan(phi) + c L with its own N, which
-    sliding contacts must reach.  A law that means to have a friction of its own will be told of
-    the last.
+    sliding contacts must reach.  A law with another friction than Coulomb's fails the last.
     """
-    return objections(law, _some_contacts())
+    return faults_of(law, _some_contacts())
 
 
 def warnings_of(law: ContactLaw, contacts: Contacts) -> tuple[str, ...]:
-    """Return what a run has to say of its contact law, tried on some of its contacts.
+    """Return a run's warnings about its contact law, tried on some of its contacts.
 
     Laws of springs with bounds are answered by one kernel, which has its own tests.
     """
     if has_limits(law):
         return ()
     name = type(law).__name__
-    return tuple(f"contact law {name}: {fault}" for fault in objections(law, contacts))
+    return tuple(f"contact law {name}: {fault}" for fault in faults_of(law, contacts))
 
 
-def objections(law: ContactLaw, contacts: Contacts) -> tuple[str, ...]:
-    """Return what is wrong with a contact law, tried on these contacts."""
+def faults_of(law: ContactLaw, contacts: Contacts) -> tuple[str, ...]:
+    """Return the faults of a contact law, tried on these contacts."""
     if not len(contacts):
         return ()
     rng = np.random.default_rng(1)
@@ -70,7 +69,7 @@ def objections(law: ContactLaw, contacts: Contacts) -> tuple[str, ...]:
     malformed = tuple(_malformed(trial))
     if malformed:
         return malformed
-    checks = (_friction_of_its_own, _within_strength, _normal_side, _shear_side)
+    checks = (_friction_base, _within_strength, _normal_side, _shear_side)
     return tuple(chain.from_iterable(check(trial) for check in checks))
 
 
@@ -111,7 +110,7 @@ def _trial(law: ContactLaw, contacts: Contacts, rng: np.random.Generator) -> _Tr
 
 
 def _malformed(trial: _Trial) -> Iterator[str]:
-    """Say which answers are no arrays of finite numbers, and what was changed that must not be."""
+    """Yield responses that are no arrays of finite numbers, and arguments that were changed."""
     given = {f.name: getattr(trial.contacts, f.name) for f in fields(Contacts)}
     given |= {"gap given": trial.gap, "slip given": trial.slip}
     before = {name: np.copy(values) for name, values in given.items()}
@@ -128,8 +127,8 @@ def _malformed(trial: _Trial) -> Iterator[str]:
             yield f"{field.name} is not finite everywhere"
 
 
-def _friction_of_its_own(trial: _Trial) -> Iterator[str]:
-    """Say whether friction follows another normal force than the law's own."""
+def _friction_base(trial: _Trial) -> Iterator[str]:
+    """Yield a fault where friction follows another normal force than the law's own."""
     free, bound = trial.free(trial.gap, trial.slip), trial.bound(trial.gap, trial.slip)
     bearing = free.normal_force > 0.0
     if (bearing & _differ(free.shear_force, bound.shear_force, free.normal_force)).any():
@@ -144,7 +143,7 @@ def _friction_of_its_own(trial: _Trial) -> Iterator[str]:
 
 
 def _within_strength(trial: _Trial) -> Iterator[str]:
-    """Say whether contacts bear less than nothing, or not what Coulomb's law gives them."""
+    """Yield faults where contacts pull, or do not bear what Coulomb's law gives them."""
     response, contacts = trial.free(trial.gap, trial.slip), trial.contacts
     normal, shear = response.normal_force, np.abs(response.shear_force)
     if (normal < 0.0).any():
@@ -163,7 +162,7 @@ def _within_strength(trial: _Trial) -> Iterator[str]:
 
 
 def _normal_side(trial: _Trial) -> Iterator[str]:
-    """Say whether N, its stiffness and the energy do not belong together."""
+    """Yield faults of N: its stiffness is -dN/dgap, N is -dE/dgap, the coupling dT/dN."""
     # without slip the energy is that of the normal force alone
     still = replace(trial.contacts, shear_force=np.zeros(len(trial.gap)))
     alone = replace(trial, contacts=still)
@@ -184,7 +183,7 @@ def _normal_side(trial: _Trial) -> Iterator[str]:
 
 
 def _shear_side(trial: _Trial) -> Iterator[str]:
-    """Say whether T, its stiffness, the energy and the loss do not belong together."""
+    """Yield faults of T: its stiffness is -dT/dslip, T is -d(E + loss)/dslip, no loss below 0."""
     here, rate, smooth = _rates(trial.bound, trial.gap, trial.slip, along_gap=False)
     shear, stiffness = here.shear_force, here.shear_stiffness
     if (smooth & _differ(-rate.shear_force, stiffness, np.abs(stiffness))).any():

@@ -1,8 +1,8 @@
-"""What blocks truly overlap, where that is more than their contacts know.
+"""Overlaps of blocks that their contacts do not account for.
 
-Looked at in every frame, independently of candidates and corner rules: outlines that cross deeper
-than the contacts of the two blocks account for, and blocks inside others.  Few pairs are left then,
-and what these share is cut out by a polygon clipper.
+Every frame is searched, independently of candidates and corner rules, for outlines that cross
+deeper than the contacts of the two blocks account for, and for blocks inside others.  A polygon
+clipper then finds the overlap of the few pairs that are left.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, Overlap, State
 
 KNOWN = 1.5
-"""Overlap is reported where it is deeper than this times what the contacts of the pair know."""
+"""An overlap is reported where it is deeper than this times the deepest contact of the pair."""
 GRID = 1e-9
 """Grid of the clipper, as a share of a block's extent."""
 NOTABLE = 0.02
-"""And than this, in units of critdis."""
+"""And deeper than this, in units of critdis."""
 
 
 def unseen_overlaps(
     model: Model, state: State, normal_stiffness: float, critdis: float
 ) -> list[Overlap]:
-    """Return the overlaps that contacts do not know of, in the order of the pairs of blocks.
+    """Return the overlaps that contacts do not account for, in the order of the pairs of blocks.
 
-    A contact knows of its penetration as far as its spring, of ``normal_stiffness`` in N/m per m,
-    is stretched by it; overlaps less deep than a fiftieth of ``critdis``, m, are not looked for.
+    A contact accounts for its penetration as far as its spring, of ``normal_stiffness`` in N/m per
+    m, is compressed by it; overlaps less deep than a fiftieth of ``critdis``, m, are not reported.
     """
     vertices, block_start = state.vertices, model.block_start
     pairs = near_pairs(VerletList(), vertices, block_start, model.fixed, 0.0)
@@ -44,7 +44,7 @@ def unseen_overlaps(
     np.maximum.at(deepest, pair, -contacts[2])
     result = []
     for q in np.unique(np.concatenate((found[3], np.flatnonzero(inside)))):
-        depth, area = _shared(model, vertices, pairs[q])
+        depth, area = _overlap(model, vertices, pairs[q])
         if depth > max(KNOWN * deepest[q], NOTABLE * critdis):
             names = model.block_name[pairs[q, 0]], model.block_name[pairs[q, 1]]
             result.append(
@@ -80,8 +80,8 @@ def _closed(
     return contacts, at[rows]
 
 
-def _shared(model: Model, vertices: Floats, pair: Ints) -> tuple[float, float]:
-    """Return the diameter of the largest circle in what two blocks share, m, and its area, m2."""
+def _overlap(model: Model, vertices: Floats, pair: Ints) -> tuple[float, float]:
+    """Return the largest inscribed circle's diameter, m, and the area, m2, of an overlap."""
     one, other = (
         shapely.make_valid(
             shapely.Polygon(vertices[model.block_start[b] : model.block_start[b + 1]])

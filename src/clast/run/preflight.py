@@ -1,4 +1,4 @@
-"""A look at a case before its first step: how much of everything, and what seems unsound."""
+"""The check of a case before its first step: what it consists of, and warnings."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from clast.contact.detection import detect
 from clast.errors import StepRejected
 from clast.model.model import Bools, Model
 from clast.model.state import State, initial_state
-from clast.run.method_doubts import check_overlaps, method_doubts
-from clast.run.model_doubts import model_doubts
+from clast.run.method_warnings import check_overlaps, method_warnings
+from clast.run.model_warnings import model_warnings
+from clast.step.method import Workspace
 from clast.step.modified import STABILITY_LIMIT, reach_of, stability_number
-from clast.step.workspace import Workspace
 
 if TYPE_CHECKING:
     from clast.contact.contacts import Contacts
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from clast.step.method import Method
 
 LONG = 3600.0
-"""Runs that are expected to take longer are said to, s of wall time."""
+"""Expected duration of a run above which it is warned of, s of wall time."""
 MANY_STEPS = 1e6
-"""Runs of more steps are said to have so many."""
+"""Number of steps above which it is warned of."""
 MOST_TRIALS, LONGEST_TRIAL = 4, 10.0
 """The first step is tried so often, or for so long, s, to find its time."""
 QUICKEST = 1e-5, 5e-6
@@ -82,13 +82,13 @@ class Sanity:
     stability_limit: float
     """Largest p h2/m with which contacts settle without passes."""
     warnings: tuple[str, ...]
-    """What seems unsound, each with its remedy."""
+    """Warnings, each with its remedy."""
     notes: tuple[str, ...]
     """What clast changed or chose by itself."""
 
 
 def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
-    """Return what a case consists of and what seems unsound about it.
+    """Return what a case consists of, and the warnings about it.
 
     Raises ModelError where blocks overlap by more than contacts of this stiffness explain.
     """
@@ -123,19 +123,19 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
         stability_number=number,
         stability_limit=STABILITY_LIMIT,
         warnings=(
-            *_duration_doubts(model, method, schedule, start),
+            *_duration_warnings(model, method, schedule, start),
             *method.process.advice(model, method, start, schedule.step),
-            *model_doubts(model, schedule.end),
-            *method_doubts(model, method, schedule),
+            *model_warnings(model, schedule.end),
+            *method_warnings(model, method, schedule),
         ),
         notes=(*model.notes, *method.notes),
     )
 
 
-def _duration_doubts(
+def _duration_warnings(
     model: Model, method: Method, schedule: Schedule, start: State
 ) -> Iterable[str]:
-    """Say how many steps a long run has, and how many hours they are expected to take.
+    """Warn of long runs: how many steps, and how many hours they are expected to take.
 
     Where a guess leaves that open, the first step is made some times: what is compiled for the
     first of them does not count.

@@ -17,17 +17,16 @@ from clast.errors import ResultsLost, RunStopped, StepOutcome, StepRejected
 from clast.model.model import Model
 from clast.model.state import Ledger, State, initial_state
 from clast.results import Report, Run, RunRecorder
-from clast.results.about import about_method
+from clast.results.provenance import about_method
 from clast.run import law_check
 from clast.run.interrupts import held_back
-from clast.run.method_doubts import check_overlaps
+from clast.run.method_warnings import check_overlaps
 from clast.run.schedule import Progress, Schedule
 from clast.run.tally import Tally
 from clast.run.watch import Watch, Watched
 from clast.step import energy_balance
-from clast.step.method import Method, StepResult
+from clast.step.method import Method, StepResult, Workspace
 from clast.step.remedies import remedy
-from clast.step.workspace import Workspace
 
 GROW = 1.5
 """After a step that was far from its limits the next one is longer by this factor."""
@@ -73,7 +72,7 @@ class Stepping:
     def begin(self) -> RunState:
         """Return the run before its first step: at rest, or with its initial velocities."""
         state = initial_state(self.model)
-        ledger = energy_balance.opening(self.model, self.method, state)
+        ledger = energy_balance.opening(self.model, state)
         state = replace(state, ledger=ledger)
         return RunState(
             state=state, step=self.schedule.step, first=ledger, seen=self.watch.begin(state)

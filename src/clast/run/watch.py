@@ -1,7 +1,7 @@
-"""What a run has to be warned of when it is over: results that look right and are not.
+"""Warnings at the end of a run: results that look right and are not.
 
-Every finding is a number that was measured on the way, against a limit above which the result is no
-longer what the method promises, with the key that helps.
+Each is a number measured during the run against the limit beyond which the method no longer gives
+what it promises, with the key that helps.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from clast.run.overlap import unseen_overlaps
 from clast.step.method import Method, StepResult
 
 DEEP = 0.05
-"""Penetration, as a share of the thinner block, above which it is said."""
+"""Penetration, as a share of the thinner block, above which it is warned of."""
 LOST = 0.05
-"""Energy that the time integration takes or gives, as a share of what is turned over, likewise."""
+"""Numerical dissipation or gain, as a share of the energy turned over, likewise."""
 NOTHING = 1e-4
-"""Energy that is never worth a word lifts every block by this share of its size at most."""
+"""Energy that lifts every block by no more than this share of its size is negligible."""
 UNBALANCED = 1e-3
-"""Force without a counterpart at the end of a static run, as a share of the forces there are."""
+"""Unbalanced force at the end of a static run, as a share of the largest force, likewise."""
 RELAXED = 0.05
-"""Share of the initial stress that may go before it is said."""
+"""Loss of initial stress, as a share of it, likewise."""
 NAMED = 3
-"""Overlaps that are told one by one."""
+"""Overlaps that are listed one by one."""
 
 
 @dataclass(frozen=True, kw_only=True)

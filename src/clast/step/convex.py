@@ -23,7 +23,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from clast.block.inertia import block_frames
 from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
 from clast.contact.contacts import ContactResponse, Contacts
@@ -37,22 +36,20 @@ from clast.minimise.rough import bound_by, with_new_bounds
 from clast.minimise.touched import as_numbered, touched_part, with_flight
 from clast.model.model import Floats, Model
 from clast.model.state import State
-from clast.step import approach
-from clast.step.begun import Begun
 from clast.step.energy_balance import round_off
-from clast.step.finish import Solved, conclude
-from clast.step.impact import after_impacts, bearing, scheme_of
-from clast.step.method import Method, StepResult
+from clast.step.finish import finish
+from clast.step.impact import after_impacts, bearing, first_bases, scheme_of
+from clast.step.method import Method, Solved, StepResult, Workspace
 from clast.step.reach import (
     JUMP,
     closes_unseen,
     farther,
+    reach_within_step,
     travel_expected,
     travel_of,
 )
 from clast.step.relief import relieved
-from clast.step.start import diagonal_terms
-from clast.step.workspace import Workspace
+from clast.step.start import Begun, begin, diagonal_terms
 
 AT_REST = 1.0
 """Slip rate below which a new contact is taken to hold at first, in units of g h."""
@@ -89,27 +86,26 @@ class Convex:
         workspace: Workspace | None = None,
     ) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected."""
-        stages, workspace = Stages(), workspace or Workspace()
-        velocity = method.dynamic_ratio * state.velocity
+        stages = Stages()
+        with stages("base system"):
+            begun = begin(model, method, state, step, workspace)
         with stages("contacts"):
-            frames = block_frames(model, state)
-            begun = Begun(model, method, state, frames, velocity, step, workspace)
-            travel = travel_expected(model, method, frames, state, begun.drift, step)
-            contacts = begun.contacts(travel)
-        starts: tuple[Floats, ...] = (np.zeros_like(velocity),)
+            travel = travel_expected(begun)
+            contacts = begun.contacts(reach_within_step(method, travel), begun.drift)
+        starts: tuple[Floats, ...] = (np.zeros_like(begun.velocity),)
         counts = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}
         while True:
             solved = self._solved(begun, contacts, starts, counts, stages)
             with stages("contacts"):
-                gone = travel_of(model, method, frames, state, solved.unknowns)
-                wider = farther(method, travel, gone)
+                wider = farther(method, travel, travel_of(begun, solved.unknowns))
                 if wider is None:
                     break
-                seen, travel, contacts = contacts, wider, begun.contacts(wider)
+                seen, travel = contacts, wider
+                contacts = begun.contacts(reach_within_step(method, travel), begun.drift)
                 if not closes_unseen(seen, contacts, solved.unknowns):
                     break
             starts = (solved.unknowns,)
-        return conclude(model, method, state, solved, step, stages, workspace)
+        return finish(begun, solved, stages)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn of carried multipliers; the process itself holds for any stiffness and step."""
@@ -128,14 +124,14 @@ class Convex:
         stages: Stages,
     ) -> Solved:
         """Return what the step comes to with these contacts; ``counts`` is added to."""
-        model, method, frames, step = begun.model, begun.method, begun.frames, begun.step
+        model, method = begun.model, begun.method
         with stages("contacts"):
             contacts = relieved(model, method, begun.state, contacts)
             graph = graph_of(contacts, model.block_count)
             entering = after_impacts(begun, contacts, graph, self.restitution)
-            scheme = scheme_of(model, method, frames, contacts, graph, entering, step)
+            scheme = scheme_of(begun, contacts, graph, entering)
         with stages("base system"):
-            base = diagonal_terms(model, method, frames, begun.state, entering.drift, scheme)
+            base = diagonal_terms(begun, entering.drift, scheme)
             whole = Potential(
                 base=base,
                 inverse=inverse_of_blocks(base.diagonal),
@@ -155,7 +151,6 @@ class Convex:
             whole, starts, base_force, enough, method, counts, stages
         )
         return Solved(
-            frames=frames,
             velocity=entering.velocity,
             drift=entering.drift,
             scheme=scheme,
@@ -260,7 +255,7 @@ def first_friction_base(begun: Begun, potential: Potential) -> Floats:
     contacts, step = potential.contacts, begun.step
     speed = float(np.hypot(*begun.model.gravity)) * step
     return np.asarray(
-        approach.first_bases(
+        first_bases(
             contacts.normal_force,
             contacts.gap,
             contact_motions(contacts, begun.velocity),

@@ -8,34 +8,36 @@ time integration removed.  Kinetic energy is compared with the inertia terms of 
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from clast.block.inertia import BlockFrames, block_frames
-from clast.contact.contacts import ContactResponse, Contacts
+from clast.actions.action import Solution
+from clast.block.inertia import block_frames
+from clast.compute.jit import kernel
+from clast.compute.mat6 import times
+from clast.compute.parallel import Sharing, shared
+from clast.compute.vec6 import plus_product, row, total, zeros
+from clast.contact.contacts import Contacts
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger, State
-from clast.step import energies as works
-from clast.step.method import Method
-from clast.step.start import fixed_point_rows, load_rows
+from clast.step.method import Method, Solved
+from clast.step.start import Begun
+
+CHUNK, PART = 128, 1024
+"""Blocks, and contacts, that are summed up by themselves."""
 
 
-def fixed_point_energy(model: Model, stiffness: float, drift: Floats) -> float:
-    """Return the energy of the fixed points' springs, J/m; ``drift`` (k, 2) in m."""
-    return 0.5 * stiffness * float(np.sum(drift**2))
-
-
-def opening(model: Model, method: Method, state: State) -> Ledger:
+def opening(model: Model, state: State) -> Ledger:
     """Return the ledger of a state at the start of a run: what it holds already."""
     frames = block_frames(model, state)
     velocity, stress = state.velocity, state.stress
-    energies = works.of_blocks(  # those of a step in which nothing moves
+    energies = energies_of_blocks(  # those of a step in which nothing moves
         (np.zeros_like(velocity), velocity, velocity),
         (frames.mass_matrix, 1.0),
         (stress, stress),
         (model.area, model.compliance),
-        (model.mass, model.gravity, model.gravity),
     )
     return Ledger(kinetic=float(energies[0]), elastic=float(energies[3]))
 
@@ -77,87 +79,148 @@ def tolerated(model: Model, ledger: Ledger, first: Ledger) -> float:
     return 0.05 * float(np.sum(weight * size)) + first.stored + abs(ledger.loads)
 
 
-def fixed_point_works(
-    model: Model, method: Method, frames: BlockFrames, state: State, unknowns: Floats, end: float
-) -> tuple[float, float, float, float]:
-    """Return the work on blocks, the ground's work, and the energy held before and after, J/m.
+@dataclass(frozen=True, kw_only=True)
+class Ended:
+    """The end of a step, in directions of its start."""
 
-    The anchors move until ``end``, s, under the force that stretches their springs then.
-    """
-    held_by = model.fixed_points.block
-    if not len(held_by):
-        return 0.0, 0.0, 0.0, 0.0
-    basis, drift = fixed_point_rows(model, frames, state, end)
-    held = drift + np.einsum("kxi,ki->kx", basis, unknowns[held_by])
-    stiffness, ground = method.fixed_point_stiffness, model.ground_motion
-    moved = ground.anchor_displacement(end) - ground.anchor_displacement(state.time)
-    return (
-        -stiffness * float(np.sum(held * (held - drift))),
-        -stiffness * float(np.sum(held * moved)),
-        fixed_point_energy(model, stiffness, drift + moved),
-        fixed_point_energy(model, stiffness, held),
-    )
+    velocity: Floats
+    """Velocity, shape (n, 6)."""
+    stress: Floats
+    """Stress, Pa, shape (n, 3)."""
+    gap: Floats
+    """Gap of each contact, m, shape (m,)."""
+    slip: Floats
+    """Slip of each contact in the step, m, shape (m,)."""
 
 
-def balance(
-    model: Model,
-    method: Method,
-    state: State,
-    frames: BlockFrames,
-    velocity: Floats,
-    lost: float,
-    unknowns: Floats,
-    end_velocity: Floats,
-    end_stress: Floats,
-    step: float,
-    contacts: Contacts,
-    applied: tuple[Floats, Floats],
-    response: ContactResponse,
-    gap: Floats,
-    slip: Floats,
-) -> Ledger:
-    """Return the ledger at the end of a step.
+def balance(begun: Begun, solved: Solved, ended: Ended) -> tuple[Ledger, tuple[Any, ...]]:
+    """Return the ledger at the end of a step, and the own state of each action."""
+    ledger = _with_blocks_and_contacts(begun, solved, ended)
+    solution, own = Solution(displacement=solved.unknowns), []
+    for action, mine, share in zip(begun.actions, begun.own, begun.shares, strict=True):
+        done = action.finish(begun.at, mine, share, solution)
+        change = done.ledger
+        removed = change.loads - done.work - change.stored - change.friction
+        ledger = ledger.plus(change)
+        ledger = ledger.plus(Ledger(numerical=removed, unaccounted=-done.work))
+        own.append(done.own)
+    return ledger, tuple(own)
 
-    ``velocity`` (n, 6) is the velocity that entered the equations, ``lost`` what impacts took
-    before, J/m, ``end_velocity`` the velocity and ``end_stress`` (n, 3) the stress, Pa, that came
-    out, in directions of the start, ``applied`` the normal and shear forces (m,) that the equations
-    held at the end of the step, ``response`` the forces of the law.
-    """
-    before, end = state.ledger, state.time + step
-    inertial = model.ground_motion.body_acceleration(state.time, end)
-    of_blocks = works.of_blocks(
-        (unknowns, velocity, end_velocity),
-        (frames.mass_matrix, step),
-        (state.stress, end_stress),
+
+def _with_blocks_and_contacts(begun: Begun, solved: Solved, ended: Ended) -> Ledger:
+    """Return the ledger with what inertia, elasticity, impacts and contacts have done."""
+    before, model = begun.state.ledger, begun.model
+    of_blocks = energies_of_blocks(
+        (solved.unknowns, solved.velocity, ended.velocity),
+        (begun.frames.mass_matrix, begun.step),
+        (begun.state.stress, ended.stress),
         (model.area, model.compliance),
-        (model.mass, model.gravity, inertial),
     )
     entering, kinetic, inertia_work = map(float, of_blocks[:3])
-    elastic_before, elastic, elastic_work = map(float, of_blocks[3:6])
-    gravity_work, load_work = map(float, of_blocks[6:])
+    elastic_before, elastic, elastic_work = map(float, of_blocks[3:])
     removed = inertia_work - (kinetic - entering) - elastic_work - (elastic - elastic_before)
-    block, load = load_rows(model, frames, state)
-    load_work += float(np.sum(load * unknowns[block]))
-
-    fixed_work, base_work, fixed_before, fixed = fixed_point_works(
-        model, method, frames, state, unknowns, end
+    contacts, response = solved.contacts, solved.response
+    of_contacts = energies_of_contacts(
+        solved.applied,
+        (contacts.gap, ended.gap),
+        ended.slip,
+        (response.energy, response.dissipation),
     )
-    removed += base_work - fixed_work - (fixed - fixed_before)
-    stored = response.energy, response.dissipation
-    of_contacts = works.of_contacts(applied, (contacts.gap, gap), slip, stored)
     contact_work, contact, friction = map(float, of_contacts)
     removed += -contact_work - (contact - before.contact) - friction
-
-    done = elastic_work + gravity_work + load_work + fixed_work + contact_work
-    return Ledger(
+    return replace(
+        before,
         kinetic=kinetic,
         elastic=elastic,
-        gravity=before.gravity - gravity_work,
         contact=contact,
-        fixed_points=fixed,
-        loads=before.loads + load_work + base_work,
         friction=before.friction + friction,
-        impacts=before.impacts + lost,
-        numerical=before.numerical + removed + (before.kinetic - entering) - lost,
-        unaccounted=before.unaccounted + inertia_work - done,
+        impacts=before.impacts + solved.lost,
+        numerical=before.numerical + removed + (before.kinetic - entering) - solved.lost,
+        unaccounted=before.unaccounted + inertia_work - elastic_work - contact_work,
     )
+
+
+@kernel()
+def _kinetic(b, mass_matrix, v):
+    """Return 1/2 v.M v of block b, J/m."""
+    return 0.5 * total(plus_product(zeros(), times(mass_matrix, b, v, b), row(v, b)))
+
+
+@kernel()
+def _strain_energy(b, area, compliance, stress):
+    """Return 1/2 A sigma.E'^-1 sigma of block b, J/m."""
+    energy = 0.0
+    for i in range(3):
+        for j in range(3):
+            energy += stress[b, i] * compliance[b, i, j] * stress[b, j]
+    return 0.5 * area[b] * energy
+
+
+@kernel()
+def _of_chunk(first, last, motion, inertia, stresses, elastic, s):
+    """Add up the energies and works of blocks ``first`` to ``last`` - 1 in s (6,)."""
+    d, entering, leaving = motion
+    mass_matrix, step = inertia
+    before, after = stresses
+    area, compliance = elastic
+    force = np.empty((1, 6))
+    for b in range(first, last):
+        s[0] += _kinetic(b, mass_matrix, entering)
+        s[1] += _kinetic(b, mass_matrix, leaving)
+        for k in range(6):
+            force[0, k] = (leaving[b, k] - entering[b, k]) / step
+        s[2] += total(plus_product(zeros(), times(mass_matrix, b, force, 0), row(d, b)))
+        s[3] += _strain_energy(b, area, compliance, before)
+        s[4] += _strain_energy(b, area, compliance, after)
+        for k in range(3):
+            s[5] -= area[b] * after[b, k] * d[b, 3 + k]
+
+
+@shared(Sharing(part=CHUNK, many=1))
+def _of_chunks(first, last, motion, inertia, stresses, elastic, sums):
+    """Write the sums (6,) of the chunk of blocks ``first`` to ``last`` - 1."""
+    if last > first:
+        _of_chunk(first, last, motion, inertia, stresses, elastic, sums[first // CHUNK])
+
+
+@kernel()
+def energies_of_blocks(motion, inertia, stresses, elastic):
+    """Return energies and works of the blocks in a step, J/m, shape (6,).
+
+    Kinetic energy that entered and that left, work on inertia; elastic energy before and after,
+    work on the elastic terms.  Sums of many numbers keep their digits where parts of them are
+    summed up first.
+
+    ``motion``: d and the velocities that entered and left, (n, 6) each.  ``inertia``: mass matrix
+    (n, 6, 6) and h.  ``stresses``: before and after the step, unturned, Pa, (n, 3) each.
+    ``elastic``: area (n,) and compliance (n, 3, 3).
+    """
+    area = elastic[0]
+    sums = np.zeros(((len(area) + CHUNK - 1) // CHUNK, 6))
+    _of_chunks(len(area), motion, inertia, stresses, elastic, sums)
+    result = np.zeros(6)
+    for part in sums:
+        result += part
+    return result
+
+
+@kernel()
+def energies_of_contacts(forces, gaps, slip, stored):
+    """Return the work of contact forces, J/m, and the sums of what is ``stored``, shape (3,).
+
+    ``forces``: normal and shear, N/m; ``gaps``: at the start and the end, m; ``slip``, m;
+    ``stored``: energy and dissipation, J/m; (m,) each.
+    """
+    normal, shear = forces
+    start, end = gaps
+    energy, dissipation = stored
+    sums = np.zeros(((len(slip) + PART - 1) // PART, 3))
+    for c in range(len(slip)):
+        s = sums[c // PART]
+        s[0] += normal[c] * (end[c] - start[c]) + shear[c] * slip[c]
+        s[1] += energy[c]
+        s[2] += dissipation[c]
+    result = np.zeros(3)
+    for part in sums:
+        result += part
+    return result

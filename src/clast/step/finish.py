@@ -1,103 +1,44 @@
-"""The end of a step, the same for every process: move, remember, check, balance."""
+"""The end of a step, the same for every process: move, remember, check, balance the energy."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
-from clast.block.inertia import BlockFrames
+import numpy as np
+
+from clast.block import elasticity, polygon
+from clast.block.displacement import movements
+from clast.block.rotation import RotationRule
 from clast.compute.stopwatch import Stages
-from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.detection import find_tunnelled
 from clast.contact.memory import renew
-from clast.contact.verlet_list import VerletList
+from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import StepOutcome, StepRejected
 from clast.linear.system import contact_motions
 from clast.model.model import Floats, Model
 from clast.model.state import ContactMemory, State
-from clast.step.energy_balance import balance
-from clast.step.integration import Scheme, end_velocity
-from clast.step.method import Method, StepResult
-from clast.step.motion import advance, end_stress
-from clast.step.workspace import Workspace
+from clast.step.energy_balance import Ended, balance
+from clast.step.integration import end_velocity
+from clast.step.method import Solved, StepResult
+from clast.step.start import Begun
 
 
-@dataclass(frozen=True, kw_only=True)
-class Solved:
-    """What a process has found for a step."""
-
-    frames: BlockFrames
-    """Block frames at the start."""
-    velocity: Floats
-    """Velocity that entered the equations, shape (n, 6)."""
-    drift: Floats
-    """Displacements that it would bring, m, shape (n, 6)."""
-    scheme: Scheme
-    """How the blocks took the step."""
-    unknowns: Floats
-    """Displacements d, shape (n, 6)."""
-    contacts: Contacts
-    """Contacts of the step."""
-    response: ContactResponse
-    """The law's answer at the end of the step."""
-    applied: tuple[Floats, Floats]
-    """Normal and shear forces (m,) that the equations held at the end of the step, N/m."""
-    bearing: Floats
-    """Normal forces that contacts go on with, N/m, shape (m,)."""
-    depth: float
-    """How deep a vertex may have moved into a block, m (see Reach.depth)."""
-    lost: float = 0.0
-    """Kinetic energy that impacts took before it entered, J/m."""
-    counts: dict[str, int] = field(default_factory=dict)
-    """Counts of the process: "passes" and whatever else it counts."""
-
-
-def conclude(
-    model: Model,
-    method: Method,
-    state: State,
-    solved: Solved,
-    step: float,
-    stages: Stages,
-    workspace: Workspace,
-) -> StepResult:
+def finish(begun: Begun, solved: Solved, stages: Stages) -> StepResult:
     """Return the result of a solved step, or raise StepRejected where it must not be kept."""
-    unknowns, contacts, response = solved.unknowns, solved.contacts, solved.response
+    model, state = begun.model, begun.state
     with stages("advance"):
-        velocity = end_velocity(solved.scheme, unknowns, solved.drift, solved.velocity)
-        velocity[model.fixed] = 0.0
-        stress = end_stress(model, state, unknowns)
-        motion = advance(
-            model, method, state, solved.frames, unknowns, velocity, stress, workspace.near
-        )
-        opening, slip = contact_motions(contacts, unknowns)
-        gap = contacts.gap + opening
-        kept = replace(response, normal_force=solved.bearing)
-        memory = renew(contacts, kept, gap, method.critdis)
+        ended = end_of(begun, solved)
+        motion = moved(begun, solved.unknowns, ended)
+        kept = replace(solved.response, normal_force=solved.bearing)
+        memory = renew(solved.contacts, kept, ended.gap, begun.method.critdis)
     with stages("tunnelling"):
-        reject_tunnelled(
-            model, state.vertices, motion.vertices, memory, solved.depth, workspace.near
-        )
+        near = begun.workspace.near
+        reject_tunnelled(model, state.vertices, motion.vertices, memory, solved.depth, near)
     with stages("ledger"):
-        ledger = balance(
-            model,
-            method,
-            state,
-            solved.frames,
-            solved.velocity,
-            solved.lost,
-            unknowns,
-            velocity,
-            stress,
-            step,
-            contacts,
-            solved.applied,
-            response,
-            gap,
-            slip,
-        )
+        ledger, actions = balance(begun, solved, ended)
     return StepResult(
         state=State(
-            time=state.time + step,
+            time=begun.at.end,
             vertices=motion.vertices,
             velocity=motion.velocity,
             stress=motion.stress,
@@ -105,14 +46,28 @@ def conclude(
             points=motion.points,
             memory=memory,
             ledger=ledger,
+            actions=actions,
         ),
-        contacts=contacts,
-        response=response,
+        contacts=solved.contacts,
+        response=solved.response,
         counts=solved.counts,
         travel=motion.travel,
         approach=motion.approach,
-        penetration=float(max(0.0, -gap.min(initial=0.0))),
+        penetration=float(max(0.0, -ended.gap.min(initial=0.0))),
         seconds=stages.seconds,
+    )
+
+
+def end_of(begun: Begun, solved: Solved) -> Ended:
+    """Return velocities, stresses, gaps and slips at the end of a step."""
+    velocity = end_velocity(solved.scheme, solved.unknowns, solved.drift, solved.velocity)
+    velocity[begun.model.fixed] = 0.0
+    opening, slip = contact_motions(solved.contacts, solved.unknowns)
+    return Ended(
+        velocity=velocity,
+        stress=end_stress(begun.model, begun.state, solved.unknowns),
+        gap=solved.contacts.gap + opening,
+        slip=slip,
     )
 
 
@@ -133,3 +88,109 @@ def reject_tunnelled(
             f"vertex {vertex - int(model.block_start[own]) + 1} of block "
             f"'{model.block_name[own]}' is {depth:.3g} m inside '{model.block_name[block]}'",
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """Where a displacement takes the system."""
+
+    vertices: Floats
+    """Vertices at the end of the step, m, shape (nv, 2)."""
+    points: Floats
+    """Material points at the end of the step, m, shape (np, 2)."""
+    stress: Floats
+    """Stress at the end of the step, Pa, shape (n, 3)."""
+    velocity: Floats
+    """Velocity at the end of the step, shape (n, 6)."""
+    turn: Floats
+    """Rotation in the step, rad, shape (n,)."""
+    travel: float
+    """Largest movement of a vertex, m."""
+    approach: float
+    """The same against blocks that it might touch in the step, m; 0 far from any."""
+
+
+LARGEST_TURN = 0.1
+"""Largest rotation in one step, rad, that the linearised equations are trusted with."""
+
+
+STRESS, STRAIN_RATES = 0, 3
+"""First column of xx, yy and xy among the stresses (n, 3), and among the velocities (n, 6)."""
+
+
+def move(
+    rotation: RotationRule,
+    positions: Floats,
+    block: np.ndarray,
+    centroid: Floats,
+    unknowns: Floats,
+) -> Floats:
+    """Return positions (k, 2) of material points of the blocks ``block`` (k,) after a step.
+
+    Written as position + movement, so that a block that does not move keeps every bit.
+    """
+    offset = polygon.offsets(positions, block, centroid)
+    return positions + movements(rotation, offset, unknowns, block)
+
+
+def end_stress(model: Model, state: State, unknowns: Floats) -> Floats:
+    """Return the stress, Pa, (n, 3), after the strains of d (n, 6), in directions of the start."""
+    return elasticity.strained(state.stress, model.elasticity, unknowns)
+
+
+def moved(begun: Begun, unknowns: Floats, ended: Ended) -> Motion:
+    """Return where the unknowns d (n, 6) of a step take the system.
+
+    Raises StepRejected where a vertex moves further than max_displacement against a block that it
+    might touch, or a block turns further than the equations bear.
+    """
+    model, method, state = begun.model, begun.method, begun.state
+    centroid, near = begun.frames.centroid, begun.workspace.near
+    turn = method.rotation.angle(np.ascontiguousarray(unknowns[:, 2]))
+    if not np.all(np.abs(turn) <= LARGEST_TURN):
+        raise StepRejected(StepOutcome.ROTATED_TOO_FAR)
+    block = model.vertex_block
+    vertices = move(method.rotation, state.vertices, block, centroid, unknowns)
+    travel = float(polygon.travel(state.vertices, vertices))
+    if not np.isfinite(travel):
+        raise StepRejected(StepOutcome.NOT_FINITE)
+    approach = travel
+    if travel > method.max_displacement:
+        approach = approach_of(model, state.vertices, vertices, near)
+    if approach > method.max_displacement:
+        raise StepRejected(
+            StepOutcome.TRAVELLED_TOO_FAR,
+            f"{approach:.3g} m against max_displacement = {method.max_displacement:.3g} m",
+        )
+    points = move(method.rotation, state.points, model.material_points.block, centroid, unknowns)
+    return Motion(
+        vertices=vertices,
+        points=points,
+        stress=elasticity.turned(ended.stress, STRESS, turn, 1.0),
+        # the strain rate turns with the block, so that its kinetic energy stays what it was
+        velocity=elasticity.turned(ended.velocity, STRAIN_RATES, turn, 2.0),
+        turn=turn,
+        travel=travel,
+        approach=approach,
+    )
+
+
+def approach_of(model: Model, before: Floats, after: Floats, near: VerletList) -> float:
+    """Return how far a vertex moves at most against a block that it might touch, m.
+
+    From vertices ``before`` to ``after`` a step, (nv, 2).  Free flight is exact at any length, and
+    so is what two blocks do together: only pairs whose ways meet count.
+    """
+    moved = after - before
+    thrown = float(np.hypot(*moved.T).max())
+    if thrown > float(np.ptp(before, axis=0).max()):
+        return thrown
+    start, count = model.block_start, np.diff(model.block_start)
+    way = polygon.farthest(moved, start)
+    pairs = near_pairs(near, before, start, model.fixed, 0.0, way)
+    mean = np.add.reduceat(moved, start[:-1], axis=0) / count[:, None]
+    own = polygon.farthest(moved - np.repeat(mean, count, axis=0), start)
+    lower, higher = pairs.T
+    against = np.hypot(*(mean[lower] - mean[higher]).T) + own[lower] + own[higher]
+    # where two turn together the sum says too much
+    return float(np.minimum(against, way[lower] + way[higher]).max(initial=0.0))

@@ -23,12 +23,12 @@ and these in their next step, keep the scheme of the run.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from clast.block.inertia import BlockFrames
+from clast.compute.jit import kernel
 from clast.contact.contacts import Contacts
 from clast.contact.detection import joints_of_pairs
 from clast.contact.laws import ContactLaw
@@ -37,13 +37,9 @@ from clast.linear.couplings import Graph
 from clast.linear.system import contact_motions, gap_rate, with_contact_forces
 from clast.model.model import Floats, Model
 from clast.model.state import State
-from clast.step import approach, collisions, stopping
+from clast.step import collisions, stopping
 from clast.step.integration import Scheme
-from clast.step.method import Method
-from clast.step.start import point_slices
-
-if TYPE_CHECKING:
-    from clast.step.begun import Begun
+from clast.step.start import Begun
 
 IMPACT = 1.0
 """Closing velocity that counts as an impact, in units of the speeds of :func:`slowest_impact`."""
@@ -98,7 +94,7 @@ def after_impacts(begun: Begun, contacts: Contacts, graph: Graph, restitution: f
     bears = (contacts.normal_force > 0.0) | (contacts.tensile_strength > 0.0)
     # one that gives nothing back passes an impulse on as if it were struck right after
     bears |= (back == 0.0) & (contacts.gap <= even) & (rate >= -impact)
-    acceleration = flying(model, contacts, graph, state, step)
+    acceleration = flying(begun, contacts, graph)
     struck = (
         contacts.gap,
         contacts.vertex_block,
@@ -145,14 +141,12 @@ def restitutions(model: Model, contacts: Contacts, restitution: float) -> Floats
     return np.array(of_joints, float)[joint][contacts.pair]
 
 
-def flying(model: Model, contacts: Contacts, graph: Graph, state: State, step: float) -> Floats:
+def flying(begun: Begun, contacts: Contacts, graph: Graph) -> Floats:
     """Return the acceleration of each block between impacts, m/s2, shape (n, 2).
 
     It is that of weight, as far as contacts did not bear it at the end of the last step.
     """
-    acceleration = model.gravity + model.ground_motion.body_acceleration(
-        state.time, state.time + step
-    )
+    model = begun.model
     borne = with_contact_forces(
         np.zeros((model.block_count, 6)),
         contacts,
@@ -161,7 +155,7 @@ def flying(model: Model, contacts: Contacts, graph: Graph, state: State, step: f
         contacts.normal_force,
         contacts.shear_force,
     )
-    found: Floats = collisions.flying(borne, model.mass, model.fixed, acceleration)
+    found: Floats = collisions.flying(borne, model.mass, model.fixed, begun.acceleration)
     found[model.fixed_points.block] = 0.0
     return found
 
@@ -174,7 +168,7 @@ def mobilities(model: Model, frames: BlockFrames, state: State) -> Floats:
     mobility: Floats = collisions.mobilities(frames.mass_matrix, model.fixed)
     block = model.fixed_points.block
     if len(block):
-        x, y = (state.points[point_slices(model).fixed] - frames.centroid[block]).T
+        x, y = (state.points[model.point_slices.fixed] - frames.centroid[block]).T
         turn = np.stack([y, -x, np.ones(len(x))], axis=1)
         about = frames.mass_matrix[block, 2, 2] + model.mass[block] * (x**2 + y**2)
         mobility[block] = np.einsum("ki,kj->kij", turn, turn) / about[:, None, None]
@@ -199,31 +193,23 @@ def slowest_of(law: ContactLaw) -> float:
     return RESETTING if has_multipliers(law) and not law.carries else SLOWEST
 
 
-def scheme_of(
-    model: Model,
-    method: Method,
-    frames: BlockFrames,
-    contacts: Contacts,
-    graph: Graph,
-    entering: Entering,
-    step: float,
-) -> Scheme:
+def scheme_of(begun: Begun, contacts: Contacts, graph: Graph, entering: Entering) -> Scheme:
     """Return how the blocks take a step: where contacts close that stop them with theta = 1."""
-    scheme = Scheme(theta=method.integrator.theta, step=step)
-    threshold = slowest_of(method.contact_law) * float(np.hypot(*model.gravity)) * step
+    model, scheme = begun.model, begun.scheme
+    threshold = slowest_of(begun.method.contact_law) * float(np.hypot(*model.gravity)) * begun.step
     moved, _ = contact_motions(contacts, entering.drift)
-    closes = approach.closing(contacts.gap, moved, entering.rate, threshold)
+    closes = closing(contacts.gap, moved, entering.rate, threshold)
     if scheme.theta == 1.0 or not closes.any():
         return scheme
     bears = closes | (contacts.normal_force > 0.0)
     stopped = stopping.stopped_motions(
-        frames.mass_matrix,
+        begun.frames.mass_matrix,
         model.fixed,
         graph,
         (contacts.vertex_block, contacts.levers),
         (closes, bears, bears & (contacts.friction > 0.0)),
     )
-    return Scheme(theta=scheme.theta, step=step, stopped=stopped)
+    return replace(scheme, stopped=stopped)
 
 
 def bearing(contacts: Contacts, entering: Entering, normal_force: Floats) -> Floats:
@@ -234,3 +220,33 @@ def bearing(contacts: Contacts, entering: Entering, normal_force: Floats) -> Flo
     """
     early = (contacts.normal_force == 0.0) & (entering.rate < -entering.impact)
     return np.where(early, 0.0, normal_force)
+
+
+@kernel()
+def closing(gap, moved, rate, threshold):
+    """Return which contacts (m,) close faster than ``threshold``, m/s, and within the step.
+
+    ``gap`` (m,), m, and its ``rate`` (m,), m/s, are those at the start; ``moved`` (m,), m, is what
+    velocities would change of the gap in the step.
+    """
+    found = np.empty(len(gap), np.bool_)
+    for c in range(len(gap)):
+        found[c] = (rate[c] < -threshold) & (gap[c] + moved[c] < 0.0)
+    return found
+
+
+@kernel()
+def first_bases(normal_force, gap, rates, slow, landing, step, begins, largest):
+    """Return the normal forces (m,), N/m, that bound friction at first (step/convex.py).
+
+    That of the last step where there was any; else ``largest`` where a contact lands without
+    slipping or, where the run ``begins``, is without slipping; else none.  It slips at more than
+    ``slow``, m/s, and lands where it closes faster than ``landing``, m/s, and within the step.
+    """
+    opening, slip = rates
+    base = np.empty(len(gap))
+    for c in range(len(gap)):
+        lands = (opening[c] < -landing) & (gap[c] + step * opening[c] < 0.0)
+        holds = (abs(slip[c]) <= slow) & (lands | begins)
+        base[c] = normal_force[c] if normal_force[c] > 0.0 else largest if holds else 0.0
+    return base

@@ -6,19 +6,31 @@ registered: an object with these methods can be put into a :class:`Method` from 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from clast.block.rotation import RotationRule
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.laws import ContactLaw
+from clast.contact.verlet_list import VerletList
 from clast.errors import StepOutcome
 from clast.linear.factor import LinearSolver
-from clast.model.model import Model
+from clast.model.model import Floats, Model
 from clast.model.state import State
-from clast.step.integration import Integrator
-from clast.step.workspace import Workspace
+from clast.step.integration import Integrator, Scheme
+
+
+@dataclass(kw_only=True)
+class Workspace:
+    """What is found once and serves several steps; a run has its own.
+
+    It may be thrown away before any step without changing a digit, and so is no part of what a run
+    must carry on.
+    """
+
+    near: VerletList = field(default_factory=VerletList)
+    """Pairs of blocks near each other."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +60,34 @@ class StepResult:
     def passes(self) -> int:
         """Assemblies and solves in the step."""
         return self.counts["passes"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solved:
+    """What a process has found for a step."""
+
+    velocity: Floats
+    """Velocity that entered the equations, shape (n, 6)."""
+    drift: Floats
+    """Displacements that it would bring, m, shape (n, 6)."""
+    scheme: Scheme
+    """How the blocks took the step."""
+    unknowns: Floats
+    """Displacements d, shape (n, 6)."""
+    contacts: Contacts
+    """Contacts of the step."""
+    response: ContactResponse
+    """The law's answer at the end of the step."""
+    applied: tuple[Floats, Floats]
+    """Normal and shear forces (m,) that the equations held at the end of the step, N/m."""
+    bearing: Floats
+    """Normal forces that contacts go on with, N/m, shape (m,)."""
+    depth: float
+    """How deep a vertex may have moved into a block, m (see Reach.depth)."""
+    lost: float = 0.0
+    """Kinetic energy that impacts took before it entered, J/m."""
+    counts: dict[str, int] = field(default_factory=dict)
+    """Counts of the process: "passes" and whatever else it counts."""
 
 
 class StepProcess(Protocol):

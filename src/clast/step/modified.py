@@ -24,12 +24,10 @@ from clast.linear.reuse import FactorOfStep
 from clast.linear.system import DiagonalTerms, assemble, contact_motions, slip_in_step
 from clast.model.model import Floats, Model
 from clast.model.state import State
-from clast.step.finish import Solved, conclude
+from clast.step.finish import finish
 from clast.step.impact import advice_without
-from clast.step.integration import Scheme
-from clast.step.method import Method, StepResult
-from clast.step.start import diagonal_terms
-from clast.step.workspace import Workspace
+from clast.step.method import Method, Solved, StepResult, Workspace
+from clast.step.start import Begun, begin, diagonal_terms
 
 THROWN = (
     "The contacts throw blocks apart: lower method.contact_law.normal_stiffness or time.step, or "
@@ -108,26 +106,21 @@ class Modified:
         workspace: Workspace | None = None,
     ) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected."""
-        stages, workspace = Stages(), workspace or Workspace()
-        velocity = method.dynamic_ratio * state.velocity
+        stages = Stages()
         with stages("base system"):
             # (4) where the blocks are; (5) inertia and elasticity; (6) stress, weight, loads;
             # (7) fixed points
-            frames = block_frames(model, state)
-            scheme = Scheme(theta=method.integrator.theta, step=step)
-            base = diagonal_terms(model, method, frames, state, step * velocity, scheme)
+            begun = begin(model, method, state, step, workspace)
+            base = diagonal_terms(begun, begun.drift, begun.scheme)
         with stages("contacts"):
             # (8) blocks near each other; (9) entrance edges by the angle bisector
             reach = reach_of(method)
-            contacts = detect(
-                model, method.corner_rule, state, frames.centroid, reach, near=workspace.near
-            )
-        found = self._solve(model, method, base, contacts, velocity, step, stages)
+            contacts = begun.contacts(reach)
+        found = self._solve(begun, base, contacts, stages)
         solved = Solved(
-            frames=frames,
-            velocity=velocity,
-            drift=step * velocity,
-            scheme=scheme,
+            velocity=begun.velocity,
+            drift=begun.drift,
+            scheme=begun.scheme,
             unknowns=found.unknowns,
             contacts=found.contacts,
             response=found.response,
@@ -138,7 +131,7 @@ class Modified:
         )
         # (13) the blocks are moved and turned; (14) their velocities and stresses; (16) what the
         # contacts carry on
-        return conclude(model, method, state, solved, step, stages, workspace)
+        return finish(begun, solved, stages)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn where p h2/m is beyond what one pass bears, or carried multipliers swing up."""
@@ -166,20 +159,13 @@ class Modified:
         return model.stiffest, "E of the stiffest rock; p h2/m stays below 1"
 
     def _solve(
-        self,
-        model: Model,
-        method: Method,
-        base: DiagonalTerms,
-        contacts: Contacts,
-        velocity: Floats,
-        step: float,
-        stages: Stages,
+        self, begun: Begun, base: DiagonalTerms, contacts: Contacts, stages: Stages
     ) -> PassResult:
         """Return what the passes of the step, with their multiplier solves, have found."""
-        law, factor = method.contact_law, FactorOfStep(method.solver)
+        law, factor = begun.method.contact_law, FactorOfStep(begun.method.solver)
         contacts = multipliers.begin(law, contacts)
         # the first pass sees the gaps at the start and the slip that the velocity will bring
-        seen = contacts.gap, slip_in_step(contacts, step * velocity)
+        seen = contacts.gap, slip_in_step(contacts, begun.drift)
         passes = 0
         while True:
             passes += 1
@@ -190,7 +176,7 @@ class Modified:
                     entered = self.friction.enter(law.respond(contacts, *seen))
                 with stages("assembly"):
                     # (11) the equations of all blocks
-                    system = assemble(base, contacts, entered, *seen, model.fixed)
+                    system = assemble(base, contacts, entered, *seen, begun.model.fixed)
                 with stages("solve"):
                     # (12) one solve
                     unknowns = factor.solve(system, entered)

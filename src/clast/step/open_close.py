@@ -22,24 +22,20 @@ from typing import ClassVar
 
 import numpy as np
 
-from clast.block.inertia import block_frames
 from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
 from clast.contact.contacts import ContactResponse, Contacts
-from clast.contact.detection import detect
 from clast.errors import StepOutcome, StepRejected
 from clast.linear.reuse import FactorOfStep
 from clast.linear.system import DiagonalTerms, assemble, slip_in_step
-from clast.model.model import Floats, Model
+from clast.model.model import Model
 from clast.model.state import State
-from clast.step.finish import Solved, conclude
+from clast.step.finish import finish
 from clast.step.impact import advice_without
-from clast.step.integration import Scheme
-from clast.step.method import Method, StepResult
+from clast.step.method import Method, Solved, StepResult, Workspace
 from clast.step.modified import STABILITY_LIMIT, PassResult, pass_result, stability_number
 from clast.step.reach import JUMP, reach_within_step
-from clast.step.start import diagonal_terms
-from clast.step.workspace import Workspace
+from clast.step.start import Begun, begin, diagonal_terms
 
 CUT = 1.0 / 3.0
 """Shi's cut of a step whose modes do not settle."""
@@ -80,30 +76,18 @@ class OpenClose:
         workspace: Workspace | None = None,
     ) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected."""
-        stages, workspace = Stages(), workspace or Workspace()
-        velocity = method.dynamic_ratio * state.velocity
-        scheme = Scheme(theta=method.integrator.theta, step=step)
+        stages = Stages()
         with stages("base system"):
-            frames = block_frames(model, state)
-            base = diagonal_terms(model, method, frames, state, step * velocity, scheme)
+            begun = begin(model, method, state, step, workspace)
+            base = diagonal_terms(begun, begun.drift, begun.scheme)
         with stages("contacts"):
             farthest = np.full(model.block_count, method.max_displacement)
-            reach = reach_within_step(method, farthest)
-            contacts = detect(
-                model,
-                method.corner_rule,
-                state,
-                frames.centroid,
-                reach,
-                step * velocity,
-                workspace.near,
-            )
-        found = self._iterate(model, method, base, contacts, velocity, step, stages)
+            contacts = begun.contacts(reach_within_step(method, farthest), begun.drift)
+        found = self._iterate(begun, base, contacts, stages)
         solved = Solved(
-            frames=frames,
-            velocity=velocity,
-            drift=step * velocity,
-            scheme=scheme,
+            velocity=begun.velocity,
+            drift=begun.drift,
+            scheme=begun.scheme,
             unknowns=found.unknowns,
             contacts=found.contacts,
             response=found.response,
@@ -112,7 +96,7 @@ class OpenClose:
             depth=JUMP * method.critdis,
             counts=found.counts,
         )
-        return conclude(model, method, state, solved, step, stages, workspace)
+        return finish(begun, solved, stages)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn where p h2/m is beyond what impacts bear, or carried multipliers swing up.
@@ -137,19 +121,12 @@ class OpenClose:
         return SHI_FACTOR * model.stiffest, f"{SHI_FACTOR:g} E of the stiffest rock (Shi: 10-100)"
 
     def _iterate(
-        self,
-        model: Model,
-        method: Method,
-        base: DiagonalTerms,
-        contacts: Contacts,
-        velocity: Floats,
-        step: float,
-        stages: Stages,
+        self, begun: Begun, base: DiagonalTerms, contacts: Contacts, stages: Stages
     ) -> PassResult:
         """Return the solve whose modes agree with those that it was assembled with."""
-        law, factor = method.contact_law, FactorOfStep(method.solver)
+        law, factor = begun.method.contact_law, FactorOfStep(begun.method.solver)
         contacts = multipliers.begin(law, contacts)
-        seen = contacts.gap, slip_in_step(contacts, step * velocity)
+        seen = contacts.gap, slip_in_step(contacts, begun.drift)
         # sliding friction is that of the solve before: new multipliers need one to find it
         least = 2 if multipliers.has_multipliers(law) else 1
         solves, tried, passes = 0, 0, 0
@@ -158,7 +135,7 @@ class OpenClose:
             with stages("law"):
                 entered = as_springs_and_forces(law.respond(contacts, *seen))
             with stages("assembly"):
-                system = assemble(base, contacts, entered, *seen, model.fixed)
+                system = assemble(base, contacts, entered, *seen, begun.model.fixed)
             with stages("solve"):
                 unknowns = factor.solve(system, entered)
             found = pass_result(law, contacts, entered, seen, unknowns, passes, factor)

@@ -14,13 +14,12 @@ import numpy as np
 
 from clast.block import polygon
 from clast.block.displacement import displacements
-from clast.block.inertia import BlockFrames
 from clast.contact.contacts import Contacts
 from clast.contact.search_distance import Reach
 from clast.linear.system import gap_at_end
-from clast.model.model import Floats, Model
-from clast.model.state import State
+from clast.model.model import Floats
 from clast.step.method import Method
+from clast.step.start import Begun
 
 SPARE = 0.4
 """Share of critdis that a block may move further than expected; half would be the whole."""
@@ -42,22 +41,19 @@ def reach_within_step(method: Method, travel: Floats) -> Reach:
     )
 
 
-def travel_of(
-    model: Model, method: Method, frames: BlockFrames, state: State, displacement: Floats
-) -> Floats:
+def travel_of(begun: Begun, displacement: Floats) -> Floats:
     """Return the largest movement of a vertex of each block by d (n, 6), m, shape (n,)."""
+    model = begun.model
     block = model.vertex_block
-    offset = polygon.offsets(state.vertices, block, frames.centroid)
+    offset = polygon.offsets(begun.state.vertices, block, begun.frames.centroid)
     moved = displacements(offset, displacement, block)
     return polygon.farthest(moved, model.block_start)
 
 
-def travel_expected(
-    model: Model, method: Method, frames: BlockFrames, state: State, drift: Floats, step: float
-) -> Floats:
-    """Return how far blocks go, m, shape (n,), by ``drift`` h v (n, 6), weight and a push."""
-    fall = float(np.hypot(*model.gravity)) * step**2
-    return travel_of(model, method, frames, state, drift) + fall + PUSH * method.critdis
+def travel_expected(begun: Begun) -> Floats:
+    """Return how far blocks go, m, shape (n,), by their velocities, weight and a push."""
+    fall = float(np.hypot(*begun.model.gravity)) * begun.step**2
+    return travel_of(begun, begun.drift) + fall + PUSH * begun.method.critdis
 
 
 def farther(method: Method, expected: Floats, travel: Floats) -> Floats | None:

@@ -10,8 +10,8 @@ from clast.block.polygon import thicknesses
 from clast.errors import StepOutcome
 from clast.model.model import Model
 from clast.model.state import State
+from clast.step.finish import LARGEST_TURN
 from clast.step.method import Method
-from clast.step.motion import LARGEST_TURN
 
 SOFT = 0.01
 """Penetration, as a share of the thinnest block, from which contacts are called too soft."""

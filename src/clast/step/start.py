@@ -1,117 +1,121 @@
-"""Contributions to the equations K d = F of a step but those of the contacts.
+"""What every process begins a step with: where the blocks are, what acts on them, their equations.
 
-Inertia, elasticity, stress and weight are added block by block (block/equations.py), loads and
-fixed points here; contacts, which couple blocks, in :mod:`clast.linear.system`.  Blocks keep
-their start area in the elastic terms, as they keep their mass: the strain energy
-1/2 A sigma.C.sigma is then the same before and after a rotation.
+The equations K d = F of a step without contacts are block diagonal: inertia, elasticity, stress and
+weight (block/equations.py), and the shares of all actions (actions/).  Contacts, which couple
+blocks, are added in :mod:`clast.linear.system`.  Blocks keep their start area in the elastic terms,
+as they keep their mass: the strain energy 1/2 A sigma.C.sigma is then the same before and after a
+rotation.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
-from itertools import accumulate, pairwise
+from functools import cached_property
+from typing import Any
 
-import numpy as np
-
-from clast.block import equations as block_terms
-from clast.block.displacement import basis
-from clast.block.inertia import BlockFrames
+from clast.actions.acting import acceleration_of, actions_of, add_shares, own_states, shares_of
+from clast.actions.action import Action, Share, StepStart
+from clast.block import equations
+from clast.block.inertia import BlockFrames, block_frames
+from clast.contact.contacts import Contacts
+from clast.contact.detection import detect
+from clast.contact.search_distance import Reach
 from clast.linear.system import DiagonalTerms
-from clast.model.model import Floats, Ints, Model
+from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step import stopping
 from clast.step.integration import Scheme
-from clast.step.method import Method
+from clast.step.method import Method, Workspace
 
 
 @dataclass(frozen=True, kw_only=True)
-class PointSlices:
-    """Rows of ``State.points`` by kind (see ``Model.material_points``)."""
+class Begun:
+    """A step that has begun: all that its equations are made from."""
 
-    fixed: slice
-    loaded: slice
-    line_start: slice
-    line_end: slice
-    measured: slice
+    at: StepStart
+    """Model, state, block frames and the step's length."""
+    method: Method
+    workspace: Workspace
+    velocity: Floats
+    """Velocity that enters the equations, shape (n, 6)."""
+    actions: tuple[Action, ...]
+    """What acts on the blocks beside contacts."""
+    own: tuple[Any, ...]
+    """Own state of each action."""
+    shares: tuple[Share, ...]
+    """What each action adds to the equations."""
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+        return self.at.model
+
+    @property
+    def state(self) -> State:
+        """The state at the start of the step."""
+        return self.at.state
+
+    @property
+    def frames(self) -> BlockFrames:
+        """Areas, centroids and mass matrices at the start of the step."""
+        return self.at.frames
+
+    @property
+    def step(self) -> float:
+        """Length of the step h, s."""
+        return self.at.step
+
+    @cached_property
+    def drift(self) -> Floats:
+        """Displacement that the velocities would bring, h v, shape (n, 6)."""
+        return self.step * self.velocity
+
+    @property
+    def scheme(self) -> Scheme:
+        """How blocks take the step that nothing stops."""
+        return Scheme(theta=self.method.integrator.theta, step=self.step)
+
+    @cached_property
+    def acceleration(self) -> Floats:
+        """Acceleration of every mass by gravity and the ground, m/s2, shape (2,)."""
+        return acceleration_of(self.shares)
+
+    def contacts(self, reach: Reach, drift: Floats | None = None) -> Contacts:
+        """Return the contacts within ``reach``; ``drift`` (n, 6) as :func:`detect` has it."""
+        rule, centroid = self.method.corner_rule, self.frames.centroid
+        return detect(self.model, rule, self.state, centroid, reach, drift, self.workspace.near)
 
 
-def point_slices(model: Model) -> PointSlices:
-    """Return which rows of ``State.points`` belong to which kind of point."""
-    return _slices(
-        len(model.fixed_points.block),
-        len(model.point_loads.block),
-        len(model.line_loads.block),
-        len(model.measured_points.block),
+def begin(
+    model: Model, method: Method, state: State, step: float, workspace: Workspace | None
+) -> Begun:
+    """Return the step of length ``step``, s, that begins at ``state``."""
+    at = StepStart(model=model, state=state, frames=block_frames(model, state), step=step)
+    actions = actions_of(model, method.fixed_point_stiffness)
+    own = own_states(actions, model, state)
+    return Begun(
+        at=at,
+        method=method,
+        workspace=workspace or Workspace(),
+        velocity=method.dynamic_ratio * state.velocity,
+        actions=actions,
+        own=own,
+        shares=shares_of(actions, at, own),
     )
 
 
-@lru_cache(maxsize=16)
-def _slices(fixed: int, loaded: int, lines: int, measured: int) -> PointSlices:
-    """Return consecutive slices of these lengths; asked for several times in every step."""
-    stops = [0, *accumulate((fixed, loaded, lines, lines, measured))]
-    rows = [slice(start, stop) for start, stop in pairwise(stops)]
-    return PointSlices(
-        fixed=rows[0], loaded=rows[1], line_start=rows[2], line_end=rows[3], measured=rows[4]
-    )
-
-
-def load_rows(model: Model, frames: BlockFrames, state: State) -> tuple[Ints, Floats]:
-    """Return block (k,) and generalised force (k, 6) of every point and line load.
-
-    A uniform traction q along a line of length L gives L T(midpoint)^T q, exact because T is
-    linear.
-    """
-    if not len(model.point_loads.block) and not len(model.line_loads.block):
-        return model.point_loads.block, np.zeros((0, 6))
-    rows = point_slices(model)
-    start, end = state.points[rows.line_start], state.points[rows.line_end]
-    length = np.hypot(*(end - start).T)
-    block = np.concatenate([model.point_loads.block, model.line_loads.block])
-    at = np.concatenate([state.points[rows.loaded], 0.5 * (start + end)])
-    force = np.concatenate([model.point_loads.force, length[:, None] * model.line_loads.traction])
-    return block, np.einsum("kxi,kx->ki", basis(at - frames.centroid[block]), force)
-
-
-def fixed_point_rows(
-    model: Model, frames: BlockFrames, state: State, time: float
-) -> tuple[Floats, Floats]:
-    """Return T (k, 2, 6) at the fixed points and their distance (k, 2) from the anchor, m.
-
-    ``time``, s, is when the anchors are looked at; the points are those of ``state``.
-    """
-    at = state.points[point_slices(model).fixed]
-    anchor = model.fixed_points.at + model.ground_motion.anchor_displacement(time)
-    return basis(at - frames.centroid[model.fixed_points.block]), at - anchor
-
-
-def diagonal_terms(
-    model: Model,
-    method: Method,
-    frames: BlockFrames,
-    state: State,
-    drift: Floats,
-    scheme: Scheme,
-) -> DiagonalTerms:
-    """Return everything of a step but its contacts; ``drift`` (n, 6) is h v, m."""
-    end = state.time + scheme.step
-    acceleration = model.gravity + model.ground_motion.body_acceleration(state.time, end)
-    matrix, force, momentum = block_terms.terms(
+def diagonal_terms(begun: Begun, drift: Floats, scheme: Scheme) -> DiagonalTerms:
+    """Return everything of a step but what couples blocks; ``drift`` (n, 6) is h v, m."""
+    model, frames = begun.model, begun.frames
+    matrix, force, momentum = equations.terms(
         (frames.mass_matrix, scheme.inertia, drift),
         (model.area, model.elasticity),
-        state.stress,
+        begun.state.stress,
         model.mass,
-        acceleration,
+        begun.acceleration,
     )
     if scheme.stopped is not None:
         terms = matrix, force, momentum
         stopping.add_inertia(scheme.stopped, scheme.of_stopped, drift, terms)
-    block, load = load_rows(model, frames, state)
-    if len(block):
-        np.add.at(force, block, load)
-    held, stiffness = model.fixed_points.block, method.fixed_point_stiffness
-    if len(held):
-        t, drift = fixed_point_rows(model, frames, state, end)
-        np.add.at(matrix, held, stiffness * np.einsum("kxi,kxj->kij", t, t))
-        np.add.at(force, held, -stiffness * np.einsum("kxi,kx->ki", t, drift))
+    add_shares(begun.shares, matrix, force)
     return DiagonalTerms(diagonal=matrix, force=force, momentum=momentum, centroid=frames.centroid)

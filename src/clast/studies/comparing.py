@@ -11,8 +11,9 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from clast import spelling
-from clast.case.case_file import CONTACT_LAWS, PROCESSES, Case
+from clast.case.case_file import Case
 from clast.case.choices import Chosen, Given
+from clast.case.method import CONTACT_LAWS, PROCESSES
 from clast.errors import CaseError, RunStopped
 from clast.model.model import Bools, Floats, Ints
 from clast.results import Report, Run

@@ -17,8 +17,7 @@ from clast.linear.solvers import DIRECTION, PCG, IteratedMatrix
 from clast.linear.system import BlockSystem
 from clast.model.model import Model
 from clast.model.state import State
-from clast.step.method import Method
-from clast.step.workspace import Workspace
+from clast.step.method import Method, Workspace
 from clast.studies.bench import triad as stream
 
 REPEATS = 7

@@ -8,8 +8,7 @@ from time import perf_counter
 
 from clast.model.model import Model
 from clast.model.state import State
-from clast.step.method import Method, StepProcess, StepResult
-from clast.step.workspace import Workspace
+from clast.step.method import Method, StepProcess, StepResult, Workspace
 
 
 @dataclass(kw_only=True)

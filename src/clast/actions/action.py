@@ -1,0 +1,96 @@
+"""What an action is: what acts on blocks beside their contacts.
+
+In each step an action says what it adds to the equations K d = F, with forces as they are at the
+end of the step, and afterwards what its forces have done with the energy.  Gravity, loads, supports
+and the ground's motion are actions; an object of one's own with the same methods, handed to
+``ModelBuilder.actions``, is one more (see the how-to page on actions).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from clast.block.inertia import BlockFrames
+from clast.model.model import Floats, Ints, Model
+from clast.model.state import Ledger, State
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepStart:
+    """What an action may know of a step before it is solved."""
+
+    model: Model
+    state: State
+    frames: BlockFrames
+    """Areas, centroids and mass matrices of the blocks."""
+    step: float
+    """h, s."""
+
+    @property
+    def end(self) -> float:
+        """Time at the end of the step, s."""
+        return self.state.time + self.step
+
+
+def _no_blocks() -> Ints:
+    return np.zeros(0, np.int64)
+
+
+def _no_forces() -> Floats:
+    return np.zeros((0, 6))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Share:
+    """What an action adds to the equations of a step."""
+
+    acceleration: Floats | None = None
+    """Acceleration that acts on every mass, m/s2, shape (2,)."""
+    block: Ints = field(default_factory=_no_blocks)
+    """Block of each of k generalised forces, shape (k,)."""
+    force: Floats = field(default_factory=_no_forces)
+    """Generalised forces T^T f at d = 0, N/m and N, shape (k, 6)."""
+    stiffness: Floats | None = None
+    """How these fall with the displacement of their block, -df/dd, shape (k, 6, 6)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solution:
+    """What a step has come to, as far as actions need to know."""
+
+    displacement: Floats
+    """d, shape (n, 6)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Done:
+    """What an action's forces have done in a step."""
+
+    work: float
+    """Work of the forces that the equations held on the blocks, J/m."""
+    ledger: Ledger
+    """By how much the entries of the energy ledger have changed by it, J/m.
+
+    What it stores or has lost counts as it is, and what has come in from outside as ``loads``.
+    """
+    own: Any = None
+    """Its own state at the end of the step."""
+
+
+class Action(Protocol):
+    """What acts on blocks."""
+
+    def begin(self, model: Model) -> Any:
+        """Return its own state at the start of a run: any frozen data, None where it has none."""
+        ...
+
+    def share(self, start: StepStart, own: Any) -> Share:
+        """Return what it adds to the equations of a step, ``own`` being its own state."""
+        ...
+
+    def finish(self, start: StepStart, own: Any, share: Share, solution: Solution) -> Done:
+        """Return what its forces have done in a step that is solved."""
+        ...

@@ -1,0 +1,34 @@
+"""Gravity: rho g on every block, at its centroid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from clast.actions.action import Done, Share, Solution, StepStart
+from clast.model.model import Floats, Model
+from clast.model.state import Ledger
+
+
+def work_on_masses(model: Model, acceleration: Floats, displacement: Floats) -> float:
+    """Return the work, J/m, of an acceleration (2,), m/s2, of every mass over d (n, 6).
+
+    Strain and rotation move no centroid, so that m a.(u0, v0) is all of it.
+    """
+    return float(acceleration @ (model.mass @ displacement[:, :2]))
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """Weight: m g at the centroid of each block."""
+
+    def begin(self, model: Model) -> None:
+        """Return nothing: weight has no state."""
+
+    def share(self, start: StepStart, own: None) -> Share:
+        """Return the acceleration of gravity."""
+        return Share(acceleration=start.model.gravity)
+
+    def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
+        """Return the work of weight, which the potential energy of gravity has lost."""
+        work = work_on_masses(start.model, start.model.gravity, solution.displacement)
+        return Done(work=work, ledger=Ledger(gravity=-work))

@@ -1,0 +1,30 @@
+"""The ground's motion as a body force; as a motion of the supports it is in supports.py."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from clast.actions.action import Done, Share, Solution, StepStart
+from clast.actions.gravity import work_on_masses
+from clast.model.model import Floats, Model
+from clast.model.state import Ledger
+
+
+@dataclass(frozen=True)
+class GroundAcceleration:
+    """The body force -rho a of the model's ground motion, where that acts by one."""
+
+    def begin(self, model: Model) -> None:
+        """Return nothing: what the ground does is known beforehand."""
+
+    def share(self, start: StepStart, own: None) -> Share:
+        """Return minus the mean acceleration of the ground in the step."""
+        return Share(acceleration=self._acceleration(start))
+
+    def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
+        """Return the work of the body force, which comes from outside."""
+        work = work_on_masses(start.model, self._acceleration(start), solution.displacement)
+        return Done(work=work, ledger=Ledger(loads=work))
+
+    def _acceleration(self, start: StepStart) -> Floats:
+        return start.model.ground_motion.body_acceleration(start.state.time, start.end)

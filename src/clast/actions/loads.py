@@ -1,0 +1,41 @@
+"""Constant loads at points and along lines, which move with their blocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clast.actions.action import Done, Share, Solution, StepStart
+from clast.block.displacement import basis
+from clast.model.model import Model
+from clast.model.state import Ledger
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Point and line loads: T^T f at a point, L T(midpoint)^T q along a line of length L.
+
+    The midpoint is exact for a uniform traction q because T is linear.
+    """
+
+    def begin(self, model: Model) -> None:
+        """Return nothing: the loads are constant."""
+
+    def share(self, start: StepStart, own: None) -> Share:
+        """Return the generalised force of each load."""
+        model, points = start.model, start.model.point_slices
+        first, last = start.state.points[points.line_start], start.state.points[points.line_end]
+        length = np.hypot(*(last - first).T)
+        block = np.concatenate([model.point_loads.block, model.line_loads.block])
+        at = np.concatenate([start.state.points[points.loaded], 0.5 * (first + last)])
+        force = np.concatenate(
+            [model.point_loads.force, length[:, None] * model.line_loads.traction]
+        )
+        rows = basis(at - start.frames.centroid[block])
+        return Share(block=block, force=np.einsum("kxi,kx->ki", rows, force))
+
+    def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
+        """Return the work of the loads, which comes from outside."""
+        work = float(np.sum(share.force * solution.displacement[share.block]))
+        return Done(work=work, ledger=Ledger(loads=work))

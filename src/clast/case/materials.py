@@ -1,0 +1,53 @@
+"""[rock.NAME] and [joint.NAME]: what blocks are made of, and the strength of their contacts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field, StrictBool, StrictStr
+
+from clast.case.choices import Number, within
+from clast.case.table import Positive, Strength, Stresses, Table
+from clast.model import ranges
+from clast.model.builder import ModelBuilder
+
+
+class RockTable(Table):
+    """A linear elastic rock."""
+
+    young: Annotated[Positive, within(ranges.MODULUS)]
+    """Young's modulus, Pa."""
+    poisson: Annotated[Number, Field(gt=-1.0, le=0.5)]
+    """Poisson's ratio, -; below 0.5 in plane strain."""
+    density: Annotated[Positive, within(ranges.DENSITY)]
+    """Density, kg/m3."""
+    initial_stress: Stresses = (0.0, 0.0, 0.0)
+    """Stress (xx, yy, xy) in the blocks at the start, Pa, tension positive."""
+
+    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
+        """Add the rock, called ``key``."""
+        builder.add_rock(key, **dict(self))
+
+
+class JointTable(Table):
+    """Strength of the contacts along a joint; the joint called default serves all others."""
+
+    friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] = 0.0
+    """Coulomb friction angle, degrees."""
+    cohesion: Strength = 0.0
+    """Cohesion, Pa; lost where the joint has slipped or opened."""
+    tensile_strength: Strength = 0.0
+    """Tension cut-off, Pa; lost where the joint has slipped or opened."""
+    restitution: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
+    """Share of the closing velocity with which impacts rebound, 0 to 1; else the process' own."""
+    between: list[tuple[StrictStr, StrictStr]] = Field([])
+    """Pairs of blocks with this joint between them: [["a", "b"], ...]."""
+    between_rocks: list[tuple[StrictStr, StrictStr]] = Field([])
+    """Pairs of rocks with this joint between their blocks: [["granite", "granite"], ...]."""
+    allow_small_friction_angle: StrictBool = False
+    """True where a friction angle below 1.6 is meant in degrees, not in radians."""
+
+    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
+        """Add the joint, called ``key``."""
+        builder.add_joint(key, **dict(self))

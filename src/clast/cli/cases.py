@@ -1,0 +1,170 @@
+"""Commands on case files: new, check, schema, run, compare."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from clast.cli.exit_codes import SIGNALLED
+from clast.cli.options import (
+    AsJson,
+    CaseFile,
+    Quiet,
+    Settings,
+    Threads,
+    make_folder,
+    words,
+)
+from clast.cli.tables import comparison_table, print_run, sanity_table
+from clast.cli.terminal import print_json, print_table, say, status, tell, warn
+from clast.errors import CaseError, RunStopped, shortened
+from clast.run.interrupts import heard
+from clast.spelling import visible
+
+LONGEST_FILE_NAME = 255
+"""Bytes of the longest name of a file."""
+
+
+def run(
+    case: CaseFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Result file; the case's name with .vtkhdf if absent."),
+    ] = None,
+    settings: Settings = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Simulate a case and write its result file."""
+    with heard():
+        _run(case, output or Path(f"{case.stem}.vtkhdf"), settings or (), as_json, quiet)
+
+
+def _run(case: Path, target: Path, settings: Sequence[str], as_json: bool, quiet: bool) -> None:
+    """Simulate a case; print how it went."""
+    from clast.case.case_file import Case
+    from clast.studies import deviations
+
+    loaded = Case.from_toml(case, settings)
+    foreseen: list[str] = []
+
+    def foresee(warning: str) -> None:
+        foreseen.append(warning)
+        warn([warning])
+
+    try:
+        done = loaded.run(progress=not quiet, output=target, warn=foresee)
+    except RunStopped as stopped:
+        partial: Any = stopped.run
+        warn(text for text in partial.report.warnings if text not in foreseen)
+        print_run(partial, deviations(loaded, partial), as_json=as_json, quiet=quiet)
+        say(f"the results until then are in {target}")
+        raise
+    warn(text for text in done.report.warnings if text not in foreseen)
+    print_run(done, deviations(loaded, done), as_json=as_json, quiet=quiet)
+    if not done.report.finished:
+        say(f"{done.report.outcome}; the results until then are in {target}")
+        raise typer.Exit(SIGNALLED + done.ended_by)
+
+
+def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) -> None:
+    """Look at a case before its first step: counts, masses, supports, stability, units."""
+    from clast.case.case_file import Case
+
+    loaded = Case.from_toml(case, settings or ())
+    sanity = loaded.examine()
+    if as_json:
+        print_json(dataclasses.asdict(sanity))
+        return
+    print_table(sanity_table(sanity))
+    warn(sanity.warnings)
+    if not sanity.warnings:
+        typer.echo("nothing to object to")
+
+
+def new(
+    name: Annotated[str, typer.Argument(help="Name of the case; .toml is added.")],
+    template: Annotated[str, typer.Option(help="incline, wall or heap.")] = "incline",
+) -> None:
+    """Write a case file to begin with."""
+    from clast import spelling
+    from clast.case.templates import TEMPLATES
+
+    if template not in TEMPLATES:
+        raise CaseError(
+            f"there is no template '{shortened(template)}'",
+            where="--template",
+            remedy=spelling.advice(template, TEMPLATES, kind="template"),
+        )
+    path = Path(name) if name.endswith(".toml") else Path(f"{name}.toml")
+    _check_new(name, path)
+    path.write_text(TEMPLATES[template](), encoding="utf-8")
+    tell(f"wrote {path}; next: clast run {path}")
+
+
+def _check_new(name: str, path: Path) -> None:
+    """Refuse names under which no new case file can be written."""
+    where = shortened(name, 100) or "the name"
+    last = name.replace(os.sep, "/").rpartition("/")[2].removesuffix(".toml")
+    if not last.strip(" .") or visible(name) != name or "\n" in name:
+        raise CaseError("is no name of a case", where=where, remedy="e.g. clast new mywall")
+    if not path.parent.is_dir():
+        raise CaseError(
+            f"the folder {shortened(str(path.parent), 100)} does not exist",
+            where=where,
+            remedy="make it first, or choose a name without a folder",
+        )
+    if len(os.fsencode(path.name)) > LONGEST_FILE_NAME:
+        raise CaseError("is too long a name", where=where, remedy="choose a shorter one")
+    if path.exists() or path.is_symlink():
+        raise CaseError("exists already", where=where, remedy="choose another name")
+
+
+def schema() -> None:
+    """Print the JSON Schema of the case file, for editors and programs."""
+    from clast.case.case_file import json_schema
+
+    print_json(json_schema())
+
+
+def compare(
+    case: CaseFile,
+    process: Annotated[
+        str, typer.Option(metavar="NAME,...", help="Processes of a step, separated by commas.")
+    ] = "modified,open-close,convex",
+    law: Annotated[
+        str, typer.Option(metavar="NAME,...", help="Contact laws, separated by commas.")
+    ] = "penalty,augmented-lagrangian",
+    settings: Settings = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Folder; build/compare-CASE if absent."),
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a case through several processes and contact laws; write a page with a picture."""
+    from clast import studies
+    from clast.case.case_file import Case
+
+    loaded = Case.from_toml(case, settings or ())
+    processes, laws = words(process), words(law)
+    studies.combinations(processes, laws)
+    folder = output or Path("build") / f"compare-{loaded.name}"
+    make_folder(folder)
+    with status() as say:
+        comparison = studies.compare(
+            loaded, processes, laws, watch=lambda one, at: say(f"{one}: {at.time:.4g} s")
+        )
+    written = studies.write_comparison(comparison, folder)
+    if as_json:
+        print_json({**comparison.as_dict(), "files": [str(path) for path in written]})
+    elif not quiet:
+        print_table(comparison_table(comparison))
+        tell(f"page: {written[0]}")

@@ -1,0 +1,79 @@
+"""Commands on result files: info, plot."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from clast.cli.options import AsJson, ResultFile, numbers
+from clast.cli.tables import print_points, two_columns
+from clast.cli.terminal import print_json, print_table, tell
+
+
+def info(file: ResultFile, as_json: AsJson = False) -> None:
+    """Say what a result file contains."""
+    from clast.results import read_results, summary
+    from clast.results.provenance import texts
+
+    results = read_results(file, whole=sys.maxsize)
+    content = summary(results)
+    if as_json:
+        print_json(content)
+        return
+    first, last = content["time"]
+    warnings = results.report.warnings if results.report else ()
+    rows = {
+        "outcome": content["outcome"],
+        "frames": f"{content['frames']}, from {first:.6g} to {last:.6g} s",
+        "blocks": f"{content['blocks']} ({content['fixed_blocks']} fixed)",
+        "vertices": f"{content['vertices']}",
+        "rocks": ", ".join(content["rocks"]),
+        **texts(results.about),
+        "largest displacement": f"{content['largest_displacement']:.6g} m",
+        "contacts at the end": f"{content['contacts']}",
+        "fields": ", ".join(content["fields"]),
+        "size": f"{content['size_bytes'] / 1e6:.3g} MB",
+        **({"warnings": "\n".join(warnings)} if warnings else {}),
+        "version": content["version"],
+        "made with": ", ".join(f"{k} {v}" for k, v in content["versions"].items() if k != "clast"),
+    }
+    print_table(two_columns(content["title"], rows))
+    print_points(content["measured_points"])
+
+
+def plot(
+    file: ResultFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Picture; the file's name with .png if absent."),
+    ] = None,
+    frame: Annotated[int, typer.Option(help="Number of the frame, from 0; -1 is the last.")] = -1,
+    field: Annotated[str, typer.Option(help="What colours the blocks.")] = "displacement",
+    contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
+    limits: Annotated[
+        str,
+        typer.Option(metavar="LOW,HIGH", help="Ends of the colours, in m, m/s, degrees or Pa."),
+    ] = "",
+    zoom: Annotated[str, typer.Option(metavar="X0,Y0,X1,Y1", help="Draw this part alone, m.")] = "",
+    size: Annotated[
+        str, typer.Option(metavar="W[,H]", help="Width and height of the picture, cm.")
+    ] = "",
+    dpi: Annotated[int | None, typer.Option(metavar="N", help="Dots per inch.")] = None,
+) -> None:
+    """Draw a frame of a result file."""
+    from clast.pictures.plot import Look, plot_results
+    from clast.results import read_results
+
+    look = Look(
+        limits=numbers("--limits", limits, 2),
+        zoom=numbers("--zoom", zoom, 4),
+        size=numbers("--size", size, 1, 2),
+        dpi=dpi,
+    )
+    target = output or file.with_suffix(".png")
+    results = read_results(file)
+    plot_results(results, target, frame=frame, field=field, contacts=contacts, look=look)
+    tell(f"picture: {target}")

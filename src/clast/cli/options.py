@@ -1,0 +1,78 @@
+"""Arguments and options that several commands have, and how their texts are read."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from clast.errors import CaseError
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).")]
+ResultFile = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Replace a value of the case, e.g. time.end=2."
+    ),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for a program to read.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
+
+
+def _share(threads: int | None) -> None:
+    """Have kernels share their work among ``threads``; they are not loaded yet."""
+    if threads is not None:
+        os.environ["NUMBA_NUM_THREADS"] = str(threads)
+
+
+Threads = Annotated[
+    int | None,
+    typer.Option(
+        "--threads",
+        metavar="N",
+        min=1,
+        max=os.cpu_count(),
+        callback=_share,
+        help="Threads that share the work, 1 if absent; the results are the same. More than one "
+        "pay from some thousand blocks on, where the machine has nothing else to do.",
+    ),
+]
+
+
+def numbers(option: str, listed: str, *counts: int) -> Any:
+    """Return the numbers of a list separated by commas, None for none; ``counts`` are allowed."""
+    if not listed:
+        return None
+    try:
+        numbers = tuple(float(word) for word in listed.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) not in counts:
+        many = " or ".join(map(str, counts))
+        raise CaseError(
+            f"'{listed[:40]}' are not {many} numbers",
+            where=option,
+            remedy=f"write them with commas and without spaces, e.g. {option} "
+            + ",".join(str(number) for number in range(counts[-1])),
+        )
+    return numbers
+
+
+def words(listed: str) -> list[str]:
+    """Return the words of a list separated by commas."""
+    return [word.strip() for word in listed.split(",") if word.strip()]
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder to write pages into, or raise CaseError where something else is there."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise CaseError(
+            "is not a folder, or lies in something that is none",
+            where=str(folder),
+            remedy="name a folder for the pages; it is made if it does not exist",
+        ) from None

@@ -1,0 +1,169 @@
+"""Commands that run many models: verify, bench, warmup."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from clast.cli.exit_codes import MISSED
+from clast.cli.options import AsJson, Threads, make_folder, words
+from clast.cli.tables import print_benchmark, verification_table
+from clast.cli.terminal import json_text, print_json, print_table, status
+from clast.errors import CaseError
+
+
+def verify(
+    problems: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="PROBLEM", help="Names of problems; all if none is named."),
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Run fewer variants of each.")] = False,
+    process: Annotated[
+        str, typer.Option(metavar="NAME,...", help="Only these processes, separated by commas.")
+    ] = "",
+    law: Annotated[str, typer.Option(metavar="NAME,...", help="Only these contact laws.")] = "",
+    report: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Write a page with figures into this folder too."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run problems with closed-form answers and compare."""
+    from clast import verification
+
+    choose = verification.narrowed(
+        verification.quick if quick else verification.every, words(process), words(law)
+    )
+    if report:
+        make_folder(report)
+    with status() as say:
+        findings = verification.examine(
+            problems or (),
+            choose=choose,
+            watch=lambda problem, variant: say(f"{problem.title}: {variant.name}"),
+        )
+    rows = [row for found in findings for row in found.rows]
+    if not rows:
+        raise CaseError(
+            "nothing is run with this choice", remedy="leave out --quick, --process or --law"
+        )
+    missed = verification.misses(rows)
+    if report:
+        verification.write_report(findings, report)
+    if as_json:
+        print_json({"passed": not missed, "rows": [row.as_dict() for row in rows]})
+    else:
+        for problem in verification.problems(problems or ()):
+            own = [row for row in rows if row.problem == problem.name]
+            if own:
+                print_table(verification_table(problem.title, own))
+        for known in verification.outlived(findings):
+            typer.echo(f"fails no longer: {known.quantity}, {known.variant.name}: {known.reason}")
+        typer.echo(f"{len(rows)} quantities compared, {len(missed)} missed")
+    if missed:
+        raise typer.Exit(MISSED)
+
+
+def bench(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="SCENE", help="wall, stack, heap, slope; all if none is named."),
+    ] = None,
+    size: Annotated[
+        str, typer.Option(metavar="N,...", help="Numbers of blocks, separated by commas.")
+    ] = "100,1000",
+    step: Annotated[float, typer.Option(metavar="H", help="Length of a step, s.")] = 1e-3,
+    steps: Annotated[int | None, typer.Option(metavar="K", help="Steps; 50 if absent.")] = None,
+    end: Annotated[
+        float | None, typer.Option(metavar="T", help="Simulated time, s, instead of --steps.")
+    ] = None,
+    settle: Annotated[
+        int, typer.Option(metavar="K", help="Steps before these that are not counted.")
+    ] = 0,
+    stiffness: Annotated[
+        float, typer.Option(metavar="SHARE", help="Normal stiffness p as a share of E.")
+    ] = 1.0,
+    solver: Annotated[str, typer.Option(metavar="NAME", help="Solver, as in case files.")] = "auto",
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write JSON there too.")
+    ] = None,
+    results: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Keep first and last state of every run there."),
+    ] = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+) -> None:
+    """Measure what scenes of any size cost: time by stage, iterations, accuracy, memory."""
+    from clast.studies.bench import SCENES, Wishes, benchmark, sizes_in
+
+    wanted = Wishes(
+        scenes=tuple(dict.fromkeys(scenes or SCENES)),
+        sizes=sizes_in(size),
+        step=step,
+        steps=steps,
+        end=end,
+        settle=settle,
+        share=stiffness,
+        solver=solver,
+        results=results,
+    )
+    if output is not None and not output.absolute().parent.is_dir():
+        raise CaseError("its folder does not exist", where=str(output), remedy="make it first")
+    with status() as say:
+        measured = benchmark(wanted, say)
+    if output is not None:
+        output.write_text(json_text(measured.as_dict()) + "\n", encoding="utf-8")
+    if as_json:
+        print_json(measured.as_dict())
+    else:
+        print_benchmark(measured)
+
+
+def warmup() -> None:
+    """Compile all kernels ahead of the first run."""
+    from dataclasses import replace
+    from time import perf_counter
+
+    from clast.case.case_file import Case
+    from clast.case.templates import INCLINE
+    from clast.linear.solvers import PCG
+    from clast.run.simulate import simulate
+    from clast.studies.bench.scenes import SCENES
+    from clast.studies.bench.wishes import Wishes, method_for, schedule_of
+
+    start = perf_counter()
+    for settings in WARMUPS:
+        Case.from_toml(INCLINE, ["time.end=0.003", *settings]).run()
+    for scene, size, step, share, plain in WARMUP_SCENES:
+        model, wishes = SCENES[scene].build(size), Wishes(step=step, steps=1, share=share)
+        method = replace(method_for(model, wishes), solver=PCG(plain=plain))
+        simulate(model, method, schedule_of(wishes))
+    typer.echo(f"kernels are ready after {perf_counter() - start:.1f} s")
+
+
+WARMUPS = (
+    ["method.process=modified"],
+    ["method.process={name='modified', friction='implicit'}", "method.rotation=exact"],
+    [
+        "method.process={name='modified', passes=2}",
+        "method.integrator=backward-euler",
+        "method.rotation=linear",
+    ],
+    ["method.process=convex"],
+    ["method.process=convex", "method.solver=pcg", "method.corner_rule=shi"],
+    ["method.process=open-close", "method.contact_law.name=augmented-lagrangian"],
+)
+WARMUP_SCENES = (
+    ("wall", 60, 1e-3, 1.0, 100),
+    ("wall", 60, 1e-3, 1.0, 0),
+    ("wall", 60, 1.0, 1.0, 0),
+    ("slope", 60, 1e-2, 1e3, 100),
+    ("wall", 1600, 1e-3, 1.0, 100),
+)
+"""Scene, blocks, step, s, p/E and iterations without a coarse system, which need, one after the
+other: no such system, one in single and one in double precision, the interior point method, and
+blocks that go first because they are the worst of many.  With WARMUPS they reach the kernels of all
+processes and solvers."""

@@ -1,0 +1,85 @@
+"""What reaches the terminal: tables, JSON, messages; never a foreign control character."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from clast.spelling import visible, without_long_words
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+PIPE_WIDTH = 160
+"""Width of tables where there is no terminal, characters."""
+
+
+def print_table(table: Table) -> None:
+    """Print a table, as wide as the terminal, or as PIPE_WIDTH where there is none."""
+    from rich.console import Console
+    from rich.text import Text
+
+    cells = (cell for column in table.columns for cell in column.cells)
+    for text in (table.title, table.caption, *cells):
+        if isinstance(text, Text):
+            text.plain = visible(text.plain)
+    width = None if sys.stdout.isatty() else PIPE_WIDTH
+    Console(width=width).print(table)
+
+
+@contextmanager
+def status() -> Iterator[Callable[[str], None]]:
+    """Give a function that shows what is going on, where stderr is a terminal."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda _: None
+        return
+    with console.status("starting") as status:
+        yield status.update
+
+
+def print_json(content: Any) -> None:
+    """Print JSON; numbers that JSON does not know become null."""
+    typer.echo(json_text(content))
+
+
+def json_text(content: Any) -> str:
+    """Return content as JSON; numbers that JSON does not know become null."""
+    return visible(json.dumps(_plain(content), indent=2, ensure_ascii=False))
+
+
+def _plain(value: Any) -> Any:
+    """Return a value made of what JSON knows."""
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def warn(warnings: Iterable[str]) -> None:
+    """Print warnings on stderr, each on a line of its own."""
+    for warning in warnings:
+        say(f"warning: {warning}")
+
+
+def say(message: str) -> None:
+    """Print a message for the user on stderr."""
+    typer.echo(visible(without_long_words(message)), err=True)
+
+
+def tell(message: str) -> None:
+    """Print what was asked for on stdout."""
+    typer.echo(visible(message))

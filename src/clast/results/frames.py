@@ -1,0 +1,165 @@
+"""What is read in the same way from a run just made and from a result file.
+
+Frames are numbered from 0, negative numbers count from the end.  Nothing is interpolated: what is
+read is what was computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clast import spelling
+from clast.errors import CaseError
+from clast.model.model import Floats, Ints
+from clast.results.tables import BlockHistory, FrameContacts
+
+BLOCK_ROW = np.dtype(
+    [
+        ("time", "f8"),
+        ("displacement", "f8", 2),
+        ("velocity", "f8", 2),
+        ("rotation", "f8"),
+        ("stress", "f8", 3),
+    ]
+)
+"""One block in one frame."""
+KIND_FIELDS = ("block", "rock", "fixed")
+"""Fields that are the same in all frames."""
+COMPONENTS = {
+    "displacement_x": ("displacement", 0),
+    "displacement_y": ("displacement", 1),
+    "velocity_x": ("velocity", 0),
+    "velocity_y": ("velocity", 1),
+    "sigma_xx": ("stress", 0),
+    "sigma_yy": ("stress", 1),
+    "sigma_xy": ("stress", 2),
+}
+"""Parts of fields that may be asked for by a name of their own."""
+VERTICES = "vertices"
+"""What ``field`` calls the vertices, which are no field of the blocks."""
+
+
+class FrameStore(Protocol):
+    """Frames in memory or in a file; n blocks, nv vertices."""
+
+    @property
+    def times(self) -> Floats:
+        """Time of each frame, s, shape (frames,)."""
+        ...
+
+    @property
+    def block_start(self) -> Ints:
+        """Index of each block's first vertex; the last entry is the vertex count, (n + 1,)."""
+        ...
+
+    @property
+    def field_names(self) -> tuple[str, ...]:
+        """Names of the fields of the blocks."""
+        ...
+
+    def series(self, name: str, frames: range, first: int, past: int) -> NDArray[Any]:
+        """Return rows ``first`` to ``past`` - 1 of a field in some frames, (frames, rows, ...)."""
+        ...
+
+    def contact_rows(self, frame: int) -> NDArray[Any]:
+        """Return a row for every contact of a frame that carries a force."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frame:
+    """One instant of a run as it was recorded; n blocks, nv vertices."""
+
+    number: int
+    """Its number, from 0."""
+    time: float
+    """Time, s."""
+    store: FrameStore = field(repr=False)
+    """Where it is kept."""
+
+    @property
+    def vertices(self) -> Floats:
+        """Vertices, m, shape (nv, 2)."""
+        return self.field(VERTICES)
+
+    def field(self, name: str) -> NDArray[Any]:
+        """Return a field of the blocks, shape (n,), (n, 2) or (n, 3)."""
+        return field_of(self.store, name, self.number)
+
+    @property
+    def contacts(self) -> FrameContacts:
+        """The contacts that carry a force, as a table."""
+        return contacts_of(self.store, self.number)
+
+
+def frame_number(store: FrameStore, frame: int) -> int:
+    """Return a frame's number counted from 0; negative ones count from the end."""
+    count = len(store.times)
+    if not -count <= frame < count:
+        raise CaseError(
+            f"there is no frame {frame}",
+            remedy=f"there are {count} frames: 0 to {count - 1}, or -1 for the last",
+        )
+    return frame % count
+
+
+def frame_of(store: FrameStore, number: int, at: float | None) -> Frame:
+    """Return a frame by its number, or the one nearest to a time ``at``, s."""
+    times = store.times
+    if at is not None:
+        slack = 1e-9 * max(float(np.ptp(times)), abs(at))
+        if not times[0] - slack <= at <= times[-1] + slack:
+            raise CaseError(
+                f"there is no frame at t = {at:g} s",
+                remedy=f"the frames lie between {times[0]:g} and {times[-1]:g} s",
+            )
+        number = int(np.abs(times - at).argmin())
+    number = frame_number(store, number)
+    return Frame(number=number, time=float(times[number]), store=store)
+
+
+def field_of(store: FrameStore, name: str, frame: int | None) -> NDArray[Any]:
+    """Return a field in one frame, shape (n, ...), or in all, shape (frames, n, ...)."""
+    known = (*store.field_names, *COMPONENTS, VERTICES)
+    if name not in known:
+        raise unknown_name("field", name, known)
+    if name in COMPONENTS:
+        whole, part = COMPONENTS[name]
+        return field_of(store, whole, frame)[..., part]
+    start = store.block_start
+    count = int(start[-1]) if name == VERTICES else len(start) - 1
+    if frame is None:
+        return store.series(name, range(len(store.times)), 0, count)
+    number = frame_number(store, frame)
+    one: NDArray[Any] = store.series(name, range(number, number + 1), 0, count)[0]
+    return one
+
+
+def contacts_of(store: FrameStore, frame: int) -> FrameContacts:
+    """Return the contacts of a frame."""
+    return FrameContacts(store.contact_rows(frame_number(store, frame)), store.block_start)
+
+
+def block_of(store: FrameStore, name: str, names: Sequence[str]) -> BlockHistory:
+    """Return how the block ``name`` among ``names`` moved."""
+    if name not in names:
+        raise unknown_name("block", name, names)
+    number = list(names).index(name)
+    frames = range(len(store.times))
+    rows = np.zeros(len(frames), BLOCK_ROW)
+    rows["time"] = store.times
+    for field_name in (BLOCK_ROW.names or ())[1:]:
+        rows[field_name] = store.series(field_name, frames, number, number + 1)[:, 0]
+    first, past = (int(end) for end in store.block_start[number : number + 2])
+    return BlockHistory(rows, name, number, store.series(VERTICES, frames, first, past))
+
+
+def unknown_name(kind: str, name: str, known: Sequence[str]) -> CaseError:
+    """Return the error for a name that does not exist, with the nearest one that does."""
+    name = str(name)
+    return CaseError(f"there is no {kind} '{name}'", remedy=spelling.advice(name, known, kind=kind))

@@ -1,0 +1,79 @@
+"""Frames that a run keeps in memory where no result file is written."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clast.model.model import Floats, Ints, Model
+from clast.model.state import ContactMemory, State
+from clast.results.frames import KIND_FIELDS, VERTICES
+from clast.results.layout import CELL_ARRAYS, PLANE_VECTORS
+from clast.results.sampling import FrameFields
+
+
+class FramesInMemory:
+    """The frames of a run in memory, as states; their fields are computed when asked for.
+
+    Frames beyond ``limit`` bytes are not kept, but for the last.
+    """
+
+    def __init__(self, model: Model, limit: float) -> None:
+        self._model = model
+        self._fields = FrameFields(model)
+        self._frames: list[tuple[State, NDArray[Any]]] = []
+        self._bytes = 0
+        self._limit = limit
+        self.left_out_from: float | None = None
+        """Time from which frames found no room, s; the last is kept all the same."""
+
+    def add(self, state: State, contacts: NDArray[Any]) -> None:
+        """Keep a state and the rows of its contacts."""
+        state = replace(state, memory=ContactMemory())
+        arrays = (state.vertices, state.velocity, state.stress, state.rotation, contacts)
+        self._bytes += sum(array.nbytes for array in arrays)
+        if self._bytes > self._limit and len(self._frames) > 1:
+            if self.left_out_from is None:
+                self.left_out_from = self._frames[-1][0].time
+            self._frames.pop()
+        self._frames.append((state, contacts))
+
+    @property
+    def times(self) -> Floats:
+        """Time of each frame, s, shape (frames,)."""
+        return np.array([state.time for state, _ in self._frames])
+
+    @property
+    def block_start(self) -> Ints:
+        """Index of each block's first vertex; the last entry is the vertex count, (n + 1,)."""
+        return self._model.block_start
+
+    @property
+    def field_names(self) -> tuple[str, ...]:
+        """Names of the fields of the blocks."""
+        moving = (place.removeprefix("CellData/") for place in CELL_ARRAYS)
+        return tuple(sorted((*moving, *KIND_FIELDS)))
+
+    def series(self, name: str, frames: range, first: int, past: int) -> NDArray[Any]:
+        """Return rows ``first`` to ``past`` - 1 of a field in some frames, (frames, rows, ...)."""
+        return np.stack([self._one(name, self._frames[frame][0])[first:past] for frame in frames])
+
+    def contact_rows(self, frame: int) -> NDArray[Any]:
+        """Return a row for every contact of a frame that carries a force."""
+        return self._frames[frame][1]
+
+    def _one(self, name: str, state: State) -> NDArray[Any]:
+        """Return a field of one state, shape (n, ...), or its vertices, (nv, 2)."""
+        model = self._model
+        kinds: dict[str, NDArray[Any]] = {
+            "block": np.arange(model.block_count),
+            "rock": model.block_rock,
+            "fixed": model.fixed.astype(np.uint8),
+        }
+        if name in kinds:
+            return kinds[name]
+        values = self._fields.of(state)["Points" if name == VERTICES else f"CellData/{name}"]
+        return values[:, :2] if name in (*PLANE_VECTORS, VERTICES) else values

@@ -1,0 +1,103 @@
+"""What is recorded of a state: outlines, fields of the blocks, contacts, measured points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clast.block import polygon
+from clast.contact.contacts import ContactResponse, Contacts
+from clast.model.model import Floats, Model
+from clast.model.state import State
+from clast.results.layout import CONTACT_ROW
+
+
+class FrameFields:
+    """Turns the states of one model into the arrays of frames, in user coordinates."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        _, self._start, _ = polygon.moments(model.vertices, model.block_start)
+
+    def of(self, state: State) -> dict[str, Floats]:
+        """Return the arrays of a frame by their place in /VTKHDF (``layout.FRAME_ARRAYS``)."""
+        model = self._model
+        _, centroid, _ = polygon.moments(state.vertices, model.block_start)
+        sigma_1, sigma_3 = principal_stresses(state.stress)
+        return {
+            "Points": with_z(state.vertices + model.origin),
+            "PointData/displacement": with_z(state.vertices - model.vertices),
+            "CellData/displacement": with_z(centroid - self._start),
+            "CellData/velocity": with_z(state.velocity[:, :2]),
+            "CellData/rotation": state.rotation,
+            "CellData/stress": state.stress,
+            "CellData/sigma_1": sigma_1,
+            "CellData/sigma_3": sigma_3,
+            "CellData/max_shear": 0.5 * (sigma_1 - sigma_3),
+        }
+
+    def contacts(self, state: State, contacts: Contacts, response: ContactResponse) -> NDArray[Any]:
+        """Return a row for every contact that carries a force."""
+        loaded = np.flatnonzero((response.normal_force != 0.0) | (response.shear_force != 0.0))
+        rows = np.zeros(len(loaded), CONTACT_ROW)
+        rows["position"] = state.vertices[contacts.vertex[loaded]] + self._model.origin
+        rows["normal"] = contacts.normal[loaded]
+        rows["normal_force"] = response.normal_force[loaded]
+        rows["shear_force"] = response.shear_force[loaded]
+        rows["vertex"] = contacts.vertex[loaded]
+        rows["edge"] = contacts.edge[loaded]
+        rows["mode"] = response.mode[loaded]
+        return rows
+
+
+def with_z(plane: Floats) -> Floats:
+    """Return vectors (k, 2) as VTK wants them: (k, 3) with z = 0."""
+    space = np.zeros((len(plane), 3))
+    space[:, :2] = plane
+    return space
+
+
+def principal_stresses(stress: Floats) -> tuple[Floats, Floats]:
+    """Return sigma_1 >= sigma_3 in the plane, Pa, tension positive, from stress (n, 3)."""
+    xx, yy, xy = stress.T
+    mean = 0.5 * (xx + yy)
+    radius = np.hypot(0.5 * (xx - yy), xy)
+    return mean + radius, mean - radius
+
+
+class PointTracker:
+    """Follows the measured points of a model through its states."""
+
+    def __init__(self, model: Model) -> None:
+        points = model.measured_points
+        total = len(model.material_points.block)
+        self._rows = slice(total - len(points.block), total)
+        self._start = points.at
+        self._block = points.block
+        # Centroids are wanted of the points' blocks only: their vertices, block after block.
+        blocks, self._outline = np.unique(points.block, return_inverse=True)
+        outlines = [np.arange(model.block_start[b], model.block_start[b + 1]) for b in blocks]
+        self._vertices = np.concatenate([np.zeros(0, np.int64), *outlines])
+        self._outline_start = np.cumsum([0, *map(len, outlines)])
+
+    def row(self, state: State) -> tuple[float, Floats, Floats, Floats]:
+        """Return time and displacement (k, 2), velocity (k, 2), rotation (k,) of the points."""
+        at = state.points[self._rows]
+        _, centroid, _ = polygon.moments(state.vertices[self._vertices], self._outline_start)
+        velocity = point_velocity(at - centroid[self._outline], state.velocity[self._block])
+        return state.time, at - self._start, velocity, state.rotation[self._block]
+
+
+def point_velocity(offset: Floats, velocity: Floats) -> Floats:
+    """Return the velocity (k, 2), m/s, of points at ``offset`` (k, 2) from their block's centroid.
+
+    ``velocity`` (k, 6) is the block's (u, v, r, ex, ey, gxy): translation, spin and strain rate.
+    """
+    x, y = offset.T
+    u, v, spin, ex, ey, gxy = velocity.T
+    out = np.empty_like(offset)
+    out[:, 0] = u - y * spin + x * ex + 0.5 * y * gxy
+    out[:, 1] = v + x * spin + y * ey + 0.5 * x * gxy
+    return out

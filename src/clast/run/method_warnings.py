@@ -1,0 +1,193 @@
+"""Warnings about how a system is to be simulated, each with its number and its remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NoReturn
+
+import numpy as np
+
+from clast.errors import ModelError
+from clast.model.model import Model
+from clast.run.model_warnings import load_on, named, size_of_smallest, weight_of
+
+if TYPE_CHECKING:
+    from clast.run.schedule import Schedule
+    from clast.step.method import Method
+
+LARGE_SHARE = 0.1
+"""max_displacement and critdis above this share of the smallest block's size are coarse."""
+SMALL_SHARE = 1e-6
+"""max_displacement and critdis below this share of the smallest block's size find nothing."""
+SINKING = 0.01
+"""Blocks that sink into others by more than this share of the smallest block sink too far."""
+STIFFNESS_RATIO = 1e3
+"""Normal stiffness by E, and shear by normal stiffness, are within this factor as a rule."""
+HOLDING = 10.0
+"""Fixed points hold where they are stiffer than contacts and rock by this factor."""
+LOOSE = 1e-3
+"""Tolerances of a process above this are felt in the results."""
+LARGE_FILE = 2e9
+"""Result files above this are said to be large, bytes."""
+BYTES = 72, 560
+"""What a vertex and a block take of a frame, with some contacts."""
+
+
+def method_warnings(model: Model, method: Method, schedule: Schedule) -> list[str]:
+    """Return the warnings about method and schedule of a run."""
+    return [
+        *_length_warnings(model, method),
+        *_overlap_warnings(model, method),
+        *_stiffness_warnings(model, method),
+        *_static_warnings(model, method),
+        *_schedule_warnings(model, schedule),
+    ]
+
+
+def _length_warnings(model: Model, method: Method) -> Iterator[str]:
+    """Warn of max_displacement and critdis that are large or small against the smallest block."""
+    size = size_of_smallest(model)
+    lengths = {"time.max_displacement": method.max_displacement, "critdis": method.critdis}
+    for key, length in lengths.items():
+        if length > LARGE_SHARE * size:
+            yield (
+                f"{key} is {length:g} m, but the smallest block is only {size:.3g} m wide: lower "
+                f"it to {0.01 * size:.2g} m"
+            )
+        if length < SMALL_SHARE * size:
+            yield (
+                f"{key} is {length:g} m, next to nothing beside the smallest block of "
+                f"{size:.3g} m: raise it to {0.005 * size:.2g} m, or leave it out"
+            )
+
+
+def check_overlaps(model: Model, method: Method) -> None:
+    """Refuse overlaps that no contact of this stiffness can have left.
+
+    The energy p d2/2 of a contact comes from what rests on it, or from a fall of the lighter block,
+    at most from the top of the scene to its bottom.
+    """
+    if len(model.overlaps.depth) == 0:
+        return
+    stiffness = method.contact_law.normal_stiffness
+    weight = weight_of(model)
+    load = load_on(model) + _stress_force(model)
+    mass = np.where(model.fixed, np.inf, model.mass)[model.overlaps.pair].min(axis=1)
+    mass = np.where(np.isfinite(mass), mass, 0.0)
+    fall = float(np.ptp(model.vertices @ model.gravity))
+    speed = float(np.hypot(model.velocity[:, 0], model.velocity[:, 1]).max())
+    held = (weight + load) ** 2 / (2.0 * stiffness)
+    known = held + mass * (fall + 0.5 * speed**2)
+    stored = 0.5 * stiffness * model.overlaps.depth**2
+    unknown = np.flatnonzero(stored > known)
+    if len(unknown):
+        _refuse_overlap(model, stiffness, int(unknown[np.argmax(stored[unknown])]), len(unknown))
+
+
+def _refuse_overlap(model: Model, stiffness: float, worst: int, count: int) -> NoReturn:
+    """Raise ModelError for a pair that no contact can have pressed into each other."""
+    one, other = model.overlaps.pair[worst].tolist()
+    depth = float(model.overlaps.depth[worst])
+    more = f"; so do {count - 1} more pairs" if count > 1 else ""
+    raise ModelError(
+        f"overlaps block {named(model, np.array([other]))} to a depth of {depth:.3g} m{more}: "
+        f"with normal_stiffness = {stiffness:.3g} a contact would press them apart with "
+        f"{stiffness * depth:.3g} N/m, and all blocks weigh {weight_of(model):.3g} N/m",
+        where=f"block {named(model, np.array([one]))}",
+        remedy="move or cut the blocks so that they touch at most (coordinates rounded too "
+        "coarsely overlap as well: give more digits)",
+    )
+
+
+def _stress_force(model: Model) -> float:
+    """Return the largest force that initial stress gives a block's edge, N/m."""
+    return float((np.abs(model.initial_stress).max(axis=1) * np.sqrt(model.area)).max())
+
+
+def _overlap_warnings(model: Model, method: Method) -> Iterator[str]:
+    """Warn of blocks that overlap at the start by no more than contacts of a run."""
+    depth = model.overlaps.depth
+    if len(depth) == 0:
+        return
+    worst = int(np.argmax(depth))
+    one, other = (named(model, model.overlaps.pair[worst, [k]]) for k in (0, 1))
+    force = method.contact_law.normal_stiffness * depth[worst]
+    more = f", and {len(depth) - 1} more pairs by less" if len(depth) > 1 else ""
+    yield (
+        f"blocks {one} and {other} overlap by {depth[worst]:.3g} m at the start{more}: contacts "
+        f"press them apart with {force:.3g} N/m. Blocks from the end of a run may; others should "
+        "touch at most: give more digits"
+    )
+
+
+def _stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
+    """Warn of stiffnesses and tolerances that are out of proportion."""
+    law = method.contact_law
+    normal, shear = law.normal_stiffness, getattr(law, "shear_stiffness", None)
+    ratio = normal / model.stiffest
+    if not 1.0 / STIFFNESS_RATIO**2 <= ratio <= STIFFNESS_RATIO:
+        yield (
+            f"normal_stiffness is {normal:.3g} N/m per m, {ratio:.2g} times young of the stiffest "
+            f'rock: give {model.stiffest:.2g}, or "auto"'
+        )
+    if shear is not None and not 1.0 / STIFFNESS_RATIO <= shear / normal <= STIFFNESS_RATIO:
+        yield (
+            f"shear_stiffness is {shear:.3g} N/m per m, {shear / normal:.2g} times "
+            "normal_stiffness: leave it out, and it is equal"
+        )
+    sinking = weight_of(model) / normal / max(1, int(model.block_count**0.5))
+    share = sinking / size_of_smallest(model)
+    if share > SINKING:
+        yield (
+            f"normal_stiffness = {normal:.3g} lets blocks sink into each other by some "
+            f"{sinking:.2g} m under their weight, {100.0 * share:.2g} % of the smallest block: "
+            f'raise it to {normal * share / 1e-4:.1g}, or give "auto"'
+        )
+    for kind, part in (("process", method.process), ("solver", method.solver)):
+        tolerance = getattr(part, "tolerance", 0.0)
+        if tolerance > LOOSE:
+            yield (
+                f"tolerance of the {kind} is {tolerance:g}, so loose that steps are hardly solved: "
+                "leave it out"
+            )
+
+
+def _static_warnings(model: Model, method: Method) -> Iterator[str]:
+    """Warn of velocities in a static run, and of fixed points that give way."""
+    if method.dynamic_ratio == 0.0 and model.velocity.any():
+        yield (
+            "blocks have a velocity at the start, but dynamic_ratio = 0 forgets velocities at "
+            "every step: raise it to 1 for a dynamic run"
+        )
+    stiffest = max(method.contact_law.normal_stiffness, model.stiffest)
+    if len(model.fixed_points.block) and method.fixed_point_stiffness < HOLDING * stiffest:
+        yield (
+            f"fixed_point_stiffness is {method.fixed_point_stiffness:.3g} N/m per m, "
+            f"{method.fixed_point_stiffness / stiffest:.2g} times contacts or rock: fixed points "
+            f"give way. Raise it to {100.0 * stiffest:.1g}, or leave it out"
+        )
+
+
+def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:
+    """Warn of long steps, and of frames that are more frequent than steps or fill the disk."""
+    fall = 0.5 * float(np.hypot(*model.gravity)) * schedule.step**2
+    if fall > size_of_smallest(model):
+        yield (
+            f"a block falls by {fall:.3g} m in a step of {schedule.step:g} s, further than the "
+            f"smallest is wide, {size_of_smallest(model):.3g} m: steps will be cut. Lower time.step"
+        )
+    frames = schedule.end / schedule.every
+    vertex, block = BYTES
+    size = min(frames, schedule.end / schedule.step) * (
+        vertex * len(model.vertices) + block * model.block_count
+    )
+    if schedule.every < schedule.step * (1.0 - 1e-9):
+        yield (
+            f"output.every is {schedule.every:g} s, less than a step of {schedule.step:g} s: a "
+            f"frame is kept after every step, {schedule.end / schedule.step:.3g} in all. Raise it"
+        )
+    if size > LARGE_FILE:
+        yield (
+            f"output.every of {schedule.every:g} s makes a result file of some {size / 1e9:.2g} "
+            f"GB: raise it to {schedule.end / 100.0:.2g} s"
+        )

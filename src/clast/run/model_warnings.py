@@ -1,0 +1,316 @@
+"""Warnings about a system of blocks before a run, each with its number and its remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from clast.errors import shortened
+from clast.model.ground_motion import InertialForce, MovingBase
+from clast.model.model import Floats, Ints, Model
+
+SOFTEST, HARDEST = 1e8, 2e12
+"""Young's moduli outside look like kPa, MPa or GPa, Pa."""
+LIGHTEST, HEAVIEST = 200.0, 25e3
+"""Densities outside look like t/m3 or g/cm3, kg/m3."""
+WEAKEST, STRONGEST = 1e3, 1e9
+"""Strengths and stresses outside look like kPa or MPa, Pa."""
+WEAKEST_GRAVITY, STRONGEST_GRAVITY = 0.1, 5e3
+"""Gravity outside is that of no planet and no centrifuge, m/s2."""
+LIGHTEST_LOAD, HEAVIEST_LOAD = 1e-4, 1e4
+"""Loads outside these shares of the weight of the blocks look like kN or MN."""
+STEEPEST = 75.0
+"""Friction angles above are steeper than any joint's, degrees."""
+COARSEST_ROUNDING = 1e-7
+"""Coordinates rounded by more than this share of the smallest block have too few digits."""
+SPREAD = 1e4
+"""Ratio of block sizes above which a system is not simulated well."""
+THIN = 1e-5
+"""Thickness at a vertex, as a share of the block's extent, below which it is a spike or crack."""
+DRIFTING = 0.1
+"""Drift of the ground after its record, as a share of the smallest block, that is warned of."""
+SOFTEST_SHAKING, HARDEST_SHAKING = 1e-3, 50.0
+"""Peak accelerations outside are imperceptible, or beyond any recorded earthquake, m/s2."""
+NAMED = 5
+"""Blocks or rocks that a warning names, at most."""
+
+
+def model_warnings(model: Model, end: float) -> list[str]:
+    """Return the warnings about a system of blocks that is simulated until ``end``, s."""
+    return [
+        *_support_warnings(model),
+        *_idle_warnings(model),
+        *_gravity_warnings(model),
+        *_unit_warnings(model),
+        *_strength_warnings(model),
+        *_shape_warnings(model),
+        *_motion_warnings(model, end),
+    ]
+
+
+def named(model: Model, blocks: Ints) -> str:
+    """Return the names of blocks as a warning lists them, the first few."""
+    names = [f"'{shortened(model.block_name[block])}'" for block in blocks[:NAMED].tolist()]
+    return ", ".join(names) + (", ..." if len(blocks) > NAMED else "")
+
+
+def size_of_smallest(model: Model) -> float:
+    """Return the size of the smallest block, m."""
+    return float(np.sqrt(model.area.min()))
+
+
+def weight_of(model: Model) -> float:
+    """Return the weight of all blocks that can move, N/m."""
+    return float(model.mass[~model.fixed].sum() * np.hypot(*model.gravity))
+
+
+def load_on(model: Model) -> float:
+    """Return the sum of the sizes of all loads, N/m."""
+    points, lines = model.point_loads, model.line_loads
+    length = np.hypot(*(lines.end - lines.start).T)
+    return float(np.hypot(*points.force.T).sum() + (np.hypot(*lines.traction.T) * length).sum())
+
+
+def _support_warnings(model: Model) -> Iterator[str]:
+    """Warn where no block or every block is held, and where a moving base leaves some behind."""
+    held = bool(model.fixed.any()) or len(model.fixed_points.block) > 0
+    if not held and model.gravity.any():
+        yield "nothing is fixed: all blocks fall. Give a [[fixed_point]] or fixed = true"
+    if model.fixed.all():
+        yield (
+            f"all blocks are fixed ({model.block_count}): nothing can move. Remove fixed = true "
+            "where blocks are to move"
+        )
+    elif isinstance(model.ground_motion, MovingBase) and model.fixed.any():
+        yield (
+            f"{int(model.fixed.sum())} fixed block(s) stay where they are while the base moves: "
+            "hold what moves with the ground by fixed points"
+        )
+
+
+def _idle_warnings(model: Model) -> Iterator[str]:
+    """Warn of what has no effect: loads and supports of fixed blocks, rocks of no block."""
+    points, lines = model.point_loads, model.line_loads
+    fixed, measured = model.fixed_points, model.measured_points
+    kinds = {
+        "point load": points.block,
+        "line load": lines.block,
+        "fixed point": fixed.block,
+        "measured point": measured.block,
+    }
+    for kind, block in kinds.items():
+        idle = block[model.fixed[block]]
+        if len(idle) and not model.fixed.all():
+            yield (
+                f"{len(idle)} {kind}(s) on fixed blocks have no effect: "
+                f"{named(model, np.unique(idle))}. Remove them, or fixed = true of the block"
+            )
+    for kind, load in {"point load": points.force, "line load": lines.traction}.items():
+        zero = int((~load.any(axis=1)).sum())
+        if zero:
+            yield f"{zero} {kind}(s) are zero: give a force, or remove them"
+    total, weight = load_on(model), weight_of(model)
+    if total and weight and not LIGHTEST_LOAD <= total / weight <= HEAVIEST_LOAD:
+        size = "next to nothing beside" if total < weight else "out of proportion to"
+        yield (
+            f"all loads together are {total:.3g} N/m, {size} the weight of the blocks, "
+            f"{weight:.3g} N/m; they are meant in N/m: 5 kN/m are 5000"
+        )
+    unused = np.setdiff1d(np.arange(len(model.rocks)), model.block_rock)
+    for rock in unused[:NAMED].tolist():
+        name = shortened(model.rocks[rock].name)
+        yield f"no block is made of rock '{name}': name it in a block, or remove it"
+
+
+def _gravity_warnings(model: Model) -> Iterator[str]:
+    """Warn where gravity points upwards, or nothing sets the blocks in motion."""
+    across, up = model.gravity.tolist()
+    if up > 0.0:
+        yield (
+            f"gravity is ({across:g}, {up:g}) m/s2 and points upwards: blocks fall up. "
+            f"y is positive upwards; write gravity = [{across:g}, {-up:g}]"
+        )
+    size = float(np.hypot(across, up))
+    if size and not WEAKEST_GRAVITY <= size <= STRONGEST_GRAVITY:
+        yield f"gravity is {size:g} m/s2; it is meant in m/s2: on earth gravity = [0.0, -9.8]"
+    driven = (
+        model.gravity.any()
+        or model.velocity.any()
+        or model.initial_stress.any()
+        or model.point_loads.force.any()
+        or model.line_loads.traction.any()
+        or isinstance(model.ground_motion, InertialForce | MovingBase)
+    )
+    if not driven:
+        yield (
+            "gravity, loads, velocities and stresses are all zero: nothing sets the blocks in "
+            "motion. Give gravity = [0.0, -9.8] or a load"
+        )
+
+
+def _unit_warnings(model: Model) -> Iterator[str]:
+    """Warn of moduli, densities and stresses that look like other units than SI."""
+    for rock in model.rocks:
+        where = f"rock '{shortened(rock.name)}'"
+        if not SOFTEST <= rock.young <= HARDEST:
+            yield (
+                f"{where}: young is {rock.young:g} Pa, which no rock or brick has (1e8 to 2e12); "
+                "it is meant in Pa: 50 GPa are 50e9"
+            )
+        if rock.poisson < 0.0:
+            yield (
+                f"{where}: poisson is {rock.poisson:g}: under pressure it would become narrower; "
+                "rocks have 0.1 to 0.4"
+            )
+        if not LIGHTEST <= rock.density <= HEAVIEST:
+            yield (
+                f"{where}: density is {rock.density:g} kg/m3, which no rock or brick has; it is "
+                "meant in kg/m3: 2.7 t/m3 are 2700"
+            )
+    largest = np.abs(model.initial_stress).max(axis=1)
+    small = np.flatnonzero((largest > 0.0) & (largest < WEAKEST))
+    if len(small) == model.block_count:
+        yield (
+            f"initial_stress is at most {largest.max():g} Pa, next to nothing; it is meant in Pa: "
+            "10 MPa are 10e6"
+        )
+    young = np.array([rock.young for rock in model.rocks])[model.block_rock]
+    strained = np.flatnonzero(largest > 0.01 * young)
+    if len(strained):
+        worst = int(strained[np.argmax((largest / young)[strained])])
+        yield (
+            f"initial_stress of {largest[worst]:g} Pa strains block {named(model, strained)} by "
+            f"{100.0 * largest[worst] / young[worst]:.3g} %, beyond small strains: check it and "
+            "young"
+        )
+    pulled = np.flatnonzero((model.initial_stress[:, :2] >= WEAKEST).all(axis=1))
+    if len(pulled):
+        xx, yy, _ = model.initial_stress[pulled[0]].tolist()
+        yield (
+            f"initial_stress ({xx:g}, {yy:g}) Pa pulls block {named(model, pulled)} both ways: "
+            f"tension is positive; rock under pressure has ({-xx:g}, {-yy:g})"
+        )
+
+
+def _strength_warnings(model: Model) -> Iterator[str]:
+    """Warn of joint strengths that look like other units than SI."""
+    for joint in model.joint_table.joints:
+        where = f"joint '{shortened(joint.name)}'"
+        strengths = {"cohesion": joint.cohesion, "tensile_strength": joint.tensile_strength}
+        for key, value in strengths.items():
+            if 0.0 < value < WEAKEST:
+                yield (
+                    f"{where}: {key} is {value:g} Pa, next to nothing; it is meant in Pa: "
+                    f"{value:g} kPa are {1e3 * value:g}"
+                )
+            if value > STRONGEST:
+                yield f"{where}: {key} is {value:g} Pa, stronger than any rock; it is meant in Pa"
+        if joint.friction_angle > STEEPEST:
+            yield (
+                f"{where}: friction_angle is {joint.friction_angle:g} degrees, a coefficient of "
+                f"{np.tan(np.radians(joint.friction_angle)):.3g}; joints have 10 to 50"
+            )
+    default = model.joint_table.joints[0]
+    if model.block_count > 1 and default.friction_angle == 0.0 and default.cohesion == 0.0:
+        yield (
+            f"joint '{default.name}' is frictionless, and with it every contact that no other "
+            "joint names: give friction_angle in [joint.default] if that is not meant"
+        )
+
+
+def _shape_warnings(model: Model) -> Iterator[str]:
+    """Warn of coordinates with too few digits, of thin blocks and of very unequal ones."""
+    size = size_of_smallest(model)
+    far = float(np.abs(model.vertices + model.origin).max())
+    rounding = float(np.spacing(far))
+    if rounding > COARSEST_ROUNDING * size:
+        yield (
+            f"coordinates of {far:.3g} m are rounded to {rounding:.2g} m, but the smallest block "
+            f"is only {size:.3g} m wide: no digits are left for it. Subtract a common offset "
+            "from all coordinates"
+        )
+    largest = float(np.sqrt(model.area.max()))
+    if largest > SPREAD * size:
+        smallest, broadest = int(model.area.argmin()), int(model.area.argmax())
+        yield (
+            f"block {named(model, np.array([smallest]))} is {size:.3g} m wide and block "
+            f"{named(model, np.array([broadest]))} {largest:.3g} m: steps and tolerances follow "
+            "the smallest. Leave it out, or check its coordinates"
+        )
+    thickness, block = _thickness(model)
+    thin = np.flatnonzero(thickness < THIN)
+    for vertex in thin[:1].tolist():
+        x, y = (model.vertices[vertex] + model.origin).tolist()
+        number = vertex - int(model.block_start[block[vertex]]) + 1
+        more = f" (and {len(thin) - 1} more vertices)" if len(thin) > 1 else ""
+        yield (
+            f"block {named(model, block[[vertex]])} has a spike, a crack or a tiny edge at vertex "
+            f"{number}, ({x:.9g}, {y:.9g}){more}: {thickness[vertex]:.2g} of its extent thin, too "
+            "thin for contacts. Remove the vertex"
+        )
+
+
+def _thickness(model: Model) -> tuple[Floats, Ints]:
+    """Return the thickness at each vertex, as a share of its block's extent, and the block (nv,).
+
+    The thickness at a corner is the distance of one end of its shorter edge from its longer edge;
+    at a flat or blunt corner it is no thickness, and 1 is returned.
+    """
+    block, start = model.vertex_block, model.block_start
+    vertex = np.arange(len(block))
+    after, before = vertex + 1, vertex - 1
+    after[start[1:] - 1], before[start[:-1]] = start[:-1], start[1:] - 1
+    forth = model.vertices[after] - model.vertices
+    back = model.vertices[before] - model.vertices
+    low = np.minimum.reduceat(model.vertices, start[:-1])
+    high = np.maximum.reduceat(model.vertices, start[:-1])
+    extent = np.hypot(*(high - low).T)[block]
+    long, short = np.hypot(*forth.T), np.hypot(*back.T)
+    sine = np.abs(forth[:, 0] * back[:, 1] - forth[:, 1] * back[:, 0]) / (long * short)
+    sharp = (forth * back).sum(axis=1) > 0.0
+    least = np.minimum(long, short)
+    corner = np.where(sharp, np.minimum(1.0, sine), 1.0) * least
+    return np.where(sharp, corner, least) / extent, block
+
+
+def _motion_warnings(model: Model, end: float) -> Iterator[str]:
+    """Warn of ground motions outside of the run, with a drift, or of an unlikely strength."""
+    motion = model.ground_motion
+    if not isinstance(motion, InertialForce | MovingBase):
+        return
+    record = motion.accelerogram
+    first, last = float(record.time[0]), float(record.time[-1])
+    peak = float(np.hypot(*record.acceleration.T).max())
+    if first >= end or last <= 0.0:
+        yield (
+            f"the ground motion goes from {first:g} to {last:g} s, but the run from 0 to "
+            f"{end:g} s: it is not felt. Shift its instants"
+        )
+        return
+    if first > 0.0:
+        yield (
+            f"the ground motion begins at {first:g} s: until then the ground rests. Subtract "
+            f"{first:g} s from its instants if it is to begin at once"
+        )
+    if first < 0.0:
+        yield (
+            f"the ground motion begins at {first:g} s, before the run: the ground moves already "
+            "at 0 s. Let its instants begin at 0"
+        )
+    drift = float(np.hypot(*record.velocity(last)))
+    if last < end and drift * (end - last) > DRIFTING * size_of_smallest(model):
+        yield (
+            f"the ground motion ends at {last:g} s with {drift:.3g} m/s, which the ground keeps "
+            f"until {end:g} s: correct the record's base line, or let it end at rest"
+        )
+    if peak > HARDEST_SHAKING:
+        yield (
+            f"the ground is accelerated by up to {peak:.3g} m/s2, more than any earthquake: give "
+            "m/s2, or a scale (0.01 for a record in cm/s2)"
+        )
+    if peak < SOFTEST_SHAKING:
+        yield (
+            f"the ground is accelerated by no more than {peak:.3g} m/s2, which nobody feels: check "
+            "the columns and the scale of the record"
+        )

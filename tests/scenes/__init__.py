@@ -1,0 +1,1 @@
+"""What tests of several subjects share: systems of blocks, runs, reference computations."""
