@@ -77,7 +77,7 @@ def _taken(context, progress, at):
     return types.int64(PROGRESS, types.int64), made
 
 
-def _next_piece(thread, progress, pieces):
+def _next_piece(thread: int, progress: Any, pieces: int) -> int:
     """Return a piece that no thread has taken yet, of 0 to ``pieces`` - 1, or -1: none is left."""
     threads = len(progress) // LINE
     for k in range(threads):

@@ -89,18 +89,18 @@ def _add(force, b, low, room, stopped):
 
 
 @kernel()
-def _stop(b, first, last, vertex_block, levers, stops, low, room, stopped):
+def _stop(b, first, last, contacts, stops, room, stopped):
     """Add what contacts ``first`` to ``last`` - 1 stop on block b."""
-    _, bears, sticks = stops
+    (vertex_block, levers), (_, bears, sticks), (low, free) = contacts, stops, room
     count = stopped[0]
     for c in range(first, last):
         if count[b] == 6:
             return
         if bears[c]:
             own = vertex_block[c] == b
-            _add(force_on(levers, c, own, 1.0, 0.0), b, low, room, stopped)
+            _add(force_on(levers, c, own, 1.0, 0.0), b, low, free, stopped)
             if sticks[c]:
-                _add(force_on(levers, c, own, 0.0, 1.0), b, low, room, stopped)
+                _add(force_on(levers, c, own, 0.0, 1.0), b, low, free, stopped)
 
 
 @kernel()
@@ -115,7 +115,6 @@ def _any(first, last, closes):
 def _of_blocks(low, high, mass_matrix, fixed, graph, contacts, stops, stopped):
     """Write what contacts stop on blocks ``low`` to ``high`` - 1."""
     start, right, left, listed = graph
-    vertex_block, levers = contacts
     closes, _, _ = stops
     count, _, _ = stopped
     factor, room = np.empty((6, 6)), np.empty((7, 6))
@@ -132,10 +131,10 @@ def _of_blocks(low, high, mass_matrix, fixed, graph, contacts, stops, stopped):
         _factor(mass_matrix, b, factor)
         for a in range(3, 6):
             _add(with_number(zeros(), a, 1.0), b, factor, room, stopped)
-        _stop(b, own[0], own[1], vertex_block, levers, stops, factor, room, stopped)
+        _stop(b, own[0], own[1], contacts, stops, (factor, room), stopped)
         for at in range(left[b], left[b + 1]):
             q = listed[at]
-            _stop(b, start[q], start[q + 1], vertex_block, levers, stops, factor, room, stopped)
+            _stop(b, start[q], start[q + 1], contacts, stops, (factor, room), stopped)
 
 
 def stopped_motions(
