@@ -274,17 +274,17 @@ class Case(BaseModel):
         from clast.run.simulate import simulate
 
         schedule = self.schedule()
-        warnings = self._examined(model, method).warnings
-        if warn:
-            for warning in warnings:
-                warn(warning)
-        recorder = RunRecorder(
-            model,
-            case_text=self.text,
-            output=None if output is None else Path(output),
-            contacts=self.output.contacts,
-        )
         with shown(progress) as watch:
+            warnings = self._examined(model, method).warnings
+            if warn:
+                for warning in warnings:
+                    warn(warning)
+            recorder = RunRecorder(
+                model,
+                case_text=self.text,
+                output=None if output is None else Path(output),
+                contacts=self.output.contacts,
+            )
             return simulate(
                 model, method, schedule, recorder=recorder, watch=watch, warnings=warnings
             )

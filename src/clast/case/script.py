@@ -121,6 +121,8 @@ class ModelBuilder(model_builder.ModelBuilder):
 
     def _content(self) -> dict[str, Any]:
         """Return the tables of a case file that hold the system of blocks."""
+        for action in self.actions[:1]:
+            raise _no_name("actions", action)
         rocks = {rock.name: table_of(RockTable, _unnamed(rock)) for rock in self._rocks}
         content = {
             "title": self.title,
@@ -234,8 +236,8 @@ def simulate(
         output=None if output is None else Path(output),
         contacts=settings.output.contacts,
     )
-    warnings = examine(model, method, schedule).warnings
     with shown(progress) as watch:
+        warnings = examine(model, method, schedule).warnings
         return march(model, method, schedule, recorder=recorder, watch=watch, warnings=warnings)
 
 

@@ -47,7 +47,8 @@ def report_table(run: Run) -> Table:
     """Return how a run went, as a table."""
     report, ledger = run.report, run.report.ledger
     sizes = run.step_sizes
-    stages = sorted(report.seconds.items(), key=lambda item: -item[1])
+    stages = dict(sorted(report.seconds.items(), key=lambda item: -item[1]))
+    compiling = stages.pop("compilation", 0.0)
     speed = run.state.time / report.wall_seconds if report.wall_seconds > 0.0 else 0.0
     rows = {
         "outcome": report.outcome,
@@ -61,7 +62,8 @@ def report_table(run: Run) -> Table:
         "dissipated": f"friction {ledger.friction:.4g}, impacts {ledger.impacts:.4g}, "
         f"numerical {ledger.numerical:.4g}, unaccounted {ledger.unaccounted:.2g} J/m",
         "wall time": f"{report.wall_seconds:.3g} s: "
-        + ", ".join(f"{name} {seconds:.2g}" for name, seconds in stages),
+        + ", ".join(f"{name} {seconds:.2g}" for name, seconds in stages.items()),
+        **({"compilation": f"{compiling:.3g} s, once; not in the wall time"} if compiling else {}),
         **_notes_rows(report.notes),
     }
     return two_columns(run.model.title, rows)

@@ -35,15 +35,35 @@ def print_table(table: Table) -> None:
 
 @contextmanager
 def status() -> Iterator[Callable[[str], None]]:
-    """Give a function that shows what is going on, where stderr is a terminal."""
+    """Give a function that shows what is going on, where stderr is a terminal.
+
+    What is compiled meanwhile is shown beside it, and by lines where there is no terminal.
+    """
     from rich.console import Console
+    from rich.text import Text
+
+    from clast.compute.compilation import COMPILATION
+    from clast.run.progress import compilation_text, compilation_told
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield lambda _: None
+        with compilation_told(say):
+            yield lambda _: None
         return
-    with console.status("starting") as status:
-        yield status.update
+    doing = "starting"
+    with console.status(doing) as line:
+
+        def show(what: str) -> None:
+            nonlocal doing
+            doing = what
+            line.update(Text(doing))
+
+        def compiling(module: str | None) -> None:
+            more = f"; {compilation_text(module)}" if module else ""
+            line.update(Text(doing + more))
+
+        with COMPILATION.telling(compiling):
+            yield show
 
 
 def print_json(content: Any) -> None:

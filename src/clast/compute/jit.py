@@ -35,6 +35,8 @@ import numba
 from numba import types as types
 from numba.extending import overload as overload
 
+from clast.compute.compilation import COMPILATION
+
 SETTINGS: Any = numba.config
 """numba's settings of this process."""
 BY_THREADS = os.environ.get("NUMBA_NUM_THREADS", "1") != "1"
@@ -138,6 +140,7 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """Return the decorator of a kernel; ``options`` are those of ``numba.njit``."""
 
     def compiled(function: Callable[..., Any]) -> Any:
+        COMPILATION.known += 1
         usual = SETTINGS.CACHE_DIR
         SETTINGS.CACHE_DIR = folder(Path(function.__code__.co_filename)) or usual
         try:

@@ -1,10 +1,11 @@
-"""Wall time of the stages of a step."""
+"""Wall time of the stages of a step; that of compilation is not counted."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from time import perf_counter
+
+from clast.compute.compilation import working_time
 
 
 class Stages:
@@ -16,8 +17,8 @@ class Stages:
     @contextmanager
     def __call__(self, name: str) -> Iterator[None]:
         """Add the wall time of the block to the stage ``name``."""
-        start = perf_counter()
+        start = working_time()
         try:
             yield
         finally:
-            self.seconds[name] = self.seconds.get(name, 0.0) + perf_counter() - start
+            self.seconds[name] = self.seconds.get(name, 0.0) + working_time() - start

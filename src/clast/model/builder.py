@@ -22,21 +22,20 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import shapely
 
 from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.model import checks as model_checks
 from clast.model import ranges, value_checks
 from clast.model.block_input import Entry, Label, ManyBlocks, OneBlock, Vector
-from clast.model.checks import Outlines, point_text
+from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Still
+from clast.model.joint_input import JointEntry, joint_table, pairs_of_names
 from clast.model.model import (
     Bools,
     Floats,
     Ints,
     Joint,
-    JointTable,
     LineLoads,
     MaterialPoints,
     MeasuredPoints,
@@ -46,41 +45,11 @@ from clast.model.model import (
     PointLoads,
     Rock,
 )
-from clast.model.value_checks import check_name, check_number, check_numbers
+from clast.model.point_input import Place, Places, located
+from clast.model.value_checks import check_number, check_numbers, number_of
 
-NO_LOAD: Vector = ()
-"""Load of a place that has none."""
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""
-
-
-@dataclass(frozen=True)
-class _Joint:
-    joint: Joint
-    between: tuple[tuple[str, str], ...]
-    between_rocks: tuple[tuple[str, str], ...]
-    allow_small_friction_angle: bool
-
-
-@dataclass(frozen=True)
-class _Place:
-    """A point, or a line from ``at`` to ``end``, on a block; ``load`` is its force or traction."""
-
-    label: str
-    at: Vector
-    block: str | None
-    end: Vector | None = None
-    load: Vector = NO_LOAD
-
-
-@dataclass(frozen=True)
-class _Places:
-    """Where points or lines ended up: blocks (k,), ends (k, 2) and loads (k, 2)."""
-
-    block: Ints
-    at: Floats
-    end: Floats
-    load: Floats
 
 
 @dataclass
@@ -98,13 +67,13 @@ class ModelBuilder:
     ground_motion: GroundMotion = field(default_factory=Still)
     actions: list[Any] = field(default_factory=list)
     _rocks: list[Rock] = field(default_factory=list, init=False)
-    _joints: list[_Joint] = field(default_factory=list, init=False)
+    _joints: list[JointEntry] = field(default_factory=list, init=False)
     _entries: list[Entry] = field(default_factory=list, init=False)
     _count: int = field(default=0, init=False)
-    _fixed_points: list[_Place] = field(default_factory=list, init=False)
-    _point_loads: list[_Place] = field(default_factory=list, init=False)
-    _line_loads: list[_Place] = field(default_factory=list, init=False)
-    _measured_points: list[_Place] = field(default_factory=list, init=False)
+    _fixed_points: list[Place] = field(default_factory=list, init=False)
+    _point_loads: list[Place] = field(default_factory=list, init=False)
+    _line_loads: list[Place] = field(default_factory=list, init=False)
+    _measured_points: list[Place] = field(default_factory=list, init=False)
     _measured_names: list[str] = field(default_factory=list, init=False)
 
     def add_rock(
@@ -162,10 +131,10 @@ class ModelBuilder:
             else check_number(restitution, f"joint '{name}', restitution"),
         )
         self._joints.append(
-            _Joint(
+            JointEntry(
                 joint,
-                _pairs(between, f"joint '{name}', between"),
-                _pairs(between_rocks, f"joint '{name}', between_rocks"),
+                pairs_of_names(between, f"joint '{name}', between"),
+                pairs_of_names(between_rocks, f"joint '{name}', between_rocks"),
                 allow_small_friction_angle,
             )
         )
@@ -236,12 +205,12 @@ class ModelBuilder:
     def fixed_point(self, at: Vector, block: str | None = None) -> None:
         """Hold a point (x, y), m, of a block in place with a stiff spring."""
         label = f"fixed point {len(self._fixed_points) + 1}"
-        self._fixed_points.append(_Place(label, at, block))
+        self._fixed_points.append(Place(label, at, block))
 
     def point_load(self, at: Vector, force: Vector, block: str | None = None) -> None:
         """Apply a constant force (x, y), N per metre of thickness, at a point, m, of a block."""
         label = f"point load {len(self._point_loads) + 1}"
-        self._point_loads.append(_Place(label, at, block, load=force))
+        self._point_loads.append(Place(label, at, block, load=force))
 
     def line_load(
         self, start: Vector, end: Vector, traction: Vector, block: str | None = None
@@ -251,7 +220,7 @@ class ModelBuilder:
         ``start`` and ``end`` (x, y) in m.
         """
         label = f"line load {len(self._line_loads) + 1}"
-        self._line_loads.append(_Place(label, start, block, end=end, load=traction))
+        self._line_loads.append(Place(label, start, block, end=end, load=traction))
 
     def measured_point(self, name: str, at: Vector, block: str | None = None) -> None:
         """Record displacement, velocity and rotation of a point (x, y), m, of a block, every step.
@@ -259,7 +228,7 @@ class ModelBuilder:
         ``block`` names the block of a point; it may be left out where only one is there.
         """
         self._measured_names.append(name)
-        self._measured_points.append(_Place(f"measured point '{shortened(str(name))}'", at, block))
+        self._measured_points.append(Place(f"measured point '{shortened(str(name))}'", at, block))
 
     def build(self) -> Model:
         """Check everything and return the Model; raise ModelError with the remedy otherwise."""
@@ -276,11 +245,12 @@ class ModelBuilder:
         outlines = outlines.turned(clockwise)
         block_rock = self._block_rocks(outlines)
         block_number = {name: number for number, name in enumerate(outlines.names)}
-        joint_table = self._joint_table(block_number)
+        rock_number = {rock.name: index for index, rock in enumerate(self._rocks)}
+        table = joint_table(self._joints, rock_number, block_number)
         overlaps = model_checks.check_overlaps(outlines, polygons)
 
-        def places(entries: list[_Place]) -> _Places:
-            return _locate(entries, block_number, outlines, polygons)
+        def places(entries: list[Place]) -> Places:
+            return located(entries, block_number, outlines, polygons)
 
         fixed, measured = places(self._fixed_points), places(self._measured_points)
         points, lines = places(self._point_loads), places(self._line_loads)
@@ -292,7 +262,7 @@ class ModelBuilder:
             gravity=check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION),
             origin=outlines.origin,
             rocks=tuple(self._rocks),
-            joint_table=joint_table,
+            joint_table=table,
             block_name=outlines.names,
             block_start=outlines.start,
             block_rock=block_rock,
@@ -363,43 +333,13 @@ class ModelBuilder:
                     where=label(0),
                     remedy=spelling.advice("", number, kind="rock"),
                 )
-            index = _number_of(name, number, "rock", label(0))
+            index = number_of(name, number, "rock", label(0))
             found.append(np.full(len(entry.names), index, np.int64))
         return np.concatenate(found)
 
     def _fixed(self, outlines: Outlines) -> Bools:
         """Return True where a block cannot move at all, shape (n,)."""
         return np.concatenate([entry.held(label) for entry, label in self._labelled(outlines)])
-
-    def _joint_table(self, block_number: dict[str, int]) -> JointTable:
-        """Return the joints, the default first, and the pairs that they belong to."""
-        ordered = sorted(self._joints, key=lambda entry: entry.joint.name != "default")
-        if not ordered or ordered[0].joint.name != "default":
-            ordered.insert(0, _Joint(Joint(), (), (), False))
-        rock_number = {rock.name: index for index, rock in enumerate(self._rocks)}
-        rock_joint: dict[tuple[int, int], int] = {}
-        block_joint: dict[tuple[int, int], int] = {}
-        for index, entry in enumerate(ordered):
-            name = entry.joint.name
-            if index > 0 and not entry.between and not entry.between_rocks:
-                raise ModelError(
-                    "belongs to no contact",
-                    where=f"joint '{name}'",
-                    remedy="call it default, or say where it is with between (pairs of blocks) "
-                    "or between_rocks (pairs of rocks)",
-                )
-            _assign(entry.between_rocks, "rock", rock_number, index, rock_joint, ordered)
-            _assign(entry.between, "block", block_number, index, block_joint, ordered)
-        rock_pair = np.zeros((len(self._rocks), len(self._rocks)), np.int64)
-        for (one, other), index in rock_joint.items():
-            rock_pair[one, other] = rock_pair[other, one] = index
-        pairs = sorted(block_joint)
-        return JointTable(
-            joints=tuple(entry.joint for entry in ordered),
-            rock_pair=rock_pair,
-            block_pair=np.array(pairs, np.int64).reshape(-1, 2),
-            block_pair_joint=np.array([block_joint[pair] for pair in pairs], np.int64),
-        )
 
     def _velocities(self, outlines: Outlines) -> Floats:
         """Return the start velocity (u, v, r, 0, 0, 0) of each block, shape (n, 6)."""
@@ -433,23 +373,6 @@ def _three(values: Vector, where: str) -> tuple[float, float, float]:
     return first, second, third
 
 
-def _pairs(pairs: Iterable[tuple[str, str]], where: str) -> tuple[tuple[str, str], ...]:
-    """Return pairs of names as tuples, or say that they are none."""
-    given: object = pairs
-    try:
-        given = list(pairs)
-        found = [tuple(pair) for pair in given if not isinstance(pair, str)]
-        if len(found) == len(given) and all(len(pair) == 2 for pair in found):
-            return tuple((one, other) for one, other in found)
-    except TypeError:
-        pass
-    raise ModelError(
-        f"{shortened(repr(given))} are no pairs of names",
-        where=where,
-        remedy='give pairs: [["a", "b"]]',
-    )
-
-
 def _origin(vertices: Floats) -> Floats:
     """Return a rounded centre of the case where it is far from (0, 0), else (0, 0), m.
 
@@ -462,80 +385,3 @@ def _origin(vertices: Floats) -> Floats:
         return np.zeros(2)
     unit = 10.0 ** math.floor(math.log10(size))
     return np.asarray(np.round(0.5 * (low + high) / unit) * unit)
-
-
-def _number_of(name: str, number: dict[str, int], kind: str, where: str) -> int:
-    """Return the index of a named thing, or suggest the nearest name."""
-    name = check_name(name, kind, where)
-    if name not in number:
-        raise ModelError(
-            f"there is no {kind} '{shortened(name)}'",
-            where=where,
-            remedy=spelling.advice(name, number, kind=kind),
-        )
-    return number[name]
-
-
-def _assign(
-    pairs: tuple[tuple[str, str], ...],
-    kind: str,
-    number: dict[str, int],
-    index: int,
-    assigned: dict[tuple[int, int], int],
-    joints: list[_Joint],
-) -> None:
-    """Give pairs of blocks or rocks to a joint; refuse pairs that two joints claim."""
-    where = f"joint '{joints[index].joint.name}'"
-    for one, other in pairs:
-        found = (_number_of(one, number, kind, where), _number_of(other, number, kind, where))
-        pair = (min(found), max(found))
-        if kind == "block" and found[0] == found[1]:
-            raise ModelError(
-                f"block '{one}' has no joint with itself",
-                where=f"{where}, between",
-                remedy="name two different blocks",
-            )
-        before = assigned.setdefault(pair, index)
-        if before != index:
-            raise ModelError(
-                f"the {kind}s '{one}' and '{other}' belong to joint "
-                f"'{joints[before].joint.name}' already",
-                where=where,
-                remedy="name the pair in one joint only",
-            )
-
-
-def _locate(
-    entries: list[_Place],
-    block_number: dict[str, int],
-    outlines: Outlines,
-    polygons: model_checks.Geometries,
-) -> _Places:
-    """Return blocks and coordinates about the origin of points or lines."""
-    count = len(entries)
-    at, end, load = np.zeros((count, 2)), np.zeros((count, 2)), np.zeros((count, 2))
-    named = np.full(count, -1, np.int64)
-    for k, entry in enumerate(entries):
-        at[k] = check_numbers(entry.at, 2, entry.label) - outlines.origin
-        if entry.end is not None:
-            end[k] = check_numbers(entry.end, 2, f"{entry.label}, end") - outlines.origin
-        if entry.load is not NO_LOAD:
-            load[k] = check_numbers(
-                entry.load, 2, f"{entry.label}, force or traction", ranges.FORCE
-            )
-        if entry.block is not None:
-            named[k] = _number_of(entry.block, block_number, "block", entry.label)
-    lines = np.array([entry.end is not None for entry in entries], dtype=np.bool_)
-    for k in np.flatnonzero(lines & (at == end).all(axis=1))[:1]:
-        raise ModelError("has no length", where=entries[k].label, remedy="give two different ends")
-    shapes = np.array(shapely.points(at))
-    if lines.any():
-        shapes = np.array(shapely.linestrings(np.stack([at, end], axis=1)))
-    if count == 0:
-        return _Places(np.zeros(0, np.int64), at, end, load)
-
-    def where(k: int) -> str:
-        return f"{entries[k].label} at {point_text(at[k] + outlines.origin)}"
-
-    block = model_checks.locate(shapes, named, where, outlines, polygons)
-    return _Places(block, at, end, load)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.model import ranges
 from clast.model.ground_motion import GroundMotion, InertialForce, MovingBase
@@ -228,3 +229,15 @@ def check_title(title: str) -> None:
         raise ModelError(
             what, where="title", remedy=f"give a text of at most {LONGEST_TITLE} characters"
         )
+
+
+def number_of(name: str, number: dict[str, int], kind: str, where: str) -> int:
+    """Return the index of a named thing, or suggest the nearest name."""
+    name = check_name(name, kind, where)
+    if name not in number:
+        raise ModelError(
+            f"there is no {kind} '{shortened(name)}'",
+            where=where,
+            remedy=spelling.advice(name, number, kind=kind),
+        )
+    return number[name]

@@ -52,9 +52,9 @@ class Report:
     ledger: Ledger
     """Energy ledger at the end."""
     wall_seconds: float
-    """Time that the run took, s of wall clock."""
+    """Time that the run took, s of wall clock, without the time in which kernels were compiled."""
     seconds: Mapping[str, float] = field(default_factory=dict)
-    """Wall clock per stage of the step, s."""
+    """Wall clock per stage of the step, s; and "compilation", where kernels were compiled."""
     warnings: tuple[str, ...] = ()
     """Warnings given before the run, and by what was measured in it."""
     overlaps: tuple[Overlap, ...] = ()

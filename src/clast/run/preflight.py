@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
-from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clast.block.inertia import block_frames
+from clast.compute.compilation import working_time
 from clast.contact.detection import detect
 from clast.errors import StepRejected
 from clast.model.model import Bools, Model
@@ -158,11 +158,11 @@ def _duration_warnings(
 
 
 def _seconds_of_a_step(model: Model, method: Method, schedule: Schedule, start: State) -> float:
-    """Return how long the first step takes, s of wall time."""
-    begin = perf_counter()
+    """Return how long the first step takes, s of wall time, without compilation."""
+    begin = working_time()
     with suppress(StepRejected):
         method.process.step(model, method, start, schedule.step, Workspace())
-    return perf_counter() - begin
+    return working_time() - begin
 
 
 def _contacts(model: Model, method: Method, state: State) -> Contacts:

@@ -1,14 +1,17 @@
-"""The line on the terminal that says how far a run is; silent where there is no terminal."""
+"""How far a run is, and what is being compiled for it, on the terminal.
+
+Where there is no terminal (a pipe, a file) nothing is said of a run; of compilation, which takes
+long but only once, a line for each part of the method.
+"""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from importlib.util import find_spec
-from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
+
+from clast.compute.compilation import COMPILATION, working_time
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -23,32 +26,49 @@ REFRESH = 0.1
 SHARE_OF_TIME = "{task.percentage:>3.0f}%"
 
 
+PARTS = {
+    "compute": "arithmetic of small matrices",
+    "model": "geometry checks",
+    "block": "block equations",
+    "contact": "contact detection and friction",
+    "linear": "equation solver",
+    "minimise": "energy minimisation",
+    "actions": "loads and supports",
+    "step": "time stepping",
+    "studies": "measurements",
+}
+"""Folder of the package -> what its kernels are for."""
+
+
 @contextmanager
 def shown(progress: bool | Watch) -> Iterator[Watch | None]:
     """Give what to call after every step: nothing, the caller's own function, or a line."""
     if callable(progress):
         yield progress
     elif progress:
-        with _line() as line:
-            yield line
+        with _on_stderr() as watch:
+            yield watch
     else:
         yield None
 
 
 @contextmanager
-def _line() -> Iterator[Watch | None]:
-    """Show a line on stderr while the run goes, where stderr is a terminal."""
+def _on_stderr() -> Iterator[Watch | None]:
+    """Show on stderr how far a run and its compilation are; on no terminal compilation alone."""
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bar
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield None
+        with compilation_told(lambda text: console.print(text, soft_wrap=True)):
+            yield None
         return
     columns = (BarColumn(bar_width=24), TextColumn(SHARE_OF_TIME), TextColumn("{task.description}"))
     with Bar(*columns, console=console, transient=True) as bar:
-        yield _Line(bar)
+        line = _Line(bar)
+        with COMPILATION.telling(line.compiling):
+            yield line
 
 
 class _Line:
@@ -56,21 +76,25 @@ class _Line:
 
     def __init__(self, bar: Bar) -> None:
         self._bar = bar
-        self._task = bar.add_task(_first_words(), total=1.0)
+        self._task = bar.add_task("starting", total=1.0)
         self._shown = 0.0
         self._start: tuple[float, float] | None = None
 
+    def compiling(self, module: str | None) -> None:
+        """Say what is being compiled, until a step is over."""
+        if module is not None:
+            self._bar.update(self._task, description=compilation_text(module))
+
     def __call__(self, progress: Progress) -> None:
-        now = perf_counter()
         if self._start is None:
-            self._start = now, progress.time
-        if now - self._shown < REFRESH:
+            self._start = working_time(), progress.time
+        if perf_counter() - self._shown < REFRESH:
             return
-        self._shown = now
+        self._shown = perf_counter()
         self._bar.update(
             self._task,
             completed=progress.time / progress.end,
-            description=status_text(progress, self._speed(now, progress.time)),
+            description=status_text(progress, self._speed(working_time(), progress.time)),
         )
 
     def _speed(self, now: float, time: float) -> float:
@@ -93,16 +117,36 @@ def status_text(progress: Progress, speed: float) -> str:
     return "  ".join(parts)
 
 
-def _first_words() -> str:
-    if kernels_are_compiled():
-        return "starting"
-    return "compiling the kernels: once after installation, clast warmup does it ahead"
+def compilation_text(module: str) -> str:
+    """Return what is compiled with a kernel of ``module``, and how far compilation is."""
+    return (
+        f"compiling, once after installation: {_part(module)} "
+        f"({COMPILATION.kernels} of about {COMPILATION.expected} kernels)"
+    )
 
 
-def kernels_are_compiled() -> bool:
-    """Return whether compiled kernels of an earlier run are found."""
-    spec = find_spec("clast")
-    folders = [Path(place) for place in (spec.submodule_search_locations or ())] if spec else []
-    if "NUMBA_CACHE_DIR" in os.environ:
-        folders.append(Path(os.environ["NUMBA_CACHE_DIR"]))
-    return any(next(folder.rglob("*.nbi"), None) is not None for folder in folders)
+@contextmanager
+def compilation_told(say: Callable[[str], None]) -> Iterator[None]:
+    """Call ``say`` with a line for each part of the method when it is compiled first, and the end.
+
+    The lines are for where nothing can be replaced: pipes and files.
+    """
+    said: set[str] = set()
+    kernels, seconds = COMPILATION.kernels, COMPILATION.seconds
+
+    def tell(module: str | None) -> None:
+        if module is not None and _part(module) not in said:
+            said.add(_part(module))
+            say(compilation_text(module))
+
+    with COMPILATION.telling(tell):
+        yield
+    if said:
+        count, spent = COMPILATION.kernels - kernels, COMPILATION.seconds - seconds
+        say(f"compiled {count} kernels in {spent:.1f} s; later runs find them on disk")
+
+
+def _part(module: str) -> str:
+    """Return what the kernels of a module are for."""
+    folder = module.split(".")[1]
+    return PARTS.get(folder, folder)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from time import perf_counter
 
+from clast.compute.compilation import COMPILATION, working_time
 from clast.compute.threads import threads_worth
 from clast.contact.contacts import Contacts
 from clast.errors import ResultsLost, RunStopped, StepOutcome, StepRejected
@@ -168,7 +168,7 @@ def simulate(
     """
     check_overlaps(model, method)
     recorder = recorder or RunRecorder(model)
-    start = perf_counter()
+    start = working_time()
     stepping = Stepping(
         model=model,
         method=method,
@@ -193,8 +193,11 @@ def simulate(
             ended_by = getattr(asked, "number", signal.SIGINT)
             outcome = f"interrupted{_by(ended_by)} at t = {recorder.state.time:.6g} s"
         report = march.report(
-            perf_counter() - start, outcome, finished=not failure and not ended_by, said=warnings
+            working_time() - start, outcome, finished=not failure and not ended_by, said=warnings
         )
+        compiling = COMPILATION.unreported()
+        if compiling > 0.0:
+            report = replace(report, seconds={**report.seconds, "compilation": compiling})
         run = replace(recorder.finish(report), ended_by=ended_by)
     if failure:
         raise RunStopped(f"the run {outcome}", run)
@@ -244,7 +247,7 @@ class _March:
         self.now = replace(self.now, tally=tally)
 
     def report(self, wall: float, outcome: str, *, finished: bool, said: tuple[str, ...]) -> Report:
-        """Return the report of a run that is over, after ``wall`` s."""
+        """Return the report of a run that is over, after ``wall`` s of work."""
         model, method, watch = self.stepping.model, self.stepping.method, self.stepping.watch
         state, tally = self.recorder.state, self.now.tally
         seen = watch.with_frame(self.now.seen, state)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from time import perf_counter
 
+from clast.compute.compilation import working_time
 from clast.model.model import Model
 from clast.model.state import State
 from clast.step.method import Method, StepProcess, StepResult, Workspace
@@ -20,7 +20,8 @@ class Costs:
     simulated: float = 0.0
     """Simulated time, s."""
     wall: float = 0.0
-    """Wall time, from the end of the step before, or the start, to the end of the last, s."""
+    """Wall time, from the end of the step before, or the start, to the end of the last, s; that of
+    compilation is not counted."""
     seconds: dict[str, float] = field(default_factory=dict)
     """Wall time of each stage, s."""
     counts: dict[str, float] = field(default_factory=dict)
@@ -35,7 +36,7 @@ class Counted:
     def __init__(self, process: StepProcess, settle: int) -> None:
         self._process = process
         self._left = settle
-        self._begun = perf_counter()
+        self._begun = working_time()
         self.costs = Costs()
         self.last: StepResult | None = None
 
@@ -47,12 +48,12 @@ class Counted:
         self.last = result
         if self._left > 0:
             self._left -= 1
-            self._begun = perf_counter()
+            self._begun = working_time()
             return result
         costs = self.costs
         costs.steps += 1
         costs.simulated += step
-        costs.wall = perf_counter() - self._begun
+        costs.wall = working_time() - self._begun
         _add(costs.seconds, result.seconds)
         _add(costs.counts, result.counts)
         costs.penetration = max(costs.penetration, result.penetration)

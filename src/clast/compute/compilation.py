@@ -1,0 +1,90 @@
+"""What is compiled while a program runs, and a clock that stands still meanwhile.
+
+numba announces every function that it compiles, and none that it finds on disk.  A kernel is
+compiled within the compilation of the kernel that calls it: the time of the outermost counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from time import perf_counter
+from typing import Any
+
+from numba.core import event
+
+Tell = Callable[[str | None], None]
+"""Called with the module of a kernel before it is compiled, with None when work goes on."""
+USED = 0.65
+"""Compilations in a run by a process, as a share of the kernels in the files that it loads."""
+
+
+class Compilation(event.Listener):
+    """Counts the kernels that this process compiles, and the time that takes."""
+
+    def __init__(self) -> None:
+        self.known = 0
+        """Kernels in the files that have been loaded."""
+        self.kernels = 0
+        """Kernels compiled, or being compiled."""
+        self._nested = 0
+        self._begun = 0.0
+        self._over = 0.0
+        self._reported = 0.0
+        self._told: tuple[Tell, ...] = ()
+
+    @property
+    def expected(self) -> int:
+        """About how many kernels are compiled where none are found on disk."""
+        return max(self.kernels, round(USED * self.known))
+
+    @property
+    def seconds(self) -> float:
+        """Wall time of compilation so far, s."""
+        return self._over + (perf_counter() - self._begun if self._nested else 0.0)
+
+    def unreported(self) -> float:
+        """Return the wall time of compilation, s, that no call before has returned."""
+        before, self._reported = self._reported, self.seconds
+        return self._reported - before
+
+    @contextmanager
+    def telling(self, tell: Tell) -> Iterator[None]:
+        """Call ``tell`` with the module of every kernel that is compiled meanwhile."""
+        before = self._told
+        self._told = (*before, tell)
+        try:
+            yield
+        finally:
+            self._told = before
+
+    def on_start(self, event: Any) -> None:
+        """Count a function that is going to be compiled."""
+        if self._nested == 0:
+            self._begun = perf_counter()
+        self._nested += 1
+        module = str(event.data["dispatcher"].py_func.__module__)
+        if module.startswith("clast."):
+            self.kernels += 1
+            self._tell(module)
+
+    def on_end(self, event: Any) -> None:
+        """Add its time, if it was not compiled for another one."""
+        self._nested -= 1
+        if self._nested == 0:
+            self._over += perf_counter() - self._begun
+            self._tell(None)
+
+    def _tell(self, module: str | None) -> None:
+        for tell in self._told:
+            tell(module)
+
+
+COMPILATION = Compilation()
+"""The compilation of this process; it belongs to the process as its kernels do."""
+event.register("numba:compile", COMPILATION)
+
+
+def working_time() -> float:
+    """Return the wall time since some instant, s, without the time of compilation."""
+    return perf_counter() - COMPILATION.seconds

@@ -1,0 +1,108 @@
+"""What is compiled is said, counted, and no part of the time that a run is said to take."""
+
+from __future__ import annotations
+
+import time
+from types import FunctionType
+
+import pytest
+from numba import njit
+from numba.extending import overload
+
+from clast.compute.compilation import COMPILATION, working_time
+from clast.compute.stopwatch import Stages
+from clast.run.progress import compilation_text, compilation_told
+
+
+def slowly(x):
+    """Stand for what takes long to compile; see the overload."""
+    return x
+
+
+@overload(slowly)
+def _slowly(x):
+    time.sleep(0.05)  # runs while whoever calls it is compiled
+    return lambda x: x
+
+
+def kernel_of(module: str):
+    """Return a kernel that is not compiled yet, as if ``module`` had it."""
+
+    def function(x):
+        return slowly(x) + 1
+
+    own = FunctionType(function.__code__, {"slowly": slowly})
+    own.__module__ = module
+    return njit(own)
+
+
+def test_time_of_compilation_is_not_time_of_work():
+    kernel, stages = kernel_of("clast.contact.made_up"), Stages()
+    compiled, begun = COMPILATION.seconds, working_time()
+    with stages("contacts"):
+        assert kernel(1) == 2
+    worked = working_time() - begun
+    assert COMPILATION.seconds - compiled >= 0.05
+    assert stages.seconds["contacts"] <= worked < COMPILATION.seconds - compiled
+
+
+def test_what_is_compiled_is_told_by_parts_and_kernels_are_counted():
+    said: list[str] = []
+    before = COMPILATION.kernels
+    with compilation_told(said.append):
+        for module in ("clast.contact.one", "clast.contact.two", "clast.linear.one", "elsewhere"):
+            kernel_of(module)(1)
+    assert COMPILATION.kernels == before + 3
+    assert [line.split(": ")[1].split(" (")[0] for line in said[:-1]] == [
+        "contact detection and friction",
+        "equation solver",
+    ]
+    assert said[-1].startswith("compiled 3 kernels in ")
+    kernel_of("clast.contact.three")(1)
+    assert len(said) == 3
+
+
+def test_nothing_is_said_where_nothing_is_compiled():
+    kernel, said = kernel_of("clast.contact.known"), []
+    kernel(1)
+    with compilation_told(said.append):
+        kernel(2)
+    assert said == []
+
+
+def test_work_goes_on_is_told_when_the_outermost_kernel_is_ready():
+    told: list[str | None] = []
+    inner = kernel_of("clast.block.inner")
+
+    def outer(x):
+        return inner(x)
+
+    outer.__module__ = "clast.step.outer"
+    with COMPILATION.telling(told.append):
+        njit(outer)(1)
+    assert told == ["clast.step.outer", "clast.block.inner", None]
+
+
+def test_every_compilation_is_reported_once():
+    COMPILATION.unreported()
+    kernel_of("clast.contact.reported")(1)
+    assert COMPILATION.unreported() >= 0.05
+    assert COMPILATION.unreported() == 0.0
+
+
+def test_the_text_says_how_far_it_is():
+    text = compilation_text("clast.minimise.newton")
+    assert text.startswith("compiling, once after installation: energy minimisation (")
+    assert text.endswith(" kernels)")
+
+
+def test_a_fault_while_compiling_stops_the_clock():
+    def bad(x):
+        return x.nothing
+
+    bad.__module__ = "clast.contact.bad"
+    with pytest.raises(Exception, match="nothing"):
+        njit(bad)(1)
+    before = COMPILATION.seconds
+    time.sleep(0.02)
+    assert COMPILATION.seconds == before
