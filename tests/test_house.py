@@ -33,6 +33,10 @@ STARTING_UP = {
     "case/case_file.py": "the JSON Schema of a case",
 }
 """Files whose functions may be remembered by functools.cache, and why nothing can go stale."""
+OF_THE_PROCESS = {
+    "compute/compilation.py": "what numba compiles belongs to the process, and no run reads it",
+}
+"""Files with an object that counts what the whole process does, and why no run depends on it."""
 ONLY_HOME = {"numba": "compute", "llvmlite": "compute", "matplotlib": "pictures", "h5py": "results"}
 """Libraries that one folder imports."""
 COMPILED = {"kernel", "shared", "summed", "operation", "overload", "register_model"}
@@ -46,20 +50,16 @@ Offences = dict[str, list[str]]
 
 EXCEPTIONS: dict[str, dict[str, int]] = {
     "files have at most 500 lines": {
-        "case/case_file.py": 318,
-        "cli/commands.py": 345,
         "linear/cholesky_kernels.py": 25,
-        "model/builder.py": 36,
     },
     "folders have at most 16 files": {
         "linear": 6,
         "minimise": 3,
-        "step": 3,
     },
     "functions have at most 8 arguments": {
         "contact/jacobian.py": 1,
         "linear/aggregates.py": 1,
-        "linear/assembly.py": 7,
+        "linear/assembly.py": 6,
         "linear/block_matrix.py": 1,
         "linear/cholesky_kernels.py": 2,
         "linear/incomplete.py": 7,
@@ -70,13 +70,7 @@ EXCEPTIONS: dict[str, dict[str, int]] = {
         "minimise/interior_kernels.py": 7,
         "minimise/island_kernels.py": 1,
         "minimise/line_search.py": 2,
-        "run/simulate.py": 1,
-        "step/energies.py": 1,
-        "step/energy_balance.py": 1,
         "step/impulses.py": 1,
-    },
-    "nothing is remembered between runs": {
-        "step/start.py": 1,
     },
     "no module holds what changes": {
         "linear/cholesky.py": 1,
@@ -175,7 +169,8 @@ def changing_state() -> Offences:
     """Names of modules that hold what changes: collections that are filled, objects, ``global``."""
     found = defaultdict(list)
     for path in files():
-        found[name_of(path)] = [*_changed_names(path), *_module_objects(path)]
+        objects = () if name_of(path) in OF_THE_PROCESS else _module_objects(path)
+        found[name_of(path)] = [*_changed_names(path), *objects]
     return found
 
 

@@ -24,15 +24,15 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 import numpy as np
 
 from clast import spelling
-from clast.case.blocks import BlockTable
 from clast.case.case_file import PLANES, Case
-from clast.case.ground_motion import GROUND_MOTIONS, GroundMotionTable
-from clast.case.materials import JointTable, RockTable
-from clast.case.measurements import MeasuredPointTable
-from clast.case.method import MethodTable
-from clast.case.supports_and_loads import FixedPointTable, LineLoadTable, PointLoadTable
-from clast.case.table import Table
-from clast.case.time_and_output import OutputTable, TimeTable
+from clast.case.tables.blocks import BlockTable
+from clast.case.tables.ground_motion import GROUND_MOTIONS, GroundMotionTable
+from clast.case.tables.materials import JointTable, RockTable
+from clast.case.tables.measurements import MeasuredPointTable
+from clast.case.tables.method import MethodTable
+from clast.case.tables.supports_and_loads import FixedPointTable, LineLoadTable, PointLoadTable
+from clast.case.tables.table import Table
+from clast.case.tables.time_and_output import OutputTable, TimeTable
 from clast.case.writing import as_plain, table_of
 from clast.errors import CaseError
 from clast.model import builder as model_builder

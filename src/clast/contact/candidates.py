@@ -11,7 +11,7 @@ from clast.block import polygon
 from clast.contact import seams
 from clast.contact.memory import pair_penetration, remembered_edges
 from clast.contact.narrow_phase import PART, candidates_of_parts, join_parts
-from clast.contact.search_distance import Reach
+from clast.contact.search_distance import SearchDistance
 from clast.model.model import Floats, Ints
 from clast.model.state import ContactMemory
 
@@ -51,7 +51,7 @@ def find_candidates(
     block_start: Ints,
     pairs: Ints,
     memory: ContactMemory,
-    reach: Reach,
+    reach: SearchDistance,
     shift: Floats | None = None,
     strain: Floats | None = None,
 ) -> Candidates:

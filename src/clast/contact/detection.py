@@ -22,7 +22,7 @@ from clast.contact.corner_rules import CornerRule
 from clast.contact.crossings import Chosen, with_crossings
 from clast.contact.memory import pair_penetration, recall
 from clast.contact.narrow_phase import contact_lengths
-from clast.contact.search_distance import Reach
+from clast.contact.search_distance import SearchDistance
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.model.model import Floats, Ints, JointTable, Model
 from clast.model.state import ContactMemory, State
@@ -33,7 +33,7 @@ def detect(
     corner_rule: CornerRule,
     state: State,
     centroid: Floats,
-    reach: Reach,
+    reach: SearchDistance,
     drift: Floats | None = None,
     near: VerletList | None = None,
 ) -> Contacts:
@@ -76,7 +76,7 @@ def _contacts(
     pairs: Ints,
     found: Candidates,
     chosen: Chosen,
-    reach: Reach,
+    reach: SearchDistance,
 ) -> Contacts:
     """Return the contacts of vertex, edge, pair and gap (m,) with memory, strength and levers."""
     vertex, edge, pair, gap = chosen

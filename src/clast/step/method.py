@@ -83,7 +83,7 @@ class Solved:
     bearing: Floats
     """Normal forces that contacts go on with, N/m, shape (m,)."""
     depth: float
-    """How deep a vertex may have moved into a block, m (see Reach.depth)."""
+    """How deep a vertex may have moved into a block, m (see SearchDistance.depth)."""
     lost: float = 0.0
     """Kinetic energy that impacts took before it entered, J/m."""
     counts: dict[str, int] = field(default_factory=dict)
