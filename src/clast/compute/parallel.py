@@ -165,6 +165,7 @@ CONTACTS = Sharing(part=1024, many=3000)
 EACH = Sharing(part=1, many=2)
 """Loops over a few large pieces of work."""
 
+# A 0 in a call would be a type of its own to numba, and have the body compiled a second time.
 LOOP = """
 def {name}(count, {names}):
     at_once = max(count, 1) if count < {many} else {part}
@@ -174,7 +175,7 @@ def {name}(count, {names}):
 LOOP_BY_THREADS = """
 def {name}(count, {names}):
     if count < {many}:
-        {body}(0, count, {names})
+        {body}(min(count, 0), count, {names})
     else:
         progress = nothing_done()
         for thread in prange(threads_of(progress)):
@@ -193,7 +194,7 @@ def {name}(count, {names}):
 SUM_BY_THREADS = """
 def {name}(count, {names}):
     if count < {many}:
-        return {body}(0, count, {names})
+        return {body}(min(count, 0), count, {names})
     sums = np.empty((count + {part} - 1) // {part})
     progress = nothing_done()
     for thread in prange(threads_of(progress)):

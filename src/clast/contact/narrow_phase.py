@@ -166,7 +166,7 @@ def _comes_in(p, e, gap, along, own, outlines, looks):
     )
 
 
-@kernel()
+@kernel(inline="always")
 def _is_candidate(p, e, gap, along, own, outlines, looks):
     """Return True if vertex p could be in contact with edge e: the entrance test.
 
@@ -204,7 +204,7 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
     return not (at_corner and is_covered(p, e, at_end, own, outlines, bearing))
 
 
-@kernel()
+@kernel(inline="always")
 def _of_vertex(p, edges, outlines, looks, room, found):
     """Append the candidate edges among ``edges`` (first, last + 1) for vertex p; return the count.
 
@@ -241,7 +241,7 @@ def _is_around(p, vertices, box, j, distance):
     )
 
 
-@kernel()
+@kernel(inline="always")
 def _of_pairs(low, high, outlines, near, looks, room):
     """Write the candidates of pairs ``low`` to ``high`` - 1 into ``room``; return their number.
 
@@ -267,7 +267,8 @@ def _of_pairs(low, high, outlines, near, looks, room):
             first, last = block_start[j], block_start[j + 1]
             few = last - first <= FEW
             if not few:
-                around_it = edges_around(box[i], far, vertices, first, last)
+                window = box[i, 0], box[i, 1], box[i, 2], box[i, 3]
+                around_it = edges_around(window, far, vertices, first, last)
                 close = np.empty(len(around_it[1]), np.int64)
             for p in range(block_start[i], block_start[i + 1]):
                 if not _is_around(p, vertices, box, j, around):
@@ -333,7 +334,7 @@ def join_parts(first, last, most, found, room, joined):
 # length of joint -------------------------------------------------------------------------------
 
 
-@kernel()
+@kernel(inline="always")
 def _overlap(p, w, e, others, outlines, critdis):
     """Return the length that own edge from p to w shares with edge e, m, as seen by vertex p.
 
@@ -360,7 +361,7 @@ def _overlap(p, w, e, others, outlines, critdis):
     return 0.5 * (high - low)
 
 
-@kernel()
+@kernel(inline="always")
 def _edge_along(p, w, e, j, outlines, critdis):
     """Return the edge that own edge from p to w runs along: e, or the next one at a flat corner."""
     vertices, block_start, direction, length = outlines
