@@ -18,3 +18,9 @@ def good(*arguments: object) -> str:
     result = clast_command(*arguments)
     assert result.exit_code == 0, result.output
     return result.stdout
+
+
+def without_compilation(stderr: str) -> str:
+    """Return what a command says but for what it compiles, which depends on what ran before."""
+    lines = stderr.splitlines(keepends=True)
+    return "".join(line for line in lines if not line.startswith(("compiling, ", "compiled ")))

@@ -122,8 +122,8 @@ def bench(
         print_benchmark(measured)
 
 
-def warmup() -> None:
-    """Compile all kernels ahead of the first run."""
+def warmup(threads: Threads = None) -> None:
+    """Compile ahead of the first run what cases need, by as many threads as they will run."""
     from time import perf_counter
 
     from clast.studies.warmup import warm_up

@@ -77,7 +77,7 @@ class RunRecorder:
     def start(self, state: State, about: Mapping[str, Any] | None = None) -> None:
         """Record the state at the start of the run and begin the file with it.
 
-        ``about`` says how the run is simulated (:mod:`clast.results.provenance`).
+        ``about`` says how the run is simulated (``clast.results.provenance``).
         """
         if self._file is not None:
             self._file.about = about or {}
