@@ -175,13 +175,13 @@ def _bisect(low, high, found, outlines, critdis, keep):
                 ):
                     alive[a - start] = False
         while True:
-            best = -1
+            best = stop  # none yet; -1 would be a type of its own to numba
             for a in range(start, stop):
                 if not alive[a - start]:
                     continue
-                if best < 0 or _is_nearer(a, best, gap, edge, remembered[g], length):
+                if best == stop or _is_nearer(a, best, gap, edge, remembered[g], length):
                     best = a
-            if best < 0:
+            if best == stop:
                 break
             keep[best] = True
             alive[best - start] = False

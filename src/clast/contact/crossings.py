@@ -274,7 +274,7 @@ def _each_with_each(own, of_own, others, of_others):
     return couples
 
 
-@kernel()
+@kernel(inline="always")
 def _couples_within(window, listed, bounds, vertices):
     """Return couples of edges of two blocks within a window, (k, 2); all that may cross.
 
@@ -297,7 +297,7 @@ def _is_a_contact(vertex, edge, depth, span, contacts):
     return False
 
 
-@kernel()
+@kernel(inline="always")
 def _of_pair(couples, crossed, span, contacts, limits, outlines, room, found):
     """Append the crossings of couples that contacts do not account for; return how many.
 
@@ -335,7 +335,7 @@ def _most_vertices(block_start):
     return most
 
 
-@kernel()
+@kernel(inline="always")
 def _unseen_of_pairs(outlines, box, pairs, contacts, pair, limits, room):
     """Write the crossings that no contact accounts for into ``room``; return their number."""
     vertices, _, block_start = outlines
