@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from clast.compute import chunks as shares
-from clast.contact.contacts import ContactResponse
 from clast.linear.factor import Factor, LinearSolver
 from clast.linear.solvers import Automatic, IteratedMatrix
-from clast.linear.system import BlockSystem
+from clast.linear.system import Bearing, BlockSystem
 from clast.model.model import Floats, Ints
 
 
@@ -31,14 +30,14 @@ class FactorOfStep:
         self.factorised = 0
         self.solved = 0
 
-    def solve(self, system: BlockSystem, response: ContactResponse) -> Floats:
+    def solve(self, system: BlockSystem, response: Bearing) -> Floats:
         """Return d (n, 6) of a system that was assembled with ``response``."""
         return self._factor_of(system, response).solve(system.force)
 
     def nearer(
         self,
         system: BlockSystem,
-        response: ContactResponse,
+        response: Bearing,
         guess: Floats | None,
         tolerance: float,
     ) -> Floats:
@@ -51,7 +50,7 @@ class FactorOfStep:
             return factor.nearer(system.force, guess, max(tolerance, factor.tolerance))
         return factor.solve(system.force)
 
-    def _factor_of(self, system: BlockSystem, response: ContactResponse) -> Factor:
+    def _factor_of(self, system: BlockSystem, response: Bearing) -> Factor:
         """Return the matrix made ready, or the last one where no stiffness has changed."""
         stiffness = (response.normal_stiffness, response.shear_stiffness, response.coupling)
         same = len(self._stiffness) == len(stiffness) and all(

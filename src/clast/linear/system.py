@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.clipped_spring import Springs
+from clast.contact.contacts import Contacts
 from clast.errors import StepOutcome, StepRejected
 from clast.linear import assembly
 from clast.linear import block_matrix as block_rows
 from clast.linear import residual as balance
-from clast.linear.couplings import Blocks, Couplings, Graph, Rows, Springs
+from clast.linear.couplings import Blocks, Couplings, Graph, Rows
+from clast.linear.couplings import Springs as Kept
 from clast.model.model import Bools, Floats, Ints
 
 
@@ -27,6 +30,35 @@ class DiagonalTerms:
     """The part of it that is momentum, M/(theta h2) drift, shape (n, 6)."""
     centroid: Floats
     """Centroids of the blocks, m, shape (n, 2)."""
+
+
+class Bearing(Protocol):
+    """What links between blocks bear, linearised (see ContactResponse); each of shape (m,)."""
+
+    @property
+    def normal_force(self) -> Floats:
+        """N, N/m."""
+        ...
+
+    @property
+    def shear_force(self) -> Floats:
+        """T, N/m."""
+        ...
+
+    @property
+    def normal_stiffness(self) -> Floats:
+        """-dN/dgap, N/m per m."""
+        ...
+
+    @property
+    def shear_stiffness(self) -> Floats:
+        """-dT/dslip, N/m per m."""
+        ...
+
+    @property
+    def coupling(self) -> Floats:
+        """dT/dN."""
+        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,7 +91,7 @@ class BlockSystem:
         return self.couplings.lower
 
 
-def graph_of(contacts: Contacts, count: int) -> Graph:
+def graph_of(contacts: Contacts | Springs, count: int) -> Graph:
     """Return which pairs ``count`` blocks belong to and which contacts those have."""
     graph: Graph = assembly.graph(count, contacts.pairs, contacts.pair)
     return graph
@@ -73,11 +105,17 @@ def inverse_of_blocks(diagonal: Floats) -> Floats:
     return np.asarray(inverse)
 
 
-def contact_motions(contacts: Contacts, displacement: Floats) -> tuple[Floats, Floats]:
+def contact_motions(contacts: Contacts | Springs, displacement: Floats) -> tuple[Floats, Floats]:
     """Return how far each contact opens and slips by d (n, 6), m, shape (m,): n.d and t.d."""
     return assembly.contact_motions(
         contacts.vertex_block, contacts.edge_block, contacts.levers, displacement
     )
+
+
+def stretches(springs: Springs, displacement: Floats) -> tuple[Floats, Floats]:
+    """Return gap and slip of the links of springs (m,), m, after d (n, 6)."""
+    opening, slip = contact_motions(springs, displacement)
+    return springs.gap + opening, springs.slip + slip
 
 
 def gap_at_end(contacts: Contacts, displacement: Floats) -> Floats:
@@ -97,7 +135,7 @@ def gap_rate(contacts: Contacts, velocity: Floats) -> Floats:
 
 def with_contact_forces(
     force: Floats,
-    contacts: Contacts,
+    contacts: Contacts | Springs,
     graph: Graph,
     fixed: Bools,
     normal: Floats,
@@ -112,8 +150,8 @@ def with_contact_forces(
 def _with_contacts(
     base: DiagonalTerms,
     force: Floats,
-    contacts: Contacts,
-    response: ContactResponse,
+    contacts: Contacts | Springs,
+    response: Bearing,
     loads: tuple[Floats, Floats],
     fixed: Bools,
 ) -> BlockSystem:
@@ -153,8 +191,8 @@ def _with_contacts(
 
 def symmetric_system(
     base: DiagonalTerms,
-    contacts: Contacts,
-    response: ContactResponse,
+    contacts: Contacts | Springs,
+    response: Bearing,
     force: Floats,
     fixed: Bools,
     graph: Graph,
@@ -173,7 +211,7 @@ def symmetric_system(
         diagonal=diagonal,
         pairs=contacts.pairs,
         rows=graph[1:],
-        couplings=Springs(
+        couplings=Kept(
             graph=graph,
             vertex_block=vertex_block,
             levers=levers,
@@ -190,8 +228,8 @@ def symmetric_system(
 
 def assemble(
     base: DiagonalTerms,
-    contacts: Contacts,
-    response: ContactResponse,
+    contacts: Contacts | Springs,
+    response: Bearing,
     gap: Floats,
     slip: Floats,
     fixed: Bools,

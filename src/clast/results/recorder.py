@@ -12,8 +12,8 @@ import numpy as np
 
 from clast.errors import ResultsLost, RunStopped
 from clast.model.model import Model
-from clast.model.state import State
-from clast.results.layout import ENERGY_ROW, LEDGER_ENTRIES, STEP_ROW
+from clast.model.state import LEDGER_ENTRIES, State
+from clast.results.layout import ENERGY_ROW, STEP_ROW
 from clast.results.run import Report, Run
 from clast.results.tables import Table, no_contacts, points_row
 from clast.step.method import StepResult
