@@ -77,8 +77,8 @@ def find_candidates(
         (pairs, box, depth, reach.travel_of(len(box))),
         (
             np.zeros_like(vertices) if shift is None else shift,
-            (reach.front, reach.depth, reach.critdis, reach.tip),
-            bearing,
+            np.array([reach.front, reach.depth, reach.critdis, reach.tip]),
+            *bearing,
         ),
     )
     remembered = remembered_edges(start, vertex, edge, vertex_block, memory)

@@ -296,9 +296,12 @@ def candidates_of_parts(first, last, most, outlines, near, looks, room, found):
     had at the end of the last step (q,), m, and how far the blocks may move (n,), m.  ``room``, for
     ``most`` candidates a part, has the first candidate of each group, and of each candidate its
     vertex, edge, pair, gap and distance along the edge.  ``found`` (parts, 2) are the numbers of
-    candidates and of their groups, which are valid where as many fit.
+    candidates and of their groups, which are valid where as many fit.  ``looks`` come one by one,
+    the distances as an array (4,): threads take no tuples within tuples.
     """
     group_start, vertex, edge, pair, gap, along = room
+    front, depth, critdis, tip = looks[1]
+    together = looks[0], (front, depth, critdis, tip), looks[2:]
     for part in range(first, last):
         low, high = part * PART, min((part + 1) * PART, len(near[0]))
         begin = part * (most + 1)
@@ -311,7 +314,7 @@ def candidates_of_parts(first, last, most, outlines, near, looks, room, found):
             gap[begin:end],
             along[begin:end],
         )
-        found[part, 0], found[part, 1] = _of_pairs(low, high, outlines, near, looks, own)
+        found[part, 0], found[part, 1] = _of_pairs(low, high, outlines, near, together, own)
 
 
 @shared(EACH)
