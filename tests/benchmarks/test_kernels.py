@@ -17,7 +17,7 @@ from clast.block import polygon
 from clast.contact import broad_phase
 from clast.contact.candidates import find_candidates
 from clast.contact.contacts import Contacts
-from clast.contact.search_distance import Reach
+from clast.contact.search_distance import SearchDistance
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.linear import block_matrix as block_rows
 from clast.linear import pcg
@@ -52,9 +52,9 @@ class Standing:
     near: VerletList
 
     @property
-    def reach(self) -> Reach:
+    def reach(self) -> SearchDistance:
         limit = self.method.critdis + 2.0 * self.method.max_displacement
-        return Reach(front=limit, depth=limit, critdis=self.method.critdis)
+        return SearchDistance(front=limit, depth=limit, critdis=self.method.critdis)
 
     @property
     def pairs(self) -> Ints:

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numba
 
+from clast.block import polygon
 from clast.compute import jit as compiled
-from clast.contact import coulomb as laws
 
-CODE = "from clast.contact import coulomb; print(coulomb.penalty.stats.cache_path)"
+CODE = "from clast.block import polygon; print(polygon.travel.stats.cache_path)"
 
 
 def cache_path(**environment: str) -> str:
@@ -50,7 +50,8 @@ def test_the_folder_is_named_after_the_text_of_the_kernels_used(tmp_path, monkey
     assert kept() == before
     (tmp_path / "plain.py").write_text("# changed\n")
     assert {name for name in kept() if kept()[name] != before[name]} == {"plain"}
-    (tmp_path / "three.py").write_text("from clast.compute.jit import kernel  # changed\n")
+    loops = "from clast.compute.parallel import BLOCKS, shared\n"
+    (tmp_path / "three.py").write_text(loops)
     after = kept()
     assert {name for name in texts if after[name] != before[name]} == {
         "one",
@@ -61,8 +62,8 @@ def test_the_folder_is_named_after_the_text_of_the_kernels_used(tmp_path, monkey
 
 
 def test_kernels_are_kept_there_and_numbas_own_setting_is_left_alone():
-    kept = compiled.folder(Path(laws.__file__))
-    assert laws.penalty.stats.cache_path.startswith(kept or "/")
+    kept = compiled.folder(Path(polygon.__file__))
+    assert polygon.travel.stats.cache_path.startswith(kept or "/")
     assert numba.config.CACHE_DIR == os.environ.get("NUMBA_CACHE_DIR", "")
 
 
@@ -76,7 +77,7 @@ import numba
 import numpy as np
 from clast.block import polygon
 
-polygon.owners(np.array([0, 3, 7]))
+polygon.travel(np.zeros((3, 2)), np.ones((3, 2)))
 assert "scipy.linalg" not in sys.modules, "numba has asked scipy for a BLAS"
 product = numba.njit(lambda a, b: np.dot(a, b))(np.eye(2), np.array([[1.0, 2.0], [3.0, 4.0]]))
 assert product.tolist() == [[1.0, 2.0], [3.0, 4.0]]

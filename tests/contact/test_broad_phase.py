@@ -100,12 +100,9 @@ def test_more_pairs_than_room_was_made_for():
 
 def looked_at(box):
     """Return how many boxes stand in the cells that are searched: the work of the broad phase."""
-    count, low = len(box), box[:, :2].min(axis=0)
-    size = (box[:, 2:] - box[:, :2]).max(axis=1)
-    smallest, *_ = origin = broad_phase._origin(box, size)
-    assert origin[1:] == tuple(low)
-    level, cell = np.empty(count, np.int64), np.empty((count, 2), np.int64)
-    broad_phase._cells(0, count, box, size, origin, level, cell)
+    low = box[:, :2].min(axis=0)
+    (smallest, *corner), level, cell = broad_phase.cells_of(box)
+    assert corner == list(low)
     total = 0
     for k in np.unique(level):
         size = smallest * 2.0**k

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from clast.compute.chunks import MANY, PART
+from clast.compute.parallel import CONTACTS
 from clast.contact.coulomb import nothing_found
 from clast.contact.laws import answer_of_springs
 
-COUNTS = [1, 5, PART + 3, MANY + PART + 7]
+COUNTS = [1, 5, CONTACTS.part + 3, CONTACTS.many + CONTACTS.part + 7]
 P, K = 2e9, 5e8
 
 

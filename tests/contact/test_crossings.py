@@ -7,8 +7,7 @@ import pytest
 import shapely
 
 from clast.block import polygon
-from clast.contact import crossing_kernels as crossings
-from clast.contact import detection
+from clast.contact import crossings, detection
 from clast.contact.crossings import with_crossings
 from clast.model.state import ContactMemory
 from clast.run.overlap import unseen_overlaps

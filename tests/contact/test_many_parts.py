@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clast.block import polygon
-from clast.compute.chunks import MANY, PART
+from clast.compute.parallel import CONTACTS
 from clast.contact.contacts import ContactResponse
 from clast.contact.detection import find_tunnelled
 from clast.contact.memory import renew
@@ -45,8 +45,8 @@ def copied(copies):
 def test_copies_of_a_system_have_copies_of_its_contacts(seed):
     one, all_of_them = shaken(1, seed), shaken(COPIES, seed)
     blocks, vertices, count = len(OUTLINES), 4 * len(OUTLINES), len(one)
-    assert COPIES * blocks > PART
-    assert len(all_of_them.pairs) > 3 * PART
+    assert COPIES * blocks > CONTACTS.part
+    assert len(all_of_them.pairs) > 3 * CONTACTS.part
     assert len(all_of_them) == COPIES * count
     for k in range(COPIES):
         mine = slice(k * count, (k + 1) * count)
@@ -88,7 +88,7 @@ def test_copies_of_a_system_remember_the_same(later):
         found.append(shaken(copies, later, memory))
     one, all_of_them = found
     count = len(one)
-    assert COPIES * count >= MANY
+    assert COPIES * count >= CONTACTS.many
     assert gaps[1] == COPIES * gaps[0]
     assert one.known.all() == (later == 1)
     assert len(set(one.shear_force)) > 10
@@ -101,7 +101,7 @@ def test_copies_of_a_system_remember_the_same(later):
 
 def test_copies_of_a_system_have_the_same_areas_and_moments():
     count = len(OUTLINES)
-    copies = 1 + MANY // count
+    copies = 1 + CONTACTS.many // count
     vertices = np.concatenate(OUTLINES)
     shift = np.repeat(APART * np.arange(copies), len(vertices))
     all_of_them = np.tile(vertices, (copies, 1))

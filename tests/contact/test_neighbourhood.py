@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from clast.block import polygon
-from clast.compute.chunks import MANY
+from clast.compute.parallel import CONTACTS
 from clast.contact.broad_phase import all_within, overlapping_pairs
 from clast.contact.verlet_list import SPARE, VerletList
 from scenes.systems import box
@@ -25,7 +25,7 @@ def searched(vertices, start, half, fixed):
     return overlapping_pairs(wide, fixed)
 
 
-@pytest.mark.parametrize("count", [1, 2, 60, MANY + 100])
+@pytest.mark.parametrize("count", [1, 2, 60, CONTACTS.many + 100])
 @pytest.mark.parametrize("speed", [0.0, 0.01, 0.5])
 def test_the_same_as_a_new_search(count, speed):
     rng = np.random.default_rng(count)

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from clast.contact.search_distance import Reach
+from clast.contact.search_distance import SearchDistance
 
 PARALLEL = 3.0
 """Degrees within which edges count as parallel."""
@@ -101,7 +101,7 @@ def is_hidden(point, foot, outline, e, gap_to, critdis, foot_inside):
     return False
 
 
-def candidates(outline, k, other, reach: Reach):
+def candidates(outline, k, other, reach: SearchDistance):
     """Return the candidate edges of outline ``other`` for vertex k of ``outline``."""
     count, point = len(other), outline[k]
     gaps = signed_distances(point, other)
@@ -137,7 +137,7 @@ def candidates(outline, k, other, reach: Reach):
     return found
 
 
-def every_candidate(outlines, reach: Reach):
+def every_candidate(outlines, reach: SearchDistance):
     """Return {(block, vertex, other block, edge): Candidate} of all pairs of outlines."""
     return {
         (i, k, j, one.edge): one

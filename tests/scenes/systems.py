@@ -18,7 +18,7 @@ from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import Bisector, CornerRule
 from clast.contact.detection import detect
 from clast.contact.laws import Penalty
-from clast.contact.search_distance import Reach
+from clast.contact.search_distance import SearchDistance
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import RunStopped, StepOutcome, StepRejected
 from clast.linear.solvers import Automatic
@@ -223,7 +223,7 @@ def heap(count: int, columns: int, *, seed: int = 1, friction_angle: float = 30.
 
 # --- contact detection ---------------------------------------------------------------------
 
-REACH = Reach(front=0.005, depth=0.025, critdis=0.005)
+REACH = SearchDistance(front=0.005, depth=0.025, critdis=0.005)
 BISECTOR = Bisector()
 
 
@@ -247,7 +247,7 @@ def flat(outlines: Sequence[Floats]) -> Flat:
 
 def candidates_of(
     outlines: Sequence[Floats],
-    reach: Reach = REACH,
+    reach: SearchDistance = REACH,
     memory: ContactMemory | None = None,
     shift: Floats | None = None,
 ) -> Candidates:
@@ -270,7 +270,7 @@ class Touch:
 
 def touches_of(
     outlines: Sequence[Floats],
-    reach: Reach = REACH,
+    reach: SearchDistance = REACH,
     memory: ContactMemory | None = None,
     rule: CornerRule = BISECTOR,
 ) -> list[Touch]:
@@ -289,7 +289,10 @@ def touches_of(
 
 
 def contacts_of(
-    model: Model, state: State | None = None, reach: Reach = REACH, rule: CornerRule = BISECTOR
+    model: Model,
+    state: State | None = None,
+    reach: SearchDistance = REACH,
+    rule: CornerRule = BISECTOR,
 ) -> Contacts:
     """Return the contacts of a state as a step sees them."""
     state = state or at_start(model)

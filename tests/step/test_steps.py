@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clast.contact.laws import Penalty
-from clast.contact.search_distance import Reach
+from clast.contact.search_distance import SearchDistance
 from clast.contact.verlet_list import VerletList
 from clast.errors import StepOutcome, StepRejected
 from clast.model.state import ContactMemory
@@ -481,5 +481,5 @@ def test_renumbering_blocks_changes_no_motion(process):
 def test_reach_of_a_step_covers_the_motion_of_both_blocks():
     how = method(critdis=0.003, max_displacement=0.02)
     assert vars(reach_of(how)) == pytest.approx(
-        vars(Reach(front=0.003, depth=0.043, critdis=0.003))
+        vars(SearchDistance(front=0.003, depth=0.043, critdis=0.003))
     )

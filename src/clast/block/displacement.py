@@ -34,8 +34,9 @@ def force_at(x, y, fx, fy):
 
 
 @kernel(forceinline=True)
-def plus_transposed(k0, k1, k2, k3, k4, k5, x, y, u, v):
-    """Return the six lines of K + T(x, y)^T (u; v) for lines k0 to k5 and u, v (vec6 each)."""
+def plus_transposed(k, x, y, u, v):
+    """Return the six lines of K + T(x, y)^T (u; v) for six lines of K and u, v (vec6 each)."""
+    k0, k1, k2, k3, k4, k5 = k
     k2 = plus_scaled(plus_scaled(k2, -y, u), x, v)
     k3, k4 = plus_scaled(k3, x, u), plus_scaled(k4, y, v)
     k5 = plus_scaled(plus_scaled(k5, 0.5 * y, u), 0.5 * x, v)

@@ -47,11 +47,20 @@ def left_to_right(edges, vertices, first, last):
 
 
 @kernel()
-def edges_near(px, py, reach, left, edges, widest, vertices, first, last, found):
+def edges_around(window, reach, vertices, first, last):
+    """Return the edges of a block within ``reach``, m, of a window, as ``left_to_right`` does."""
+    found = np.empty(last - first, np.int64)
+    count = edges_within(window, reach, vertices, first, last, found)
+    return left_to_right(found[:count], vertices, first, last)
+
+
+@kernel()
+def edges_near(point, reach, listed, vertices, first, last, found):
     """Write the edges whose boxes come within ``reach``, m, of a point, in order; return how many.
 
-    ``left``, ``edges`` and ``widest`` as :func:`left_to_right` gives them.
+    ``listed`` are edges as :func:`left_to_right` gives them.
     """
+    (px, py), (left, edges, widest) = point, listed
     count = 0
     for k in range(np.searchsorted(left, px - reach - widest), len(left)):
         if left[k] > px + reach:

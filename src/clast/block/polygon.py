@@ -168,3 +168,45 @@ def _farthest(first, last, movement, block_start, result):
             dx, dy = movement[k, 0], movement[k, 1]
             largest = max(largest, dx * dx + dy * dy)
         result[b] = np.sqrt(largest)
+
+
+@kernel()
+def depth_inside(px, py, vertices, first, last):
+    """Return the distance to the outline of a point inside the polygon, m; 0 outside."""
+    inside = False
+    nearest = np.inf
+    for k in range(first, last):
+        following = vertex_after(k, first, last)
+        x1, y1 = vertices[k, 0] - px, vertices[k, 1] - py
+        x2, y2 = vertices[following, 0] - px, vertices[following, 1] - py
+        if (y1 > 0.0) != (y2 > 0.0) and x1 + (x2 - x1) * (-y1) / (y2 - y1) > 0.0:
+            inside = not inside
+        dx, dy = x2 - x1, y2 - y1
+        share = min(1.0, max(0.0, -(x1 * dx + y1 * dy) / (dx * dx + dy * dy)))
+        fx, fy = x1 + share * dx, y1 + share * dy
+        nearest = min(nearest, fx * fx + fy * fy)
+    return np.sqrt(nearest) if inside else 0.0
+
+
+def thicknesses(vertices: Floats, block_start: Ints) -> Floats:
+    """Return the smallest extent of each block, m, across one of its edges, shape (n,)."""
+    result = np.empty(len(block_start) - 1)
+    _thicknesses(len(result), vertices, block_start, result)
+    return result
+
+
+@shared(BLOCKS)
+def _thicknesses(low_block, high_block, vertices, block_start, result):
+    """Write the thicknesses of blocks ``low_block`` to ``high_block`` - 1."""
+    for b in range(low_block, high_block):
+        first, last = block_start[b], block_start[b + 1]
+        least = np.inf
+        for k in range(first, last):
+            after = vertex_after(k, first, last)
+            tx, ty = vertices[after, 0] - vertices[k, 0], vertices[after, 1] - vertices[k, 1]
+            low, high = 0.0, 0.0
+            for p in range(first, last):
+                x, y = vertices[p, 0] - vertices[k, 0], vertices[p, 1] - vertices[k, 1]
+                low, high = min(low, tx * y - ty * x), max(high, tx * y - ty * x)
+            least = min(least, (high - low) / np.hypot(tx, ty))
+        result[b] = least

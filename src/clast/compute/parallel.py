@@ -13,7 +13,8 @@ returns the sum of what the body returns of each part, in the order of the parts
 depend on the number of threads, and so neither does any digit.
 
 Code for several threads takes longer to compile than all else.  A process that has one thread, as
-all have that do not ask for more by NUMBA_NUM_THREADS, compiles and keeps a plain loop instead.
+all have that do not ask for more by NUMBA_NUM_THREADS, compiles and keeps a plain loop instead, and
+the body within it: that takes a third of the time of body and loop by themselves.
 
 Threads are never equally fast: one may have to share its core or its part of the cache.  Halves of
 a loop would both wait for the slower thread; so each takes part after part of its own stretch, and
@@ -77,7 +78,7 @@ def _taken(context, progress, at):
     return types.int64(PROGRESS, types.int64), made
 
 
-def _next_piece(thread, progress, pieces):
+def _next_piece(thread: int, progress: Any, pieces: int) -> int:
     """Return a piece that no thread has taken yet, of 0 to ``pieces`` - 1, or -1: none is left."""
     threads = len(progress) // LINE
     for k in range(threads):
@@ -164,18 +165,17 @@ CONTACTS = Sharing(part=1024, many=3000)
 EACH = Sharing(part=1, many=2)
 """Loops over a few large pieces of work."""
 
+# A 0 in a call would be a type of its own to numba, and have the body compiled a second time.
 LOOP = """
 def {name}(count, {names}):
-    if count < {many}:
-        {body}(0, count, {names})
-    else:
-        for part in range((count + {part} - 1) // {part}):
-            {body}(part * {part}, min((part + 1) * {part}, count), {names})
+    at_once = max(count, 1) if count < {many} else {part}
+    for begin in range(0, count, at_once):
+        {body}(begin, min(begin + at_once, count), {names})
 """
 LOOP_BY_THREADS = """
 def {name}(count, {names}):
     if count < {many}:
-        {body}(0, count, {names})
+        {body}(min(count, 0), count, {names})
     else:
         progress = nothing_done()
         for thread in prange(threads_of(progress)):
@@ -184,17 +184,17 @@ def {name}(count, {names}):
 """
 SUM = """
 def {name}(count, {names}):
-    if count < {many}:
-        return {body}(0, count, {names})
-    sums = np.empty((count + {part} - 1) // {part})
-    for part in range(len(sums)):
-        sums[part] = {body}(part * {part}, min((part + 1) * {part}, count), {names})
+    at_once = max(count, 1) if count < {many} else {part}
+    sums = np.empty((count + at_once - 1) // at_once)
+    for piece in range(len(sums)):
+        begin = piece * at_once
+        sums[piece] = {body}(begin, min(begin + at_once, count), {names})
     return sums.sum()
 """
 SUM_BY_THREADS = """
 def {name}(count, {names}):
     if count < {many}:
-        return {body}(0, count, {names})
+        return {body}(min(count, 0), count, {names})
     sums = np.empty((count + {part} - 1) // {part})
     progress = nothing_done()
     for thread in prange(threads_of(progress)):
@@ -224,7 +224,8 @@ def _loop(
     """Return the decorator that fills in one of the two texts."""
 
     def made(body: Any) -> Any:
-        compiled = body if hasattr(body, "py_func") else kernel(**options)(body)
+        kept = options if BY_THREADS else {**options, "inline": "always"}
+        compiled = body if hasattr(body, "py_func") else kernel(**kept)(body)
         function = compiled.py_func
         names = ", ".join(list(inspect.signature(function).parameters)[2:])
         name = f"{function.__name__}_loop"  # numba keeps it beside the body, under its name
@@ -245,6 +246,6 @@ def _loop(
         loop: Any = known[name]
         loop.__module__, loop.__doc__ = function.__module__, function.__doc__
         loop.__code__ = loop.__code__.replace(co_firstlineno=function.__code__.co_firstlineno)
-        return kernel(parallel=BY_THREADS)(loop)
+        return kernel(parallel=BY_THREADS, **options)(loop)
 
     return made

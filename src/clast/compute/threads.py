@@ -16,7 +16,7 @@ from contextlib import contextmanager
 import numba
 from numba.np.ufunc.parallel import threading_layer
 
-from clast.compute.chunks import SHARED
+from clast.compute.parallel import BLOCKS
 
 
 @contextmanager
@@ -26,7 +26,7 @@ def threads_worth(blocks: int) -> Iterator[None]:
     Nothing that takes long is shared then, but calling the others for what is costs time.
     """
     asked = numba.get_num_threads()
-    if blocks < SHARED:
+    if blocks < BLOCKS.many:
         numba.set_num_threads(1)
     try:
         yield

@@ -51,16 +51,18 @@ class _SixModel(extending.models.PrimitiveModel):
         super().__init__(manager, kind, BOTH)
 
 
-def _join(builder, four, two):
+def _join(builder: Any, four: Any, two: Any) -> Any:
     value = builder.insert_value(ir.Constant(BOTH, ir.Undefined), four, 0)
     return builder.insert_value(value, two, 1)
 
 
-def _part(builder, value):
+def _part(builder: Any, value: Any) -> Any:
     return builder.extract_value(value, 0), builder.extract_value(value, 1)
 
 
-def _places(context, builder, signature, arguments, indices):
+def _places(
+    context: Any, builder: Any, signature: Any, arguments: Any, indices: int
+) -> tuple[Any, Any]:
     """Return pointers to the first four and the last two of the numbers at ``indices``."""
     array_type = signature.args[0]
     four_of, two_of = KEPT[array_type.dtype]
@@ -77,7 +79,7 @@ def _places(context, builder, signature, arguments, indices):
     )
 
 
-def _load(context, builder, signature, arguments):
+def _load(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     places = _places(context, builder, signature, arguments, len(signature.args) - 1)
     found, kind = [builder.load(place, align=UNALIGNED) for place in places], signature.args[0]
     if kind.dtype != types.float64:
@@ -85,7 +87,7 @@ def _load(context, builder, signature, arguments):
     return _join(builder, *found)
 
 
-def _store(context, builder, signature, arguments):
+def _store(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     places = _places(context, builder, signature, arguments, len(signature.args) - 2)
     found, kind = _part(builder, arguments[-1]), signature.args[0]
     if kind.dtype != types.float64:
@@ -96,19 +98,19 @@ def _store(context, builder, signature, arguments):
     return context.get_dummy_value()
 
 
-def _spread(builder, number, kind):
+def _spread(builder: Any, number: Any, kind: Any) -> Any:
     """Return a register filled with one number."""
     value = builder.insert_element(ir.Constant(kind, ir.Undefined), number, INDEX(0))
     return shuffle(builder, value, value, [0] * kind.count)
 
 
-def shuffle(builder, one, other, chosen):
+def shuffle(builder: Any, one: Any, other: Any, chosen: list[int]) -> Any:
     """Return the ``chosen`` of the numbers of two registers, counted on from one to the other."""
     mask = ir.Constant(ir.VectorType(INDEX, len(chosen)), chosen)
     return builder.shuffle_vector(one, other, mask)
 
 
-def _add_products(builder, y, u, v):
+def _add_products(builder: Any, y: Any, u: Any, v: Any) -> Any:
     """Return y + u v, part by part."""
     result = []
     for kind, of_y, of_u, of_v in zip((FOUR, TWO), y, u, v, strict=True):
@@ -119,7 +121,7 @@ def _add_products(builder, y, u, v):
     return _join(builder, *result)
 
 
-def _halved(builder, value):
+def _halved(builder: Any, value: Any) -> Any:
     """Return two sums of three of the six numbers each."""
     four, two = _part(builder, value)
     low, high = shuffle(builder, four, four, [0, 1]), shuffle(builder, four, four, [2, 3])

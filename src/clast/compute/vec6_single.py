@@ -10,6 +10,8 @@ in which they are written.
 
 from __future__ import annotations
 
+from typing import Any
+
 from llvmlite import ir
 from numba import extending
 from numba.core import cgutils, types
@@ -50,7 +52,7 @@ class _EightModel(extending.models.PrimitiveModel):
         super().__init__(manager, kind, REGISTER)
 
 
-def _place(context, builder, signature, arguments):
+def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     """Return a pointer to the first number of row or block i of an array."""
     kind = signature.args[0]
     array = context.make_array(kind)(context, builder, arguments[0])
@@ -59,16 +61,16 @@ def _place(context, builder, signature, arguments):
     return cgutils.get_item_pointer(context, builder, kind, array, at, wraparound=False)
 
 
-def _is_single(array):
+def _is_single(array: Any) -> bool:
     """Return whether it holds numbers in single precision: others would be misread."""
     return array.dtype == types.float32
 
 
-def _load(builder, place):
+def _load(builder: Any, place: Any) -> Any:
     return builder.load(builder.bitcast(place, REGISTER.as_pointer()), align=UNALIGNED)
 
 
-def _add_product(builder, y, u, v):
+def _add_product(builder: Any, y: Any, u: Any, v: Any) -> Any:
     """Return y + u v."""
     form = ir.FunctionType(REGISTER, [REGISTER] * 3)
     call = cgutils.get_or_insert_function(builder.module, form, "llvm.fmuladd.v8f32")

@@ -10,34 +10,52 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.compute.chunks import MANY, PART, bounds, parts
 from clast.compute.jit import kernel
-from clast.compute.parallel import nothing_done, prange, threads_of, to_do
+from clast.compute.parallel import BLOCKS, CONTACTS, EACH, shared
+from clast.model.model import Bools, Floats, Ints
 
 LEVELS = 48
 """Cell sizes differ by 2 from level to level; 48 levels span a ratio of 1e14."""
+PART = CONTACTS.part
+"""Boxes, or pairs of them, that a thread takes at a time."""
 
 
-@kernel()
-def _sizes(box):
-    """Return the larger side of each box (n,)."""
-    size = np.empty(len(box))
-    for b in range(len(box)):
-        size[b] = max(box[b, 2] - box[b, 0], box[b, 3] - box[b, 1])
-    return size
+def overlapping_pairs(box: Floats, fixed: Bools) -> Ints:
+    """Return pairs (lower, higher) of overlapping boxes, sorted, shape (m, 2).
+
+    ``box`` (n, 4) holds (xmin, ymin, xmax, ymax) in m, already widened by the search distance;
+    pairs of two blocks that are ``fixed`` (n,) are left out.  O(n).
+    """
+    count = len(box)
+    if count < 2:
+        return np.zeros((0, 2), np.int64)
+    origin, level, cell = cells_of(box)
+    slots = np.zeros(2 ** int(2 * count - 1).bit_length() + 1, np.int64)
+    order = np.empty(count, np.int64)
+    _file(level, cell, slots, order)
+    filed = box[order], fixed[order], level[order], cell[order], order
+    occupied = np.bincount(level, minlength=LEVELS) > 0
+    pairs = _collected(filed, slots, origin, occupied)
+    for side in (1, 0):
+        unsorted, pairs = pairs, np.empty_like(pairs)
+        _sort_by(unsorted, side, np.zeros(count + 1, np.int64), pairs)
+    return pairs
 
 
-@kernel()
-def _origin(box, size):
-    """Return the cell size of level 0, larger than its boxes, and where the cells begin, m."""
-    smallest, xmin, ymin = np.inf, np.inf, np.inf
-    for b in range(len(box)):
-        smallest = min(smallest, size[b])
-        xmin, ymin = min(xmin, box[b, 0]), min(ymin, box[b, 1])
-    return smallest * 1.001, xmin, ymin  # so that round-off cannot let a box reach two cells on
+def cells_of(box: Floats) -> tuple[tuple[float, float, float], Ints, Ints]:
+    """Return the origin of the grids, and level (n,) and cell (n, 2) of each box (n, 4).
+
+    The origin is the cell size of level 0, larger than its boxes, and where the cells begin, m.
+    """
+    size = np.maximum(box[:, 2] - box[:, 0], box[:, 3] - box[:, 1])
+    smallest = float(size.min()) * 1.001  # so that round-off cannot let a box reach two cells on
+    origin = smallest, float(box[:, 0].min()), float(box[:, 1].min())
+    level, cell = np.empty(len(box), np.int64), np.empty((len(box), 2), np.int64)
+    _cells(len(box), box, size, origin, level, cell)
+    return origin, level, cell
 
 
-@kernel()
+@shared(BLOCKS)
 def _cells(first, last, box, size, origin, level, cell):
     """Write the level of each box and the cell of its lower left corner there, (n, 2)."""
     smallest, xmin, ymin = origin
@@ -52,15 +70,6 @@ def _cells(first, last, box, size, origin, level, cell):
         cell[b, 1] = int(np.floor((box[b, 1] - ymin) / side))
 
 
-@kernel(parallel=True)
-def _cells_shared(box, size, origin, level, cell):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for part in to_do(thread, progress, parts(len(box))):
-            first, last = bounds(part, len(box))
-            _cells(first, last, box, size, origin, level, cell)
-
-
 @kernel()
 def _slot(level, row, column, mask):
     """Return the slot of a cell in a hash table of ``mask`` + 1 slots, a power of 2.
@@ -71,27 +80,22 @@ def _slot(level, row, column, mask):
 
 
 @kernel()
-def _file(level, cell):
-    """Return the first position of each slot of the hash table, and the boxes by slot (n,)."""
-    count = len(level)
-    slots = 1
-    while slots < 2 * count:
-        slots *= 2
-    start = np.zeros(slots + 1, np.int64)
+def _file(level, cell, start, order):
+    """Write the first position of each slot of the hash table, into zeros, and the boxes by slot.
+
+    A slot is one of a power of 2; ``order`` (n,) are the boxes in the order of their slots.
+    """
+    count, mask = len(level), len(start) - 2
     slot = np.empty(count, np.int64)
     for b in range(count):
-        slot[b] = _slot(level[b], cell[b, 1], cell[b, 0], slots - 1)
+        slot[b] = _slot(level[b], cell[b, 1], cell[b, 0], mask)
         start[slot[b] + 1] += 1
-    for s in range(slots):
+    for s in range(mask + 1):
         start[s + 1] += start[s]
-    filled = np.empty(slots, np.int64)
-    for s in range(slots):
-        filled[s] = start[s]
-    order = np.empty(count, np.int64)
+    filled = start[:-1].copy()
     for b in range(count):
         order[filled[slot[b]]] = b
         filled[slot[b]] += 1
-    return start, order
 
 
 @kernel()
@@ -143,114 +147,47 @@ def _collect(first, last, filed, slots, origin, occupied, pairs):
     return found
 
 
-@kernel(parallel=True)
-def _collect_parts(filed, slots, origin, occupied, room, found):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for part in to_do(thread, progress, len(found)):
-            last = min((part + 1) * PART, len(filed[0]))
-            found[part] = _collect(part * PART, last, filed, slots, origin, occupied, room[part])
+@shared(EACH)
+def _collect_parts(first, last, filed, slots, origin, occupied, room, found):
+    """Fill the rooms of parts ``first`` to ``last`` - 1 with pairs; write how many there are."""
+    for part in range(first, last):
+        low, high = part * PART, min((part + 1) * PART, len(filed[0]))
+        found[part] = _collect(low, high, filed, slots, origin, occupied, room[part])
 
 
-@kernel()
-def _joined(room, found):
-    """Return the pairs of all parts, one after the other, of (parts, room, 2)."""
-    pairs = np.empty((found.sum(), 2), np.int64)
-    at = 0
-    for part in range(len(found)):
-        for q in range(found[part]):
-            pairs[at, 0], pairs[at, 1] = room[part, q, 0], room[part, q, 1]
-            at += 1
-    return pairs
-
-
-@kernel()
-def _collected(filed, slots, origin):
+def _collected(
+    filed: tuple[Floats, Bools, Ints, Ints, Ints],
+    slots: Ints,
+    origin: tuple[float, float, float],
+    occupied: Bools,
+) -> Ints:
     """Return the pairs of overlapping boxes in the order in which they are filed, shape (m, 2)."""
-    box, _, level, _, _ = filed
-    occupied = np.zeros(LEVELS, np.bool_)
-    for b in range(len(box)):
-        occupied[level[b]] = True
-    found = np.zeros(parts(len(box)), np.int64)
-    most = 8 * min(PART, len(box)) + 64
+    count = len(filed[0])
+    found = np.zeros(-(-count // PART), np.int64)
+    most = 8 * min(PART, count) + 64
     while True:
         room = np.empty((len(found), most, 2), np.int64)
-        _collect_parts(filed, slots, origin, occupied, room, found)
+        _collect_parts(len(found), filed, slots, origin, occupied, room, found)
         if found.max() <= most:
-            return _joined(room, found)
-        most = found.max()
+            return np.concatenate([one[:number] for one, number in zip(room, found, strict=True)])
+        most = int(found.max())
 
 
 @kernel()
-def _sort_by(pairs, side, count):
-    """Return the pairs sorted by their block on one side, equal ones in the order they came."""
-    start = np.zeros(count + 1, np.int64)
+def _sort_by(pairs, side, start, result):
+    """Write the pairs sorted by their block on one side, equal ones in the order they came.
+
+    ``start`` (n + 1,) is room for n blocks, all 0.
+    """
     for q in range(len(pairs)):
         start[pairs[q, side] + 1] += 1
-    for b in range(count):
+    for b in range(len(start) - 1):
         start[b + 1] += start[b]
-    result = np.empty_like(pairs)
     for q in range(len(pairs)):
         b = pairs[q, side]
         result[start[b], 0] = pairs[q, 0]
         result[start[b], 1] = pairs[q, 1]
         start[b] += 1
-    return result
-
-
-@kernel()
-def _put_in_order(low, high, order, blocks, filed):
-    box, fixed, level, cell = blocks
-    boxes, held, levels, cells = filed
-    for position in range(low, high):
-        b = order[position]
-        held[position], levels[position] = fixed[b], level[b]
-        cells[position, 0], cells[position, 1] = cell[b, 0], cell[b, 1]
-        for side in range(4):
-            boxes[position, side] = box[b, side]
-
-
-@kernel(parallel=True)
-def _put_in_order_shared(order, blocks, filed):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for part in to_do(thread, progress, parts(len(order))):
-            low, high = bounds(part, len(order))
-            _put_in_order(low, high, order, blocks, filed)
-
-
-@kernel()
-def _in_order(order, box, fixed, level, cell):
-    """Return boxes, which are fixed, levels and cells in the order given (n,)."""
-    blocks = box, fixed, level, cell
-    filed = np.empty_like(box), np.empty_like(fixed), np.empty_like(level), np.empty_like(cell)
-    if len(order) >= MANY:
-        _put_in_order_shared(order, blocks, filed)
-    else:
-        _put_in_order(0, len(order), order, blocks, filed)
-    return filed
-
-
-@kernel()
-def overlapping_pairs(box, fixed):
-    """Return pairs (lower, higher) of overlapping boxes, sorted, shape (m, 2).
-
-    ``box`` (n, 4) holds (xmin, ymin, xmax, ymax) in m, already widened by the reach; pairs of two
-    blocks that are ``fixed`` (n,) are left out.  O(n).
-    """
-    count = len(box)
-    if count < 2:
-        return np.zeros((0, 2), np.int64)
-    size, level, cell = _sizes(box), np.empty(count, np.int64), np.empty((count, 2), np.int64)
-    origin = _origin(box, size)
-    if count >= MANY:
-        _cells_shared(box, size, origin, level, cell)
-    else:
-        _cells(0, count, box, size, origin, level, cell)
-    slots, order = _file(level, cell)
-    filed = (*_in_order(order, box, fixed, level, cell), order)
-    pairs = _collected(filed, slots, origin)
-    return _sort_by(_sort_by(pairs, 1, count), 0, count)
 
 
 @kernel()
@@ -275,42 +212,15 @@ def all_within(box, wide):
     return True
 
 
-@kernel()
-def _overlapping(first, last, pairs, box, kept):
-    """Write the overlapping pairs of ``first`` to ``last`` - 1 from ``first`` on; return how many.
-
-    Each is written, and written over where it does not overlap: nothing is to be foretold.
-    """
-    at = first
-    for q in range(first, last):
-        a, b = pairs[q, 0], pairs[q, 1]
-        kept[at, 0], kept[at, 1] = a, b
-        at += _overlap(box, a, b)
-    return at - first
-
-
-@kernel(parallel=True)
-def _overlapping_shared(pairs, box, kept, found):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for part in to_do(thread, progress, len(found)):
-            first, last = bounds(part, len(pairs))
-            found[part] = _overlapping(first, last, pairs, box, kept)
-
-
-@kernel()
-def overlapping_of(pairs, box):
+def overlapping_of(pairs: Ints, box: Floats) -> Ints:
     """Return which of the ``pairs`` (q, 2) of boxes (n, 4) overlap, in their order."""
-    kept, found = np.empty_like(pairs), np.empty(parts(len(pairs)), np.int64)
-    if len(pairs) >= MANY:
-        _overlapping_shared(pairs, box, kept, found)
-    else:
-        for part in range(len(found)):
-            first, last = bounds(part, len(pairs))
-            found[part] = _overlapping(first, last, pairs, box, kept)
-    result, at = np.empty((found.sum(), 2), np.int64), 0
-    for part in range(len(found)):
-        for q in range(part * PART, part * PART + found[part]):
-            result[at, 0], result[at, 1] = kept[q, 0], kept[q, 1]
-            at += 1
-    return result
+    overlap = np.empty(len(pairs), np.bool_)
+    _overlapping(len(pairs), pairs, box, overlap)
+    return pairs.compress(overlap, axis=0)
+
+
+@shared(CONTACTS)
+def _overlapping(first, last, pairs, box, overlap):
+    """Write whether pairs ``first`` to ``last`` - 1 overlap."""
+    for q in range(first, last):
+        overlap[q] = _overlap(box, pairs[q, 0], pairs[q, 1])

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from clast.block import polygon
-from clast.contact import memory_kernels as memory_kernel
-from clast.contact import narrow_phase, seams
-from clast.contact.search_distance import Reach
+from clast.contact import seams
+from clast.contact.memory import pair_penetration, remembered_edges
+from clast.contact.narrow_phase import PART, candidates_of_parts, join_parts
+from clast.contact.search_distance import SearchDistance
 from clast.model.model import Floats, Ints
 from clast.model.state import ContactMemory
 
@@ -44,33 +46,16 @@ class Candidates:
     """Length by which edges are extended where corners coincide, m."""
 
 
-def pair_penetration(block_start: Ints, pairs: Ints, memory: ContactMemory) -> Floats:
-    """Return the largest remembered penetration of each pair of blocks, m, shape (q,).
-
-    It belongs to the pair, not to the vertex: as blocks roll over each other a deep (soft) contact
-    is handed from a vertex of one to a vertex of the other.
-    """
-    depth: Floats = memory_kernel.deepest_by_pair(
-        pairs,
-        polygon.owners(block_start),
-        len(block_start) - 1,
-        memory.vertex,
-        memory.block,
-        memory.gap,
-    )
-    return depth
-
-
 def find_candidates(
     vertices: Floats,
     block_start: Ints,
     pairs: Ints,
     memory: ContactMemory,
-    reach: Reach,
+    reach: SearchDistance,
     shift: Floats | None = None,
     strain: Floats | None = None,
 ) -> Candidates:
-    """Return every edge that a vertex could be in contact with (see the module's kernels).
+    """Return every edge that a vertex could be in contact with (contact/narrow_phase.py).
 
     ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m, ``strain``
     (n, 3) that of the blocks; nothing if not given.
@@ -78,7 +63,6 @@ def find_candidates(
     direction, length = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
     vertex_block = polygon.owners(block_start)
-    depth = pair_penetration(block_start, pairs, memory)
     bearing = (
         *seams.rows_by_block(memory.vertex, memory.block, vertex_block, len(box)),
         memory.vertex,
@@ -87,18 +71,17 @@ def find_candidates(
         memory.gap,
         np.zeros((len(box), 3)) if strain is None else strain,
     )
-    start, vertex, edge, pair, gap, along = narrow_phase.candidates(
-        (vertices, np.zeros_like(vertices) if shift is None else shift, direction, length),
-        (block_start, box, vertex_block),
-        pairs,
-        depth,
-        reach.travel_of(len(box)),
-        (reach.front, reach.depth, reach.critdis, reach.tip),
-        bearing,
+    depth = pair_penetration(vertex_block, pairs, memory)
+    start, vertex, edge, pair, gap, along = _found(
+        (vertices, direction, length, vertex_block, block_start),
+        (pairs, box, depth, reach.travel_of(len(box))),
+        (
+            np.zeros_like(vertices) if shift is None else shift,
+            np.array([reach.front, reach.depth, reach.critdis, reach.tip]),
+            *bearing,
+        ),
     )
-    remembered = memory_kernel.remembered_edges(
-        start, vertex, edge, vertex_block, memory.vertex, memory.block, memory.edge
-    )
+    remembered = remembered_edges(start, vertex, edge, vertex_block, memory)
     return Candidates(
         group_start=start,
         vertex=vertex,
@@ -113,3 +96,30 @@ def find_candidates(
         block_start=block_start,
         critdis=reach.critdis,
     )
+
+
+def _found(outlines: Any, near: Any, looks: Any) -> tuple[Any, ...]:
+    """Return group starts, and of each candidate vertex, edge, pair, gap and way along the edge.
+
+    From what the kernels take (contact/narrow_phase.py).
+    """
+    count = len(near[0])
+    found = np.zeros((max(1, -(-count // PART)), 2), np.int64)
+    most = 64 + 6 * min(PART, count)
+    while True:
+        room = _room_for(len(found) * (most + 1))
+        candidates_of_parts(len(found), most, outlines, near, looks, room, found)
+        if found[:, 0].max() <= most:
+            break
+        most = int(found[:, 0].max())
+    number, groups = found.sum(axis=0)
+    joined = _room_for(int(number))
+    joined[0][0] = 0
+    join_parts(len(found), most, found, room, joined)
+    return joined[0][: groups + 1], *joined[1:]
+
+
+def _room_for(number: int) -> tuple[Ints, Ints, Ints, Ints, Floats, Floats]:
+    """Return arrays for so many candidates: group starts, vertex, edge, pair, gap, along."""
+    vertex, edge, pair = (np.empty(number, np.int64) for _ in range(3))
+    return np.empty(number + 1, np.int64), vertex, edge, pair, np.empty(number), np.empty(number)

@@ -10,11 +10,23 @@ re-entrant corner the vertex is inside where either edge is passed, and each is 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
-from clast.contact import corner_kernels as kernel
+import numpy as np
+
+from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
+from clast.compute.jit import kernel
+from clast.compute.parallel import CONTACTS, shared
 from clast.contact.candidates import Candidates
 from clast.model.model import Bools, Floats
+
+
+class CornerRule(Protocol):
+    """Chooses entrance edges among the candidate edges of a vertex at a corner of a block."""
+
+    def choose(self, candidates: Candidates, vertices: Floats) -> Bools:
+        """Return True for the candidates that become contacts, shape (m,)."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -50,26 +62,12 @@ class EntranceLines:
     def choose(self, candidates: Candidates, vertices: Floats) -> Bools:
         """Return True for the candidates that become contacts, shape (m,)."""
         keep = _shortest_exit(candidates, vertices)
-        kernel.one_vertex_per_joint_end(
-            keep,
-            candidates.group_start,
-            candidates.pair,
-            candidates.vertex,
-            candidates.edge,
-            candidates.along,
-            candidates.remembered,
-            candidates.critdis,
-            vertices,
-            candidates.direction,
-            candidates.length,
-            candidates.vertex_block,
-            candidates.block_start,
-        )
+        _one_vertex_per_joint_end(*_taken(candidates, vertices), candidates.critdis, keep)
         return keep
 
 
-def _shortest_exit(candidates: Candidates, vertices: Floats) -> Bools:
-    """Return True for the edges of the shortest exit from the corners that are entered, (m,)."""
+def _taken(candidates: Candidates, vertices: Floats) -> tuple[Any, Any]:
+    """Return candidates and outlines as the kernels take them."""
     found = (
         candidates.group_start,
         candidates.vertex,
@@ -86,13 +84,320 @@ def _shortest_exit(candidates: Candidates, vertices: Floats) -> Bools:
         candidates.vertex_block,
         candidates.block_start,
     )
-    keep: Bools = kernel.shortest_exit(found, outlines, candidates.critdis)
+    return found, outlines
+
+
+def _shortest_exit(candidates: Candidates, vertices: Floats) -> Bools:
+    """Return True for the edges of the shortest exit from the corners that are entered, (m,)."""
+    found, outlines = _taken(candidates, vertices)
+    keep = np.zeros(len(candidates.vertex), np.bool_)
+    known = np.zeros(len(keep), np.bool_)
+    _shortest_exits(len(candidates.remembered), found, outlines, candidates.critdis, known, keep)
     return keep
 
 
-class CornerRule(Protocol):
-    """Chooses entrance edges among the candidate edges of a vertex at a corner of a block."""
+@shared(CONTACTS)
+def _shortest_exits(first, last, found, outlines, critdis, known, keep):
+    """Judge the candidates of the pairs of blocks that begin with groups ``first`` to ``last`` - 1.
 
-    def choose(self, candidates: Candidates, vertices: Floats) -> Bools:
-        """Return True for the candidates that become contacts, shape (m,)."""
-        ...
+    ``found``: group starts, vertex, edge, pair, gap, distance along the edge, and the remembered
+    edge of each group or -1.  ``outlines``: vertices, direction and length of the edges that start
+    there, block of each vertex, first vertex of each block.  ``critdis`` is the length, m, by which
+    edges are extended.
+    """
+    group_start, _, _, pair, _, _, remembered = found
+    first, last = _next_pair(first, group_start, pair), _next_pair(last, group_start, pair)
+    low, high = group_start[first], group_start[last]
+    _bisect(first, last, found, outlines, critdis, keep)
+    _drop_not_entered(low, high, found, outlines, keep)
+    _are_known(first, last, group_start, remembered, known)
+    _drop_deeper_corners(low, high, found, outlines, known, keep)
+
+
+@kernel()
+def _relation(a, b, found, direction, first, last):
+    """Say how the edges of two candidates, of one block, share a vertex in front of them.
+
+    0: both are kept (re-entrant corner, walls of a slot); 1: one of them, by the bisector
+    (convex corner, faces of a plate); 2: one of them, the edge that the foot lies on (flat corner).
+    """
+    e, f, gap_e, gap_f = found[2][a], found[2][b], found[4][a], found[4][b]
+    adjacent = vertex_after(e, first, last) == f
+    if adjacent or vertex_after(f, first, last) == e:
+        turn = direction[e, 0] * direction[f, 1] - direction[e, 1] * direction[f, 0]
+        if not adjacent:
+            turn = -turn
+        cosine = direction[e, 0] * direction[f, 0] + direction[e, 1] * direction[f, 1]
+        if abs(turn) <= SMALL_ANGLE and cosine > 0.0:
+            return 2
+        return 1 if turn > 0.0 else 0
+    # not neighbours: back to back where each foot lies behind the other edge's line
+    cosine = direction[e, 0] * direction[f, 0] + direction[e, 1] * direction[f, 1]
+    behind_e = gap_e - gap_f * cosine < 0.0
+    behind_f = gap_f - gap_e * cosine < 0.0
+    return 1 if behind_e and behind_f else 0
+
+
+@kernel()
+def _loses_flat_corner(e, f, along_e, along_f, length, first, last):
+    """Return True if the foot has passed from edge e to edge f at their flat corner."""
+    if vertex_after(e, first, last) == f:
+        # beyond the end of e and beyond the start of f; on the corner itself e is kept
+        return (along_e - length[e]) + along_f > 0.0
+    return along_e + (along_f - length[f]) <= 0.0
+
+
+@kernel()
+def _bisect(low, high, found, outlines, critdis, keep):
+    """Keep the candidates of groups ``low`` to ``high`` - 1 that the angle bisector keeps.
+
+    At a convex corner of edges E1, E2 the vertex lies on E1's side of the bisector exactly where
+    its signed gap to E1 exceeds the gap to E2 (Yu & Yin 2015), inside and outside the block
+    alike.  On the bisector the remembered edge stays, else the lower index is taken.  ``critdis``
+    is the length by which edges are extended.
+    """
+    group_start, _, edge, _, gap, along, remembered = found
+    _, direction, length, vertex_block, block_start = outlines
+    for g in range(low, high):
+        start, stop = group_start[g], group_start[g + 1]
+        if stop - start == 1:
+            keep[start] = True
+            continue
+        j = vertex_block[edge[start]]
+        first, last = block_start[j], block_start[j + 1]
+        alive = np.ones(stop - start, np.bool_)
+        for a in range(start, stop):
+            for b in range(start, stop):
+                if a == b:
+                    continue
+                if _relation(a, b, found, direction, first, last) == 2 and _loses_flat_corner(
+                    edge[a], edge[b], along[a], along[b], length, first, last
+                ):
+                    alive[a - start] = False
+        while True:
+            best = stop  # none yet; -1 would be a type of its own to numba
+            for a in range(start, stop):
+                if not alive[a - start]:
+                    continue
+                if best == stop or _is_nearer(a, best, gap, edge, remembered[g], length):
+                    best = a
+            if best == stop:
+                break
+            keep[best] = True
+            alive[best - start] = False
+            for a in range(start, stop):
+                if alive[a - start] and _relation(best, a, found, direction, first, last) == 1:
+                    alive[a - start] = False
+        for a in range(start, stop):
+            if keep[a] and _is_beyond_notch(a, start, stop, found, outlines, critdis, keep):
+                keep[a] = False
+
+
+@kernel()
+def _is_beyond_notch(a, start, stop, found, outlines, critdis, keep):
+    """Return True if a foot lies beyond an edge's re-entrant end but the vertex is not in it.
+
+    Behind a re-entrant corner a vertex touches both edges.  Where the other edge has lost against
+    the next one (the vertex has come through the tread of a stair, not along its riser), or is
+    none of the candidates, the first edge is not touched either.
+    """
+    _, _, edge, _, _, along, _ = found
+    _, direction, length, vertex_block, block_start = outlines
+    e = edge[a]
+    first, last = block_start[vertex_block[e]], block_start[vertex_block[e] + 1]
+    at_end = along[a] > 0.0
+    beyond = max(-along[a], along[a] - length[e])
+    if (
+        beyond <= ROUND_OFF * length[e]
+        or turn_at(e, at_end, direction, first, last) >= -SMALL_ANGLE
+    ):
+        return False
+    other = vertex_after(e, first, last) if at_end else vertex_before(e, first, last)
+    for b in range(start, stop):
+        if edge[b] == other:
+            return not keep[b]
+    return beyond > critdis
+
+
+@kernel()
+def _is_nearer(a, b, gap, edge, remembered, length):
+    """Return True if candidate a is to be preferred to b: larger gap, remembered, lower index."""
+    tie = ROUND_OFF * min(length[edge[a]], length[edge[b]])
+    if gap[a] > gap[b] + tie:
+        return True
+    if gap[a] < gap[b] - tie:
+        return False
+    if edge[b] == remembered:
+        return False
+    return edge[a] == remembered or edge[a] < edge[b]
+
+
+@kernel()
+def _ends_at(e, p, first, last):
+    """Return True if vertex p is an end of edge e of its block."""
+    return e == p or vertex_after(e, first, last) == p
+
+
+@kernel()
+def _gap(p, e, vertices, direction):
+    """Return the signed distance of vertex p to the line of edge e, m, positive in front."""
+    x, y = vertices[p, 0] - vertices[e, 0], vertices[p, 1] - vertices[e, 1]
+    return x * direction[e, 1] - y * direction[e, 0]
+
+
+@kernel()
+def _is_entrance_passed(p, e, along, outlines):
+    """Return False where vertex p, behind edge e, has not entered the corner at the end of e.
+
+    Shi (1988): two convex corners P and Q are inside each other where both entrance lines are
+    passed, one on either side; seen from Q they bound the sum of the wedge at Q and the reversed
+    wedge at P.  Next to e the other line is that of the next edge f of Q if the whole wedge at P
+    lies in front of it, else that of P's own edge on that side, which Q has to pass.  A vertex that
+    lies along e with an edge of its own (face to face) is not judged.
+    """
+    vertices, direction, length, vertex_block, block_start = outlines
+    i, j = vertex_block[p], vertex_block[e]
+    first, last = block_start[j], block_start[j + 1]
+    at_end = along > 0.5 * length[e]
+    if turn_at(e, at_end, direction, first, last) <= SMALL_ANGLE:
+        return True
+    corner = vertex_after(e, first, last) if at_end else e
+    f = corner if at_end else vertex_before(e, first, last)
+    if _gap(p, f, vertices, direction) < 0.0:
+        return True
+    # P's own edge above e, and the direction in which it leaves P
+    a = p if at_end else vertex_before(p, block_start[i], block_start[i + 1])
+    sign = 1.0 if at_end else -1.0
+    ux, uy = sign * direction[a, 0], sign * direction[a, 1]
+    if abs(ux * direction[e, 1] - uy * direction[e, 0]) <= SMALL_ANGLE:
+        return True
+    if ux * direction[f, 1] - uy * direction[f, 0] >= 0.0:
+        return False
+    return _gap(corner, a, vertices, direction) < 0.0
+
+
+@kernel()
+def _drop_not_entered(low, high, found, outlines, keep):
+    """Drop vertices that have passed one line of a corner but are not inside it, in place.
+
+    Beside a sharp corner a vertex can lie behind an edge, its foot on it, and yet outside the
+    block, on the other side of the wedge.  Of candidates ``low`` to ``high`` - 1.
+    """
+    _, vertex, edge, _, gap, along, _ = found
+    for c in range(low, high):
+        if keep[c] and gap[c] < 0.0:
+            keep[c] = _is_entrance_passed(vertex[c], edge[c], along[c], outlines)
+
+
+@kernel()
+def _meets(p, e, q, a, outlines):
+    """Say how contacts (P, edge e) and (Q, edge a) of two blocks meet.
+
+    0: they have nothing to do with each other; 1: e ends at Q and a at P, they are the two entrance
+    lines of corners P and Q; 2: e and a run along each other from P and Q, which coincide at one
+    end of a joint; 3: the same, P and Q are its two ends.
+    """
+    _, direction, _, vertex_block, block_start = outlines
+    i, j = vertex_block[a], vertex_block[e]
+    if (
+        i == j
+        or not _ends_at(e, q, block_start[j], block_start[j + 1])
+        or not _ends_at(a, p, block_start[i], block_start[i + 1])
+    ):
+        return 0
+    sine = direction[e, 0] * direction[a, 1] - direction[e, 1] * direction[a, 0]
+    if abs(sine) > SMALL_ANGLE:
+        return 1
+    # the directions in which e leaves Q and a leaves P are the same where Q and P coincide
+    cosine = direction[e, 0] * direction[a, 0] + direction[e, 1] * direction[a, 1]
+    return 2 if (cosine > 0.0) == ((e == q) == (a == p)) else 3
+
+
+@kernel()
+def _are_known(low, high, group_start, remembered, known):
+    """Say of the candidates of groups ``low`` to ``high`` - 1 whether they were in contact before.
+
+    That is whether their vertex was with any edge of the same block.
+    """
+    for g in range(low, high):
+        known[group_start[g] : group_start[g + 1]] = remembered[g] >= 0
+
+
+@kernel()
+def _drop_deeper_corners(low, high, found, outlines, known, keep):
+    """Keep one contact where two corners are inside each other (vertex to vertex), in place.
+
+    Vertex P of block i is behind edge e of block j that ends at Q, and Q behind an edge a of i
+    that ends at P.  Moving out along either normal parts the corners, so that the shortest exit
+    counts, as at one corner: the larger gap; on a tie the contact that is remembered, else the
+    lower vertex.  Of candidates ``low`` to ``high`` - 1, all of some pairs of blocks.
+    """
+    _, vertex, edge, pair, gap, _, _ = found
+    length = outlines[2]
+    start = low
+    while start < high:
+        stop = start + 1
+        while stop < high and pair[stop] == pair[start]:
+            stop += 1
+        for c in range(start, stop):
+            for d in range(c + 1, stop):
+                if not (keep[c] and keep[d]) or gap[c] >= 0.0 or gap[d] >= 0.0:
+                    continue
+                p, e, q, a = vertex[c], edge[c], vertex[d], edge[d]
+                if _meets(p, e, q, a, outlines) != 1:
+                    continue
+                if abs(gap[c] - gap[d]) > ROUND_OFF * min(length[e], length[a]):
+                    first_stays = gap[c] > gap[d]
+                elif known[c] != known[d]:
+                    first_stays = known[c]
+                else:
+                    first_stays = p < q
+                keep[d if first_stays else c] = False
+        start = stop
+
+
+@kernel()
+def _next_pair(g, group_start, pair):
+    """Return the first group from ``g`` on with which a pair of blocks begins."""
+    groups = len(group_start) - 1
+    while 0 < g < groups and pair[group_start[g]] == pair[group_start[g] - 1]:
+        g += 1
+    return min(g, groups)
+
+
+@kernel()
+def _one_vertex_per_joint_end(found, outlines, critdis, keep):
+    """Keep one of the two vertices that coincide at an end of a joint, in place.
+
+    Corners P and Q coincide where they are within critdis.  The vertex that was in contact
+    before stays; else the one whose foot lies on the other block's edge, else the lower one.
+    """
+    group_start, vertex, edge, pair, _, along, remembered = found
+    vertices, _, length, _, _ = outlines
+    known = np.zeros(len(edge), np.bool_)
+    _are_known(0, len(remembered), group_start, remembered, known)
+    start = 0
+    while start < len(edge):
+        stop = start + 1
+        while stop < len(edge) and pair[stop] == pair[start]:
+            stop += 1
+        for c in range(start, stop):
+            for d in range(c + 1, stop):
+                p, e, q, a = vertex[c], edge[c], vertex[d], edge[d]
+                if (
+                    not (keep[c] and keep[d])
+                    or np.hypot(vertices[p, 0] - vertices[q, 0], vertices[p, 1] - vertices[q, 1])
+                    > critdis
+                    or _meets(p, e, q, a, outlines) != 2
+                ):
+                    continue
+                beyond_c = max(-along[c], along[c] - length[e]) > ROUND_OFF * length[e]
+                beyond_d = max(-along[d], along[d] - length[a]) > ROUND_OFF * length[a]
+                if known[c] != known[d]:
+                    first_stays = known[c]
+                elif beyond_c != beyond_d:
+                    first_stays = beyond_d
+                else:
+                    first_stays = p < q
+                keep[d if first_stays else c] = False
+        start = stop

@@ -5,6 +5,11 @@ without a vertex inside either, or with one that no rule lets in: a sharp corner
 the end of an edge, or through a thin corner and out again on its far side; two faces whose ends
 have passed each other.  Such blocks would go through each other unopposed.  Their edges cross, and
 the shorter way out of a crossing, of a vertex over an edge, is a contact as well.
+
+Where two outlines overlap their edges cross.  A crossing is accounted for by a contact whose
+penetration, taken back along its normal, takes the two edges apart.  Edges a and e that cross have
+one end each, P and Q, behind the other.  They come apart where P is taken back over e or Q over a,
+whichever is nearer: that distance is the depth of the crossing.
 """
 
 from __future__ import annotations
@@ -12,7 +17,9 @@ from __future__ import annotations
 import numpy as np
 
 from clast.block import polygon
-from clast.contact import crossing_kernels as kernel
+from clast.block.edge_lists import edges_within, left_to_right
+from clast.block.polygon import depth_inside, vertex_after, vertex_before
+from clast.compute.jit import kernel
 from clast.model.model import Floats, Ints
 from clast.model.state import ContactMemory
 
@@ -25,6 +32,13 @@ NEIGHBOUR = 1.5
 corner that bears on a surface is below the next block's corner before it comes upon that block."""
 HANDED_ON = 2.0
 """How much deeper than what the pair remembers a contact may be that takes over from another."""
+PAIRWISE = 256
+"""Edges are tried each against each where that takes no more trials; else by a sweep."""
+NEAR = 10.0
+"""Contacts within this distance account for a crossing, in units of its depth."""
+APART = 0.1
+"""Sine of the angle between two contacts' normals from which they say two different things."""
+
 
 Chosen = tuple[Ints, Ints, Ints, Floats]
 """Vertex, edge, pair and gap, m, of contacts in the order of the pairs of blocks, (m,) each."""
@@ -49,7 +63,7 @@ def with_crossings(
     vertex, edge, pair, gap = chosen
     box = polygon.boxes(outlines[0], outlines[2])
     contacts = (vertex, edge, gap, vertex_block)
-    found = kernel.unseen(outlines, box, pairs, contacts, pair, TAKEN_BACK, SHALLOW * critdis)
+    found = unseen(outlines, box, pairs, contacts, pair, TAKEN_BACK, SHALLOW * critdis)
     if not len(found[0]):
         return chosen
     which, of_pair = np.unique(found[3], return_inverse=True)
@@ -66,7 +80,7 @@ def with_crossings(
         ],
         axis=1,
     )
-    at, of_gap = kernel.ways_out(found, pairs, remembered, limit[of_pair], TAKEN_BACK, outlines)
+    at, of_gap = _ways_out(found, pairs, remembered, limit[of_pair], TAKEN_BACK, outlines)
     return _merged(chosen, at, of_gap)
 
 
@@ -99,3 +113,358 @@ def _merged(chosen: Chosen, added: Ints, gap: Floats) -> Chosen:
     order = np.lexsort((edge, vertex, pair))
     gaps = np.concatenate((chosen[3], gap))
     return vertex[order], edge[order], pair[order], gaps[order]
+
+
+@kernel()
+def _side(ax, ay, bx, by, px, py):
+    """Return twice the area of triangle A, B, P: positive where P is left of A to B."""
+    return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
+
+
+@kernel()
+def _cross(a, b, e, f, vertices, dx, dy):
+    """Return whether segment a to b, moved by (dx, dy), and segment e to f cross properly."""
+    ax, ay = vertices[a, 0] + dx, vertices[a, 1] + dy
+    bx, by = vertices[b, 0] + dx, vertices[b, 1] + dy
+    ex, ey, fx, fy = vertices[e, 0], vertices[e, 1], vertices[f, 0], vertices[f, 1]
+    if (_side(ax, ay, bx, by, ex, ey) > 0.0) == (_side(ax, ay, bx, by, fx, fy) > 0.0):
+        return False
+    return (_side(ex, ey, fx, fy, ax, ay) > 0.0) != (_side(ex, ey, fx, fy, bx, by) > 0.0)
+
+
+@kernel()
+def _behind(p, e, vertices, direction):
+    """Return how far vertex p lies behind the line of edge e, m."""
+    x, y = vertices[p, 0] - vertices[e, 0], vertices[p, 1] - vertices[e, 1]
+    return y * direction[e, 0] - x * direction[e, 1]
+
+
+@kernel()
+def _exit(a, b, e, f, vertices, direction):
+    """Return the shorter way out of a crossing: its vertex, the edge to pass, and how far, m."""
+    p = a if _behind(a, e, vertices, direction) > 0.0 else b
+    q = e if _behind(e, a, vertices, direction) > 0.0 else f
+    of_p, of_q = _behind(p, e, vertices, direction), _behind(q, a, vertices, direction)
+    if of_p <= of_q:
+        return p, e, of_p
+    return q, a, of_q
+
+
+@kernel()
+def _cross_around(a, e, bounds, vertices, dx, dy):
+    """Return whether edges a and e, or those next to them, cross when a's block is moved.
+
+    By (dx, dy), m.  A crossing can pass to the next edge: then the blocks still overlap there.
+    """
+    first_i, last_i, first_j, last_j = bounds
+    own = vertex_before(a, first_i, last_i)
+    for _ in range(3):
+        own_end = vertex_after(own, first_i, last_i)
+        other = vertex_before(e, first_j, last_j)
+        for _ in range(3):
+            other_end = vertex_after(other, first_j, last_j)
+            if _cross(own, own_end, other, other_end, vertices, dx, dy):
+                return True
+            other = other_end
+        own = own_end
+    return False
+
+
+@kernel()
+def _taken_back(c, contacts, lower, share, direction):
+    """Return how the pair's ``lower`` block moves where a contact's penetration is taken back.
+
+    The unit direction, and ``share`` of the penetration, m.
+    """
+    vertex, edge, gap, vertex_block = contacts
+    sign = 1.0 if vertex_block[vertex[c]] == lower else -1.0
+    return sign * direction[edge[c], 1], -sign * direction[edge[c], 0], -share * gap[c]
+
+
+@kernel()
+def _is_near(p, way_out, vertices):
+    """Return whether vertex p is near the vertex of a way out, by its depth."""
+    vertex, depth = way_out
+    x, y = vertices[p, 0] - vertices[vertex, 0], vertices[p, 1] - vertices[vertex, 1]
+    return x * x + y * y <= (NEAR * depth) ** 2
+
+
+@kernel()
+def _is_accounted_for(crossing, way_out, span, contacts, share, outlines):
+    """Return whether contacts of a ``span`` (first, last + 1) end a crossing if taken back.
+
+    One of them, or two of different directions together: a vertex in a re-entrant corner.  Only
+    those near the crossing count: what holds one end of two faces does not hold the other.
+    """
+    a, e, bounds, lower = crossing
+    vertices, direction, _ = outlines
+    gap, (low, high) = contacts[2], span
+    for c in range(low, high):
+        if gap[c] >= 0.0 or not _is_near(contacts[0][c], way_out, vertices):
+            continue
+        x, y, way = _taken_back(c, contacts, lower, share, direction)
+        if not _cross_around(a, e, bounds, vertices, way * x, way * y):
+            return True
+        for d in range(low, c):
+            if gap[d] >= 0.0 or not _is_near(contacts[0][d], way_out, vertices):
+                continue
+            u, v, other = _taken_back(d, contacts, lower, share, direction)
+            sine = x * v - y * u
+            if abs(sine) < APART:
+                continue
+            dx, dy = (way * v - other * y) / sine, (other * x - way * u) / sine
+            if not _cross_around(a, e, bounds, vertices, dx, dy):
+                return True
+    return False
+
+
+@kernel()
+def _window(box, i, j):
+    """Return what the boxes of two blocks share: xmin, ymin, xmax, ymax, m."""
+    return (
+        max(box[i, 0], box[j, 0]),
+        max(box[i, 1], box[j, 1]),
+        min(box[i, 2], box[j, 2]),
+        min(box[i, 3], box[j, 3]),
+    )
+
+
+@kernel()
+def _couples(own, of_own, others, of_others, vertices, bounds):
+    """Return all couples of edges of two blocks that may cross, (k, 2), where there are many.
+
+    A sweep from left to right: only those whose extents in x meet.
+    """
+    first_i, last_i, first_j, last_j = bounds
+    left_a, edge_a, _ = left_to_right(own[:of_own], vertices, first_i, last_i)
+    left_e, edge_e, widest = left_to_right(others[:of_others], vertices, first_j, last_j)
+    count, start, room = 0, 0, np.empty((4 * (of_own + of_others), 2), np.int64)
+    for x in range(of_own):
+        a = edge_a[x]
+        b = vertex_after(a, first_i, last_i)
+        right = max(vertices[a, 0], vertices[b, 0])
+        low, high = min(vertices[a, 1], vertices[b, 1]), max(vertices[a, 1], vertices[b, 1])
+        while start < of_others and left_e[start] + widest < left_a[x]:
+            start += 1
+        for y in range(start, of_others):
+            if left_e[y] > right:
+                break
+            e = edge_e[y]
+            f = vertex_after(e, first_j, last_j)
+            if (
+                max(vertices[e, 1], vertices[f, 1]) < low
+                or min(vertices[e, 1], vertices[f, 1]) > high
+            ):
+                continue
+            if count == len(room):
+                room = np.concatenate((room, np.empty_like(room)))
+            room[count, 0], room[count, 1] = a, e
+            count += 1
+    return room[:count]
+
+
+@kernel()
+def _each_with_each(own, of_own, others, of_others):
+    """Return all couples of edges of two blocks, (k, 2)."""
+    couples = np.empty((of_own * of_others, 2), np.int64)
+    for x in range(of_own):
+        for y in range(of_others):
+            couples[x * of_others + y, 0] = own[x]
+            couples[x * of_others + y, 1] = others[y]
+    return couples
+
+
+@kernel(inline="always")
+def _couples_within(window, listed, bounds, vertices):
+    """Return couples of edges of two blocks within a window, (k, 2); all that may cross.
+
+    ``listed`` is room for the edges of either.
+    """
+    own, others = listed
+    of_own = edges_within(window, 0.0, vertices, bounds[0], bounds[1], own)
+    of_others = edges_within(window, 0.0, vertices, bounds[2], bounds[3], others)
+    if of_own * of_others <= PAIRWISE:
+        return _each_with_each(own, of_own, others, of_others)
+    return _couples(own, of_own, others, of_others, vertices, bounds)
+
+
+@kernel()
+def _is_a_contact(vertex, edge, depth, span, contacts):
+    """Return whether a contact of a ``span`` is this vertex over this edge as deep."""
+    for c in range(span[0], span[1]):
+        if contacts[0][c] == vertex and contacts[1][c] == edge:
+            return -contacts[2][c] >= depth
+    return False
+
+
+@kernel(inline="always")
+def _of_pair(couples, crossed, span, contacts, limits, outlines, room, found):
+    """Append the crossings of couples that contacts do not account for; return how many.
+
+    ``crossed`` are the first and last + 1 vertex of the pair's blocks and the lower block.
+    ``found`` are there already; what exceeds the ``room`` is counted only.
+    """
+    vertices, direction, _ = outlines
+    bounds, lower = crossed
+    share, floor = limits
+    crossing, exits, depths, _ = room
+    for k in range(len(couples)):
+        a, e = couples[k, 0], couples[k, 1]
+        b, f = vertex_after(a, bounds[0], bounds[1]), vertex_after(e, bounds[2], bounds[3])
+        if not _cross(a, b, e, f, vertices, 0.0, 0.0):
+            continue
+        vertex, edge, depth = _exit(a, b, e, f, vertices, direction)
+        if depth <= floor or _is_a_contact(vertex, edge, depth / share, span, contacts):
+            continue
+        one, way_out = (a, e, bounds, lower), (vertex, depth)
+        if _is_accounted_for(one, way_out, span, contacts, share, outlines):
+            continue
+        if found < len(depths):
+            crossing[found, 0], crossing[found, 1], depths[found] = a, e, depth
+            exits[found, 0], exits[found, 1] = vertex, edge
+        found += 1
+    return found
+
+
+@kernel()
+def _most_vertices(block_start):
+    """Return the largest number of vertices of a block."""
+    most = 0
+    for b in range(len(block_start) - 1):
+        most = max(most, block_start[b + 1] - block_start[b])
+    return most
+
+
+@kernel(inline="always")
+def _unseen_of_pairs(outlines, box, pairs, contacts, pair, limits, room):
+    """Write the crossings that no contact accounts for into ``room``; return their number."""
+    vertices, _, block_start = outlines
+    most, floor = _most_vertices(block_start), limits[1]
+    listed = np.empty(most, np.int64), np.empty(most, np.int64)
+    found, low = 0, 0
+    for q in range(len(pairs)):
+        while low < len(pair) and pair[low] < q:
+            low += 1
+        high = low
+        while high < len(pair) and pair[high] == q:
+            high += 1
+        i, j = pairs[q, 0], pairs[q, 1]
+        window = _window(box, i, j)
+        # what the two share is no thicker than what their boxes share
+        if min(window[2] - window[0], window[3] - window[1]) <= floor:
+            continue
+        before = found
+        bounds = block_start[i], block_start[i + 1], block_start[j], block_start[j + 1]
+        couples = _couples_within(window, listed, bounds, vertices)
+        crossed, span = (bounds, i), (low, high)
+        found = _of_pair(couples, crossed, span, contacts, limits, outlines, room, found)
+        room[3][before : min(found, len(room[3]))] = q
+    return found
+
+
+@kernel()
+def unseen(outlines, box, pairs, contacts, pair, share, floor):
+    """Return the crossings of edges deeper than ``floor``, m, that no contact accounts for.
+
+    Of ``pairs`` (q, 2) of blocks: the two edges, that of the pair's lower block first, (k, 2);
+    vertex and edge of the shorter way out, (k, 2); its length, m, and the pair, (k,).
+    ``outlines`` are vertices (nv, 2), directions of the
+    edges that start there and the first vertex of each block, ``box`` (n, 4) their boxes;
+    ``contacts`` vertex, edge and gap (m,), m, in the order of their ``pair`` (m,), and the block of
+    each vertex.  A contact accounts for what ``share`` of its penetration, taken back, undoes.
+    """
+    size = 64
+    while True:
+        room = (
+            np.empty((size, 2), np.int64),
+            np.empty((size, 2), np.int64),
+            np.empty(size),
+            np.empty(size, np.int64),
+        )
+        found = _unseen_of_pairs(outlines, box, pairs, contacts, pair, (share, floor), room)
+        if found <= size:
+            crossing, exits, depth, of_pair = room
+            return crossing[:found], exits[:found], depth[:found], of_pair[:found]
+        size = found
+
+
+@kernel()
+def _best_remembered(crossing, pair, remembered, share, outlines):
+    """Return which remembered contact of a pair ends a crossing with the least penetration, or -1.
+
+    Of those whose vertex is still behind its edge.
+    """
+    a, e, bounds, lower = crossing
+    vertices, direction, _ = outlines
+    vertex, edge, of_pair, vertex_block = remembered
+    best, least = -1, np.inf
+    for c in range(len(vertex)):
+        if of_pair[c] != pair:
+            continue
+        depth = _behind(vertex[c], edge[c], vertices, direction)
+        if not 0.0 < depth < least:
+            continue
+        way = share * depth if vertex_block[vertex[c]] == lower else -share * depth
+        dx, dy = way * direction[edge[c], 1], -way * direction[edge[c], 0]
+        if not _cross_around(a, e, bounds, vertices, dx, dy):
+            best, least = c, depth
+    return best
+
+
+@kernel()
+def _ways_out(crossings, pairs, remembered, limit, share, outlines):
+    """Return vertex, edge and pair of contacts that account for crossings, (k, 3), and gaps, m.
+
+    ``crossings`` as :func:`unseen` gives them; ``remembered`` are vertex, edge and pair (m,) of
+    the contacts that were closed at the end of the last step, and the block of each vertex.  The
+    one of these that ends the crossing goes on; where none does it is the shorter way out, for
+    crossings that are deeper than the first and less deep than the second ``limit`` (k, 2), m.
+    """
+    crossing, exits, depths, of_pair = crossings
+    vertices, direction, block_start = outlines
+    at, on, _, vertex_block = remembered
+    found, count = np.empty((len(depths), 3), np.int64), 0
+    gap = np.empty(len(depths))
+    for k in np.argsort(depths):
+        a, e, q = crossing[k, 0], crossing[k, 1], of_pair[k]
+        i, j = pairs[q, 0], pairs[q, 1]
+        bounds = block_start[i], block_start[i + 1], block_start[j], block_start[j + 1]
+        one, is_accounted_for = (a, e, bounds, i), False
+        added = (found[:count, 0], found[:count, 1], gap[:count], vertex_block)
+        for c in range(count):
+            is_accounted_for |= found[c, 2] == q and _is_accounted_for(
+                one, (exits[k, 0], depths[k]), (c, c + 1), added, share, outlines
+            )
+        if is_accounted_for:
+            continue
+        best = _best_remembered(one, q, remembered, share, outlines)
+        if best >= 0:
+            found[count, 0], found[count, 1] = at[best], on[best]
+        elif limit[k, 0] < depths[k] < limit[k, 1]:
+            found[count, 0], found[count, 1] = exits[k, 0], exits[k, 1]
+        else:
+            continue
+        found[count, 2] = q
+        gap[count] = -_behind(found[count, 0], found[count, 1], vertices, direction)
+        count += 1
+    return found[:count], gap[:count]
+
+
+@kernel()
+def swallowed(vertices, block_start, box, pairs):
+    """Return which pairs have a block whose box and first vertex lie inside the other, (q,)."""
+    result = np.zeros(len(pairs), np.bool_)
+    for q in range(len(pairs)):
+        for side in range(2):
+            i, j = pairs[q, side], pairs[q, 1 - side]
+            if (
+                box[i, 0] < box[j, 0]
+                or box[i, 1] < box[j, 1]
+                or box[i, 2] > box[j, 2]
+                or box[i, 3] > box[j, 3]
+            ):
+                continue
+            p, first, last = block_start[i], block_start[j], block_start[j + 1]
+            inside = depth_inside(vertices[p, 0], vertices[p, 1], vertices, first, last)
+            result[q] |= inside > 0.0
+    return result

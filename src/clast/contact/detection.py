@@ -1,40 +1,31 @@
-"""From the blocks' outlines to the contacts of a step.
+"""From the blocks' outlines to the contacts of a step, and what has jumped past all contacts.
 
 Broad phase (boxes) -> candidate edges (signed gap to the lengthened edge, entrance test) ->
-corner rule -> contacts with their memory, strength and rows of the equations.
+corner rule -> contacts with their memory, strength and levers.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from clast.block import polygon
 from clast.block.displacement import displacements
-from clast.contact import contact_kernels as kernel
-from clast.contact import narrow_phase
-from clast.contact.candidates import Candidates, find_candidates, pair_penetration
+from clast.block.edge_lists import FEW, edges_around
+from clast.block.polygon import depth_inside, vertex_after
+from clast.compute.jit import kernel
+from clast.compute.parallel import CONTACTS, shared
+from clast.contact.candidates import Candidates, find_candidates
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
-from clast.contact.crossings import with_crossings
-from clast.contact.memory import recall
-from clast.contact.search_distance import Reach
+from clast.contact.crossings import Chosen, with_crossings
+from clast.contact.memory import pair_penetration, recall
+from clast.contact.narrow_phase import contact_lengths
+from clast.contact.search_distance import SearchDistance
 from clast.contact.verlet_list import VerletList, near_pairs
-from clast.model.model import Floats, Ints, Joint, JointTable, Model
+from clast.model.model import Floats, Ints, JointTable, Model
 from clast.model.state import ContactMemory, State
-
-
-def joints_of_pairs(table: JointTable, block_rock: Ints, pairs: Ints) -> Ints:
-    """Return the joint index of each pair of blocks: of the blocks, else of their rocks, (q,)."""
-    joint = table.rock_pair[block_rock[pairs[:, 0]], block_rock[pairs[:, 1]]]
-    if len(table.block_pair) == 0:
-        return joint
-    width = len(block_rock)
-    own = table.block_pair[:, 0] * width + table.block_pair[:, 1]
-    wanted = pairs[:, 0] * width + pairs[:, 1]
-    at = np.minimum(np.searchsorted(own, wanted), len(own) - 1)
-    return np.where(own[at] == wanted, table.block_pair_joint[at], joint)
 
 
 def detect(
@@ -42,7 +33,7 @@ def detect(
     corner_rule: CornerRule,
     state: State,
     centroid: Floats,
-    reach: Reach,
+    reach: SearchDistance,
     drift: Floats | None = None,
     near: VerletList | None = None,
 ) -> Contacts:
@@ -61,36 +52,21 @@ def detect(
         offset = polygon.offsets(state.vertices, block, centroid)
         shift = displacements(offset, drift, block)
     strain = np.einsum("nab,nb->na", model.compliance, state.stress)
-    candidates = find_candidates(
+    found = find_candidates(
         state.vertices, model.block_start, pairs, state.memory, reach, shift, strain
     )
-    keep = corner_rule.choose(candidates, state.vertices)
-    chosen = (
-        candidates.vertex[keep],
-        candidates.edge[keep],
-        candidates.pair[keep],
-        candidates.gap[keep],
-    )
+    keep = corner_rule.choose(found, state.vertices)
+    chosen = found.vertex[keep], found.edge[keep], found.pair[keep], found.gap[keep]
     chosen = with_crossings(
         chosen,
         pairs,
-        (state.vertices, candidates.direction, model.block_start),
+        (state.vertices, found.direction, model.block_start),
         model.vertex_block,
         state.memory,
         travel,
         reach.critdis,
     )
-    return _contacts(model, state, centroid, pairs, candidates, chosen, reach)
-
-
-@lru_cache(maxsize=8)
-def _strengths_of(joints: tuple[Joint, ...]) -> tuple[Floats, Floats, Floats]:
-    """Return tan(phi), cohesion, Pa, and tensile strength, Pa, of all joints, each (joints,)."""
-    return (
-        np.tan(np.radians([one.friction_angle for one in joints])),
-        np.array([one.cohesion for one in joints], float),
-        np.array([one.tensile_strength for one in joints], float),
-    )
+    return _contacts(model, state, centroid, pairs, found, chosen, reach)
 
 
 def _contacts(
@@ -98,37 +74,25 @@ def _contacts(
     state: State,
     centroid: Floats,
     pairs: Ints,
-    candidates: Candidates,
-    chosen: tuple[Ints, Ints, Ints, Floats],
-    reach: Reach,
+    found: Candidates,
+    chosen: Chosen,
+    reach: SearchDistance,
 ) -> Contacts:
     """Return the contacts of vertex, edge, pair and gap (m,) with memory, strength and levers."""
-    found, memory = candidates, state.memory
-    vertex, edge, i, j, pair, gap, foot, levers, touching = kernel.chosen(
-        np.ones(len(chosen[0]), np.bool_),
-        chosen,
-        pairs,
-        (state.vertices, found.direction, found.vertex_block),
-        centroid,
-    )
+    vertex, edge, pair, gap = chosen
+    begins = np.diff(pair, prepend=-1) != 0  # of every pair that shares contacts the first one
+    pair, touching = np.cumsum(begins) - 1, pairs[pair[begins]]
+    i, j = model.vertex_block.take(vertex), model.vertex_block.take(edge)
+    foot, levers = np.empty((len(gap), 2)), np.empty((len(gap), 6))
+    outlines = state.vertices, found.direction
+    _geometry(len(gap), (vertex, edge, i, j), gap, outlines, centroid, foot, levers)
+    # bonds exist only along joints that are closed at the start of the run
+    bond_reach = reach.critdis if state.time == 0.0 else -1.0
+    row = recall(state.memory, vertex, j, edge)
     joint = joints_of_pairs(model.joint_table, model.block_rock, touching)
-    known, bonded, shear_force, normal_force, multiplier, mode, *strengths = kernel.carried(
-        recall(memory, vertex, j, edge),
-        gap,
-        # bonds exist only along joints that are closed at the start of the run
-        reach.critdis if state.time == 0.0 else -1.0,
-        (
-            memory.bonded,
-            memory.shear_force,
-            memory.normal_force,
-            memory.multiplier,
-            memory.mode,
-        ),
-        pair,
-        joint,
-        _strengths_of(model.joint_table.joints),
-    )
-    friction, cohesion, tensile_strength = strengths
+    carried = _carried(row, gap, bond_reach, state.memory, joint[pair], model.joint_table)
+    ends = vertex, edge, i, j, pair
+    of_edges = state.vertices, model.block_start, found.direction, found.length
     return Contacts(
         vertex=vertex,
         edge=edge,
@@ -139,30 +103,88 @@ def _contacts(
         gap=gap,
         normal=levers[:, :2],
         foot=foot,
-        length=narrow_phase.contact_lengths(
-            vertex,
-            edge,
-            i,
-            j,
-            pair,
-            state.vertices,
-            model.block_start,
-            found.direction,
-            found.length,
-            reach.critdis,
-        ),
+        length=contact_lengths(ends, of_edges, reach.critdis),
         levers=levers,
-        friction=friction,
-        cohesion=cohesion,
-        tensile_strength=tensile_strength,
-        bonded=bonded,
-        known=known,
-        shear_force=shear_force,
-        normal_force=normal_force,
-        multiplier=multiplier,
-        mode=mode,
-        friction_base=np.full(len(vertex), np.nan),
+        friction_base=np.full(len(gap), np.nan),
+        **carried,
     )
+
+
+@shared(CONTACTS)
+def _geometry(first, last, ends, gap, outlines, centroid, foot, levers):
+    """Write foot and levers of contacts ``first`` to ``last`` - 1 (contact/jacobian.py)."""
+    vertex, edge, i, j = ends
+    vertices, direction = outlines
+    for c in range(first, last):
+        p, e = vertex[c], edge[c]
+        levers[c, 0], levers[c, 1] = direction[e, 1], -direction[e, 0]
+        for x in range(2):
+            foot[c, x] = vertices[p, x] - gap[c] * levers[c, x]
+            levers[c, 2 + x] = vertices[p, x] - centroid[i[c], x]
+            levers[c, 4 + x] = foot[c, x] - centroid[j[c], x]
+
+
+def joints_of_pairs(table: JointTable, block_rock: Ints, pairs: Ints) -> Ints:
+    """Return the joint index of each pair of blocks: of the blocks, else of their rocks, (q,)."""
+    joint = table.rock_pair[block_rock[pairs[:, 0]], block_rock[pairs[:, 1]]]
+    if len(table.block_pair) == 0:
+        return joint
+    width = len(block_rock)
+    own = table.block_pair[:, 0] * width + table.block_pair[:, 1]
+    wanted = pairs[:, 0] * width + pairs[:, 1]
+    at = np.minimum(np.searchsorted(own, wanted), len(own) - 1)
+    return np.where(own[at] == wanted, table.block_pair_joint[at], joint)
+
+
+# memory and strength ---------------------------------------------------------------------------
+
+
+def _carried(
+    row: Ints, gap: Floats, bond_reach: float, memory: ContactMemory, joint: Ints, table: JointTable
+) -> dict[str, Any]:
+    """Return what contacts remember, and the strength that they have left, (m,) each by its name.
+
+    ``row`` (m,) is the row of a contact in the memory or -1: then it carries nothing, and it is
+    bonded where the gap is within ``bond_reach``, m.  ``joint`` (m,) is its joint.  Cohesion and
+    tensile strength are 0 once the bond is broken.
+    """
+    count = len(row)
+    known, bonded, mode = np.empty(count, np.bool_), np.empty(count, np.bool_), np.empty_like(row)
+    shear, normal, multiplier = np.empty(count), np.empty(count), np.empty(count)
+    forces = memory.shear_force, memory.normal_force, memory.multiplier
+    carried = known, bonded, mode, shear, normal, multiplier
+    _carry(count, row, gap, bond_reach, (memory.bonded, memory.mode, *forces), carried)
+    friction, cohesion, tensile_strength = table.strengths
+    return {
+        "known": known,
+        "bonded": bonded,
+        "shear_force": shear,
+        "normal_force": normal,
+        "multiplier": multiplier,
+        "mode": mode,
+        "friction": friction.take(joint),
+        "cohesion": np.where(bonded, cohesion.take(joint), 0.0),
+        "tensile_strength": np.where(bonded, tensile_strength.take(joint), 0.0),
+    }
+
+
+@shared(CONTACTS)
+def _carry(first, last, row, gap, bond_reach, memory, carried):
+    """Write what contacts ``first`` to ``last`` - 1 remember."""
+    bonded, mode, shear_force, normal_force, multiplier = memory
+    known, intact, modes, shear, normal, multipliers = carried
+    for c in range(first, last):
+        r = row[c]
+        known[c] = r >= 0
+        if known[c]:
+            intact[c], modes[c] = bonded[r], mode[r]
+            shear[c], normal[c], multipliers[c] = shear_force[r], normal_force[r], multiplier[r]
+        else:
+            intact[c], modes[c] = abs(gap[c]) <= bond_reach, 0
+            shear[c], normal[c], multipliers[c] = 0.0, 0.0, 0.0
+
+
+# jumps past all contacts -----------------------------------------------------------------------
 
 
 def find_tunnelled(
@@ -175,8 +197,67 @@ def find_tunnelled(
     """
     pairs = near_pairs(near, vertices, model.block_start, model.fixed, 0.0)
     box = polygon.boxes(vertices, model.block_start)
-    depth = pair_penetration(model.block_start, pairs, memory)
-    jump, vertex, block = narrow_phase.deepest_jump(
-        before, vertices, model.block_start, box, pairs, depth
-    )
-    return float(jump), int(vertex), int(block)
+    known = pair_penetration(model.vertex_block, pairs, memory)
+    jump, vertex, block = np.zeros(len(pairs)), np.full(len(pairs), -1), np.full(len(pairs), -1)
+    outlines = before, vertices, model.block_start, box
+    _jumps(len(pairs), outlines, pairs, known, (jump, vertex, block))
+    if not len(pairs):
+        return 0.0, -1, -1
+    at = int(np.argmax(jump))
+    return float(jump[at]), int(vertex[at]), int(block[at])
+
+
+@kernel()
+def _is_inside(px, py, left, edges, widest, vertices, first, last):
+    """Return whether a point lies inside a polygon, by its edges from left to right."""
+    inside = False
+    for k in range(np.searchsorted(left, px - widest), len(left)):
+        if left[k] > px:
+            break
+        e = edges[k]
+        f = vertex_after(e, first, last)
+        x1, y1 = vertices[e, 0] - px, vertices[e, 1] - py
+        x2, y2 = vertices[f, 0] - px, vertices[f, 1] - py
+        if (x1 > 0.0) != (x2 > 0.0) and y1 + (y2 - y1) * (-x1) / (x2 - x1) > 0.0:
+            inside = not inside
+    return inside
+
+
+@shared(CONTACTS)
+def _jumps(low, high, outlines, pairs, known, deepest):
+    """Write the deepest jump of each of pairs ``low`` to ``high`` - 1: how deep, vertex, block.
+
+    ``known`` (q,) is the penetration of each pair that the contacts know of, m.  A vertex that is
+    much deeper, and was not as deep ``before`` the step, has jumped there within it.
+    """
+    before, vertices, block_start, box = outlines
+    jump, of_vertex, into = deepest
+    left, listed, widest = np.empty(0), np.empty(0, np.int64), 0.0
+    for q in range(low, high):
+        worst = 0.0
+        for side in range(2):
+            i, j = pairs[q, side], pairs[q, 1 - side]
+            few = block_start[j + 1] - block_start[j] <= FEW
+            if not few:
+                window = (box[i, 0], box[j, 1], box[i, 2], box[j, 3])
+                first, last = block_start[j], block_start[j + 1]
+                left, listed, widest = edges_around(window, 0.0, vertices, first, last)
+            for p in range(block_start[i], block_start[i + 1]):
+                px, py = vertices[p, 0], vertices[p, 1]
+                # the outline is nearer than the sides of the box around it
+                most = min(px - box[j, 0], box[j, 2] - px, py - box[j, 1], box[j, 3] - py)
+                if most - 2.0 * known[q] <= worst:
+                    continue
+                if not few and not _is_inside(
+                    px, py, left, listed, widest, vertices, block_start[j], block_start[j + 1]
+                ):
+                    continue
+                depth = depth_inside(px, py, vertices, block_start[j], block_start[j + 1])
+                depth -= 2.0 * known[q]
+                if depth <= worst:
+                    continue
+                first, last = block_start[j], block_start[j + 1]
+                depth -= depth_inside(before[p, 0], before[p, 1], before, first, last)
+                if depth > worst:
+                    worst, of_vertex[q], into[q] = depth, p, j
+        jump[q] = worst

@@ -80,14 +80,15 @@ def couple(levers, i, q, first, last, vertex_block, kn, ks, upper):
 
     i is the block of the rows, j the other one; C = k_n n n^T + k_s t t^T.
     """
-    k0, k1, k2, k3, k4, k5 = lines(upper, q)
+    k = lines(upper, q)
     for c in range(first, last):
         kxx, kxy, kyy = stiffness_of(levers, c, kn, ks)
         own, other = (2, 4) if vertex_block[c] == i else (4, 2)
         x, y = levers[c, other], levers[c, other + 1]
         u, v = force_at(x, y, -kxx, -kxy), force_at(x, y, -kxy, -kyy)  # the lines of -C T_j
         x, y = levers[c, own], levers[c, own + 1]
-        k0, k1, k2, k3, k4, k5 = plus_transposed(k0, k1, k2, k3, k4, k5, x, y, u, v)
+        k = plus_transposed(k, x, y, u, v)
+    k0, k1, k2, k3, k4, k5 = k
     put_lines(upper, q, k0, k1, k2, k3, k4, k5)
 
 

@@ -1,17 +1,178 @@
-"""Contact memory: found again by vertex and block, renewed after every accepted step."""
+"""Contact memory: found again by vertex and block, renewed after every accepted step.
+
+The memory is sorted by vertex, block and edge.  A contact finds its row by its edge; a vertex that
+has slid round to the next edge takes the memory of the old one along.
+"""
 
 from __future__ import annotations
 
-from clast.contact import memory_kernels as kernel
-from clast.contact.contacts import ContactResponse, Contacts
+import numpy as np
+
+from clast.compute.jit import kernel
+from clast.compute.parallel import CONTACTS, shared
+from clast.contact.contacts import OPEN, ContactResponse, Contacts
 from clast.model.model import Floats, Ints
 from clast.model.state import ContactMemory
 
 
+@kernel()
+def _count_by_vertex(vertices, start):
+    """Write the first row of each vertex in rows sorted by vertex, into zeros (count + 1,)."""
+    for row in range(len(vertices)):
+        start[vertices[row] + 1] += 1
+    for vertex in range(len(start) - 1):
+        start[vertex + 1] += start[vertex]
+
+
+def _first_rows(vertices: Ints, count: int) -> Ints:
+    """Return the first row of each of ``count`` vertices in sorted rows (k,), (count + 1,)."""
+    start = np.zeros(count + 1, np.int64)
+    _count_by_vertex(vertices, start)
+    return start
+
+
+@kernel()
+def _rows_of_key(vertex, block, start, memory_block):
+    """Return the first row with this (vertex, block) and the one after the last; equal if none."""
+    first, stop = start[vertex], start[vertex + 1]
+    while first < stop and memory_block[first] != block:
+        first += 1
+    last = first
+    while last < stop and memory_block[last] == block:
+        last += 1
+    return first, last
+
+
+# the entrance edge of the last step ------------------------------------------------------------
+
+
+def remembered_edges(
+    group_start: Ints, vertex: Ints, edge: Ints, vertex_block: Ints, memory: ContactMemory
+) -> Ints:
+    """Return the entrance edge that each group of candidates had in the last step, or -1, (k,).
+
+    ``group_start`` (k + 1,) is the first candidate of each group, ``vertex`` and ``edge`` (m,) are
+    those of the candidates, ``vertex_block`` (nv,) is the block of each vertex.
+    """
+    start = _first_rows(memory.vertex, len(vertex_block))
+    remembered = np.empty(len(group_start) - 1, np.int64)
+    groups, known = (group_start, vertex, edge), (start, memory.block, memory.edge)
+    _remember(len(remembered), groups, vertex_block, known, remembered)
+    return remembered
+
+
+@shared(CONTACTS)
+def _remember(low, high, groups, vertex_block, known, remembered):
+    """Write the entrance edges of groups ``low`` to ``high`` - 1."""
+    group_start, vertex, edge = groups
+    start, memory_block, memory_edge = known
+    for g in range(low, high):
+        c = group_start[g]
+        first, last = _rows_of_key(vertex[c], vertex_block[edge[c]], start, memory_block)
+        remembered[g] = memory_edge[first] if first < last else -1
+
+
+# the row of each contact -----------------------------------------------------------------------
+
+
 def recall(memory: ContactMemory, vertex: Ints, block: Ints, edge: Ints) -> Ints:
-    """Return the memory row of each contact (vertex, block of the edge, edge), or -1, (m,)."""
-    rows: Ints = kernel.rows_of(vertex, block, edge, memory.vertex, memory.block, memory.edge)
+    """Return the memory row of each contact (vertex, block of the edge, edge), or -1, (m,).
+
+    The same edge first; else a row of the same (vertex, block) whose edge is no longer in
+    contact: the vertex has slid round to the next edge and takes its memory along.  Contacts of
+    one (vertex, block) stand together; no row is given twice.
+    """
+    count = 1 + max(int(vertex.max(initial=-1)), int(memory.vertex.max(initial=-1)))
+    known = _first_rows(memory.vertex, count), memory.block, memory.edge
+    taken, rows = np.zeros(len(memory.vertex), np.bool_), np.empty(len(vertex), np.int64)
+    _find_rows(len(vertex), (vertex, block, edge), known, taken, rows)
     return rows
+
+
+@kernel()
+def _same_group(c, vertex, block):
+    """Return True if contact c is of the same vertex and block as the one before it."""
+    return c > 0 and vertex[c] == vertex[c - 1] and block[c] == block[c - 1]
+
+
+@shared(CONTACTS)
+def _find_rows(low, high, contacts, known, taken, rows):
+    """Find the rows of contacts whose (vertex, block) begins with one of ``low`` to ``high`` - 1.
+
+    ``taken`` are the rows that are given away: of one (vertex, block), whose contacts are found by
+    one thread.
+    """
+    vertex, block, edge = contacts
+    by_vertex, memory_block, memory_edge = known
+    start = low
+    while start < high and _same_group(start, vertex, block):
+        start += 1
+    while start < high:
+        stop = start + 1
+        while stop < len(vertex) and _same_group(stop, vertex, block):
+            stop += 1
+        first, last = _rows_of_key(vertex[start], block[start], by_vertex, memory_block)
+        for c in range(start, stop):
+            rows[c] = -1
+            for row in range(first, last):
+                if memory_edge[row] == edge[c]:
+                    rows[c] = row
+                    taken[row] = True
+        for c in range(start, stop):
+            if rows[c] >= 0:
+                continue
+            for row in range(first, last):
+                if not taken[row]:
+                    rows[c] = row
+                    taken[row] = True
+                    break
+        start = stop
+
+
+# the penetration of each pair ------------------------------------------------------------------
+
+
+def pair_penetration(vertex_block: Ints, pairs: Ints, memory: ContactMemory) -> Floats:
+    """Return the largest remembered penetration of each sorted pair (q, 2) of blocks, m, (q,).
+
+    It belongs to the pair, not to the vertex: as blocks roll over each other a deep (soft) contact
+    is handed from a vertex of one to a vertex of the other.  ``vertex_block`` (nv,) is the block of
+    each vertex.
+    """
+    count = 1 + int(vertex_block[-1]) if len(vertex_block) else 0
+    start = _first_rows(np.ascontiguousarray(pairs[:, 0]), count)
+    pair, depth = np.empty(len(memory.vertex), np.int64), np.zeros(len(pairs))
+    _find_pairs(len(pair), pairs, start, vertex_block, memory.vertex, memory.block, pair)
+    _deepen(pair, memory.gap, depth)
+    return depth
+
+
+@kernel()
+def _deepen(pair, gap, depth):
+    """Write the largest penetration among the contacts of each pair (q,), m."""
+    for row in range(len(pair)):
+        if pair[row] >= 0:
+            depth[pair[row]] = max(depth[pair[row]], -gap[row])
+
+
+@shared(CONTACTS)
+def _find_pairs(low, high, pairs, start, vertex_block, vertex, block, found):
+    """Write the pair of blocks of the rows ``low`` to ``high`` - 1 of the memory, or -1."""
+    for row in range(low, high):
+        own, other = vertex_block[vertex[row]], block[row]
+        lower, higher = min(own, other), max(own, other)
+        first, last = start[lower], start[lower + 1]
+        while first < last:
+            middle = (first + last) // 2
+            if pairs[middle, 1] < higher:
+                first = middle + 1
+            else:
+                last = middle
+        there = first < start[lower + 1] and pairs[first, 1] == higher
+        found[row] = first if there else -1
+
+
+# the memory of the next step -------------------------------------------------------------------
 
 
 def renew(
@@ -22,17 +183,60 @@ def renew(
     A contact that has opened forgets its shear force; one that is open further than critdis
     loses its bond.
     """
-    columns = kernel.renewed(
-        contacts.vertex,
-        contacts.edge_block,
-        contacts.edge,
-        gap,
-        response.normal_force,
-        response.shear_force,
-        contacts.multiplier,
-        response.mode,
-        response.bonded,
-        critdis,
+    count = len(gap)
+    order = _order(contacts.vertex, contacts.edge_block, contacts.edge)
+    keys = contacts.vertex, contacts.edge_block, contacts.edge, response.mode, response.bonded
+    forces = gap, response.normal_force, response.shear_force, contacts.multiplier
+    vertex, block, edge, mode = (np.empty(count, np.int64) for _ in range(4))
+    new_keys = vertex, block, edge, mode, np.empty(count, np.bool_)
+    new_forces = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    _renew(count, order, keys, forces, critdis, new_keys, new_forces)
+    return ContactMemory(
+        vertex=vertex,
+        block=block,
+        edge=edge,
+        mode=mode,
+        bonded=new_keys[4],
+        gap=new_forces[0],
+        normal_force=new_forces[1],
+        shear_force=new_forces[2],
+        multiplier=new_forces[3],
     )
-    names = ("vertex", "block", "edge", "gap", "normal_force", "shear_force", "multiplier")
-    return ContactMemory(**dict(zip((*names, "mode", "bonded"), columns, strict=True)))
+
+
+def _order(vertex: Ints, block: Ints, edge: Ints) -> Ints:
+    """Return the order of contacts by vertex, then block, then edge, shape (m,)."""
+    start = _first_rows(vertex, 1 + int(vertex.max(initial=-1)))
+    order = np.empty(len(vertex), np.int64)
+    _sort(vertex, block, edge, start, start[:-1].copy(), order)
+    return order
+
+
+@kernel()
+def _sort(vertex, block, edge, start, filled, order):
+    """Write the order: by counting, then by insertion, for the contacts of one vertex are few."""
+    for c in range(len(vertex)):
+        position = filled[vertex[c]]
+        filled[vertex[c]] += 1
+        while position > start[vertex[c]]:
+            other = order[position - 1]
+            if block[other] < block[c] or (block[other] == block[c] and edge[other] <= edge[c]):
+                break
+            order[position] = other
+            position -= 1
+        order[position] = c
+
+
+@shared(CONTACTS)
+def _renew(first, last, order, keys, forces, critdis, new_keys, new_forces):
+    """Write rows ``first`` to ``last`` - 1 of the new memory."""
+    vertex, block, edge, mode, bonded = keys
+    gap, normal, shear, multiplier = forces
+    vertices, blocks, edges, modes, intact = new_keys
+    gaps, normals, shears, multipliers = new_forces
+    for row in range(first, last):
+        c = order[row]
+        vertices[row], blocks[row], edges[row], modes[row] = vertex[c], block[c], edge[c], mode[c]
+        gaps[row], normals[row], multipliers[row] = gap[c], normal[c], multiplier[c]
+        shears[row] = shear[c] if mode[c] != OPEN else 0.0
+        intact[row] = bonded[c] and gap[c] <= critdis

@@ -132,22 +132,24 @@ def _is_flush(block, side, top, own, other, scale, outlines, bearing):
 
 
 @kernel()
-def is_covered(v, i, j, e, at_end, ax, ay, bx, by, outlines, bearing):
-    """Return True if edge e of block j is no entrance for vertex v of block i at one of its ends.
+def is_covered(v, e, at_end, own, outlines, bearing):
+    """Return True if edge e is no entrance for vertex v of another block at one of its ends.
 
-    (ax, ay) and (bx, by) are the vertex's own two edges, pointing away from it.  ``outlines`` are
+    ``own`` (ax, ay, bx, by) are the vertex's two edges, pointing away from it.  ``outlines`` are
     the vertices, direction and length of the edges that start there, block of each vertex, first
     vertex of each block; ``bearing`` are the first row of the memory of each block and these rows
     (:func:`rows_by_block`), the memory's vertex, block, edge and gap (k,), and the strain (n, 3)
     of the blocks.
     """
-    _, direction, length, _, block_start = outlines
+    _, direction, length, vertex_block, block_start = outlines
+    i, j = vertex_block[v], vertex_block[e]
     first, last = block_start[j], block_start[j + 1]
     if turn_at(e, at_end, direction, first, last) <= SMALL_ANGLE:
         return False
     corner = vertex_after(e, first, last) if at_end else e
     f = corner if at_end else vertex_before(e, first, last)
     nx, ny = direction[f, 1], -direction[f, 0]
+    ax, ay, bx, by = own
     if ax * nx + ay * ny < -BEND or bx * nx + by * ny < -BEND:
         return False  # it could not come in through f, not even where the surface bends
     ex, ey = direction[e, 1], -direction[e, 0]

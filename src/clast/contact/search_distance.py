@@ -10,7 +10,7 @@ from clast.model.model import Floats
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reach:
+class SearchDistance:
     """How far contact detection looks, m."""
 
     front: float

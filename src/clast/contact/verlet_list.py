@@ -66,7 +66,7 @@ class VerletList:
             last = neighbourhood_of(block_start, fixed, box, half)
             self._last = last
             self.searches += 1
-        return np.asarray(broad_phase.overlapping_of(last.pairs, box))
+        return broad_phase.overlapping_of(last.pairs, box)
 
 
 def serves(last: Neighbourhood, block_start: Ints, fixed: Bools, box: Floats) -> bool:

@@ -164,6 +164,15 @@ class JointTable:
     block_pair_joint: Ints
     """Joint index of each such pair, shape (k,)."""
 
+    @cached_property
+    def strengths(self) -> tuple[Floats, Floats, Floats]:
+        """tan(phi), cohesion, Pa, and tensile strength, Pa, of all joints, shape (joints,) each."""
+        return (
+            np.tan(np.radians([one.friction_angle for one in self.joints])),
+            np.array([one.cohesion for one in self.joints], float),
+            np.array([one.tensile_strength for one in self.joints], float),
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class StartOverlaps:

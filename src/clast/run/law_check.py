@@ -21,7 +21,7 @@ from clast.contact.contacts import SLIDE, ContactResponse, Contacts
 from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
 from clast.contact.laws import ContactLaw, has_limits
-from clast.contact.search_distance import Reach
+from clast.contact.search_distance import SearchDistance
 from clast.model.builder import ModelBuilder
 from clast.model.model import Bools, Floats
 from clast.model.state import initial_state
@@ -247,7 +247,7 @@ def _some_contacts() -> Contacts:
     builder.blocks(vertices=square + 2.0 * np.arange(BLOCKS)[:, None, None] * np.array([1.0, 0.0]))
     model = builder.build()
     centroid = polygon.moments(model.vertices, model.block_start)[1]
-    reach = Reach(front=0.01, depth=0.01, critdis=0.01)
+    reach = SearchDistance(front=0.01, depth=0.01, critdis=0.01)
     found = detect(model, Bisector(), initial_state(model), centroid, reach)
     rng = np.random.default_rng(2)
     count = len(found)

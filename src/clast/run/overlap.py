@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from clast.block import polygon
-from clast.contact import crossing_kernels as crossings
+from clast.contact import crossings
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, Overlap, State

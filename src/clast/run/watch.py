@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from clast.contact import crossing_kernels as crossings
+from clast.block.polygon import thicknesses
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger, Overlap, State
 from clast.run.overlap import unseen_overlaps
@@ -56,7 +56,7 @@ class Watch:
     @cached_property
     def _thickness(self) -> Floats:
         """Thickness of each block, m, shape (n,)."""
-        return crossings.thicknesses(self.model.vertices, self.model.block_start)
+        return thicknesses(self.model.vertices, self.model.block_start)
 
     @cached_property
     def _thinnest(self) -> float:

@@ -83,7 +83,7 @@ class Solved:
     bearing: Floats
     """Normal forces that contacts go on with, N/m, shape (m,)."""
     depth: float
-    """How deep a vertex may have moved into a block, m (see Reach.depth)."""
+    """How deep a vertex may have moved into a block, m (see SearchDistance.depth)."""
     linearised_at: Floats | None = None
     """Displacements about which springs of actions were linearised, (n, 6); None: at the end."""
     lost: float = 0.0

@@ -18,7 +18,7 @@ from clast.contact import multipliers
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.detection import detect
 from clast.contact.laws import ContactLaw
-from clast.contact.search_distance import Reach
+from clast.contact.search_distance import SearchDistance
 from clast.errors import StepOutcome
 from clast.linear.reuse import FactorOfStep
 from clast.linear.system import DiagonalTerms, contact_motions, slip_in_step
@@ -243,9 +243,9 @@ def forces_in_equations(
     return normal, shear
 
 
-def reach_of(method: Method) -> Reach:
+def reach_of(method: Method) -> SearchDistance:
     """Return how far contacts are looked for: critdis, and twice the travel of a step behind."""
-    return Reach(
+    return SearchDistance(
         front=method.critdis,
         depth=method.critdis + 2.0 * method.max_displacement,
         critdis=method.critdis,

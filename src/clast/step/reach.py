@@ -15,7 +15,7 @@ import numpy as np
 from clast.block import polygon
 from clast.block.displacement import displacements
 from clast.contact.contacts import Contacts
-from clast.contact.search_distance import Reach
+from clast.contact.search_distance import SearchDistance
 from clast.linear.system import gap_at_end
 from clast.model.model import Floats
 from clast.step.method import Method
@@ -31,9 +31,9 @@ GROWTH = 1.5
 """Where a block went too far it is expected to go so much further than it went."""
 
 
-def reach_within_step(method: Method, travel: Floats) -> Reach:
+def reach_within_step(method: Method, travel: Floats) -> SearchDistance:
     """Return the reach for blocks whose vertices move by ``travel`` (n,) at most, m."""
-    return Reach(
+    return SearchDistance(
         front=method.critdis,
         depth=method.critdis,
         critdis=method.critdis,

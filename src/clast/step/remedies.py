@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from clast.contact import crossing_kernels as crossings
+from clast.block.polygon import thicknesses
 from clast.errors import StepOutcome
 from clast.model.model import Model
 from clast.model.state import State
@@ -80,7 +80,7 @@ def _spins_too_fast(model: Model, method: Method, state: State, smallest: float)
 def _too_soft(model: Model, method: Method, state: State, smallest: float) -> str:
     """Say so where contacts are deep already."""
     depth = float(max(0.0, -state.memory.gap.min(initial=0.0)))
-    if depth < SOFT * float(crossings.thicknesses(model.vertices, model.block_start).min()):
+    if depth < SOFT * float(thicknesses(model.vertices, model.block_start).min()):
         return ""
     return (
         f"Contacts are {depth:.2g} m deep: raise method.contact_law.normal_stiffness "

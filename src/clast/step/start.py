@@ -20,7 +20,7 @@ from clast.block.inertia import BlockFrames, block_frames
 from clast.contact.clipped_spring import Springs
 from clast.contact.contacts import Contacts
 from clast.contact.detection import detect
-from clast.contact.search_distance import Reach
+from clast.contact.search_distance import SearchDistance
 from clast.linear.system import DiagonalTerms
 from clast.model.model import Floats, Model
 from clast.model.state import State
@@ -87,7 +87,7 @@ class Begun:
         """Acceleration of every mass by gravity and the ground, m/s2, shape (2,)."""
         return acceleration_of(self.shares)
 
-    def contacts(self, reach: Reach, drift: Floats | None = None) -> Contacts:
+    def contacts(self, reach: SearchDistance, drift: Floats | None = None) -> Contacts:
         """Return the contacts within ``reach``; ``drift`` (n, 6) as :func:`detect` has it."""
         rule, centroid = self.method.corner_rule, self.frames.centroid
         return detect(self.model, rule, self.state, centroid, reach, drift, self.workspace.near)

@@ -8,11 +8,12 @@ motion what the contacts stop, and the rest is free of them.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from clast.compute.chunks import CHUNK, SHARED, chunks
 from clast.compute.jit import kernel
-from clast.compute.parallel import nothing_done, prange, threads_of, to_do
+from clast.compute.parallel import BLOCKS, shared
 from clast.compute.vec6 import (
     line,
     numbers,
@@ -25,6 +26,7 @@ from clast.compute.vec6 import (
     zeros,
 )
 from clast.contact.jacobian import force_on
+from clast.model.model import Bools, Floats, Ints
 
 SAME = 1e-10
 """Share of a motion's square beside others that does not count: it is one of theirs."""
@@ -87,18 +89,18 @@ def _add(force, b, low, room, stopped):
 
 
 @kernel()
-def _stop(b, first, last, vertex_block, levers, stops, low, room, stopped):
+def _stop(b, first, last, contacts, stops, room, stopped):
     """Add what contacts ``first`` to ``last`` - 1 stop on block b."""
-    _, bears, sticks = stops
+    (vertex_block, levers), (_, bears, sticks), (low, free) = contacts, stops, room
     count = stopped[0]
     for c in range(first, last):
         if count[b] == 6:
             return
         if bears[c]:
             own = vertex_block[c] == b
-            _add(force_on(levers, c, own, 1.0, 0.0), b, low, room, stopped)
+            _add(force_on(levers, c, own, 1.0, 0.0), b, low, free, stopped)
             if sticks[c]:
-                _add(force_on(levers, c, own, 0.0, 1.0), b, low, room, stopped)
+                _add(force_on(levers, c, own, 0.0, 1.0), b, low, free, stopped)
 
 
 @kernel()
@@ -109,11 +111,10 @@ def _any(first, last, closes):
     return found
 
 
-@kernel()
+@shared(BLOCKS)
 def _of_blocks(low, high, mass_matrix, fixed, graph, contacts, stops, stopped):
     """Write what contacts stop on blocks ``low`` to ``high`` - 1."""
     start, right, left, listed = graph
-    vertex_block, levers = contacts
     closes, _, _ = stops
     count, _, _ = stopped
     factor, room = np.empty((6, 6)), np.empty((7, 6))
@@ -130,23 +131,15 @@ def _of_blocks(low, high, mass_matrix, fixed, graph, contacts, stops, stopped):
         _factor(mass_matrix, b, factor)
         for a in range(3, 6):
             _add(with_number(zeros(), a, 1.0), b, factor, room, stopped)
-        _stop(b, own[0], own[1], vertex_block, levers, stops, factor, room, stopped)
+        _stop(b, own[0], own[1], contacts, stops, (factor, room), stopped)
         for at in range(left[b], left[b + 1]):
             q = listed[at]
-            _stop(b, start[q], start[q + 1], vertex_block, levers, stops, factor, room, stopped)
+            _stop(b, start[q], start[q + 1], contacts, stops, (factor, room), stopped)
 
 
-@kernel(parallel=True)
-def _of_blocks_shared(mass_matrix, fixed, graph, contacts, stops, stopped):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(fixed))):
-            last = min((c + 1) * CHUNK, len(fixed))
-            _of_blocks(c * CHUNK, last, mass_matrix, fixed, graph, contacts, stops, stopped)
-
-
-@kernel()
-def stopped_motions(mass_matrix, fixed, graph, contacts, stops):
+def stopped_motions(
+    mass_matrix: Floats, fixed: Bools, graph: Any, contacts: Any, stops: Any
+) -> tuple[Ints, Floats, Floats]:
     """Return how many motions contacts stop on each block (n,), these q and M q (n, 6, 6) each.
 
     Rows from that number on are not written.  ``graph`` is that of the contacts
@@ -155,10 +148,7 @@ def stopped_motions(mass_matrix, fixed, graph, contacts, stops):
     """
     count = len(fixed)
     stopped = np.empty(count, np.int64), np.empty((count, 6, 6)), np.empty((count, 6, 6))
-    if count >= SHARED:
-        _of_blocks_shared(mass_matrix, fixed, graph, contacts, stops, stopped)
-    else:
-        _of_blocks(0, count, mass_matrix, fixed, graph, contacts, stops, stopped)
+    _of_blocks(count, mass_matrix, fixed, graph, contacts, stops, stopped)
     return stopped
 
 
