@@ -33,6 +33,10 @@ STARTING_UP = {
     "case/case_file.py": "the JSON Schema of a case",
 }
 """Files whose functions may be remembered by functools.cache, and why nothing can go stale."""
+OF_THE_PROCESS = {
+    "compute/compilation.py": "what numba compiles belongs to the process, and no run reads it",
+}
+"""Files with an object that counts what the whole process does, and why no run depends on it."""
 ONLY_HOME = {"numba": "compute", "llvmlite": "compute", "matplotlib": "pictures", "h5py": "results"}
 """Libraries that one folder imports."""
 COMPILED = {"kernel", "shared", "summed", "operation", "overload", "register_model"}
@@ -46,29 +50,25 @@ Offences = dict[str, list[str]]
 
 EXCEPTIONS: dict[str, dict[str, int]] = {
     "files have at most 500 lines": {
-        "case/case_file.py": 318,
-        "cli/commands.py": 345,
         "contact/narrow_phase.py": 93,
         "linear/cholesky_kernels.py": 25,
-        "model/builder.py": 36,
     },
     "folders have at most 16 files": {
-        "contact": 5,
+        "contact": 3,
         "linear": 6,
-        "step": 3,
     },
     "functions have at most 8 arguments": {
+        "block/displacement.py": 1,
         "block/edge_lists.py": 1,
         "contact/contact_kernels.py": 3,
         "contact/corner_kernels.py": 4,
-        "contact/coulomb.py": 2,
         "contact/crossing_kernels.py": 3,
-        "contact/levers.py": 8,
+        "contact/jacobian.py": 1,
         "contact/memory_kernels.py": 2,
         "contact/narrow_phase.py": 12,
         "contact/seams.py": 1,
         "linear/aggregates.py": 1,
-        "linear/assembly.py": 7,
+        "linear/assembly.py": 6,
         "linear/block_matrix.py": 1,
         "linear/cholesky_kernels.py": 2,
         "linear/incomplete.py": 7,
@@ -76,19 +76,13 @@ EXCEPTIONS: dict[str, dict[str, int]] = {
         "linear/parts.py": 2,
         "linear/residual.py": 3,
         "linear/single_rows.py": 4,
-        "run/simulate.py": 1,
-        "step/energies.py": 1,
-        "step/energy_balance.py": 1,
         "step/impulses.py": 1,
         "step/stopping.py": 1,
     },
     "nothing is remembered between runs": {
         "contact/detection.py": 1,
-        "contact/jacobian.py": 1,
-        "step/start.py": 1,
     },
     "no module holds what changes": {
-        "contact/verlet_list.py": 1,
         "linear/cholesky.py": 1,
         "linear/coarse_space.py": 1,
     },
@@ -96,7 +90,6 @@ EXCEPTIONS: dict[str, dict[str, int]] = {
         "compute/parallel.py": 1,
         "compute/vec6.py": 12,
         "compute/vec6_single.py": 5,
-        "contact/levers.py": 7,
         "linear/block_matrix.py": 1,
         "linear/coupling_kernels.py": 1,
         "linear/substitution.py": 1,
@@ -189,7 +182,8 @@ def changing_state() -> Offences:
     """Names of modules that hold what changes: collections that are filled, objects, ``global``."""
     found = defaultdict(list)
     for path in files():
-        found[name_of(path)] = [*_changed_names(path), *_module_objects(path)]
+        objects = () if name_of(path) in OF_THE_PROCESS else _module_objects(path)
+        found[name_of(path)] = [*_changed_names(path), *objects]
     return found
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.actions.action import Done, Share, Solution, StepStart
+from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
 from clast.errors import CaseError, ModelError
 from clast.model.model import Model
 from clast.model.state import Ledger
@@ -52,10 +52,7 @@ class Tether:
         return Share(block=np.array([number]), force=force, stiffness=stiffness)
 
     def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
-        k, (number, way) = self.stiffness, self._stretched(start)
-        moved = solution.displacement[number, :2]
-        work = -k * float((way + moved) @ moved)
-        stored = 0.5 * k * float((way + moved) @ (way + moved) - way @ way)
+        work, stored = energy_of_linear(share, solution.displacement)
         return Done(work=work, ledger=Ledger(actions=stored))
 
     def _stretched(self, start: StepStart) -> tuple[int, np.ndarray]:

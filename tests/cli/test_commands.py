@@ -12,36 +12,17 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 import clast
 from clast.case.templates import INCLINE, TEMPLATES
-from clast.cli.commands import app
 from clast.results import read_results
 from clast.run.progress import status_text
 from clast.run.schedule import Progress
+from scenes.command_line import clast_command, good
 
 SHORT = ["--set", "time.end=0.005", "--set", "output.every=0.001"]
 TOO_FAST = ["--set", "time.max_displacement=1e-4", "--set", "time.smallest_step=5e-4"]
 """The slider needs smaller steps than it may take after some hundredths of a second."""
-
-
-def clast_command(*arguments: str):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-
-def good(*arguments: str) -> str:
-    result = clast_command(*arguments)
-    assert result.exit_code == 0, result.output
-    return result.stdout
-
-
-@pytest.fixture
-def incline(tmp_path, monkeypatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    case = tmp_path / "incline.toml"
-    case.write_text(INCLINE, encoding="utf-8")
-    return case
 
 
 def test_run_prints_tables_and_writes_the_file_named_after_the_case(incline):
@@ -244,8 +225,23 @@ def test_schema():
     assert json.loads(good("schema"))["properties"]["time"]
 
 
-def test_warmup():
+AFTER_A_WARMUP = """
+from clast.case.case_file import Case
+from clast.case.templates import INCLINE
+from clast.compute.compilation import COMPILATION
+for process in ("modified", "open-close", "convex"):
+    for law in ("penalty", "augmented-lagrangian"):
+        choices = [f"method.process={process}", f"method.contact_law.name={law}"]
+        run = Case.from_toml(INCLINE, ["time.end=0.003", *choices]).run()
+        assert "compilation" not in run.report.seconds
+print(COMPILATION.kernels)
+"""
+
+
+def test_after_a_warmup_nothing_is_left_to_compile():
     assert "kernels are ready" in good("warmup")
+    done = run_python("-c", AFTER_A_WARMUP)
+    assert (done.returncode, done.stdout.strip()) == (0, "0"), done.stderr
 
 
 def test_verify():
@@ -336,6 +332,7 @@ def test_python_runs_a_case_and_watches_it(incline, capsys):
 
 
 def test_progress_is_silent_where_there_is_no_terminal(incline, capsys):
+    clast.Case.from_toml(incline.read_text(), ["time.end=0.002"]).run()  # compilation would be said
     clast.Case.from_toml(incline.read_text(), ["time.end=0.002"]).run(progress=True)
     captured = capsys.readouterr()
     assert (captured.out, captured.err) == ("", "")

@@ -5,28 +5,12 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import pytest
-from typer.testing import CliRunner
-
-from clast.case.templates import INCLINE
-from clast.cli.commands import app
+from scenes.command_line import clast_command
 
 SHORT = ["--set", "time.end=0.02"]
 REFERENCE = ["--set", "reference.1.time=0.02"]
 TWO = ["--process", "modified,convex", "--law", "penalty"]
 STOPPING = ["--set", "time.max_displacement=1e-5", "--set", "time.smallest_step=9e-4"]
-
-
-def clast_command(*arguments: str):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-
-@pytest.fixture
-def incline(tmp_path, monkeypatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    case = tmp_path / "incline.toml"
-    case.write_text(INCLINE, encoding="utf-8")
-    return case
 
 
 def test_compare_prints_a_table_and_writes_pages(incline):

@@ -6,21 +6,16 @@ import json
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 from clast.case.templates import INCLINE
-from clast.cli.commands import app
 from clast.results import read_results
 from clast.spelling import visible, without_long_words
+from scenes.command_line import clast_command
 
 EVIL = "\x1b[31mred\x1b]0;title\x07\x9b2J\x7f\u202egnp"
 SHOWN = "\\u001b[31mred\\u001b]0;title\\u0007\\u009b2J\\u007f\\u202egnp"
 RAW = ("\x1b", "\x07", "\x9b", "\x7f", "\u202e")
 LONG = "x" * 10_000
-
-
-def command(*arguments: str | Path):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 @pytest.fixture
@@ -35,7 +30,7 @@ def evil(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize("options", [[], ["--json"]])
 def test_a_title_is_shown_and_not_obeyed(evil: Path, options: list[str]):
-    done = command("info", evil, *options)
+    done = clast_command("info", evil, *options)
     assert done.exit_code == 0, done.output
     # rich leaves out the bell by itself
     shown = SHOWN.replace("\\u0007", "" if not options else "\\u0007")
@@ -53,7 +48,7 @@ def test_a_title_is_shown_and_not_obeyed(evil: Path, options: list[str]):
 )
 def test_errors_do_not_obey_either(arguments: list[str], tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    done = command(*arguments)
+    done = clast_command(*arguments)
     assert done.exit_code == 2
     assert "red" in done.output
     assert not any(sign in done.output for sign in RAW)
@@ -73,7 +68,7 @@ def test_errors_do_not_obey_either(arguments: list[str], tmp_path: Path, monkeyp
 def test_nobody_is_told_ten_thousand_letters(arguments: list[str], tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("a.toml").write_text(INCLINE, encoding="utf-8")
-    done = command(*arguments)
+    done = clast_command(*arguments)
     assert done.exit_code == 2
     assert 20 < len(done.output) < 3000
     assert "Traceback" not in done.output
@@ -88,7 +83,7 @@ def test_nobody_is_told_ten_thousand_letters(arguments: list[str], tmp_path: Pat
 def test_a_file_where_a_folder_is_needed(arguments, place, tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("a.toml").write_text(INCLINE, encoding="utf-8")
-    done = command(*arguments, place)
+    done = clast_command(*arguments, place)
     assert done.exit_code == 2
     assert done.stderr.startswith(f"error: {place}: ")
     assert "name a folder" in done.stderr

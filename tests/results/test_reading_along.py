@@ -73,13 +73,12 @@ def test_reading_writes_nothing(tmp_path: Path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs the locks of POSIX systems")
-def test_a_reader_that_never_ends_does_not_hold_up_a_run(tmp_path: Path, monkeypatch):
-    monkeypatch.setattr(locks, "PATIENCE", 0.05)
+def test_a_reader_that_never_ends_does_not_hold_up_a_run(tmp_path: Path):
     path = record(three_blocks(), tmp_path / "out.vtkhdf").run.output
     with path.open("r+b", buffering=0) as run, path.open("rb", buffering=0) as reader:
         with locks.reading(reader):
             start = time.monotonic()
-            with locks.changing(run):
+            with locks.changing(run, patience=0.05):
                 waited = time.monotonic() - start
         assert 0.04 < waited < 5.0
         with locks.changing(run), path.open("rb", buffering=0) as other, locks.reading(other):

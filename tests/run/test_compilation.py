@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import time
+from io import StringIO
 from types import FunctionType
 
 import pytest
 from numba import njit
 from numba.extending import overload
+from rich.console import Console
+from rich.progress import Progress
 
 from clast.compute.compilation import COMPILATION, working_time
 from clast.compute.stopwatch import Stages
-from clast.run.progress import compilation_text, compilation_told
+from clast.run.progress import Line, compilation_text, compilation_told
 
 
 def slowly(x):
@@ -60,6 +63,15 @@ def test_what_is_compiled_is_told_by_parts_and_kernels_are_counted():
     assert said[-1].startswith("compiled 3 kernels in ")
     kernel_of("clast.contact.three")(1)
     assert len(said) == 3
+
+
+def test_the_line_of_a_run_says_what_is_compiled():
+    kernel = kernel_of("clast.contact.shown")
+    with Progress(console=Console(file=StringIO(), force_terminal=True)) as bar:
+        line = Line(bar)
+        with COMPILATION.telling(line.compiling):
+            kernel(1)
+        assert "contact detection and friction" in bar.tasks[0].description
 
 
 def test_nothing_is_said_where_nothing_is_compiled():

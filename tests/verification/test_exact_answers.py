@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from clast.verification.problems.friction import ladder
 from clast.verification.problems.masonry import arch, rocking
-from clast.verification.problems.slopes import ladder, slide_topple
-from clast.verification.problems.underground import active_passive, key_block
+from clast.verification.problems.slopes import active_passive, slide_topple
+from clast.verification.problems.underground import key_block
 from clast.verification.problems.waves import moving_base, newmark
 
 
@@ -45,14 +46,12 @@ def test_modes_of_a_block_on_a_slope():
     assert angle > 0.0
 
 
-def test_a_thin_ladder_slips_at_90_degrees_less_2_phi(monkeypatch):
-    monkeypatch.setattr(ladder, "WIDTH", 1e-9)
-    assert ladder.exact_limit(50.0) == pytest.approx(20.0, abs=1e-6)
+def test_a_thin_ladder_slips_at_90_degrees_less_2_phi():
+    assert ladder.exact_limit(50.0, width=1e-9) == pytest.approx(20.0, abs=1e-6)
 
 
-def test_an_arch_without_joints_is_milankovitchs(monkeypatch):
-    monkeypatch.setattr(arch, "VOUSSOIRS", 80)
-    assert arch.exact_limit() == pytest.approx(0.1075, abs=1e-4)
+def test_an_arch_without_joints_is_milankovitchs():
+    assert arch.exact_limit(80) == pytest.approx(0.1075, abs=1e-4)
 
 
 def test_housners_impact():

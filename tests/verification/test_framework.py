@@ -11,6 +11,7 @@ import pytest
 from clast import verification
 from clast.errors import CaseError, RunStopped
 from clast.verification import PROBLEMS, Verdict, cells
+from clast.verification.catalogue import GROUPS
 from clast.verification.problem import KnownFailure, Outcome, absolute, relative
 from clast.verification.problems.blocks.spin import PROBLEM as SPIN
 from clast.verification.report import anchor
@@ -29,6 +30,15 @@ def test_names_are_unique_and_found():
     assert len(set(names)) == len(names)
     assert [each.name for each in verification.problems(["spin", "incline"])] == ["spin", "incline"]
     assert len(verification.problems()) == len(PROBLEMS)
+
+
+def test_every_file_of_a_group_is_in_the_table():
+    folder = Path(verification.__file__).parent / "problems"
+    files = {
+        path.parent.name: len(list(path.parent.glob("*.py"))) - 1
+        for path in folder.glob("*/__init__.py")
+    }
+    assert files == {group: len(found) for group, found in GROUPS.items()}
 
 
 def test_an_unknown_name_is_refused_with_a_suggestion():

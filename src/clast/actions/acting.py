@@ -12,6 +12,7 @@ from clast.actions.gravity import Gravity
 from clast.actions.ground_motion import GroundAcceleration
 from clast.actions.loads import Loads
 from clast.actions.supports import Supports
+from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
 from clast.model.state import State
 
@@ -21,7 +22,9 @@ def actions_of(model: Model, fixed_point_stiffness: float) -> tuple[Action, ...]
 
     ``fixed_point_stiffness`` is that of the supports, N/m per m.
     """
-    found: list[Action] = [Gravity(), GroundAcceleration()]
+    found: list[Action] = [Gravity()]
+    if not isinstance(model.ground_motion, Still):
+        found.append(GroundAcceleration())
     if len(model.point_loads.block) or len(model.line_loads.block):
         found.append(Loads())
     if len(model.fixed_points.block):

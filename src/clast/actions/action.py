@@ -80,6 +80,20 @@ class Done:
     """Its own state at the end of the step."""
 
 
+def energy_of_linear(share: Share, displacement: Floats) -> tuple[float, float]:
+    """Return what forces f - K d of a share have done over d (n, 6), J/m: work and stored energy.
+
+    The work is that of the forces at the end of the step, (f - K d).d; what they store grows by
+    -f.d + 1/2 d.K d, if they store it.
+    """
+    moved = displacement[share.block]
+    pushed = float(np.vdot(share.force, moved))
+    if share.stiffness is None:
+        return pushed, -pushed
+    stretched = float(np.vdot(np.einsum("kij,kj->ki", share.stiffness, moved), moved))
+    return pushed - stretched, 0.5 * stretched - pushed
+
+
 class Action(Protocol):
     """What acts on blocks."""
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart
+from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
 from clast.block.displacement import basis
 from clast.model.model import Model
 from clast.model.state import Ledger
@@ -37,5 +37,5 @@ class Loads:
 
     def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
         """Return the work of the loads, which comes from outside."""
-        work = float(np.sum(share.force * solution.displacement[share.block]))
+        work, _ = energy_of_linear(share, solution.displacement)
         return Done(work=work, ledger=Ledger(loads=work))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart
+from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
 from clast.block.displacement import basis
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger
@@ -38,17 +38,22 @@ class Supports:
         )
 
     def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
-        """Return the work of the springs, what they store, and what a moving ground has done."""
-        rows, drift = self._rows(start)
-        held = drift + np.einsum("kxi,ki->kx", rows, solution.displacement[share.block])
+        """Return the work of the springs, what they store, and what a moving ground has done.
+
+        The ground moves the anchors by u under the forces at the end of the step; that alone
+        stretches a spring, by -u, if its block does not move.
+        """
+        work, stored = energy_of_linear(share, solution.displacement)
         ground = start.model.ground_motion
         moved = ground.anchor_displacement(start.end)
         moved = moved - ground.anchor_displacement(start.state.time)
-        stored = self._energy(held) - self._energy(drift + moved)
-        return Done(
-            work=-self.stiffness * float(np.sum(held * (held - drift))),
-            ledger=Ledger(fixed_points=stored, loads=-self.stiffness * float(np.sum(held * moved))),
-        )
+        if not moved.any():
+            return Done(work=work, ledger=Ledger(fixed_points=stored))
+        rows, drift = self._rows(start)
+        held = drift + np.einsum("kxi,ki->kx", rows, solution.displacement[share.block])
+        brought = -self.stiffness * float(np.sum(held * moved))
+        stored -= self.stiffness * float(np.sum((drift + 0.5 * moved) * moved))
+        return Done(work=work, ledger=Ledger(fixed_points=stored, loads=brought))
 
     def _rows(self, start: StepStart) -> tuple[Floats, Floats]:
         """Return T (k, 2, 6) at the points and their distance (k, 2) from the anchors, m."""
@@ -56,7 +61,3 @@ class Supports:
         at = start.state.points[start.model.point_slices.fixed]
         anchor = points.at + start.model.ground_motion.anchor_displacement(start.end)
         return basis(at - start.frames.centroid[points.block]), at - anchor
-
-    def _energy(self, stretch: Floats) -> float:
-        """Return the energy of the springs, J/m; ``stretch`` (k, 2) in m."""
-        return 0.5 * self.stiffness * float(np.sum(stretch**2))

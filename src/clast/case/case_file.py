@@ -3,7 +3,7 @@
     case = clast.load("incline.toml")
     run = case.run()
 
-A case consists of the tables below; each group of them has a file beside this one.  Their keys,
+A case consists of the tables below; each group of them has a file in ``tables``.  Their keys,
 units and defaults are what ``clast schema`` prints.
 """
 
@@ -21,16 +21,16 @@ from pydantic import BaseModel, Field, PrivateAttr, StrictStr, ValidationError, 
 from clast import spelling
 from clast.case import text as case_text
 from clast.case import writing as case_writing
-from clast.case.blocks import BlockTable, GeometryTable
 from clast.case.faults import Fault, case_error, faults_of, refusal
-from clast.case.ground_motion import GroundMotionTable
-from clast.case.materials import JointTable, RockTable
 from clast.case.meanings import explain
-from clast.case.measurements import MeasuredPointTable, ReferenceTable
-from clast.case.method import MethodTable
-from clast.case.supports_and_loads import FixedPointTable, LineLoadTable, PointLoadTable
-from clast.case.table import Acceleration, Table
-from clast.case.time_and_output import OutputTable, TimeTable
+from clast.case.tables.blocks import BlockTable, GeometryTable
+from clast.case.tables.ground_motion import GroundMotionTable
+from clast.case.tables.materials import JointTable, RockTable
+from clast.case.tables.measurements import MeasuredPointTable, ReferenceTable
+from clast.case.tables.method import MethodTable
+from clast.case.tables.supports_and_loads import FixedPointTable, LineLoadTable, PointLoadTable
+from clast.case.tables.table import Acceleration, Table
+from clast.case.tables.time_and_output import OutputTable, TimeTable
 from clast.errors import ModelError
 from clast.model.builder import ModelBuilder
 from clast.model.model import Model, PlaneStrain, PlaneStress

@@ -2,8 +2,8 @@
 
 ``process = "modified"`` and ``process = {name = "modified", passes = 2}`` both choose the class
 that the name stands for.  Its numbers are the fields of its dataclass: adding an alternative takes
-the dataclass and one line in the dictionary of names (clast.case.method).  A script may give an
-object in the place of the name.
+the dataclass and one line in the dictionary of names (clast.case.tables.method).  A script may give
+an object in the place of the name.
 """
 
 from __future__ import annotations

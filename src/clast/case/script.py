@@ -24,15 +24,15 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 import numpy as np
 
 from clast import spelling
-from clast.case.blocks import BlockTable
 from clast.case.case_file import PLANES, Case
-from clast.case.ground_motion import GROUND_MOTIONS, GroundMotionTable
-from clast.case.materials import JointTable, RockTable
-from clast.case.measurements import MeasuredPointTable
-from clast.case.method import MethodTable
-from clast.case.supports_and_loads import FixedPointTable, LineLoadTable, PointLoadTable
-from clast.case.table import Table
-from clast.case.time_and_output import OutputTable, TimeTable
+from clast.case.tables.blocks import BlockTable
+from clast.case.tables.ground_motion import GROUND_MOTIONS, GroundMotionTable
+from clast.case.tables.materials import JointTable, RockTable
+from clast.case.tables.measurements import MeasuredPointTable
+from clast.case.tables.method import MethodTable
+from clast.case.tables.supports_and_loads import FixedPointTable, LineLoadTable, PointLoadTable
+from clast.case.tables.table import Table
+from clast.case.tables.time_and_output import OutputTable, TimeTable
 from clast.case.writing import as_plain, table_of
 from clast.errors import CaseError
 from clast.model import builder as model_builder
@@ -62,7 +62,7 @@ class Keys(TypedDict, total=False):
     end: float
     """End of the run, s; 1 if absent."""
     max_displacement: float
-    """Largest vertex movement in a step, m; 1 % of the size of the smallest block if absent."""
+    """Largest vertex movement in a step, m; 5 % of the size of the smallest block if absent."""
     dynamic_ratio: float
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
     smallest_step: float
@@ -98,7 +98,7 @@ class ModelBuilder(model_builder.ModelBuilder):
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
     yy, xy), angles in degrees, velocities in m/s and rad/s.  Polygons are counter-clockwise.
-    Nothing is judged before :meth:`build`, :meth:`case` or :meth:`to_toml`.
+    Nothing is judged before ``build``, ``case`` or ``to_toml``.
     """
 
     def case(self, **keys: Unpack[Keys]) -> Case:
@@ -114,7 +114,7 @@ class ModelBuilder(model_builder.ModelBuilder):
     def to_toml(self, **keys: Unpack[Keys]) -> str:
         """Return these blocks as the text of a case file, which gives the same Model to the bit.
 
-        ``keys`` as in :meth:`case`.  Raises CaseError for what no file can hold: objects of a
+        ``keys`` as in ``case``.  Raises CaseError for what no file can hold: objects of a
         script.
         """
         return self.case(**keys).to_toml()

@@ -78,7 +78,8 @@ def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) ->
     from clast.case.case_file import Case
 
     loaded = Case.from_toml(case, settings or ())
-    sanity = loaded.examine()
+    with status():
+        sanity = loaded.examine()
     if as_json:
         print_json(dataclasses.asdict(sanity))
         return

@@ -122,48 +122,13 @@ def bench(
         print_benchmark(measured)
 
 
-def warmup() -> None:
-    """Compile all kernels ahead of the first run."""
-    from dataclasses import replace
+def warmup(threads: Threads = None) -> None:
+    """Compile ahead of the first run what cases need, by as many threads as they will run."""
     from time import perf_counter
 
-    from clast.case.case_file import Case
-    from clast.case.templates import INCLINE
-    from clast.linear.solvers import PCG
-    from clast.run.simulate import simulate
-    from clast.studies.bench.scenes import SCENES
-    from clast.studies.bench.wishes import Wishes, method_for, schedule_of
+    from clast.studies.warmup import warm_up
 
     start = perf_counter()
-    for settings in WARMUPS:
-        Case.from_toml(INCLINE, ["time.end=0.003", *settings]).run()
-    for scene, size, step, share, plain in WARMUP_SCENES:
-        model, wishes = SCENES[scene].build(size), Wishes(step=step, steps=1, share=share)
-        method = replace(method_for(model, wishes), solver=PCG(plain=plain))
-        simulate(model, method, schedule_of(wishes))
+    with status() as say:
+        warm_up(say)
     typer.echo(f"kernels are ready after {perf_counter() - start:.1f} s")
-
-
-WARMUPS = (
-    ["method.process=modified"],
-    ["method.process={name='modified', friction='implicit'}", "method.rotation=exact"],
-    [
-        "method.process={name='modified', passes=2}",
-        "method.integrator=backward-euler",
-        "method.rotation=linear",
-    ],
-    ["method.process=convex"],
-    ["method.process=convex", "method.solver=pcg", "method.corner_rule=shi"],
-    ["method.process=open-close", "method.contact_law.name=augmented-lagrangian"],
-)
-WARMUP_SCENES = (
-    ("wall", 60, 1e-3, 1.0, 100),
-    ("wall", 60, 1e-3, 1.0, 0),
-    ("wall", 60, 1.0, 1.0, 0),
-    ("slope", 60, 1e-2, 1e3, 100),
-    ("wall", 1600, 1e-3, 1.0, 100),
-)
-"""Scene, blocks, step, s, p/E and iterations without a coarse system, which need, one after the
-other: no such system, one in single and one in double precision, the interior point method, and
-blocks that go first because they are the worst of many.  With WARMUPS they reach the kernels of all
-processes and solvers."""

@@ -11,7 +11,7 @@
     builder.measured_point("A", (1, 9), block="slider")
     model = builder.build()
 
-Nothing is judged before :meth:`ModelBuilder.build`, so things may be added in any order.
+Nothing is judged before ``ModelBuilder.build``, so things may be added in any order.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ FAR = 10.0
 
 @dataclass
 class ModelBuilder:
-    """Collects what a system of blocks is made of; :meth:`build` checks it and makes the Model.
+    """Collects what a system of blocks is made of; ``build`` checks it and makes the Model.
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
     yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
@@ -177,7 +177,7 @@ class ModelBuilder:
         ``vertices`` in m are (k, s, 2) where every block has s corners, or (nv, 2) with the index
         of each block's first vertex, and nv, in ``start`` (k + 1,).  ``fixed`` is one truth value
         or (k,); ``velocity`` and ``initial_stress`` are three numbers or (k, 3).  Everything
-        else, and every check, is that of :meth:`block`.
+        else, and every check, is that of ``block``.
 
         A run is gone on from with another load, joint or method by making its last state a model;
         the contact penetration in it is no bad geometry (what contacts of the stiffness that is

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -95,14 +96,15 @@ class Ledger:
         held = self.kinetic + self.elastic + self.gravity + self.contact
         return held + self.fixed_points + self.actions
 
-    def plus(self, change: Ledger) -> Ledger:
-        """Return the ledger with every entry changed by that of ``change``."""
-        return Ledger(
-            **{
-                entry.name: getattr(self, entry.name) + getattr(change, entry.name)
-                for entry in fields(self)
-            }
-        )
+    def plus(self, *changes: Ledger) -> Ledger:
+        """Return the ledger with every entry changed by those of ``changes``, in their order."""
+        sums = map(sum, zip(_entries(self), *map(_entries, changes), strict=True))
+        return Ledger(**dict(zip(LEDGER_ENTRIES, sums, strict=True)))
+
+
+LEDGER_ENTRIES = tuple(entry.name for entry in fields(Ledger))
+"""Names of the entries of a ledger."""
+_entries = attrgetter(*LEDGER_ENTRIES)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -1,7 +1,7 @@
 """What a run leaves behind: histories, energy, a report, and one .vtkhdf file that ParaView opens.
 
-A run writes through :class:`RunRecorder`, which gives a :class:`Run`; a file is read again by
-:func:`read_results`.  The layout of the file is described in :mod:`clast.results.layout`.
+A run writes through ``RunRecorder``, which gives a ``Run``; a file is read again by
+``read_results``.  The layout of the file is described in ``clast.results.layout``.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from clast.results.tables import BlockHistory, FrameContacts, PointHistory
 Recording = Results | Run
 """Whatever frames and histories can be read from."""
 read = read_results
-"""The public name of :func:`read_results`: ``clast.read("out.vtkhdf")``."""
+"""The public name of ``read_results``: ``clast.read("out.vtkhdf")``."""
 
 __all__ = [
     "BlockHistory",

@@ -24,11 +24,9 @@ Tables are HDF5 compound datasets: ``file["energy"]["kinetic"]``.
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
-from clast.model.state import Ledger
+from clast.model.state import LEDGER_ENTRIES
 
 FORMAT = 2
 """Version of the layout outside of /VTKHDF: 1 had no checksums."""
@@ -78,7 +76,6 @@ ABOUT = {
 FRAME_ROW = np.dtype([("time", "f8"), ("steps", "i8"), ("instants", "i8"), ("contacts", "i8")])
 """A frame: time, s, and the rows of /steps, of /energy and /history, of /contacts until then."""
 
-LEDGER_ENTRIES = tuple(entry.name for entry in dataclasses.fields(Ledger))
 
 ENERGY_ROW = np.dtype([("time", "f8"), *((name, "f8") for name in LEDGER_ENTRIES)])
 """Time and every entry of the energy ledger."""

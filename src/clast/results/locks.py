@@ -35,23 +35,23 @@ def claim(file: BinaryIO) -> bool:
 
 
 @contextmanager
-def changing(file: BinaryIO) -> Iterator[None]:
-    """Keep readers of the content out in the block; a reader that does not end is passed over."""
-    with _held(file, "F_WRLCK"):
+def changing(file: BinaryIO, patience: float = PATIENCE) -> Iterator[None]:
+    """Keep readers of the content out in the block; ``patience``, s, is what one may still take."""
+    with _held(file, "F_WRLCK", patience):
         yield
 
 
 @contextmanager
-def reading(file: BinaryIO) -> Iterator[None]:
+def reading(file: BinaryIO, patience: float = PATIENCE) -> Iterator[None]:
     """Keep the content as it is in the block."""
-    with _held(file, "F_RDLCK"):
+    with _held(file, "F_RDLCK", patience):
         yield
 
 
 @contextmanager
-def _held(file: BinaryIO, kind: str) -> Iterator[None]:
-    patience = time.monotonic() + PATIENCE
-    while not _lock(file, kind, CONTENT) and time.monotonic() < patience:
+def _held(file: BinaryIO, kind: str, patience: float) -> Iterator[None]:
+    end = time.monotonic() + patience
+    while not _lock(file, kind, CONTENT) and time.monotonic() < end:
         time.sleep(0.0005)
     try:
         yield

@@ -12,8 +12,8 @@ import numpy as np
 
 from clast.errors import ResultsLost, RunStopped
 from clast.model.model import Model
-from clast.model.state import State
-from clast.results.layout import ENERGY_ROW, LEDGER_ENTRIES, STEP_ROW
+from clast.model.state import LEDGER_ENTRIES, State
+from clast.results.layout import ENERGY_ROW, STEP_ROW
 from clast.results.run import Report, Run
 from clast.results.tables import Table, no_contacts, points_row
 from clast.step.method import StepResult
@@ -77,7 +77,7 @@ class RunRecorder:
     def start(self, state: State, about: Mapping[str, Any] | None = None) -> None:
         """Record the state at the start of the run and begin the file with it.
 
-        ``about`` says how the run is simulated (:mod:`clast.results.provenance`).
+        ``about`` says how the run is simulated (``clast.results.provenance``).
         """
         if self._file is not None:
             self._file.about = about or {}

@@ -66,12 +66,12 @@ def _on_stderr() -> Iterator[Watch | None]:
         return
     columns = (BarColumn(bar_width=24), TextColumn(SHARE_OF_TIME), TextColumn("{task.description}"))
     with Bar(*columns, console=console, transient=True) as bar:
-        line = _Line(bar)
+        line = Line(bar)
         with COMPILATION.telling(line.compiling):
             yield line
 
 
-class _Line:
+class Line:
     """Turns the progress of a run into a bar and a sentence of numbers."""
 
     def __init__(self, bar: Bar) -> None:
@@ -86,6 +86,7 @@ class _Line:
             self._bar.update(self._task, description=compilation_text(module))
 
     def __call__(self, progress: Progress) -> None:
+        """Show where the run is, a few times a second."""
         if self._start is None:
             self._start = working_time(), progress.time
         if perf_counter() - self._shown < REFRESH:

@@ -96,15 +96,14 @@ class Ended:
 def balance(begun: Begun, solved: Solved, ended: Ended) -> tuple[Ledger, tuple[Any, ...]]:
     """Return the ledger at the end of a step, and the own state of each action."""
     ledger = _with_blocks_and_contacts(begun, solved, ended)
-    solution, own = Solution(displacement=solved.unknowns), []
+    solution, changes, own = Solution(displacement=solved.unknowns), [], []
     for action, mine, share in zip(begun.actions, begun.own, begun.shares, strict=True):
         done = action.finish(begun.at, mine, share, solution)
         change = done.ledger
         removed = change.loads - done.work - change.stored - change.friction
-        ledger = ledger.plus(change)
-        ledger = ledger.plus(Ledger(numerical=removed, unaccounted=-done.work))
+        changes += [change, Ledger(numerical=removed, unaccounted=-done.work)]
         own.append(done.own)
-    return ledger, tuple(own)
+    return ledger.plus(*changes), tuple(own)
 
 
 def _with_blocks_and_contacts(begun: Begun, solved: Solved, ended: Ended) -> Ledger:

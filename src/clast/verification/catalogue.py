@@ -1,79 +1,85 @@
-"""All problems, in the order of the table."""
+"""All problems by groups, in the order of the table."""
 
 from __future__ import annotations
 
 from clast.verification.problem import Problem
-from clast.verification.problems.blocks import (
-    energy,
-    free_fall,
-    invariance,
-    order,
-    patch,
-    pendulum,
-    spin,
-    stiffness,
-)
+from clast.verification.problems.blocks import column, free_fall, patch, pendulum, spin
 from clast.verification.problems.contact import (
     bounce,
     collision,
-    column,
     penetration,
     restitution,
     stack,
+    stiffness,
+    two_planes,
 )
 from clast.verification.problems.friction import (
     decelerating_block,
     direct_shear,
     friction_lag,
     incline,
+    ladder,
     seams,
 )
 from clast.verification.problems.masonry import arch, overhang, rocking, three_hinges
-from clast.verification.problems.slopes import (
-    jointed_rock,
-    ladder,
-    plane_failure,
-    slide_topple,
-    toppling,
-    two_planes,
-)
-from clast.verification.problems.underground import active_passive, key_block
+from clast.verification.problems.method import energy, invariance, order
+from clast.verification.problems.slopes import active_passive, plane_failure, slide_topple, toppling
+from clast.verification.problems.underground import jointed_rock, key_block
 from clast.verification.problems.waves import moving_base, newmark, wave
 
-PROBLEMS: tuple[Problem, ...] = (
-    incline.PROBLEM,
-    friction_lag.PROBLEM,
-    decelerating_block.PROBLEM,
-    seams.PROBLEM,
-    slide_topple.PROBLEM,
-    newmark.PROBLEM,
-    moving_base.PROBLEM,
-    direct_shear.PROBLEM,
-    ladder.PROBLEM,
-    overhang.PROBLEM,
-    key_block.PROBLEM,
-    active_passive.PROBLEM,
-    plane_failure.PROBLEM,
-    toppling.PROBLEM,
-    arch.PROBLEM,
-    three_hinges.PROBLEM,
-    two_planes.PROBLEM,
-    penetration.PROBLEM,
-    stiffness.PROBLEM,
-    stack.PROBLEM,
-    bounce.PROBLEM,
-    restitution.PROBLEM,
-    collision.PROBLEM,
-    rocking.PROBLEM,
-    column.PROBLEM,
-    patch.PROBLEM,
-    jointed_rock.PROBLEM,
-    wave.PROBLEM,
-    free_fall.PROBLEM,
-    spin.PROBLEM,
-    pendulum.PROBLEM,
-    energy.PROBLEM,
-    order.PROBLEM,
-    invariance.PROBLEM,
-)
-"""Problems by what they test: friction, contact, elasticity, motion, the method as a whole."""
+GROUPS: dict[str, tuple[Problem, ...]] = {
+    "blocks": (
+        free_fall.PROBLEM,
+        spin.PROBLEM,
+        pendulum.PROBLEM,
+        patch.PROBLEM,
+        column.PROBLEM,
+    ),
+    "contact": (
+        penetration.PROBLEM,
+        stiffness.PROBLEM,
+        stack.PROBLEM,
+        two_planes.PROBLEM,
+        bounce.PROBLEM,
+        restitution.PROBLEM,
+        collision.PROBLEM,
+    ),
+    "friction": (
+        incline.PROBLEM,
+        friction_lag.PROBLEM,
+        decelerating_block.PROBLEM,
+        seams.PROBLEM,
+        direct_shear.PROBLEM,
+        ladder.PROBLEM,
+    ),
+    "slopes": (
+        slide_topple.PROBLEM,
+        plane_failure.PROBLEM,
+        toppling.PROBLEM,
+        active_passive.PROBLEM,
+    ),
+    "underground": (
+        key_block.PROBLEM,
+        jointed_rock.PROBLEM,
+    ),
+    "masonry": (
+        overhang.PROBLEM,
+        arch.PROBLEM,
+        three_hinges.PROBLEM,
+        rocking.PROBLEM,
+    ),
+    "waves": (
+        wave.PROBLEM,
+        newmark.PROBLEM,
+        moving_base.PROBLEM,
+    ),
+    "method": (
+        energy.PROBLEM,
+        order.PROBLEM,
+        invariance.PROBLEM,
+    ),
+}
+"""Folder -> its problems: what they test, from single blocks to the method as a whole."""
+
+PROBLEMS: tuple[Problem, ...] = tuple(problem for group in GROUPS.values() for problem in group)
+"""All problems."""

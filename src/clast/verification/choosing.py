@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from clast import spelling
-from clast.case.method import CONTACT_LAWS, PROCESSES
+from clast.case.tables.method import CONTACT_LAWS, PROCESSES
 from clast.errors import CaseError
 from clast.verification.catalogue import PROBLEMS
 from clast.verification.problem import Problem

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from clast import spelling
-from clast.case.method import SOLVERS, MethodTable
-from clast.case.time_and_output import TRAVEL_SHARE
+from clast.case.tables.method import SOLVERS, MethodTable
+from clast.case.tables.time_and_output import TRAVEL_SHARE
 from clast.errors import CaseError
 from clast.model.model import Model
 from clast.run.schedule import Schedule

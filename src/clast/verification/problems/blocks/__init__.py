@@ -1,1 +1,1 @@
-"""A single block: free flight, rotation, strain."""
+"""Single blocks: free flight, rotation, strain."""

@@ -1,1 +1,1 @@
-"""Contacts: impact, penetration, stacks and columns."""
+"""Contacts: stiffness, penetration, shared loads, impact."""

@@ -1,1 +1,1 @@
-"""Friction: sliding, seams, direct shear."""
+"""Friction: sliding, joints in the surface, direct shear, limit equilibrium."""

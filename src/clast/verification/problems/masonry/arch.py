@@ -32,9 +32,9 @@ FEW = 2
 STEP, STEPS = 4e-3, 300
 
 
-def joint_ends(share: float) -> tuple[Floats, Floats]:
+def joint_ends(share: float, voussoirs: int = VOUSSOIRS) -> tuple[Floats, Floats]:
     """Return the inner and outer ends of all joints from right to left, m (k, 2), t/R = share."""
-    angle = np.linspace(0.0, np.pi, VOUSSOIRS + 1)
+    angle = np.linspace(0.0, np.pi, voussoirs + 1)
     direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     half = 0.5 * share * RADIUS
     return (RADIUS - half) * direction, (RADIUS + half) * direction
@@ -48,15 +48,15 @@ def centroid(corners: Floats) -> tuple[float, Floats]:
     return float(area), np.sum((corners + following) * cross[:, None], axis=0) / (6.0 * area)
 
 
-def safety(share: float) -> float:
+def safety(share: float, voussoirs: int = VOUSSOIRS) -> float:
     """Return how far joints may be weakened: largest s with the thrust s t/2 inside the joints.
 
     s >= 0 where the arch stands; unknowns are N1, N2 and V of every joint, and s.
     """
-    inner, outer = joint_ends(share)
+    inner, outer = joint_ends(share, voussoirs)
     count = len(inner)
-    equations, weights = np.zeros((3 * VOUSSOIRS, 3 * count + 1)), np.zeros(3 * VOUSSOIRS)
-    for k in range(VOUSSOIRS):
+    equations, weights = np.zeros((3 * voussoirs, 3 * count + 1)), np.zeros(3 * voussoirs)
+    for k in range(voussoirs):
         area, middle = centroid(np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]))
         for joint, sign in ((k, 1.0), (k + 1, -1.0)):
             radial = (outer[joint] - inner[joint]) / np.hypot(*(outer[joint] - inner[joint]))
@@ -89,9 +89,9 @@ def safety(share: float) -> float:
     return float(found.x[-1])
 
 
-def exact_limit() -> float:
-    """Return t/R of the thinnest arch of voussoirs."""
-    return limit(lambda share: safety(share) > 0.0, LOW, HIGH, 20)
+def exact_limit(voussoirs: int = VOUSSOIRS) -> float:
+    """Return t/R of the thinnest arch of so many voussoirs."""
+    return limit(lambda share: safety(share, voussoirs) > 0.0, LOW, HIGH, 20)
 
 
 def arch(share: float = 0.12) -> Model:

@@ -1,1 +1,1 @@
-"""Openings and retained rock."""
+"""Openings, and the rock mass around them."""

@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import Field, StrictBool, StrictStr
 
 from clast.case.choices import Number, within
-from clast.case.table import Positive, Strength, Stresses, Table
+from clast.case.tables.table import Positive, Strength, Stresses, Table
 from clast.model import ranges
 from clast.model.builder import ModelBuilder
 

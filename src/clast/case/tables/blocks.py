@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import StrictBool, StrictInt, StrictStr, model_validator
 
 from clast.case.faults import SHOWN, Fault, refusal
-from clast.case.table import Loop, Motion, Stresses, Table
+from clast.case.tables.table import Loop, Motion, Stresses, Table
 from clast.model.builder import ModelBuilder
 
 

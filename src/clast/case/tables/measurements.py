@@ -7,7 +7,7 @@ from pathlib import Path
 from pydantic import StrictStr, field_validator
 
 from clast.case.faults import Fault, refusal
-from clast.case.table import Point, Positive, Table
+from clast.case.tables.table import Point, Positive, Table
 from clast.errors import shortened
 from clast.model.builder import ModelBuilder
 

@@ -11,8 +11,8 @@ from pydantic import StrictStr, model_validator
 
 from clast.case.choices import Number, within
 from clast.case.faults import Fault, refusal
-from clast.case.record import read_record
-from clast.case.table import Acceleration, Instant, Table
+from clast.case.tables.record import read_record
+from clast.case.tables.table import Acceleration, Instant, Table
 from clast.errors import shortened
 from clast.model import ranges
 from clast.model.builder import ModelBuilder

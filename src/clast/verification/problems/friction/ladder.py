@@ -29,17 +29,17 @@ BISECTIONS, SPAN = 4, 2.0
 RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.1g} degrees"
 
 
-def outline(angle: float) -> np.ndarray:
+def outline(angle: float, width: float = WIDTH) -> np.ndarray:
     """Return the corners (foot, back, head, front) of a ladder at ``angle``, degrees, m (4, 2)."""
     along = np.array([-np.cos(np.radians(angle)), np.sin(np.radians(angle))])
     across = np.array([along[1], -along[0]])
-    corners = np.array([0 * along, WIDTH * across, LENGTH * along + WIDTH * across, LENGTH * along])
+    corners = np.array([0 * along, width * across, LENGTH * along + width * across, LENGTH * along])
     return corners - np.array([corners[:, 0].min(), corners[:, 1].min()])
 
 
-def exact_limit(angle: float) -> float:
-    """Return the friction angle at which the ladder slips, degrees."""
-    corners = outline(angle)
+def exact_limit(angle: float, width: float = WIDTH) -> float:
+    """Return the friction angle at which a ladder slips, degrees, by its angle and width, m."""
+    corners = outline(angle, width)
     foot = corners[np.argmin(corners[:, 1])]
     head = corners[np.argmin(corners[:, 0])]
     s = corners[:, 0].mean()

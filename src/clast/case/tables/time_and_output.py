@@ -9,7 +9,7 @@ from pydantic import Field, StrictBool, model_validator
 
 from clast.case.choices import Number
 from clast.case.faults import Fault, refusal
-from clast.case.table import Interval, Length, Positive, Table
+from clast.case.tables.table import Interval, Length, Positive, Table
 from clast.model import ranges
 from clast.model.model import Model
 

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from clast.case.choices import Alternatives, Choice, Chosen, Given, within
-from clast.case.table import Length, Positive, Table
+from clast.case.tables.table import Length, Positive, Table
 from clast.model import ranges
 from clast.model.model import Model
 

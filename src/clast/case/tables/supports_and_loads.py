@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pydantic import StrictStr
 
-from clast.case.table import Force, Point, Table
+from clast.case.tables.table import Force, Point, Table
 from clast.model.builder import ModelBuilder
 
 

@@ -1,0 +1,1 @@
+"""The tables of the case file: one file a group."""

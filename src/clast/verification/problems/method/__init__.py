@@ -1,0 +1,1 @@
+"""The method as a whole: energy, convergence, invariance."""
