@@ -19,9 +19,9 @@ from clast.model.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.run.schedule import Progress, Schedule
 from clast.run.simulate import simulate
-from clast.studies.bench import Wishes, warm_up
+from clast.studies.bench import Settings, warm_up
 from clast.studies.bench.scenes import DENSITY, FRICTION_ANGLE, GRAVITY, SCENES, YOUNG
-from clast.studies.bench.wishes import method_for
+from clast.studies.bench.settings import method_for
 
 FRICTION = 0.5
 """tan(phi) of every contact."""
@@ -94,10 +94,10 @@ class Clast:
 
     def simulate(self, setting: Setting, end: float, limit: float) -> Outcome:
         """Simulate with compiled kernels."""
-        wishes = Wishes(step=self.step, share=self.share, solver=self.solver)
-        warm_up([SCENES["wall"]], wishes)
+        settings = Settings(step=self.step, share=self.share, solver=self.solver)
+        warm_up([SCENES["wall"]], settings)
         model = model_of(setting)
-        usual = method_for(model, wishes)
+        usual = method_for(model, settings)
         method = replace(usual, max_displacement=self.travel * usual.max_displacement)
         begun = perf_counter()
 

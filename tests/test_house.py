@@ -34,7 +34,7 @@ STARTING_UP = {
 }
 """Files whose functions may be remembered by functools.cache, and why nothing can go stale."""
 OF_THE_PROCESS = {
-    "compute/compilation.py": "what numba compiles belongs to the process, and no run reads it",
+    "compute/compilation.py": "what numba compiles is the process' own, and no digit depends on it",
 }
 """Files with an object that counts what the whole process does, and why no run depends on it."""
 ONLY_HOME = {"numba": "compute", "llvmlite": "compute", "matplotlib": "pictures", "h5py": "results"}
@@ -54,7 +54,7 @@ EXCEPTIONS: dict[str, dict[str, int]] = {
         "linear/cholesky_kernels.py": 25,
     },
     "folders have at most 16 files": {
-        "contact": 3,
+        "contact": 4,
         "linear": 6,
     },
     "functions have at most 8 arguments": {

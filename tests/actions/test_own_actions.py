@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 import clast
-from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.actions.action import (
+    Done,
+    Share,
+    Solution,
+    StepStart,
+    energy_of_linear,
+    energy_of_springs,
+)
+from clast.contact.clipped_spring import Clipped, table
 from clast.errors import CaseError, ModelError
 from clast.model.model import Model
 from clast.model.state import Ledger
@@ -62,6 +70,52 @@ class Tether:
         return number, start.frames.centroid[number] - outline.mean(axis=0)
 
 
+@dataclass(frozen=True)
+class Tie:
+    """A linear spring between the centroids of two blocks, written out in NumPy."""
+
+    blocks: tuple[str, str]
+    stiffness: float
+
+    def begin(self, model: Model) -> float:
+        one, other = self._numbers(model)
+        outlines = [model.polygon(b).mean(axis=0) for b in (one, other)]
+        return float(np.hypot(*(outlines[0] - outlines[1])))
+
+    def share(self, start: StepStart, own: float) -> Share:
+        one, other = self._numbers(start.model)
+        way = start.frames.centroid[one] - start.frames.centroid[other]
+        length = float(np.hypot(*way))
+        normal = Clipped(
+            at_zero=np.zeros(1),
+            stiffness=np.array([self.stiffness]),
+            low=np.array([-np.inf]),
+            high=np.array([np.inf]),
+        )
+        none = Clipped(
+            at_zero=np.zeros(1), stiffness=np.zeros(1), low=np.zeros(1), high=np.zeros(1)
+        )
+        springs, _ = table(
+            vertex_block=np.array([one]),
+            edge_block=np.array([other]),
+            levers=np.array([[*(way / length), 0.0, 0.0, 0.0, 0.0]]),
+            gap=np.array([length - own]),
+            slip=np.zeros(1),
+            normal=normal,
+            shear=none,
+        )
+        return Share(springs=springs)
+
+    def finish(self, start: StepStart, own: float, share: Share, solution: Solution) -> Done:
+        assert share.springs is not None
+        work, stored = energy_of_springs(share.springs, solution)
+        return Done(work=work, ledger=Ledger(actions=stored), own=own)
+
+    def _numbers(self, model: Model) -> tuple[int, int]:
+        one, other = (model.block_name.index(name) for name in self.blocks)
+        return one, other
+
+
 def swinging(*actions: object, friction_angle: float = 0.0) -> clast.ModelBuilder:
     """A square on a floor."""
     builder = clast.ModelBuilder(gravity=(0.0, -10.0))
@@ -113,6 +167,29 @@ def test_a_force_of_ones_own_pushes(process: str, stiffness: float):
     assert_closed(run)
     (done,) = [own for own in run.final.actions if own is not None]
     assert done == pytest.approx(run.report.ledger.loads, rel=1e-12)
+
+
+@pytest.mark.parametrize(("process", "stiffness"), PROCESSES)
+def test_a_spring_between_two_blocks(process: str, stiffness: float):
+    """Boxes that touch nothing of each other swing about their common centre, x = v/w sin(w t)."""
+    builder = swinging(Tie(("box", "far"), 0.5 * 2500.0 * RATE**2))
+    builder.block(vertices=[(3, 0), (4, 0), (4, 1), (3, 1)], name="far")
+    step, end = 1e-4, 0.1
+    run = clast.simulate(
+        builder,
+        end=end,
+        step=step,
+        process=process,
+        contact_law={"name": "penalty", "normal_stiffness": stiffness},
+    )
+    moved = (run.final.vertices - run.model.vertices)[4:, 0].reshape(2, 4).mean(axis=1)
+    assert moved.sum() == pytest.approx(2.0 * end, rel=1e-5)  # momentum
+    damping = np.exp(-(RATE**2) * step * end / 4.0)  # forces act as they are at a step's end
+    wanted = damping * 2.0 / RATE * np.sin(RATE * end)
+    assert moved[0] - moved[1] == pytest.approx(wanted, abs=2e-4)
+    assert_closed(run)
+    held = 0.25 * 2500.0 * RATE**2 * (moved[0] - moved[1]) ** 2
+    assert run.report.ledger.actions == pytest.approx(held, rel=1e-6)
 
 
 def assert_closed(run: clast.Run) -> None:

@@ -10,7 +10,7 @@ import performance
 import programs
 import pytest
 
-from clast.studies.bench import Wishes, benchmark
+from clast.studies.bench import Settings, benchmark
 
 PROGRAMS = (
     programs.Clast(0.005),
@@ -63,7 +63,7 @@ def test_rigid_outlines_turn_about_their_centre():
 def test_the_page_shows_what_is_kept(small_wall):
     outcome = programs.Clast(0.005).simulate(small_wall, 0.01, 60.0)
     row = asdict(peers.figures(small_wall, programs.Clast(0.005), outcome))
-    bench = benchmark(Wishes(scenes=("stack",), sizes=(20,), steps=2)).as_dict()
+    bench = benchmark(Settings(scenes=("stack",), sizes=(20,), steps=2)).as_dict()
     page = performance.page({"machine": peers.machine(), "rows": [row]}, bench)
     assert "### Wall of 10 blocks" in page
     assert "| clast, h = 5 ms, p = 1 E |" in page

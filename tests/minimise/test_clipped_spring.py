@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clast.compute.parallel import CONTACTS
-from clast.minimise.clipped_spring import Clipped, Springs, merged, table
+from clast.contact.clipped_spring import Clipped, Springs, merged, table
 
 INF = np.inf
 

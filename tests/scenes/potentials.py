@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from clast.compute.stopwatch import Stages
+from clast.contact.clipped_spring import Clipped
 from clast.linear.factor import LinearSolver
 from clast.linear.reuse import FactorOfStep
 from clast.linear.solvers import Direct
-from clast.minimise.clipped_spring import Clipped
 from clast.minimise.newton import Newton, Work
 from clast.minimise.potential import Point, Potential
 from clast.minimise.schedule import NonlinearElimination, Schedule, SmallIslands

@@ -13,13 +13,14 @@ from typer.testing import CliRunner
 from clast.cli.commands import app
 from clast.errors import CaseError
 from clast.results import read_results
-from clast.studies.bench import SCENES, Benchmark, Wishes, benchmark, measure, measuring, sizes_in
+from clast.studies.bench import SCENES, Benchmark, Settings, benchmark, measure, measuring, sizes_in
 from clast.studies.bench.bandwidth import (
     bytes_of_product,
     matrix_of_directions,
     system_of_step,
 )
 from clast.studies.bench.scenes import outlines_of_wall, wall
+from clast.studies.bench.settings import method_for, schedule_of
 from clast.studies.bench.table import (
     HEADINGS,
     MEMORY_HEADINGS,
@@ -29,7 +30,6 @@ from clast.studies.bench.table import (
     stage_cells,
     stage_headings,
 )
-from clast.studies.bench.wishes import method_for, schedule_of
 from scenes.systems import at_start, overlaps
 
 SHORT = ["--size", "40", "--steps", "3"]
@@ -43,7 +43,7 @@ def bench_command(*arguments: object):
 
 @pytest.fixture(scope="module")
 def measured() -> Benchmark:
-    return benchmark(Wishes(sizes=(40,), steps=3))
+    return benchmark(Settings(sizes=(40,), steps=3))
 
 
 # --- scenes --------------------------------------------------------------------------------
@@ -68,7 +68,7 @@ def test_walls_have_half_bricks_at_their_ends(courses, columns, bricks):
 
 @pytest.mark.parametrize("name", [name for name, scene in SCENES.items() if scene.rests])
 def test_scenes_at_rest_stand(name):
-    found = measure(SCENES[name], 100, Wishes(steps=20, step=5e-3))
+    found = measure(SCENES[name], 100, Settings(steps=20, step=5e-3))
     assert found.report.finished
     assert found.drift is not None
     assert found.drift < 1e-4
@@ -76,7 +76,7 @@ def test_scenes_at_rest_stand(name):
 
 def test_squares_fall_from_the_start():
     model = SCENES["heap"].build(30)
-    found = measure(SCENES["heap"], 30, Wishes(end=0.02, step=5e-3))
+    found = measure(SCENES["heap"], 30, Settings(end=0.02, step=5e-3))
     assert found.contacts == 0 and found.drift is None
     assert found.costs.simulated == pytest.approx(0.02)
     turned = model.vertices[model.block_start[:-1]][~model.fixed]
@@ -105,8 +105,8 @@ def test_every_scene_is_measured(measured):
 
 
 def test_steps_in_which_a_wall_settles_are_not_counted():
-    whole = measure(SCENES["wall"], 100, Wishes(steps=6))
-    rest = measure(SCENES["wall"], 100, Wishes(steps=2, settle=4))
+    whole = measure(SCENES["wall"], 100, Settings(steps=6))
+    rest = measure(SCENES["wall"], 100, Settings(steps=2, settle=4))
     assert (whole.costs.steps, rest.costs.steps, rest.report.steps) == (6, 2, 6)
     assert rest.costs.simulated == pytest.approx(2e-3)
     assert rest.costs.counts["passes"] < whole.costs.counts["passes"]
@@ -136,7 +136,7 @@ def test_figures_for_a_program(measured):
 
 def test_the_product_moves_every_block_once():
     model = SCENES["wall"].build(100)
-    system = system_of_step(model, method_for(model, Wishes()), at_start(model), 1e-3)
+    system = system_of_step(model, method_for(model, Settings()), at_start(model), 1e-3)
     assert system is not None
     matrix = matrix_of_directions(system)
     coupled = np.count_nonzero(system.upper.any(axis=(1, 2)))
@@ -147,27 +147,27 @@ def test_the_product_moves_every_block_once():
 
 def test_a_singular_system_has_no_product():
     model = SCENES["wall"].build(40)
-    system = system_of_step(model, method_for(model, Wishes()), at_start(model), 1e-3)
+    system = system_of_step(model, method_for(model, Settings()), at_start(model), 1e-3)
     assert measuring._product(system) is not None
     assert measuring._product(replace(system, diagonal=-system.diagonal)) is None
 
 
 def test_a_run_that_stops_is_a_row_like_the_others(tmp_path):
-    wanted = Wishes(sizes=(40,), step=1e3, steps=1)
+    wanted = Settings(sizes=(40,), step=1e3, steps=1)
     found = measure(SCENES["heap"], 40, wanted)
     content = found.as_dict()
     assert content["finished"] is False
     assert content["outcome"].startswith("stopped at")
 
 
-# --- wishes --------------------------------------------------------------------------------
+# --- settings --------------------------------------------------------------------------------
 
 
 def test_sizes():
     assert sizes_in("100, 1e5") == (100, 100_000)
-    assert schedule_of(Wishes(step=0.01, steps=7)).end == pytest.approx(0.07)
+    assert schedule_of(Settings(step=0.01, steps=7)).end == pytest.approx(0.07)
     with pytest.raises(CaseError, match="no size"):
-        Wishes(sizes=())
+        Settings(sizes=())
 
 
 REFUSED = {
@@ -188,7 +188,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_bad_wishes_are_refused_before_anything_runs(case, tmp_path, monkeypatch):
+def test_bad_settings_are_refused_before_anything_runs(case, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     arguments, message = REFUSED[case]
     done = bench_command(*arguments)

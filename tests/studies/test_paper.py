@@ -34,8 +34,8 @@ def all_jobs() -> list[Job]:
 
 
 def test_formulas():
-    assert table_1.way(20.0) == pytest.approx(1.558273, abs=1e-6)
-    assert table_1.way(45.0) == pytest.approx(0.0, abs=1e-12)
+    assert table_1.exact_distance(20.0) == pytest.approx(1.558273, abs=1e-6)
+    assert table_1.exact_distance(45.0) == pytest.approx(0.0, abs=1e-12)
     assert table_1.lag(35.0) == pytest.approx(0.0047, abs=5e-5)
     assert rest.share(1e3, 4) == pytest.approx(0.25, rel=1e-5)
     assert rest.share(1e8, 1) == pytest.approx(1.0)

@@ -14,6 +14,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from clast.block.inertia import BlockFrames
+from clast.contact.clipped_spring import Springs
+from clast.linear.system import stretches
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import Ledger, State
 
@@ -55,6 +57,8 @@ class Share:
     """Generalised forces T^T f at d = 0, N/m and N, shape (k, 6)."""
     stiffness: Floats | None = None
     """How these fall with the displacement of their block, -df/dd, shape (k, 6, 6)."""
+    springs: Springs | None = None
+    """Clipped springs between points of two blocks."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +67,21 @@ class Solution:
 
     displacement: Floats
     """d, shape (n, 6)."""
+    linearised_at: Floats | None = None
+    """Displacements about which the equations held the springs linear, shape (n, 6); None: at d."""
+
+    def spring_forces(self, springs: Springs) -> tuple[Floats, Floats]:
+        """Return N and T (m,), N/m, that the equations held in springs at the end of the step."""
+        gap, slip = stretches(springs, self.displacement)
+        if self.linearised_at is None:
+            bear = springs.at(gap, slip)
+            return bear.normal_force, bear.shear_force
+        before = stretches(springs, self.linearised_at)
+        bear = springs.at(*before)
+        return (
+            bear.normal_force - bear.normal_stiffness * (gap - before[0]),
+            bear.shear_force - bear.shear_stiffness * (slip - before[1]),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +111,18 @@ def energy_of_linear(share: Share, displacement: Floats) -> tuple[float, float]:
         return pushed, -pushed
     stretched = float(np.vdot(np.einsum("kij,kj->ki", share.stiffness, moved), moved))
     return pushed - stretched, 0.5 * stretched - pushed
+
+
+def energy_of_springs(springs: Springs, solution: Solution) -> tuple[float, float]:
+    """Return what clipped springs have done in a step, J/m: work and change of their potential.
+
+    The work is that of the forces which the equations held.  The potential grows by what a spring
+    stores, and by what it loses where its force has reached a bound.
+    """
+    normal, shear = solution.spring_forces(springs)
+    gap, slip = stretches(springs, solution.displacement)
+    work = float(normal @ (gap - springs.gap) + shear @ (slip - springs.slip))
+    return work, springs.energy(gap, slip) - springs.energy(springs.gap, springs.slip)
 
 
 class Action(Protocol):

@@ -97,9 +97,9 @@ def bench(
     as_json: AsJson = False,
 ) -> None:
     """Measure what scenes of any size cost: time by stage, iterations, accuracy, memory."""
-    from clast.studies.bench import SCENES, Wishes, benchmark, sizes_in
+    from clast.studies.bench import SCENES, Settings, benchmark, sizes_in
 
-    wanted = Wishes(
+    wanted = Settings(
         scenes=tuple(dict.fromkeys(scenes or SCENES)),
         sizes=sizes_in(size),
         step=step,

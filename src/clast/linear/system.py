@@ -7,12 +7,14 @@ from typing import Protocol
 
 import numpy as np
 
-from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.clipped_spring import Springs
+from clast.contact.contacts import Contacts
 from clast.errors import StepOutcome, StepRejected
 from clast.linear import assembly
 from clast.linear import block_matrix as block_rows
 from clast.linear import residual as balance
-from clast.linear.couplings import Blocks, Couplings, Graph, Rows, Springs
+from clast.linear.couplings import Blocks, Couplings, Graph, Rows
+from clast.linear.couplings import Springs as Kept
 from clast.model.model import Bools, Floats, Ints
 
 
@@ -28,6 +30,35 @@ class DiagonalTerms:
     """The part of it that is momentum, M/(theta h2) drift, shape (n, 6)."""
     centroid: Floats
     """Centroids of the blocks, m, shape (n, 2)."""
+
+
+class Bearing(Protocol):
+    """What links between blocks bear, linearised (see ContactResponse); each of shape (m,)."""
+
+    @property
+    def normal_force(self) -> Floats:
+        """N, N/m."""
+        ...
+
+    @property
+    def shear_force(self) -> Floats:
+        """T, N/m."""
+        ...
+
+    @property
+    def normal_stiffness(self) -> Floats:
+        """-dN/dgap, N/m per m."""
+        ...
+
+    @property
+    def shear_stiffness(self) -> Floats:
+        """-dT/dslip, N/m per m."""
+        ...
+
+    @property
+    def coupling(self) -> Floats:
+        """dT/dN."""
+        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +91,7 @@ class BlockSystem:
         return self.couplings.lower
 
 
-def graph_of(contacts: Contacts, count: int) -> Graph:
+def graph_of(contacts: Contacts | Springs, count: int) -> Graph:
     """Return which pairs ``count`` blocks belong to and which contacts those have."""
     graph: Graph = assembly.graph(count, contacts.pairs, contacts.pair)
     return graph
@@ -124,6 +155,12 @@ def contact_motions(contacts: Links, displacement: Floats) -> tuple[Floats, Floa
     )
 
 
+def stretches(springs: Springs, displacement: Floats) -> tuple[Floats, Floats]:
+    """Return gap and slip of the links of springs (m,), m, after d (n, 6)."""
+    opening, slip = contact_motions(springs, displacement)
+    return springs.gap + opening, springs.slip + slip
+
+
 def gap_at_end(contacts: Contacts, displacement: Floats) -> Floats:
     """Return the gap of each contact at the end of the step, m, shape (m,): gap + n.d."""
     return contacts.gap + contact_motions(contacts, displacement)[0]
@@ -141,7 +178,7 @@ def gap_rate(contacts: Contacts, velocity: Floats) -> Floats:
 
 def with_contact_forces(
     force: Floats,
-    contacts: Contacts,
+    contacts: Contacts | Springs,
     graph: Graph,
     fixed: Bools,
     normal: Floats,
@@ -156,8 +193,8 @@ def with_contact_forces(
 def _with_contacts(
     base: DiagonalTerms,
     force: Floats,
-    contacts: Contacts,
-    response: ContactResponse,
+    contacts: Contacts | Springs,
+    response: Bearing,
     loads: tuple[Floats, Floats],
     fixed: Bools,
 ) -> BlockSystem:
@@ -217,7 +254,7 @@ def symmetric_system(
         diagonal=diagonal,
         pairs=contacts.pairs,
         rows=graph[1:],
-        couplings=Springs(
+        couplings=Kept(
             graph=graph,
             vertex_block=vertex_block,
             levers=levers,
@@ -234,8 +271,8 @@ def symmetric_system(
 
 def assemble(
     base: DiagonalTerms,
-    contacts: Contacts,
-    response: ContactResponse,
+    contacts: Contacts | Springs,
+    response: Bearing,
     gap: Floats,
     slip: Floats,
     fixed: Bools,

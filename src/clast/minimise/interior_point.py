@@ -31,8 +31,8 @@ import numpy as np
 from clast.compute.chunks import PART, sum_of
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared, summed
+from clast.contact.clipped_spring import Forces, in_piece
 from clast.linear.system import BlockSystem, contact_motions, symmetric_system
-from clast.minimise.clipped_spring import Forces, in_piece
 from clast.minimise.newton import Work
 from clast.minimise.potential import MOMENTUM_SHARE, Point, Potential
 from clast.model.model import Floats

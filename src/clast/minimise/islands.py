@@ -22,12 +22,12 @@ from clast.compute.chunks import MANY, SHARED, sum_of
 from clast.compute.jit import kernel
 from clast.compute.parallel import EACH, shared
 from clast.compute.vec6 import line, plus_scaled, put_line, put_row, row, zeros
+from clast.contact.clipped_spring import Springs
 from clast.contact.jacobian import couple
 from clast.linear import elimination
 from clast.linear.assembly import assemble_own, contact_motions, form, stiff_pairs
 from clast.linear.block_matrix import dot, row_pointers
 from clast.linear.residual import unbalanced
-from clast.minimise.clipped_spring import Springs
 from clast.minimise.line_search import island_sums, lengths_along, links_along
 from clast.model.model import Bools, Ints
 

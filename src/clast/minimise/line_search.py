@@ -16,7 +16,7 @@ from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.parallel import BLOCKS, CONTACTS, shared
 from clast.compute.vec6 import plus_product, plus_scaled, put_row, row, total, zeros
-from clast.minimise.clipped_spring import clipped, forces_at, in_piece
+from clast.contact.clipped_spring import clipped, forces_at, in_piece
 
 TOLERANCE = 1e-9
 """The line's minimum is found where the slope has fallen to this share of its start."""

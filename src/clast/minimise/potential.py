@@ -20,11 +20,11 @@ from clast.compute.mat6 import times
 from clast.compute.parallel import BLOCKS, summed
 from clast.compute.stopwatch import Stages
 from clast.compute.vec6 import plus_product, plus_scaled, put_row, row, total, zeros
+from clast.contact.clipped_spring import Forces, Springs
 from clast.linear import block_matrix, residual
 from clast.linear.couplings import Graph
 from clast.linear.reuse import FactorOfStep
 from clast.linear.system import BlockSystem, DiagonalTerms, contact_motions, symmetric_system
-from clast.minimise.clipped_spring import Forces, Springs
 from clast.minimise.islands import Islands
 from clast.minimise.line_search import (
     blocks_along,

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.compute.jit import kernel
+from clast.contact.clipped_spring import Forces, Springs, clipped_from
 from clast.linear.system import DiagonalTerms, contact_motions
-from clast.minimise.clipped_spring import Forces, Springs, clipped_from
 from clast.minimise.islands import islands_of, put_back, taken_out
 from clast.minimise.potential import Point, Potential
 from clast.model.model import Bools, Floats, Ints

@@ -35,7 +35,7 @@ class Arrows:
 
     at: Floats
     """Where they act, m, shape (k, 2)."""
-    way: Floats
+    vector: Floats
     """Arrow of the force on the invading vertex's block, m, shape (k, 2)."""
     longest: float
     """Length that stands for ``largest``, m."""
@@ -51,7 +51,7 @@ class Arrows:
     @property
     def ends(self) -> Floats:
         """Where all arrows end, m, shape (2 k, 2)."""
-        return np.concatenate([self.at + self.way, self.at - self.way])
+        return np.concatenate([self.at + self.vector, self.at - self.vector])
 
 
 def arrows_of(
@@ -73,16 +73,16 @@ def arrows_of(
     largest = largest_but_few(size, np.ones(len(size)), FEW)
     longest = max(_arrow_length(results, low, high), 0.5 * apart)
     length = longest * np.minimum(1.0, size / largest) if len(size) else size
-    way = force[shown] * (length / size)[:, None]
+    vector = force[shown] * (length / size)[:, None]
     at = at[shown]
     if zoomed:
         slack = HEAD * per_inch
-        ends = np.stack([at + way, at - way])
+        ends = np.stack([at + vector, at - vector])
         inside = ((ends >= low + slack) & (ends <= high - slack)).all(axis=(0, 2))
-        at, way, size = at[inside], way[inside], size[inside]
+        at, vector, size = at[inside], vector[inside], size[inside]
     return Arrows(
         at=at,
-        way=way,
+        vector=vector,
         longest=longest,
         largest=largest,
         cut=int(np.sum(size > largest)),
@@ -118,7 +118,7 @@ def draw_arrows(figure: Figure, sheet: Sheet, axes: Axes, arrows: Arrows) -> Non
     inches = arrows.longest * sheet.axes[2] / float(np.ptp(axes.get_xlim()))
     drawn = axes.quiver(
         *np.concatenate([arrows.at, arrows.at]).T,
-        *np.concatenate([arrows.way, -arrows.way]).T,
+        *np.concatenate([arrows.vector, -arrows.vector]).T,
         color=ARROW,
         edgecolor="white",
         linewidth=0.3 if inches > 0.2 else 0.0,

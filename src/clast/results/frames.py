@@ -1,4 +1,4 @@
-"""What is read in the same way from a run just made and from a result file.
+"""Frames, and how they are read alike from a run just made and from a result file.
 
 Frames are numbered from 0, negative numbers count from the end.  Nothing is interpolated: what is
 read is what was computed.

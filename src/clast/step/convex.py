@@ -28,13 +28,13 @@ import numpy as np
 
 from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
+from clast.contact.clipped_spring import Clipped, Rows, Springs, merged, springs_of
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.laws import ContactLaw, SpringLaw, has_limits
 from clast.errors import StepOutcome
 from clast.linear.reuse import FactorOfStep
 from clast.linear.solvers import DIRECTION, inexact
 from clast.linear.system import contact_motions, graph_of, inverse_of_blocks
-from clast.minimise.clipped_spring import Clipped, Rows, Springs, merged
 from clast.minimise.islands import islands_of
 from clast.minimise.newton import Newton, Work, best_of
 from clast.minimise.potential import Answer, Point, Potential
@@ -137,13 +137,14 @@ class Convex:
             scheme = scheme_of(begun, contacts, graph, entering)
         with stages("base system"):
             base = diagonal_terms(begun, entering.drift, scheme)
-            springs, (rows, *_) = merged(springs_of(contacts), ())
+            others = () if begun.springs is None else (begun.springs,)
+            springs, (rows, *_) = merged(springs_of(contacts), others)
             potential = Potential(
                 base=base,
                 inverse=inverse_of_blocks(base.diagonal),
                 fixed=model.fixed,
                 springs=springs,
-                graph=graph,
+                graph=graph_of(springs, model.block_count) if others else graph,
                 islands=islands_of(springs, model.fixed),
             )
         tolerance = max(
@@ -332,23 +333,6 @@ def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
         high=limits.strength,
     )
     return normal, shear
-
-
-def springs_of(contacts: Contacts) -> Springs:
-    """Return the links of the contacts as a table, with no springs in them yet."""
-    none = np.zeros(len(contacts))
-    nothing = Clipped(at_zero=none, stiffness=none, low=none, high=none)
-    return Springs(
-        vertex_block=contacts.vertex_block,
-        edge_block=contacts.edge_block,
-        levers=contacts.levers,
-        pair=contacts.pair,
-        pairs=contacts.pairs,
-        gap=contacts.gap,
-        slip=none,
-        normal=nothing,
-        shear=nothing,
-    )
 
 
 def first_friction_base(begun: Begun, contacts: Contacts, largest: float) -> Floats:

@@ -96,7 +96,9 @@ class Ended:
 def balance(begun: Begun, solved: Solved, ended: Ended) -> tuple[Ledger, tuple[Any, ...]]:
     """Return the ledger at the end of a step, and the own state of each action."""
     ledger = _with_blocks_and_contacts(begun, solved, ended)
-    solution, changes, own = Solution(displacement=solved.unknowns), [], []
+    solution = Solution(displacement=solved.unknowns, linearised_at=solved.linearised_at)
+    changes: list[Ledger] = []
+    own = []
     for action, mine, share in zip(begun.actions, begun.own, begun.shares, strict=True):
         done = action.finish(begun.at, mine, share, solution)
         change = done.ledger

@@ -84,6 +84,8 @@ class Solved:
     """Normal forces that contacts go on with, N/m, shape (m,)."""
     depth: float
     """How deep a vertex may have moved into a block, m (see Reach.depth)."""
+    linearised_at: Floats | None = None
+    """Displacements about which springs of actions were linearised, (n, 6); None: at the end."""
     lost: float = 0.0
     """Kinetic energy that impacts took before it entered, J/m."""
     counts: dict[str, int] = field(default_factory=dict)

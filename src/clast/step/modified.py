@@ -21,11 +21,12 @@ from clast.contact.laws import ContactLaw
 from clast.contact.search_distance import Reach
 from clast.errors import StepOutcome
 from clast.linear.reuse import FactorOfStep
-from clast.linear.system import DiagonalTerms, assemble, contact_motions, slip_in_step
+from clast.linear.system import DiagonalTerms, contact_motions, slip_in_step
 from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step.finish import finish
 from clast.step.impact import advice_without
+from clast.step.links import are_settled, coupled_system
 from clast.step.method import Method, Solved, StepResult, Workspace
 from clast.step.start import Begun, begin, diagonal_terms
 
@@ -78,8 +79,10 @@ class PassResult:
     """The law's answer at the end of the step."""
     applied: tuple[Floats, Floats]
     """Normal and shear forces (m,) that the equations held at the end of the step, N/m."""
-    counts: dict[str, int]
-    """Passes, solves and factorisations so far."""
+    linearised_at: Floats | None = None
+    """Displacements about which the springs of actions were linearised, shape (n, 6)."""
+    counts: dict[str, int] = field(default_factory=dict)
+    """Passes, solves and factorisations of the step."""
 
 
 @dataclass(frozen=True)
@@ -128,6 +131,7 @@ class Modified:
             bearing=found.response.normal_force,
             depth=reach.depth,
             counts=found.counts,
+            linearised_at=found.linearised_at,
         )
         # (13) the blocks are moved and turned; (14) their velocities and stresses; (16) what the
         # contacts carry on
@@ -166,6 +170,7 @@ class Modified:
         contacts = multipliers.begin(law, contacts)
         # the first pass sees the gaps at the start and the slip that the velocity will bring
         seen = contacts.gap, slip_in_step(contacts, begun.drift)
+        springs, at = begun.springs, begun.drift
         passes = 0
         while True:
             passes += 1
@@ -176,19 +181,23 @@ class Modified:
                     entered = self.friction.enter(law.respond(contacts, *seen))
                 with stages("assembly"):
                     # (11) the equations of all blocks
-                    system = assemble(base, contacts, entered, *seen, begun.model.fixed)
+                    system, bearing = coupled_system(
+                        base, contacts, entered, seen, springs, at, begun.model.fixed
+                    )
                 with stages("solve"):
                     # (12) one solve
-                    unknowns = factor.solve(system, entered)
-                found = pass_result(law, contacts, entered, seen, unknowns, passes, factor)
+                    unknowns = factor.solve(system, bearing)
+                found = pass_result(law, contacts, entered, seen, unknowns)
                 solves += 1
                 if multipliers.enough(law, solves, found.gap):
                     break
                 contacts = found.contacts
             settled = np.array_equal(found.response.mode, entered.mode)
+            settled = settled and are_settled(springs, at, unknowns)
             if passes >= self.passes or settled:
-                return found
-            contacts, seen = found.contacts, (found.gap, found.slip)
+                counts = counts_of(passes, factor)
+                return replace(found, linearised_at=at, counts=counts)
+            contacts, seen, at = found.contacts, (found.gap, found.slip), unknowns
 
 
 def pass_result(
@@ -197,8 +206,6 @@ def pass_result(
     entered: ContactResponse,
     seen: tuple[Floats, Floats],
     unknowns: Floats,
-    passes: int,
-    factor: FactorOfStep,
 ) -> PassResult:
     """Return what a solve leaves; ``seen`` are gap and slip (m,) where the law was linearised."""
     opening, slip = contact_motions(contacts, unknowns)
@@ -211,8 +218,12 @@ def pass_result(
         slip=slip,
         response=response,
         applied=forces_in_equations(entered, *seen, gap, slip),
-        counts={"passes": passes, "solves": factor.solved, "factorisations": factor.factorised},
     )
+
+
+def counts_of(passes: int, factor: FactorOfStep) -> dict[str, int]:
+    """Return the counts of a step that is solved."""
+    return {"passes": passes, "solves": factor.solved, "factorisations": factor.factorised}
 
 
 def forces_in_equations(

@@ -27,13 +27,20 @@ from clast.contact import multipliers
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.errors import StepOutcome, StepRejected
 from clast.linear.reuse import FactorOfStep
-from clast.linear.system import DiagonalTerms, assemble, slip_in_step
+from clast.linear.system import DiagonalTerms, slip_in_step
 from clast.model.model import Model
 from clast.model.state import State
 from clast.step.finish import finish
 from clast.step.impact import advice_without
+from clast.step.links import are_settled, coupled_system
 from clast.step.method import Method, Solved, StepResult, Workspace
-from clast.step.modified import STABILITY_LIMIT, PassResult, pass_result, stability_number
+from clast.step.modified import (
+    STABILITY_LIMIT,
+    PassResult,
+    counts_of,
+    pass_result,
+    stability_number,
+)
 from clast.step.reach import JUMP, reach_within_step
 from clast.step.start import Begun, begin, diagonal_terms
 
@@ -95,6 +102,7 @@ class OpenClose:
             bearing=found.response.normal_force,
             depth=JUMP * method.critdis,
             counts=found.counts,
+            linearised_at=found.linearised_at,
         )
         return finish(begun, solved, stages)
 
@@ -127,6 +135,7 @@ class OpenClose:
         law, factor = begun.method.contact_law, FactorOfStep(begun.method.solver)
         contacts = multipliers.begin(law, contacts)
         seen = contacts.gap, slip_in_step(contacts, begun.drift)
+        springs, at = begun.springs, begun.drift
         # sliding friction is that of the solve before: new multipliers need one to find it
         least = 2 if multipliers.has_multipliers(law) else 1
         solves, tried, passes = 0, 0, 0
@@ -135,17 +144,21 @@ class OpenClose:
             with stages("law"):
                 entered = as_springs_and_forces(law.respond(contacts, *seen))
             with stages("assembly"):
-                system = assemble(base, contacts, entered, *seen, begun.model.fixed)
+                system, bearing = coupled_system(
+                    base, contacts, entered, seen, springs, at, begun.model.fixed
+                )
             with stages("solve"):
-                unknowns = factor.solve(system, entered)
-            found = pass_result(law, contacts, entered, seen, unknowns, passes, factor)
-            if tried >= least and have_settled(entered, found.response):
+                unknowns = factor.solve(system, bearing)
+            found = pass_result(law, contacts, entered, seen, unknowns)
+            settled = have_settled(entered, found.response)
+            if tried >= least and settled and are_settled(springs, at, unknowns):
                 # each set of multipliers has its own open-close iteration
                 solves, tried = solves + 1, 0
                 if multipliers.enough(law, solves, found.gap):
-                    return found
+                    counts = counts_of(passes, factor)
+                    return replace(found, linearised_at=at, counts=counts)
                 contacts = found.contacts
-            seen = found.gap, found.slip
+            seen, at = (found.gap, found.slip), unknowns
         raise StepRejected(
             StepOutcome.NOT_CONVERGED,
             f"contacts still change their mode after {self.iterations} solves",

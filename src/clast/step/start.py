@@ -17,6 +17,7 @@ from clast.actions.acting import acceleration_of, actions_of, add_shares, own_st
 from clast.actions.action import Action, Share, StepStart
 from clast.block import equations
 from clast.block.inertia import BlockFrames, block_frames
+from clast.contact.clipped_spring import Springs
 from clast.contact.contacts import Contacts
 from clast.contact.detection import detect
 from clast.contact.search_distance import Reach
@@ -25,6 +26,7 @@ from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step import stopping
 from clast.step.integration import Scheme
+from clast.step.links import springs_between
 from clast.step.method import Method, Workspace
 
 
@@ -69,6 +71,11 @@ class Begun:
     def drift(self) -> Floats:
         """Displacement that the velocities would bring, h v, shape (n, 6)."""
         return self.step * self.velocity
+
+    @cached_property
+    def springs(self) -> Springs | None:
+        """Springs of all actions between blocks, None where there are none."""
+        return springs_between(self.shares)
 
     @property
     def scheme(self) -> Scheme:

@@ -116,7 +116,7 @@ class Row:
             "law": self.combination.law,
             "normal_stiffness": self.stiffness,
             "time": self.time,
-            "displacement": {name: list(way) for name, way in self.displacement.items()},
+            "displacement": {name: list(moved) for name, moved in self.displacement.items()},
             "deviations": [one.as_dict() for one in self.deviations],
             "largest_penetration": self.report.largest_penetration,
             "penetration": self.penetration,
@@ -205,12 +205,12 @@ def row_of(case: Case, combination: Combination, watch: Watch | None = None) -> 
     """Run a case with one combination; interrupting it interrupts the comparison."""
     applied = combination.applied_to(case)
 
-    def told(progress: Progress) -> None:
+    def report(progress: Progress) -> None:
         if watch:
             watch(combination, progress)
 
     try:
-        run = applied.run(progress=told)
+        run = applied.run(progress=report)
     except RunStopped as stopped:
         run = stopped.run  # type: ignore[assignment]
     else:

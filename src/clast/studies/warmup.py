@@ -17,7 +17,7 @@ from clast.case.templates import INCLINE
 from clast.linear.solvers import PCG
 from clast.run.simulate import simulate
 from clast.studies.bench.scenes import SCENES
-from clast.studies.bench.wishes import Wishes, method_for, schedule_of
+from clast.studies.bench.settings import Settings, method_for, schedule_of
 
 Watch = Callable[[str], None]
 """Called with what is going on."""
@@ -47,7 +47,7 @@ class Larger:
     """Name of the scene."""
     size: int = 60
     """Blocks."""
-    wishes: Wishes
+    settings: Settings
     """Length of the step and stiffness."""
     solver: PCG
     """Solver."""
@@ -55,24 +55,24 @@ class Larger:
     def run(self) -> None:
         """Simulate it."""
         model = SCENES[self.scene].build(self.size)
-        method = replace(method_for(model, self.wishes), solver=self.solver)
-        simulate(model, method, schedule_of(self.wishes))
+        method = replace(method_for(model, self.settings), solver=self.solver)
+        simulate(model, method, schedule_of(self.settings))
 
 
 Trial = SmallCase | Larger
 
 FIRST: tuple[Trial, ...] = (SmallCase("convex", ("method.process=convex",)),)
 CONVEX: tuple[Trial, ...] = (
-    Larger(title="conjugate gradients", wishes=Wishes(steps=1), solver=PCG()),
-    Larger(title="coarse system", wishes=Wishes(steps=1), solver=PCG(plain=0)),
-    Larger(title="slow motion", wishes=Wishes(step=1.0, steps=1), solver=PCG(plain=0)),
+    Larger(title="conjugate gradients", settings=Settings(steps=1), solver=PCG()),
+    Larger(title="coarse system", settings=Settings(steps=1), solver=PCG(plain=0)),
+    Larger(title="slow motion", settings=Settings(step=1.0, steps=1), solver=PCG(plain=0)),
     Larger(
         title="interior point method",
         scene="slope",
-        wishes=Wishes(step=1e-2, steps=1, share=1e3),
+        settings=Settings(step=1e-2, steps=1, share=1e3),
         solver=PCG(),
     ),
-    Larger(title="many blocks", size=1600, wishes=Wishes(steps=1), solver=PCG()),
+    Larger(title="many blocks", size=1600, settings=Settings(steps=1), solver=PCG()),
 )
 OTHERS: tuple[Trial, ...] = (
     SmallCase("modified", ("method.process=modified",)),

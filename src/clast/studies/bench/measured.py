@@ -12,7 +12,7 @@ from clast.studies.bench.counting import Costs
 from clast.studies.bench.footprint import Footprint
 from clast.studies.bench.machine import Machine
 from clast.studies.bench.scenes import Scene
-from clast.studies.bench.wishes import Wishes
+from clast.studies.bench.settings import Settings
 
 FORMAT = 1
 """Version of the layout of the JSON."""
@@ -25,7 +25,7 @@ class Measured:
     scene: Scene
     """The scene."""
     wanted: int
-    """Blocks asked for."""
+    """Requested number of blocks."""
     blocks: int
     """Blocks, fixed ones among them."""
     contacts: int
@@ -109,8 +109,8 @@ class Benchmark:
 
     machine: Machine
     """Where it was measured."""
-    wishes: Wishes
-    """What was asked for."""
+    settings: Settings
+    """How it was measured."""
     triad: float
     """Rate of the triad in main memory by one thread, bytes per second."""
     triad_by_threads: float
@@ -123,7 +123,7 @@ class Benchmark:
         return {
             "format": FORMAT,
             "machine": self.machine.as_dict(),
-            "settings": self.wishes.as_dict(),
+            "settings": self.settings.as_dict(),
             "triad": self.triad,
             "triad_by_threads": self.triad_by_threads,
             "rows": [row.as_dict() for row in self.rows],

@@ -27,7 +27,7 @@ from clast.studies.bench.footprint import footprint
 from clast.studies.bench.machine import forget_peak, peak_memory, this_machine
 from clast.studies.bench.measured import Benchmark, Measured
 from clast.studies.bench.scenes import SCENES, Scene
-from clast.studies.bench.wishes import Wishes, method_for, schedule_of
+from clast.studies.bench.settings import Settings, method_for, schedule_of
 
 WARM_SIZES = (100, 400)
 """Sizes that are run first and not counted: one is factorised and one iterated."""
@@ -38,47 +38,47 @@ Watch = Callable[[str], None]
 """Called with what is going on."""
 
 
-def benchmark(wishes: Wishes, watch: Watch = lambda _: None) -> Benchmark:
-    """Return what all scenes and sizes of the wishes cost, compilation not counted."""
-    scenes = [SCENES[name] for name in wishes.scenes]
+def benchmark(settings: Settings, watch: Watch = lambda _: None) -> Benchmark:
+    """Return what all scenes and sizes of the settings cost, compilation not counted."""
+    scenes = [SCENES[name] for name in settings.scenes]
     watch("compiling")
-    warm_up(scenes, wishes)
+    warm_up(scenes, settings)
     rows = []
     for scene in scenes:
-        for size in wishes.sizes:
+        for size in settings.sizes:
             watch(f"{scene.title}, {size} blocks")
-            rows.append(measure(scene, size, wishes))
+            rows.append(measure(scene, size, settings))
     watch("memory bandwidth")
     return Benchmark(
         machine=this_machine(),
-        wishes=wishes,
+        settings=settings,
         triad=triad_rate(),
         triad_by_threads=triad_rate(threads=True),
         rows=tuple(rows),
     )
 
 
-def warm_up(scenes: Sequence[Scene], wishes: Wishes) -> None:
+def warm_up(scenes: Sequence[Scene], settings: Settings) -> None:
     """Run small scenes, so that kernels are compiled and loaded before anything is measured."""
-    short = replace(wishes, steps=WARM_STEPS, end=None, settle=0, results=None)
+    short = replace(settings, steps=WARM_STEPS, end=None, settle=0, results=None)
     for size in WARM_SIZES:
         for scene in dict.fromkeys((SCENES["wall"], *scenes)):
             measure(scene, size, short)
 
 
-def measure(scene: Scene, size: int, wishes: Wishes) -> Measured:
+def measure(scene: Scene, size: int, settings: Settings) -> Measured:
     """Build a scene, run it and return what that cost."""
     gc.collect()
     forget_peak()
     begun = perf_counter()
     model = scene.build(size)
     built = perf_counter() - begun
-    method = method_for(model, wishes)
-    counted = Counted(method.process, wishes.settle)
-    recorder = RunRecorder(model, output=wishes.file_of(scene.name, size))
-    run = _run(model, replace(method, process=counted), wishes, recorder)
+    method = method_for(model, settings)
+    counted = Counted(method.process, settings.settle)
+    recorder = RunRecorder(model, output=settings.file_of(scene.name, size))
+    run = _run(model, replace(method, process=counted), settings, recorder)
     peak = peak_memory()
-    system = system_of_step(model, method, run.state, wishes.step)
+    system = system_of_step(model, method, run.state, settings.step)
     moved = run.state.vertices[:, 0] - model.vertices[:, 0]
     return Measured(
         scene=scene,
@@ -104,10 +104,10 @@ def _product(system: BlockSystem) -> Product | None:
         return None
 
 
-def _run(model: Model, method: Method, wishes: Wishes, recorder: RunRecorder) -> Run:
+def _run(model: Model, method: Method, settings: Settings, recorder: RunRecorder) -> Run:
     """Return the run, also where it could not go on; interrupting it interrupts everything."""
     try:
-        run = simulate(model, method, schedule_of(wishes), recorder=recorder)
+        run = simulate(model, method, schedule_of(settings), recorder=recorder)
     except RunStopped as stopped:
         partial: Run = stopped.run  # type: ignore[assignment]
         return partial

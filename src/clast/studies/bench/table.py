@@ -103,11 +103,11 @@ def memory_cells(benchmark: Benchmark, row: Measured) -> tuple[str, ...]:
 
 def remarks(benchmark: Benchmark) -> list[str]:
     """Return what has to be said below the tables: the machine, units, runs that stopped."""
-    wishes = benchmark.wishes
+    settings = benchmark.settings
     said = [
         str(benchmark.machine),
-        f"h = {wishes.step:g} s, p/E = {wishes.share:g}, solver {wishes.solver}"
-        + (f"; {wishes.settle} steps before are not counted" if wishes.settle else ""),
+        f"h = {settings.step:g} s, p/E = {settings.share:g}, solver {settings.solver}"
+        + (f"; {settings.settle} steps before are not counted" if settings.settle else ""),
         "passes, pcg: Newton iterations and iterations of the solver per step; drift: largest "
         "horizontal movement of what should rest (slopes settle along their joints as well)",
         f"triad in main memory: {_rate(benchmark.triad)} by one thread, "

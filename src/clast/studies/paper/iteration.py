@@ -126,7 +126,9 @@ def _table(series: Mapping[str, list[Finding]]) -> list[str]:
 
 def _text(finding: Finding) -> str:
     """Return how far the wall moved sideways, mm, and the passes, or when the run stopped."""
-    return finding.told(f"{1e3 * finding.drift:.2g} mm, passes: {finding.row.passes_per_step:.2g}")
+    return finding.text_if_finished(
+        f"{1e3 * finding.drift:.2g} mm, passes: {finding.row.passes_per_step:.2g}"
+    )
 
 
 def _draw(findings: Mapping[str, Finding], images: Path) -> None:
@@ -135,7 +137,7 @@ def _draw(findings: Mapping[str, Finding], images: Path) -> None:
     panels = [
         Panel(
             title=label,
-            remark=one.told(f"t = {one.row.time:.3g} s"),
+            remark=one.text_if_finished(f"t = {one.row.time:.3g} s"),
             finished=one.finished,
             vertices=one.row.vertices,
         )

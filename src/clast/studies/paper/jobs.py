@@ -49,16 +49,16 @@ class Job:
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """What came of a job."""
+    """The result of a job."""
 
     job: Job
     """What was run."""
     row: Row
-    """What it came to."""
+    """Its row of the comparison."""
     stability: float
     """p h2/m at the start, m being the mass per contact."""
     drift: float
-    """Largest horizontal way of a vertex, m."""
+    """Largest horizontal displacement of a vertex, m."""
 
     @property
     def finished(self) -> bool:
@@ -70,8 +70,8 @@ class Finding:
         """Largest penetration of the run, m; nan where it stopped."""
         return self.row.report.largest_penetration if self.finished else float("nan")
 
-    def told(self, text: str) -> str:
-        """Return a text for a run that reached its end, and when it stopped for others."""
+    def text_if_finished(self, text: str) -> str:
+        """Return the text where the run reached its end, else when it stopped."""
         return text if self.finished else self.row.outcome
 
 

@@ -12,7 +12,7 @@ from clast.pictures.curves import Diagram, draw_diagrams
 from clast.studies.comparison_pages import markdown_table
 from clast.studies.paper.jobs import EVERY_COMBINATION, Finding, Findings, Job
 from clast.studies.paper.page import Claim, Section, listed, percent, series_of
-from clast.studies.paper.table_1 import error, ranges, way
+from clast.studies.paper.table_1 import error, exact_distance, ranges
 
 STIFFNESSES = (1e7, 1e8, 1e9, 1e10, 3e10, 5e10, 1e11, 1e12, 5e12)
 """Normal stiffnesses, N/m per m."""
@@ -45,7 +45,7 @@ def jobs(folder: Path) -> Iterable[Job]:
 def section(findings: Findings, images: Path) -> Section:
     """Return the section of the page; draw its figure."""
     series = findings.series("stiffness")
-    exact = way(ANGLE)
+    exact = exact_distance(ANGLE)
     errors = {
         label: np.array([error(one, exact) for one in found]) for label, found in series.items()
     }
@@ -58,8 +58,8 @@ def section(findings: Findings, images: Path) -> Section:
         "the first impact of the block on its springs.",
         claims=_claims(series, errors),
         tables=[
-            _table(series, lambda one: one.told(percent(error(one, exact)))),
-            _table(series, lambda one: one.told(f"{1e3 * one.depth:.2g} mm")),
+            _table(series, lambda one: one.text_if_finished(percent(error(one, exact)))),
+            _table(series, lambda one: one.text_if_finished(f"{1e3 * one.depth:.2g} mm")),
         ],
         figure=FIGURE,
     )

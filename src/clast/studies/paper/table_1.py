@@ -37,8 +37,8 @@ def jobs(folder: Path) -> Iterable[Job]:
             )
 
 
-def way(friction_angle: float) -> float:
-    """Return how far the slider moves to the right (and down) in the duration, m."""
+def exact_distance(friction_angle: float) -> float:
+    """Return the distance that the slider moves to the right, and down, in the duration, m."""
     downhill = GRAVITY * np.sin(np.radians(45.0)) * max(0.0, 1.0 - tangent(friction_angle))
     return float(0.5 * downhill * np.cos(np.radians(45.0)) * DURATION**2)
 
@@ -52,7 +52,7 @@ def miss(finding: Finding, exact: float) -> float:
 
 
 def error(finding: Finding, exact: float) -> float:
-    """Return the miss over the exact way, -."""
+    """Return the miss over the exact distance, -."""
     return miss(finding, exact) / (np.sqrt(2.0) * exact)
 
 
@@ -71,7 +71,7 @@ def section(findings: Findings, images: Path) -> Section:
     series = findings.series("table 1")
     moving = np.array(ANGLES[:-1])
     errors = {
-        label: np.array([error(one, way(one.job.value)) for one in found[:-1]])
+        label: np.array([error(one, exact_distance(one.job.value)) for one in found[:-1]])
         for label, found in series.items()
     }
     stays = {label: miss(found[-1], 0.0) for label, found in series.items()}
@@ -134,7 +134,7 @@ def _table(errors: Mapping[str, Floats], stays: Mapping[str, float]) -> list[str
     rows = [
         (
             f"{angle:g}",
-            f"{way(angle):.6f}",
+            f"{exact_distance(angle):.6f}",
             f"{100.0 * lag(angle):.3f}",
             *(f"{100.0 * each[k]:.3f}" for each in errors.values()),
         )

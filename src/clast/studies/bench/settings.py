@@ -1,4 +1,4 @@
-"""What is to be measured, checked before anything slow begins."""
+"""The settings of a benchmark, checked before anything slow begins."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from clast.step.method import Method
 from clast.studies.bench.scenes import LARGEST, SCENES, SMALLEST, scene_named
 
 SIZES = (100, 1000)
-"""Blocks where no size is asked for."""
+"""Numbers of blocks by default."""
 STEPS = 50
-"""Steps where neither steps nor an end are asked for."""
+"""Steps by default, where no end is given either."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wishes:
+class Settings:
     """Scenes, sizes and how they are simulated."""
 
     scenes: tuple[str, ...] = tuple(SCENES)
@@ -77,7 +77,7 @@ class Wishes:
             raise CaseError("is no folder", where=str(self.results), remedy="make it first")
 
     def file_of(self, scene: str, size: int) -> Path | None:
-        """Return the result file of a run, or None where none is wanted."""
+        """Return the result file of a run, or None where results are not kept."""
         return None if self.results is None else self.results / f"{scene}-{size}.vtkhdf"
 
     def as_dict(self) -> dict[str, Any]:
@@ -111,21 +111,21 @@ def sizes_in(listed: str) -> tuple[int, ...]:
     return tuple(sizes)
 
 
-def method_for(model: Model, wishes: Wishes) -> Method:
-    """Return the convex process with the stiffness and the solver asked for."""
-    law = {"name": "penalty", "normal_stiffness": wishes.share * model.stiffest}
-    table = MethodTable(process="convex", contact_law=law, solver=wishes.solver)
+def method_for(model: Model, settings: Settings) -> Method:
+    """Return the convex process with the stiffness and the solver of the settings."""
+    law = {"name": "penalty", "normal_stiffness": settings.share * model.stiffest}
+    table = MethodTable(process="convex", contact_law=law, solver=settings.solver)
     smallest = float(np.sqrt(model.area.min()))
-    return table.method(model, step=wishes.step, max_displacement=TRAVEL_SHARE * smallest)
+    return table.method(model, step=settings.step, max_displacement=TRAVEL_SHARE * smallest)
 
 
-def schedule_of(wishes: Wishes) -> Schedule:
-    """Return when to step; only the first and the last state are frames."""
-    end = wishes.end
+def schedule_of(settings: Settings) -> Schedule:
+    """Return the schedule of a run; only the first and the last state are frames."""
+    end = settings.end
     if end is None:
-        end = wishes.step * (STEPS if wishes.steps is None else wishes.steps)
-    end += wishes.settle * wishes.step
-    return Schedule(step=wishes.step, end=end, every=end)
+        end = settings.step * (STEPS if settings.steps is None else settings.steps)
+    end += settings.settle * settings.step
+    return Schedule(step=settings.step, end=end, every=end)
 
 
 def _check_sizes(sizes: Sequence[int]) -> None:

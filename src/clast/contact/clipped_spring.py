@@ -18,6 +18,8 @@ import numpy as np
 from clast.compute.chunks import in_part
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared, summed
+from clast.contact.contacts import Contacts
+from clast.contact.jacobian import rows_of
 from clast.model.model import Floats, Ints
 
 # --- one spring ----------------------------------------------------------------------------
@@ -117,6 +119,11 @@ class Springs:
         """Both springs of each link as kernels take them."""
         return self.normal.arrays, self.shear.arrays
 
+    @property
+    def rows(self) -> Floats:
+        """n_i, n_j, t_i, t_j of each link (contact/jacobian.py), shape (m, 4, 6)."""
+        return rows_of(self.levers)
+
     def put(self, rows: Rows, normal: Clipped, shear: Clipped) -> Springs:
         """Return the table with other springs in some of its rows."""
         if isinstance(rows, slice):
@@ -193,6 +200,23 @@ def table(
         shear=clipped_from(*(one[order] for one in shear.arrays)),
     )
     return springs, rows
+
+
+def springs_of(contacts: Contacts) -> Springs:
+    """Return the links of the contacts as a table, with no springs in them yet."""
+    none = np.zeros(len(contacts))
+    nothing = Clipped(at_zero=none, stiffness=none, low=none, high=none)
+    return Springs(
+        vertex_block=contacts.vertex_block,
+        edge_block=contacts.edge_block,
+        levers=contacts.levers,
+        pair=contacts.pair,
+        pairs=contacts.pairs,
+        gap=contacts.gap,
+        slip=none,
+        normal=nothing,
+        shear=nothing,
+    )
 
 
 def merged(first: Springs, others: Sequence[Springs]) -> tuple[Springs, tuple[Rows, ...]]:

@@ -1,0 +1,101 @@
+"""Threads share the work of large systems and change nothing, to the last bit.
+
+Loops are compiled for threads only in a process that has more than one, so the same runs are made
+here, by one thread, and in a process of two.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clast.compute.jit import BY_THREADS
+from clast.compute.parallel import BLOCKS, CONTACTS
+from clast.model.model import Model
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.studies.bench.scenes import slope_of
+from scenes.systems import by_convex, heap, wall
+
+TESTS = Path(__file__).parents[1]
+YOUNG = 5e9
+
+SCENES: dict[str, tuple[Callable[[], Model], float, float, int]] = {
+    "wall": (lambda: wall(25, 40), YOUNG, 5e-3, 4),
+    "stiff slope": (lambda: slope_of(1000), 50.0 * YOUNG, 1e-3, 2),
+    "heap": (lambda: heap(900, 30), YOUNG, 5e-3, 160),
+}
+"""Model, normal stiffness in N/m per m, step in s, number of steps."""
+
+
+def digits(name: str) -> dict[str, str]:
+    """Return hashes of what a run leaves, by what they are of, and its number of contacts."""
+    build, stiffness, step, steps = SCENES[name]
+    method = replace(by_convex(stiffness), max_displacement=0.1)
+    end = step * steps
+    run = simulate(build(), method, Schedule(step=step, end=end, every=end))
+    kept = {**vars(run.state), **vars(run.state.memory), **run.energy, **run.contacts()}
+    hashes = {
+        name: sha256(np.ascontiguousarray(values).tobytes()).hexdigest()
+        for name, values in kept.items()
+        if isinstance(values, np.ndarray)
+    }
+    return {**hashes, "blocks": run.model.block_count, "contacts": run.report.largest_contacts}
+
+
+def threads_used() -> list[int]:
+    """Return by how many threads a small run works, and a large one."""
+    from clast.compute.threads import numba
+
+    seen: list[int] = []
+    for model in (wall(3, 3), wall(25, 40)):
+        schedule = Schedule(step=1e-3, end=1e-3, every=1e-3)
+        simulate(
+            model, by_convex(YOUNG), schedule, watch=lambda _: seen.append(numba.get_num_threads())
+        )
+    return [*seen, numba.get_num_threads()]
+
+
+@pytest.fixture(scope="module")
+def by_two():
+    """What a process of two threads finds."""
+    if BY_THREADS:
+        pytest.skip("this process has several threads itself")
+    done = subprocess.run(
+        [sys.executable, __file__],
+        env={**os.environ, "NUMBA_NUM_THREADS": "2", "PYTHONPATH": str(TESTS)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SCENES)
+def test_same_bits_by_one_thread_and_by_two(name, by_two):
+    one = digits(name)
+    assert one["blocks"] >= BLOCKS.many
+    assert one["contacts"] >= (100 if name == "heap" else CONTACTS.many)
+    assert len(one) > 20
+    assert by_two[name] == one
+
+
+@pytest.mark.slow
+def test_few_blocks_are_left_to_one_thread(by_two):
+    """Calling others for what takes microseconds would make a small run slower."""
+    assert by_two["threads"] == [1, 2, 2]
+
+
+if __name__ == "__main__":
+    print(json.dumps({"threads": threads_used(), **{name: digits(name) for name in SCENES}}))
