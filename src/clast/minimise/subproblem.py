@@ -48,9 +48,9 @@ def subproblem(potential: Potential, point: Point, moves: Bools) -> Subproblem:
     """
     blocks = np.flatnonzero(moves)
     place = np.cumsum(moves) - 1
-    (system, links), own, source = taken_out(blocks, place, moves, potential.problem, point.arrays)
+    (system, links), own, source = taken_out(blocks, place, ~moves, potential.problem, point.arrays)
     diagonal, inverse, force, fixed = system
-    pairs, graph, (vertex_block, edge_block, levers), (normal, shear) = links
+    pairs, graph, (vertex_block, edge_block, levers), both = links
     unknowns, gap, slip, *forces, residual, distances = own
     springs = Springs(
         vertex_block=vertex_block,
@@ -60,8 +60,8 @@ def subproblem(potential: Potential, point: Point, moves: Bools) -> Subproblem:
         pairs=pairs,
         gap=gap,
         slip=slip,
-        normal=clipped_from(*normal),
-        shear=clipped_from(*shear),
+        normal=clipped_from(*both[:4]),
+        shear=clipped_from(*both[4:]),
     )
     opened, slipped = contact_motions(springs, unknowns)
     springs = replace(springs, gap=gap - opened, slip=slip - slipped)
