@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.compute.jit import kernel
-from clast.contact.clipped_spring import Forces, Springs, clipped_from
+from clast.contact.clipped_spring import Forces, Rows, Springs, clipped_from
 from clast.linear.system import DiagonalTerms, contact_motions
 from clast.minimise.islands import islands_of, put_back, taken_out
 from clast.minimise.potential import Point, Potential
@@ -29,6 +29,12 @@ class Subproblem:
     """Those that move among the blocks of the whole, shape (k,)."""
     links: Ints
     """Their links among those of the whole."""
+
+    def rows(self, among: Rows) -> Ints:
+        """Return where rows of the whole's table are in this one, which has all of them."""
+        place = np.empty(len(self.links), np.int64)
+        place[self.links] = np.arange(len(self.links))
+        return place[among]
 
     def put_back(self, whole: Potential, point: Point, moved: Point) -> Point:
         """Return a ``point`` of the whole with these blocks where they ``moved`` to."""
@@ -90,6 +96,22 @@ def subproblem(potential: Potential, point: Point, moves: Bools) -> Subproblem:
         blocks=blocks,
         links=source,
     )
+
+
+def touched(potential: Potential, point: Point, most: float) -> Subproblem | None:
+    """Return the blocks that have links, where they are at most a share ``most`` of those free.
+
+    All others go as their own forces take them.  None, too, where a link is between two blocks that
+    stand still, or a law says what springs bear.
+    """
+    moves = np.zeros(len(potential.fixed), np.bool_)
+    moves[potential.springs.pairs.ravel()] = True
+    moves &= ~potential.fixed
+    number, free = np.count_nonzero(moves), np.count_nonzero(~potential.fixed)
+    if potential.law is not None or not 0 < number <= most * free:
+        return None
+    part = subproblem(potential, point, moves)
+    return part if len(part.links) == len(potential.springs) else None
 
 
 def copied(point: Point) -> Point:
