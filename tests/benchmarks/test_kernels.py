@@ -20,8 +20,11 @@ from clast.contact.contacts import Contacts
 from clast.contact.search_distance import Reach
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.linear import block_matrix as block_rows
+from clast.linear import pcg
+from clast.linear.block_matrix import coupled_pairs
 from clast.linear.coarse_space import aggregates_of
-from clast.linear.solvers import with_aggregates
+from clast.linear.pattern import Patterns
+from clast.linear.solvers import SHIFT, TRIED, Attempt
 from clast.linear.system import BlockSystem, graph_of, symmetric_system
 from clast.minimise.schedule import SmallIslands
 from clast.model.model import Ints, Model
@@ -110,26 +113,29 @@ def test_assembly(benchmark, wall):
 
 def test_matrix_product(benchmark, wall):
     system = wall.system
-    x, y = np.ones_like(system.force), np.empty_like(system.force)
-    rows = block_rows.row_pointers(len(x), system.pairs)
-    benchmark(block_rows.multiply, system.diagonal, system.upper, system.pairs, *rows, x, y)
+    matrix = system.diagonal, system.upper, system.pairs, system.rows
+    y = benchmark(block_rows.multiply, *matrix, np.ones_like(system.force))
     assert np.isfinite(y).all()
 
 
 def test_aggregates(benchmark, wall):
     found = benchmark(aggregates_of, wall.system)
-    assert len(found.rows[0]) > 2
+    assert len(found[2][0]) > 2
+
+
+WITH_COARSE = Attempt(coarse=True, shift=SHIFT, iterations=400, trial=TRIED)
+"""How a stiff system is iterated."""
 
 
 def test_coarse_system(benchmark, wall):
-    ready = benchmark(with_aggregates, wall.system, 400)
-    assert len(ready.coarse[1]) > 2
+    ready = benchmark(WITH_COARSE.ready, wall.system, coupled_pairs(wall.system.upper), Patterns())
+    assert len(ready[2][1]) > 2
 
 
 def test_iteration(benchmark, wall):
-    ready, force = with_aggregates(wall.system, 400), wall.system.force
-    d, iterations, reduction = benchmark(ready, force, None, 1e-6)
-    assert reduction <= 1e-6
+    ready = WITH_COARSE.ready(wall.system, coupled_pairs(wall.system.upper), Patterns())
+    d, iterations, size, left = benchmark(pcg.solve, ready, wall.system.force, 0.0, 1e-5, 400, 8)
+    assert left <= 1e-5 * size
     assert iterations < 100
     assert np.isfinite(d).all()
 

@@ -9,8 +9,9 @@ import pytest
 from clast.compute import vec6 as six
 from clast.compute import vec6_single as single
 from clast.linear import block_matrix as block_rows
-from clast.linear import pcg as conjugate
-from clast.linear import single_rows
+from clast.linear.pattern import without_fill
+from clast.linear.pcg import vector
+from clast.linear.single_precision import multiply
 
 
 @numba.njit
@@ -69,42 +70,6 @@ def test_nothing_is_read_behind_a_block():
     assert list(out[0]) == [30.0, 31.0, 32.0, 33.0, 34.0, 35.0, 0.0, 0.0]
 
 
-@numba.njit
-def put_short(blocks, short):
-    for q in range(len(blocks)):
-        for a in range(6):
-            six.put_line(short, q, a, six.line(blocks, q, a))
-
-
-@numba.njit
-def read_short(short, by_lines, single_lines):
-    for q in range(len(short)):
-        k0, k1, k2, k3, k4, k5 = single.lines(short, q)
-        single.put_row(single_lines, 6 * q, k0)
-        single.put_row(single_lines, 6 * q + 1, k1)
-        single.put_row(single_lines, 6 * q + 2, k2)
-        single.put_row(single_lines, 6 * q + 3, k3)
-        single.put_row(single_lines, 6 * q + 4, k4)
-        single.put_row(single_lines, 6 * q + 5, k5)
-        for a in range(6):
-            six.put_line(by_lines, q, a, six.line(short, q, a))
-
-
-def test_short_numbers_are_the_nearest_of_eight_bits():
-    rng = np.random.default_rng(7)
-    blocks = rng.normal(size=(40, 6, 6)) * 10.0 ** rng.integers(-30, 30, (40, 6, 6))
-    blocks[0, 0] = [0.0, -0.0, 1.0, -2.0, 1.0 + 1.0 / 256.0, 1.0 + 3.0 / 256.0]  # ties: to even
-    short = np.empty(blocks.shape, np.uint16)
-    put_short(blocks, short)
-    by_lines, single_lines = np.empty_like(blocks), np.empty((240, 8), np.float32)
-    read_short(short, by_lines, single_lines)
-    assert list(by_lines[0, 0]) == [0.0, -0.0, 1.0, -2.0, 1.0, 1.0 + 4.0 / 256.0]
-    mantissa, exponent = np.frexp(blocks.astype(np.float32).astype(float))
-    wanted = np.ldexp(np.rint(mantissa * 256.0) / 256.0, exponent)
-    assert np.array_equal(by_lines, wanted)
-    assert np.array_equal(single_lines[:, :6].reshape(blocks.shape), wanted.astype(np.float32))
-
-
 def random_pairs(rng, count, number):
     """Return sorted pairs of different blocks."""
     drawn = np.sort(rng.integers(0, count, (number, 2)), axis=1)
@@ -113,14 +78,14 @@ def random_pairs(rng, count, number):
 
 def padded(x):
     """Return a vector (n, 6) as kernels in single precision take it."""
-    found = conjugate.vector(len(x), np.zeros(1, np.float32))
+    found = vector(len(x))
     found[:, :6] = x
     return found
 
 
 @pytest.mark.parametrize("count", [1, 2, 300, 3000])
 def test_products_are_those_in_double_precision(count):
-    """Of pairs between any rows, most of which lie in different stretches where there are many."""
+    """Of pairs between any rows; 3,000 rows are in several stretches, which most pairs cross."""
     rng = np.random.default_rng(count)
     pairs = random_pairs(rng, count, 3 * count)
     diagonal = rng.normal(size=(count, 6, 6)).astype(np.float32)
@@ -128,22 +93,14 @@ def test_products_are_those_in_double_precision(count):
     upper = rng.normal(size=(len(pairs), 6, 6)).astype(np.float32)
     rows = block_rows.row_pointers(count, pairs)
     x = rng.normal(size=(count, 6))
-    wanted, found = np.empty_like(x), padded(np.full_like(x, np.nan))
-    work = block_rows.multiply(diagonal, upper, pairs, *rows, x, wanted)
-    of_single = block_rows.multiply(diagonal, upper, pairs, *rows, padded(x), found)
+    wanted = block_rows.multiply(diagonal.astype(float), upper.astype(float), pairs, rows, x)
+    begin, every = np.array([0, count, count]), np.ones(len(pairs), np.bool_)
+    pattern = without_fill(np.arange(count), begin, pairs, rows, every)
+    found = padded(np.full_like(x, np.nan))
+    of_single = multiply((diagonal, upper), pattern, padded(x), found)
     assert np.abs(found[:, :6] - wanted).max() <= 2e-6 * np.abs(wanted).max()
     assert not found[:, 6:].any()
-    assert of_single == pytest.approx(work, abs=1e-5 * np.abs(x * wanted).sum())
-
-
-def test_stretches_cross_rows():
-    """3,000 rows are in several stretches and shared by threads; of fewer all are in one."""
-    assert single_rows.stretch(3000) < 3000
-    assert block_rows.SHARED <= 3000
-    for count in range(2, 6000, 37):
-        length = single_rows.stretch(count)
-        assert -(-count // length) in (1, 2, 4, 8)
-        assert length == count or length >= single_rows.SHORTEST
+    assert of_single == pytest.approx(np.sum(x * wanted), abs=1e-5 * np.abs(x * wanted).sum())
 
 
 @numba.njit

@@ -88,10 +88,8 @@ def test_stiffness_of_links(found):
     kn, ks = rng.normal(size=(2, len(contacts))) * (rng.random(len(contacts)) < 0.8)
     base = rng.normal(size=(count, 6, 6))
     graph = graph_of(contacts, count)
-    own, upper = np.empty_like(base), np.empty((len(contacts.pairs), 6, 6))
-    springs = graph, contacts.vertex_block, contacts.levers, kn, ks
-    coupled, _, _ = assembly.assemble(base, model.fixed, contacts.pairs, *springs, own)
-    assembly.assemble_couplings(coupled, *springs, upper)
+    springs = contacts.vertex_block, contacts.levers, kn, ks
+    own, upper = assembly.assemble(base, model.fixed, contacts.pairs, graph, springs)
     wanted_own, wanted_upper = base.copy(), np.zeros_like(upper)
     ends = contacts.vertex_block, contacts.edge_block
     for a in range(2):

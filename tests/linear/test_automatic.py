@@ -1,23 +1,22 @@
-"""What solver = "auto" does with a system: factorise it, or iterate as long as that is quicker."""
+"""What solver = "auto" does with a system: an exact factor, or an iteration."""
 
 import numpy as np
 import pytest
 
-from clast.linear.cholesky import CholeskyFactor
+from clast.linear.block_matrix import coupled_pairs, inertia_shares
+from clast.linear.pattern import Patterns
 from clast.linear.solvers import (
-    LIGHT,
-    PCG,
     SOFT,
     Automatic,
     Direct,
+    ExactFactor,
     IteratedMatrix,
-    inertia_shares,
     inexact,
+    solve,
     suffices_alone,
 )
 from clast.studies.bench.bandwidth import system_of_step
 from clast.studies.bench.scenes import SCENES, stack
-from clast.studies.bench.scenes import wall as wall_of
 from scenes.systems import at_start, by_convex, open_ledger
 
 
@@ -36,75 +35,46 @@ def system_of(model, share, step):
 
 def way_of(factor):
     """Return in one word how a system is solved."""
-    if isinstance(factor, CholeskyFactor):
-        return "factorised"
+    if isinstance(factor, ExactFactor):
+        return "exact"
     assert isinstance(factor, IteratedMatrix)
-    return "incomplete" if len(factor._iteration.coarse[1]) == 1 else "aggregates"
+    assert factor.ready is not None
+    return "without fill" if len(factor.ready[2][1]) == 1 else "coarse space"
 
 
 @pytest.mark.parametrize(
-    ("model", "step", "exact", "rough"),
+    ("model", "step", "way"),
     [
-        (wall(60), 1e-3, "factorised", "factorised"),  # few
-        (wall(150), 1e-3, "incomplete", "incomplete"),  # inertia suffices
-        (wall_of(60, 2), 0.1, "aggregates", "aggregates"),  # not
-        (wall(2000), 0.1, "aggregates", "aggregates"),
+        (wall(150), 1e-3, "exact"),  # few
+        (stack(60, 5), 0.05, "exact"),  # a tree
+        (wall(300), 1e-3, "without fill"),  # inertia suffices
+        (wall(300), 0.1, "coarse space"),  # not
+        (wall(2000), 0.1, "coarse space"),
     ],
 )
-def test_the_way_suits_size_and_stiffness(model, step, exact, rough):
+def test_the_way_suits_size_and_stiffness(model, step, way):
     system = system_of(model, 1.0, step)
-    solver = Automatic()
-    print(f"{model.title}: share of inertia {inertia_shares(system)[0]:.4f}")
-    heavy = suffices_alone(system, *inertia_shares(system))
-    assert heavy or "incomplete" not in (exact, rough)
-    assert not heavy or "aggregates" not in (exact, rough)
-    assert way_of(solver.factor(system)) == exact
-    assert way_of(inexact(solver, 1e-3).factor(system)) == rough
+    heavy = suffices_alone(system, coupled_pairs(system.upper))
+    assert heavy or way != "without fill"
+    assert not heavy or way != "coarse space"
+    for solver in (Automatic(), inexact(Automatic(), 1e-3)):
+        assert way_of(solver.factor(system, Patterns())) == way
 
 
-def test_next_to_no_inertia_is_left_to_a_factorisation():
-    """There a hundred iterations are needed, and what they find is worth less."""
-    system = system_of(wall(150), 1e3, 1e-2)
-    assert inertia_shares(system)[1] < LIGHT
-    for tolerance in (1e-8, 1e-3):
-        assert way_of(inexact(Automatic(), tolerance).factor(system)) == "factorised"
+def test_trees_are_solved_exactly_whatever_their_inertia():
+    system = system_of(stack(60, 5), 1.0, 0.05)
+    coupled = coupled_pairs(system.upper)
+    assert inertia_shares(system.diagonal, system.upper, system.rows, coupled)[0] < SOFT
+    found = solve(Automatic(), system)
+    assert np.array_equal(found, solve(Direct(), system))
 
 
 @pytest.mark.parametrize(
-    ("share", "least", "enough"),
-    [
-        (0.02, 0.01, True),
-        (0.02, 1e-5, False),  # held by what is fixed, not by inertia
-        (0.5, 1e-9, True),  # a light block among heavy ones
-        (0.005, 0.005, False),
-    ],
+    ("share", "step"), [(1.0, 1e-3), (50.0, 1e-3), (50.0, 0.05), (1000.0, 0.01)]
 )
-def test_inertia_suffices_where_most_blocks_have_some(share, least, enough):
-    system = system_of(wall(100), 1.0, 1e-3)
-    assert suffices_alone(system, share, least) == enough
-
-
-def test_chains_need_no_coarse_system_whatever_their_inertia():
-    system = system_of(stack(60, 3), 1.0, 0.05)
-    assert inertia_shares(system)[0] < SOFT
-    matrix = Automatic().factor(system)
-    assert way_of(matrix) == "incomplete"
-    wanted = Direct().factor(system).solve(system.force)
-    assert np.abs(matrix.solve(system.force) - wanted).max() < 1e-6 * np.abs(wanted).max()
-    assert matrix.iterated <= 3
-
-
-@pytest.mark.parametrize(("share", "step"), [(1.0, 1e-3), (50.0, 1e-3), (50.0, 0.05)])
-def test_answers_are_those_of_a_factorisation(share, step):
+def test_answers_are_those_of_an_exact_factor(share, step):
     """Whatever way is taken, and whether or not it is left for another."""
-    system = system_of(wall(150), share, step)
-    wanted = Direct().factor(system).solve(system.force)
-    found = Automatic().factor(system).solve(system.force)
+    system = system_of(wall(300), share, step)
+    wanted = solve(Direct(), system)
+    found = solve(Automatic(), system)
     assert np.abs(found - wanted).max() < 1e-6 * np.abs(wanted).max()
-
-
-def test_patience_bounds_the_iterations():
-    """An iteration that may take next to no time is not begun."""
-    system = system_of(wall(150), 1.0, 1e-3)
-    assert way_of(Automatic(patience=1e-3).factor(system)) == "factorised"
-    assert way_of(PCG().factor(system)) == "incomplete"

@@ -8,9 +8,9 @@ import pytest
 from clast.block.displacement import movements
 from clast.block.rotation import Sine
 from clast.linear.block_matrix import row_pointers
-from clast.linear.couplings import Blocks
-from clast.linear.solvers import Scipy, solve
+from clast.linear.solvers import solve
 from clast.linear.system import BlockSystem
+from clast.linear.unsymmetric import Scipy
 from clast.model.builder import ModelBuilder
 from clast.model.model import PlaneStrain, PlaneStress
 from clast.step import start as terms
@@ -62,8 +62,8 @@ def test_free_block_solves_newtons_law():
         diagonal=base.diagonal,
         pairs=np.zeros((0, 2), np.int64),
         rows=row_pointers(1, np.zeros((0, 2), np.int64)),
-        couplings=Blocks(upper=none, lower=none),
-        symmetric=True,
+        upper=none,
+        fixed=np.zeros(1, np.bool_),
         force=base.force,
         centroid=base.centroid,
     )

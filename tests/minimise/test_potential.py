@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clast.compute.parallel import BLOCKS, CONTACTS
-from clast.linear.solvers import sparse_matrix
+from clast.linear.unsymmetric import sparse_matrix
 from clast.minimise.line_search import blocks_along, island_sums, slopes
 from clast.minimise.potential import MOMENTUM_SHARE
 from scenes.potentials import at_rest, caught, some_of, strengthened

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from clast.contact.laws import Penalty
 from clast.linear.factor import Factor
-from clast.linear.solvers import Scipy, sparse_matrix
+from clast.linear.pattern import Patterns
 from clast.linear.system import BlockSystem
+from clast.linear.unsymmetric import Scipy, sparse_matrix
 from clast.model.builder import ModelBuilder
 from clast.model.model import Model
 from clast.model.state import State
@@ -122,13 +123,13 @@ class Looking:
 
     seen: list[int]
 
-    def factor(self, system: BlockSystem) -> Factor:
+    def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
         matrix = sparse_matrix(system).toarray()
         assert np.abs(matrix - matrix.T).max() <= 1e-12 * np.abs(matrix).max()
         scale = 1.0 / np.sqrt(np.diag(matrix))
         np.linalg.cholesky(scale[:, None] * matrix * scale)
         self.seen.append(len(matrix))
-        return Scipy().factor(system)
+        return Scipy().factor(system, patterns)
 
 
 @FEW

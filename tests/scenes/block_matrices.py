@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from clast.linear.block_matrix import row_pointers
-from clast.linear.couplings import Blocks
 from clast.linear.system import BlockSystem
 
 
@@ -41,8 +40,8 @@ def random_system(rng, count, pairs, stiffness=1e6):
         diagonal=diagonal,
         pairs=pairs,
         rows=row_pointers(count, pairs),
-        couplings=Blocks(upper=upper, lower=upper.transpose(0, 2, 1)),
-        symmetric=True,
+        upper=upper,
+        fixed=np.zeros(count, np.bool_),
         force=rng.normal(size=(count, 6)),
         centroid=rng.normal(size=(count, 2)),
     )
@@ -50,7 +49,7 @@ def random_system(rng, count, pairs, stiffness=1e6):
 
 def with_upper(one, upper):
     """Return a symmetric system with other blocks beside the diagonal."""
-    return replace(one, couplings=Blocks(upper=upper, lower=upper.transpose(0, 2, 1)))
+    return replace(one, upper=upper)
 
 
 def dense(one):

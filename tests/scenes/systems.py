@@ -21,7 +21,8 @@ from clast.contact.laws import Penalty
 from clast.contact.search_distance import Reach
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import RunStopped, StepOutcome, StepRejected
-from clast.linear.solvers import Automatic, Scipy
+from clast.linear.solvers import Automatic
+from clast.linear.unsymmetric import Scipy
 from clast.model.builder import ModelBuilder
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, State, initial_state

@@ -5,8 +5,7 @@ six numbers in a row.  numba makes six instructions of a loop over them.  A valu
 four numbers in one register and two in another, which every processor that numba knows has or
 imitates; a line of a block times a number is then two instructions.
 
-Arrays may hold numbers of single precision, or short ones: the first half of the bits of a single
-number, kept as uint16, right to 1/512 of itself.  They become double ones as they are read.
+Arrays may hold numbers of single precision, which become double ones as they are read.
 
 Products are added without rounding in between where the processor can do so; sums keep the order
 in which they are written.
@@ -24,12 +23,10 @@ NUMBER = ir.DoubleType()
 FOUR, TWO = ir.VectorType(NUMBER, 4), ir.VectorType(NUMBER, 2)
 BOTH = ir.LiteralStructType([FOUR, TWO])
 SINGLE_FOUR, SINGLE_TWO = (ir.VectorType(ir.FloatType(), k) for k in (4, 2))
-INDEX, SHORT = ir.IntType(32), ir.IntType(16)
-SHORT_FOUR, SHORT_TWO = (ir.VectorType(SHORT, k) for k in (4, 2))
+INDEX = ir.IntType(32)
 KEPT = {
     types.float64: (FOUR, TWO),
     types.float32: (SINGLE_FOUR, SINGLE_TWO),
-    types.uint16: (SHORT_FOUR, SHORT_TWO),
 }
 """How six numbers lie in an array of each kind."""
 UNALIGNED = 4
@@ -80,31 +77,9 @@ def _places(context, builder, signature, arguments, indices):
     )
 
 
-def widened(builder, short):
-    """Return short numbers in single precision."""
-    bits = ir.VectorType(INDEX, short.type.count)
-    high = builder.shl(builder.zext(short, bits), ir.Constant(bits, [16] * bits.count))
-    return builder.bitcast(high, ir.VectorType(ir.FloatType(), bits.count))
-
-
-def _shortened(builder, single):
-    """Return numbers in single precision as short ones, rounded to the nearest, to even on ties."""
-    kind = ir.VectorType(INDEX, single.type.count)
-
-    def each(number):
-        return ir.Constant(kind, [number] * kind.count)
-
-    bits = builder.bitcast(single, kind)
-    last = builder.and_(builder.lshr(bits, each(16)), each(1))
-    rounded = builder.add(builder.add(bits, each(0x7FFF)), last)
-    return builder.trunc(builder.lshr(rounded, each(16)), ir.VectorType(SHORT, kind.count))
-
-
 def _load(context, builder, signature, arguments):
     places = _places(context, builder, signature, arguments, len(signature.args) - 1)
     found, kind = [builder.load(place, align=UNALIGNED) for place in places], signature.args[0]
-    if kind.dtype == types.uint16:
-        found = [widened(builder, part) for part in found]
     if kind.dtype != types.float64:
         found = [builder.fpext(*pair) for pair in zip(found, (FOUR, TWO), strict=True)]
     return _join(builder, *found)
@@ -116,8 +91,6 @@ def _store(context, builder, signature, arguments):
     if kind.dtype != types.float64:
         singles = (SINGLE_FOUR, SINGLE_TWO)
         found = [builder.fptrunc(*pair) for pair in zip(found, singles, strict=True)]
-    if kind.dtype == types.uint16:
-        found = [_shortened(builder, part) for part in found]
     for part, place in zip(found, places, strict=True):
         builder.store(part, place, align=UNALIGNED)
     return context.get_dummy_value()

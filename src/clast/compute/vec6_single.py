@@ -2,8 +2,7 @@
 
 What compute/vec6.py is for double precision: half of the bytes, and half of the instructions.  A
 value of type Eight is six numbers and two that do not count.  Vectors have rows of eight, (n, 8),
-whose last two numbers are zero; blocks are (n, 6, 6) as everywhere, of single or short numbers
-(compute/vec6.py).
+whose last two numbers are zero; blocks are (n, 6, 6) as everywhere.
 
 Products are added without rounding in between where the processor can do so; sums keep the order
 in which they are written.
@@ -19,13 +18,11 @@ from clast.compute.vec6 import (
     BOTH,
     FOUR,
     INDEX,
-    SHORT,
     SIX,
     TWO,
     UNALIGNED,
     operation,
     shuffle,
-    widened,
 )
 
 WIDTH = 8
@@ -67,14 +64,7 @@ def _is_single(array):
     return array.dtype == types.float32
 
 
-def _is_single_or_short(array):
-    return array.dtype in (types.float32, types.uint16)
-
-
 def _load(builder, place):
-    if place.type.pointee == SHORT:
-        short = ir.VectorType(SHORT, WIDTH).as_pointer()
-        return widened(builder, builder.load(builder.bitcast(place, short), align=UNALIGNED))
     return builder.load(builder.bitcast(place, REGISTER.as_pointer()), align=UNALIGNED)
 
 
@@ -119,7 +109,7 @@ def lines(context, blocks, q):
     Eight numbers are read for each, the last two being the next line's; the last line is read from
     two numbers before it, and nothing behind the block.
     """
-    if not _is_single_or_short(blocks):
+    if not _is_single(blocks):
         return None
 
     def made(context, builder, signature, arguments):
@@ -137,7 +127,7 @@ def fetch(context, blocks, q, ahead):
 
     It may lie behind the last block or before the first: asking for it does nothing then.
     """
-    if not _is_single_or_short(blocks):
+    if not _is_single(blocks):
         return None
 
     def made(context, builder, signature, arguments):

@@ -10,10 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.compute.chunks import CHUNK, SHARED, chunks
-from clast.compute.jit import kernel, overload, types
-from clast.compute.mat6 import invert, times
-from clast.compute.parallel import nothing_done, prange, threads_of, to_do
+from clast.compute.jit import kernel
+from clast.compute.mat6 import invert, lines, times
+from clast.compute.parallel import BLOCKS, CONTACTS, shared, summed
 from clast.compute.vec6 import (
     line,
     plus,
@@ -26,7 +25,6 @@ from clast.compute.vec6 import (
     totals,
     zeros,
 )
-from clast.linear import single_rows
 
 
 @kernel()
@@ -54,277 +52,175 @@ def row_pointers(count, pairs):
 
 
 @kernel(forceinline=True)
-def right_of(low, high, upper, pairs, x):
-    """Return the sum of K_ij x_j over the pairs ``low`` to ``high`` - 1, those of a row i."""
-    t0, t1, t2, t3, t4, t5 = zeros(), zeros(), zeros(), zeros(), zeros(), zeros()
-    for q in range(low, high):
-        other = row(x, pairs[q, 1])
-        t0 = plus_product(t0, line(upper, q, 0), other)
-        t1 = plus_product(t1, line(upper, q, 1), other)
-        t2 = plus_product(t2, line(upper, q, 2), other)
-        t3 = plus_product(t3, line(upper, q, 3), other)
-        t4 = plus_product(t4, line(upper, q, 4), other)
-        t5 = plus_product(t5, line(upper, q, 5), other)
-    return totals(t0, t1, t2, t3, t4, t5)
+def block_times(blocks, q, x):
+    """Return block q, which need not be symmetric, times six numbers x."""
+    k0, k1, k2, k3, k4, k5 = lines(blocks, q)
+    return totals(
+        plus_product(zeros(), k0, x),
+        plus_product(zeros(), k1, x),
+        plus_product(zeros(), k2, x),
+        plus_product(zeros(), k3, x),
+        plus_product(zeros(), k4, x),
+        plus_product(zeros(), k5, x),
+    )
 
 
 @kernel(forceinline=True)
-def left_of(low, high, listed, upper, pairs, x):
-    """Return the sum of K_ji^T x_j over the pairs listed ``low`` to ``high`` - 1 of a row i.
-
-    Three sums side by side: one addition need not wait for the one before.
-    """
-    s0, s1, s2 = zeros(), zeros(), zeros()
-    for at in range(low, high):
-        q = listed[at]
-        j = pairs[q, 0]
-        s0 = plus_scaled(s0, x[j, 0], line(upper, q, 0))
-        s1 = plus_scaled(s1, x[j, 1], line(upper, q, 1))
-        s2 = plus_scaled(s2, x[j, 2], line(upper, q, 2))
-        s0 = plus_scaled(s0, x[j, 3], line(upper, q, 3))
-        s1 = plus_scaled(s1, x[j, 4], line(upper, q, 4))
-        s2 = plus_scaled(s2, x[j, 5], line(upper, q, 5))
-    return plus(plus(s0, s1), s2)
+def transpose_times(blocks, q, x, j):
+    """Return the transpose of block q times row j of x (n, 6)."""
+    s0 = plus_scaled(zeros(), x[j, 0], line(blocks, q, 0))
+    s1 = plus_scaled(zeros(), x[j, 1], line(blocks, q, 1))
+    s0 = plus_scaled(s0, x[j, 2], line(blocks, q, 2))
+    s1 = plus_scaled(s1, x[j, 3], line(blocks, q, 3))
+    s0 = plus_scaled(s0, x[j, 4], line(blocks, q, 4))
+    s1 = plus_scaled(s1, x[j, 5], line(blocks, q, 5))
+    return plus(s0, s1)
 
 
-@kernel()
-def _multiply_rows(first, last, diagonal, upper, pairs, right, left, listed, x, y):
-    """Write rows ``first`` to ``last`` - 1 of K x into y and return their part of x.K x."""
-    product = 0.0
+@shared(BLOCKS)
+def _multiply(first, last, matrix, pairs, rows, x, y):
+    """Write rows of K x into y."""
+    diagonal, upper = matrix
+    right, left, listed = rows
     for i in range(first, last):
-        own = row(x, i)
-        y_i = plus(times(diagonal, i, x, i), left_of(left[i], left[i + 1], listed, upper, pairs, x))
-        y_i = plus(y_i, right_of(right[i], right[i + 1], upper, pairs, x))
-        put_row(y, i, y_i)
-        product += total(plus_product(zeros(), own, y_i))
-    return product
-
-
-@kernel(parallel=True)
-def _multiply_shared(diagonal, upper, pairs, right, left, listed, x, y):
-    parts = np.empty(chunks(len(x)))
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, len(parts)):
-            last = min((c + 1) * CHUNK, len(x))
-            parts[c] = _multiply_rows(
-                c * CHUNK, last, diagonal, upper, pairs, right, left, listed, x, y
-            )
-    return parts
+        s = times(diagonal, i, x, i)
+        for at in range(left[i], left[i + 1]):
+            s = plus(s, transpose_times(upper, listed[at], x, pairs[listed[at], 0]))
+        for q in range(right[i], right[i + 1]):
+            s = plus(s, block_times(upper, q, row(x, pairs[q, 1])))
+        put_row(y, i, s)
 
 
 @kernel()
-def _multiply_double(diagonal, upper, pairs, right, left, listed, x, y):
-    if len(x) >= SHARED:
-        parts = _multiply_shared(diagonal, upper, pairs, right, left, listed, x, y)
-    else:
-        parts = np.empty(chunks(len(x)))
-        for c in range(len(parts)):
-            last = min((c + 1) * CHUNK, len(x))
-            parts[c] = _multiply_rows(
-                c * CHUNK, last, diagonal, upper, pairs, right, left, listed, x, y
-            )
-    product = 0.0
-    for part in parts:
-        product += part
-    return product
+def multiply(diagonal, upper, pairs, rows, x):
+    """Return K x (n, 6) of a symmetric matrix, in double precision."""
+    y = np.empty_like(x)
+    _multiply(len(x), (diagonal, upper), pairs, rows, x, y)
+    return y
 
 
-def _multiply(diagonal, upper, pairs, right, left, listed, x, y):
-    """Stand for the product in the precision of x."""
-
-
-@overload(_multiply)
-def _multiply_of(diagonal, upper, pairs, right, left, listed, x, y):
-    def in_single(diagonal, upper, pairs, right, left, listed, x, y):
-        return single_rows.multiply(SHARED, diagonal, upper, pairs, right, left, listed, x, y)
-
-    def in_double(diagonal, upper, pairs, right, left, listed, x, y):
-        return _multiply_double(diagonal, upper, pairs, right, left, listed, x, y)
-
-    return in_single if x.dtype == types.float32 else in_double
-
-
-@kernel()
-def multiply(diagonal, upper, pairs, right, left, listed, x, y):
-    """Write K x into y and return x.K x.
-
-    x and y are (n, 6) in double precision, or (n, 8) in single (compute/vec6_single.py); K
-    then is in single precision as well.
-    """
-    return _multiply(diagonal, upper, pairs, right, left, listed, x, y)
-
-
-@kernel()
+@shared(BLOCKS)
 def _products(first, last, blocks, x, y):
-    """Write B_i x_i into y_i for rows ``first`` to ``last`` - 1."""
+    """Write B_i x_i into y_i."""
     for i in range(first, last):
         put_row(y, i, times(blocks, i, x, i))
-
-
-@kernel(parallel=True)
-def _products_shared(blocks, x, y):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(x))):
-            _products(c * CHUNK, min((c + 1) * CHUNK, len(x)), blocks, x, y)
 
 
 @kernel()
 def products(blocks, x):
     """Return B_i x_i (n, 6) of symmetric blocks B (n, 6, 6)."""
     y = np.empty_like(x)
-    if len(x) >= SHARED:
-        _products_shared(blocks, x, y)
-    else:
-        _products(0, len(x), blocks, x, y)
+    _products(len(x), blocks, x, y)
     return y
 
 
-@kernel()
+@shared(BLOCKS)
 def _take(first, last, blocks, which, found):
+    """Write the blocks ``which``."""
     for k in range(first, last):
         for a in range(6):
             put_line(found, k, a, line(blocks, which[k], a))
-
-
-@kernel(parallel=True)
-def _take_shared(blocks, which, found):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(which))):
-            _take(c * CHUNK, min((c + 1) * CHUNK, len(which)), blocks, which, found)
 
 
 @kernel()
 def taken(blocks, which):
     """Return the blocks ``which`` (k,) of blocks (n, 6, 6)."""
     found = np.empty((len(which), 6, 6))
-    if len(which) >= SHARED:
-        _take_shared(blocks, which, found)
-    else:
-        _take(0, len(which), blocks, which, found)
+    _take(len(which), blocks, which, found)
     return found
 
 
-@kernel()
-def _dot_rows(first, last, a, b):
-    """Return the part of a.b of rows ``first`` to ``last`` - 1."""
+@summed(BLOCKS)
+def _dot(first, last, a, b):
+    """Return the part of a.b that rows ``first`` to ``last`` - 1 have."""
     s = zeros()
     for i in range(first, last):
         s = plus_product(s, row(a, i), row(b, i))
     return total(s)
 
 
-@kernel(parallel=True)
-def _dot_shared(a, b):
-    parts = np.empty(chunks(len(a)))
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, len(parts)):
-            parts[c] = _dot_rows(c * CHUNK, min((c + 1) * CHUNK, len(a)), a, b)
-    return parts
-
-
 @kernel()
 def dot(a, b):
-    """Return a.b of two vectors (n, 6), chunk by chunk."""
-    product = 0.0
-    if len(a) >= SHARED:
-        for part in _dot_shared(a, b):
-            product += part
-        return product
-    for c in range(chunks(len(a))):
-        product += _dot_rows(c * CHUNK, min((c + 1) * CHUNK, len(a)), a, b)
-    return product
+    """Return a.b of two vectors (n, 6)."""
+    return _dot(len(a), a, b)
 
 
-@kernel()
-def _invert_rows(first, last, diagonal, inverse):
-    """Invert blocks ``first`` to ``last`` - 1; return the first that is not definite, or -1."""
+@shared(BLOCKS)
+def _invert(first, last, diagonal, inverse, definite):
+    """Write the inverses of blocks, and which of them are positive definite."""
     for b in range(first, last):
-        if not invert(diagonal[b], inverse[b]):
-            return b
-    return -1
-
-
-@kernel(parallel=True)
-def _invert_shared(diagonal, inverse, bad):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, len(bad)):
-            last = min((c + 1) * CHUNK, len(diagonal))
-            bad[c] = _invert_rows(c * CHUNK, last, diagonal, inverse)
+        definite[b] = invert(diagonal[b], inverse[b])
 
 
 @kernel()
 def inverse_blocks(diagonal):
     """Return the inverses (n, 6, 6) of symmetric blocks, and the first not definite or -1."""
-    inverse = np.empty_like(diagonal)
-    if len(diagonal) < SHARED:
-        return inverse, _invert_rows(0, len(diagonal), diagonal, inverse)
-    bad = np.empty(chunks(len(diagonal)), np.int64)
-    _invert_shared(diagonal, inverse, bad)
-    for b in bad:
-        if b >= 0:
+    inverse, definite = np.empty_like(diagonal), np.empty(len(diagonal), np.bool_)
+    _invert(len(diagonal), diagonal, inverse, definite)
+    for b in range(len(definite)):
+        if not definite[b]:
             return inverse, b
     return inverse, -1
 
 
-@kernel()
-def _left_over(first, last, diagonal, upper, right, left, listed):
-    """Return the translational stiffness of coupled rows, what is left of it, and the least share.
+@shared(CONTACTS)
+def _find_coupled(first, last, upper, coupled):
+    """Write which blocks have any number that is not zero."""
+    for q in range(first, last):
+        coupled[q] = False
+        for a in range(6):
+            for c in range(6):
+                if upper[q, a, c] != 0.0:
+                    coupled[q] = True
+                    break
+            if coupled[q]:
+                break
 
-    Of rows ``first`` to ``last`` - 1.  What is left is K_ii + sum of K_ij, its translations alone.
+
+@kernel()
+def coupled_pairs(upper):
+    """Return whether the blocks of each pair are coupled at all, shape (q,)."""
+    coupled = np.empty(len(upper), np.bool_)
+    _find_coupled(len(upper), upper, coupled)
+    return coupled
+
+
+@shared(BLOCKS)
+def _left_over(first, last, diagonal, upper, rows, coupled, found):
+    """Write the translational stiffness of blocks, what is left of it, and its share (n, 3).
+
+    What is left is K_ii + sum of K_ij, its translations alone; its share is that in the weakest
+    direction.  Blocks that are coupled to none have 0, 0 and 1.
     """
-    own, rest, least = 0.0, 0.0, 1.0
+    right, left, listed = rows
     for i in range(first, last):
-        xx, xy, yy = 0.0, 0.0, 0.0
-        coupled = False
+        xx, xy, yy = diagonal[i, 0, 0], diagonal[i, 0, 1], diagonal[i, 1, 1]
+        whole, alone = xx + yy, True
         for q in range(right[i], right[i + 1]):
-            xx, xy, yy = xx + upper[q, 0, 0], xy + upper[q, 0, 1], yy + upper[q, 1, 1]
-            coupled |= upper[q, 0, 0] != 0.0 or upper[q, 0, 1] != 0.0 or upper[q, 1, 1] != 0.0
+            if coupled[q]:
+                xx, xy, yy = xx + upper[q, 0, 0], xy + upper[q, 0, 1], yy + upper[q, 1, 1]
+                alone = False
         for at in range(left[i], left[i + 1]):
             q = listed[at]
-            xx, xy, yy = xx + upper[q, 0, 0], xy + upper[q, 1, 0], yy + upper[q, 1, 1]
-            coupled |= upper[q, 0, 0] != 0.0 or upper[q, 1, 0] != 0.0 or upper[q, 1, 1] != 0.0
-        if not coupled:
-            continue
-        stiffness = diagonal[i, 0, 0] + diagonal[i, 1, 1]
-        xx, xy, yy = xx + diagonal[i, 0, 0], xy + diagonal[i, 0, 1], yy + diagonal[i, 1, 1]
-        own += stiffness
-        rest += xx + yy
+            if coupled[q]:
+                xx, xy, yy = xx + upper[q, 0, 0], xy + upper[q, 1, 0], yy + upper[q, 1, 1]
+                alone = False
         # the smaller eigenvalue of (xx, xy; xy, yy), twice
         smaller = xx + yy - np.sqrt((xx - yy) ** 2 + 4.0 * xy**2)
-        least = min(least, smaller / stiffness if stiffness > 0.0 else 0.0)
-    return own, rest, least
-
-
-@kernel(parallel=True)
-def _left_over_shared(diagonal, upper, right, left, listed):
-    found = np.empty((chunks(len(diagonal)), 3))
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, len(found)):
-            last = min((c + 1) * CHUNK, len(diagonal))
-            found[c, 0], found[c, 1], found[c, 2] = _left_over(
-                c * CHUNK, last, diagonal, upper, right, left, listed
-            )
-    return found
+        found[i, 0] = 0.0 if alone else whole
+        found[i, 1] = 0.0 if alone else xx + yy
+        found[i, 2] = 1.0 if alone else smaller / whole if whole > 0.0 else 0.0
 
 
 @kernel()
-def inertia_shares(diagonal, upper, rows):
+def inertia_shares(diagonal, upper, rows, coupled):
     """Return which share of their stiffness against translation couplings leave to the blocks.
 
     Of all coupled blocks together and the least of any, in its weakest direction; 1 where none is
-    coupled.  ``rows`` are right, left and listed of the pairs (:func:`row_pointers`).
+    coupled.  ``rows`` are right, left and listed of the pairs (:func:`row_pointers`), ``coupled``
+    (q,) says which are coupled at all.
     """
-    right, left, listed = rows
-    if len(diagonal) < SHARED:
-        own, rest, least = _left_over(0, len(diagonal), diagonal, upper, right, left, listed)
-    else:
-        own, rest, least = 0.0, 0.0, 1.0
-        for part in _left_over_shared(diagonal, upper, right, left, listed):
-            own, rest, least = own + part[0], rest + part[1], min(least, part[2])
-    return (rest / own if own > 0.0 else 1.0), least
+    found = np.empty((len(diagonal), 3))
+    _left_over(len(diagonal), diagonal, upper, rows, coupled, found)
+    whole, rest = found[:, 0].sum(), found[:, 1].sum()
+    return (rest / whole if whole > 0.0 else 1.0), found[:, 2].min()

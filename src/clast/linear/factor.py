@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from clast.linear.pattern import Patterns
 from clast.linear.system import BlockSystem
 from clast.model.model import Floats
 
@@ -19,6 +20,10 @@ class Factor(Protocol):
 class LinearSolver(Protocol):
     """Solves the 6 x 6 block system of a step."""
 
-    def factor(self, system: BlockSystem) -> Factor:
-        """Return the matrix made ready; raises StepRejected where it is singular."""
+    def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
+        """Return the matrix made ready; raises StepRejected where it is singular.
+
+        ``patterns`` is for what depends on the pairs alone, not to be found again for every matrix;
+        a solver that keeps nothing leaves it alone.
+        """
         ...

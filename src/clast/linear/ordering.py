@@ -1,9 +1,18 @@
-"""Nested dissection of the graph of coupled blocks (George 1973).
+"""Orders of elimination: by nested dissection with all fill, row by row in strips without any.
 
-A part is cut across its long direction.  The graph has no coordinates, but the distances from four
-blocks far apart serve as such: their principal component runs along the part (compare landmark
-multidimensional scaling, de Silva and Tenenbaum 2004), and its quantiles are straight cuts.
-Only the pattern is used, so the same pattern always gives the same order.
+Nested dissection (George 1973) is that of the graph of coupled blocks.  Blocks with one neighbour
+come first, again and again, so that chains and trees have no fill at all.  A part is cut across its
+long direction.  The graph has no coordinates, but the distances from four blocks far apart serve as
+such: their principal component runs along the part (compare landmark multidimensional scaling, de
+Silva and Tenenbaum 2004), and its quantiles are straight cuts.  Only the pattern is used, so the
+same pattern always gives the same order.
+
+Without fill what matters is that blocks near each other have places near each other, for strength
+as for memory: blocks are ordered row by row along the shorter side of what they fill.  As many
+blocks each make a strip.  Those coupled to an earlier strip form the seam, which comes last, so
+that of what is left no strip is coupled to another one: threads share the strips (one level of
+nested dissection).  The seam keeps the order of the strips that its blocks were in: these are its
+segments.  The number of strips depends on that of the blocks alone, and with it every sum.
 """
 
 from __future__ import annotations
@@ -11,7 +20,11 @@ from __future__ import annotations
 import numpy as np
 
 from clast.compute.jit import kernel
+from clast.model.model import Bools, Floats, Ints
 
+LEAST, MOST = 800, 16
+"""Blocks from which there are two strips, four times as many having twice as many strips, for the
+seam's share to be the same, and number of strips at most."""
 LEAF = 4
 """Parts of at most this many blocks are not dissected further."""
 LANDMARKS = 4
@@ -23,7 +36,7 @@ HUB = 32
 
 
 @kernel()
-def graph(count, pairs, coupled):
+def neighbours_of(count, pairs, coupled):
     """Return starts (n + 1,) and neighbours of every block."""
     start = np.zeros(count + 1, np.int64)
     for q in range(len(pairs)):
@@ -47,11 +60,14 @@ def graph(count, pairs, coupled):
 
 
 @kernel()
-def _distances(root, part, label, start, neighbour, queue, level, seen, stamp):
+def _distances(root, label, graph, room, stamp):
     """Fill ``queue`` with the blocks of part ``label`` by distance from ``root``; return how many.
 
-    ``level`` holds their distance; ``seen`` marks them with ``stamp``.
+    ``graph`` is the part of each block and the starts and neighbours of all; ``room`` the queue,
+    ``level``, which holds their distance, and ``seen``, which marks them with ``stamp``.
     """
+    part, start, neighbour = graph
+    queue, level, seen = room
     queue[0] = root
     seen[root] = stamp
     level[root] = 0
@@ -70,11 +86,12 @@ def _distances(root, part, label, start, neighbour, queue, level, seen, stamp):
 
 
 @kernel()
-def _coordinates(found, part, label, start, neighbour, queue, level, seen, stamp, distance):
+def _coordinates(found, label, graph, room, stamp, distance):
     """Fill ``distance`` (k, found) with the distances of the queue's blocks from the landmarks.
 
     The queue holds a connected part as it was found from its first block; its order stays.
     """
+    queue, level, _ = room
     members = np.empty(found, np.int64)
     nearest = np.empty(found, np.int64)
     for m in range(found):
@@ -82,7 +99,7 @@ def _coordinates(found, part, label, start, neighbour, queue, level, seen, stamp
         nearest[m] = found + 1
     root = members[found - 1]
     for k in range(LANDMARKS):
-        _distances(root, part, label, start, neighbour, queue, level, seen, stamp + k)
+        _distances(root, label, graph, room, stamp + k)
         far, best = 0, -1
         for m in range(found):
             distance[k, m] = level[members[m]]
@@ -153,8 +170,9 @@ def _ranks(value, found):
 
 
 @kernel()
-def _rim(queue, rank, cut, found, part, label, start, neighbour, position):
+def _rim(queue, rank, cut, found, label, graph, position):
     """Return how many blocks before the cut have a neighbour behind it, and the other way round."""
+    part, start, neighbour = graph
     before, behind = 0, 0
     for m in range(found):
         node = queue[m]
@@ -171,8 +189,9 @@ def _rim(queue, rank, cut, found, part, label, start, neighbour, position):
 
 
 @kernel()
-def _split(found, part, label, start, neighbour, queue, position, distance, kind):
+def _split(found, label, graph, queue, position, distance, kind):
     """Say for each block of the queue if it is in one half (0), the other (1) or between (2)."""
+    part, start, neighbour = graph
     rank = _ranks(_along(distance, found), found)
     for m in range(found):
         position[queue[m]] = m
@@ -180,7 +199,7 @@ def _split(found, part, label, start, neighbour, queue, position, distance, kind
     for one in range(CUTS):
         share = 0.42 + 0.16 * one / (CUTS - 1)
         place = int(share * found)
-        before, behind = _rim(queue, rank, place, found, part, label, start, neighbour, position)
+        before, behind = _rim(queue, rank, place, found, label, graph, position)
         cost = min(before, behind) * (1.0 + 2.0 * abs(share - 0.5))
         if cost < best:
             best, cut, rim = cost, place, 0 if before <= behind else 1
@@ -198,40 +217,74 @@ def _split(found, part, label, start, neighbour, queue, position, distance, kind
 
 
 @kernel()
-def _hubs_last(count, start, neighbour, order, part, nodes):
-    """Put blocks with very many neighbours last and the others into ``nodes``; return how many."""
+def _leaves_first(count, start, neighbour, order, part):
+    """Put blocks with one neighbour or none first, again and again; return how many those are."""
+    degree = np.empty(count, np.int64)
+    found = 0
+    for b in range(count):
+        degree[b] = start[b + 1] - start[b]
+        if degree[b] <= 1:
+            order[found], part[b] = b, -1
+            found += 1
+    done = 0
+    while done < found:
+        leaf = order[done]
+        done += 1
+        for at in range(start[leaf], start[leaf + 1]):
+            other = neighbour[at]
+            degree[other] -= 1
+            if part[other] == 0 and degree[other] <= 1:
+                order[found], part[other] = other, -1
+                found += 1
+    return found
+
+
+@kernel()
+def _hubs_last(count, start, neighbour, order, part):
+    """Put blocks with very many neighbours last; return the place of the first of them."""
     busy = max(HUB, 6 * len(neighbour) // max(1, count))
     last = count
     for b in range(count - 1, -1, -1):
-        if start[b + 1] - start[b] > busy:
+        if part[b] == 0 and start[b + 1] - start[b] > busy:
             last -= 1
             order[last] = b
             part[b] = -1
-    free = 0
-    for b in range(count):
-        if part[b] == 0:
-            nodes[free] = b
-            free += 1
-    return free
+    return last
 
 
 @kernel()
 def nested_dissection(count, pairs, coupled):
     """Return the graph (starts, neighbours) and the blocks in the order of elimination (n,).
 
-    Each part is parted in two halves and the blocks between them, which come after both.  Blocks
-    with very many neighbours come last of all.
+    Leaves of the graph come first.  Each part of the others is parted in two halves and the blocks
+    between them, which come after both.  Blocks with very many neighbours come last of all.
     """
-    start, neighbour = graph(count, pairs, coupled)
-    order, nodes = np.empty(count, np.int64), np.empty(count, np.int64)
-    part = np.zeros(count, np.int64)
-    free = _hubs_last(count, start, neighbour, order, part, nodes)
+    start, neighbour = neighbours_of(count, pairs, coupled)
+    order, part = np.empty(count, np.int64), np.zeros(count, np.int64)
+    leaves = _leaves_first(count, start, neighbour, order, part)
+    if leaves == count:
+        return start, neighbour, order
+    last = _hubs_last(count, start, neighbour, order, part)
+    nodes, at = np.empty(count, np.int64), leaves
+    for b in range(count):
+        if part[b] == 0:
+            nodes[at] = b
+            at += 1
+    _dissect(leaves, last, start, neighbour, nodes, part, order)
+    return start, neighbour, order
+
+
+@kernel()
+def _dissect(leaves, last, start, neighbour, nodes, part, order):
+    """Write ``nodes[leaves:last]``, all of part 0, in the order of nested dissection."""
+    count = len(nodes)
     queue, level = np.empty(count, np.int64), np.zeros(count, np.int64)
     seen, position = np.full(count, -1, np.int64), np.zeros(count, np.int64)
     distance = np.empty((LANDMARKS, count))
     kind = np.empty(count, np.int64)
     stack = np.empty((64 + 2 * count, 3), np.int64)  # first, last, label
-    stack[0, 0], stack[0, 1], stack[0, 2] = 0, free, 0
+    graph, room = (part, start, neighbour), (queue, level, seen)
+    stack[0, 0], stack[0, 1], stack[0, 2] = leaves, last, 0
     depth, labels, stamp = 1, 1, 0
     while depth > 0:
         depth -= 1
@@ -240,13 +293,11 @@ def nested_dissection(count, pairs, coupled):
             for k in range(low, high):
                 order[k] = nodes[k]
             continue
-        found = _distances(nodes[low], part, label, start, neighbour, queue, level, seen, stamp)
+        found = _distances(nodes[low], label, graph, room, stamp)
         stamp += 1
         if found == high - low:
-            stamp = _coordinates(
-                found, part, label, start, neighbour, queue, level, seen, stamp, distance
-            )
-            _split(found, part, label, start, neighbour, queue, position, distance, kind)
+            stamp = _coordinates(found, label, graph, room, stamp, distance)
+            _split(found, label, graph, queue, position, distance, kind)
             for k in range(found):
                 nodes[low + k] = queue[k]
         else:  # several pieces: the one just found, and the rest
@@ -264,7 +315,6 @@ def nested_dissection(count, pairs, coupled):
         stack[depth + 1, 2] = labels + 1
         labels += 2
         depth += 2
-    return start, neighbour, order
 
 
 @kernel()
@@ -284,3 +334,46 @@ def _sorted_by_kind(nodes, low, high, kind):
         nodes[at[kind[k]]] = unsorted[k]
         at[kind[k]] += 1
     return middle, end
+
+
+def by_rows(centroid: Floats) -> Ints:
+    """Return blocks at ``centroid`` (n, 2), m, row by row along the shorter side, shape (n,)."""
+    low = centroid.min(axis=0)
+    extent = centroid.max(axis=0) - low
+    along = int(np.argmin(extent))
+    height = np.sqrt(extent.prod() / len(centroid))
+    if height == 0.0:  # all in one line
+        return np.argsort(centroid[:, 1 - along], kind="stable")
+    row = np.floor((centroid[:, 1 - along] - low[1 - along]) / height)
+    return np.lexsort((centroid[:, along], row))
+
+
+def number_of_strips(count: int) -> int:
+    """Return the number of strips of ``count`` blocks."""
+    number, enough = 1, LEAST
+    while count >= enough and number < MOST:
+        number, enough = 2 * number, 4 * enough
+    return number
+
+
+def strips(centroid: Floats, pairs: Ints, free: Bools) -> tuple[Ints, Ints]:
+    """Return the blocks strip by strip and the seam last (n,), and where all begins.
+
+    First the strips and then the segments of the seam, as many, (2 strips + 1,); the last is n.
+    ``centroid`` (n, 2), m, says where the blocks are, ``free`` (q,) which of the ``pairs`` (q, 2)
+    may be coupled.
+    """
+    count, order = len(centroid), by_rows(centroid)
+    number = number_of_strips(count)
+    if number == 1:
+        return order, np.array([0, count, count])
+    strip = np.empty(count, np.int64)
+    strip[order] = np.arange(count) * number // count
+    first, second = pairs[free].T
+    across = strip[first] != strip[second]
+    first, second = first[across], second[across]
+    part = strip.copy()
+    later = np.where(strip[first] > strip[second], first, second)
+    part[later] = number + strip[later]
+    sizes = np.bincount(part, minlength=2 * number)
+    return order[np.argsort(part[order], kind="stable")], np.concatenate([[0], np.cumsum(sizes)])

@@ -1,26 +1,24 @@
-"""Conjugate gradients preconditioned by an incomplete Cholesky factorisation.
+"""Conjugate gradients preconditioned by a factor without fill and a coarse space (PCG).
 
 Where inertia holds its own against the contacts, p h2/m of a few units, one to ten iterations are
-enough; each costs a product and as much again for the substitutions (linear/incomplete.py).
-Where it does not, a coarse system is added, which costs a fifth more (linear/coarse_kernels.py).
+enough; each costs a product and as much again for the substitutions.  Where it does not, a coarse
+system is added, which costs a fifth more (linear/coarse_space.py).
+
+All is in single precision.  What must be more accurate is found by iterative refinement (Wilkinson
+1963): the residual of what has been found is computed in double precision, and solved for again.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from clast.compute.chunks import CHUNK, SHARED, chunks
 from clast.compute.jit import kernel
-from clast.compute.parallel import nothing_done, prange, threads_of, to_do
-from clast.compute.vec6 import plus, plus_product, plus_scaled, put_row, row, total, zeros
+from clast.compute.parallel import BLOCKS, shared
+from clast.compute.vec6 import plus_scaled, put_row, row
 from clast.compute.vec6_single import WIDTH
-from clast.linear.aggregates import restrict, turn_with
-from clast.linear.block_matrix import multiply
-from clast.linear.substitution import substitute
+from clast.linear.coarse_space import restrict, turn_with
+from clast.linear.single_precision import multiply, substitute
 
-LEAP, EXACT = 1e-2, 1e-8
-"""An iteration that leaves less than LEAP is followed by another, until EXACT is left: where the
-factor is nearly exact, as for a column of blocks, that is cheaper than another matrix."""
 SHORTEST = 0.01
 """Length of a step along a direction below which the preconditioner is none: it is 1 where B K is
 one, and was 0.03 and more wherever B was sound.  Where pivots of the factor are next to singular it
@@ -30,146 +28,55 @@ HOPE = 1.5
 """Iterations, as a share of the limit, that may seem needed then: the rate improves."""
 
 
-@kernel()
-def _add_rows(first, last, factor, from_vector, to_vector):
-    """Add factor x from_vector to to_vector in rows ``first`` to ``last`` - 1."""
+@shared(BLOCKS)
+def _advance(first, last, alpha, p, kp, x, r):
+    """Go alpha along p, in place: x += alpha p, r -= alpha K p."""
     for i in range(first, last):
-        put_row(to_vector, i, plus_scaled(row(to_vector, i), factor, row(from_vector, i)))
+        put_row(x, i, plus_scaled(row(x, i), alpha, row(p, i)))
+        put_row(r, i, plus_scaled(row(r, i), -alpha, row(kp, i)))
 
 
-@kernel()
-def _turn_rows(first, last, z, beta, p):
-    """Write z + beta p into p in rows ``first`` to ``last`` - 1."""
+@shared(BLOCKS)
+def _turn(first, last, z, beta, p):
+    """Turn the direction, in place: p = z + beta p."""
     for i in range(first, last):
         put_row(p, i, plus_scaled(row(z, i), beta, row(p, i)))
 
 
-@kernel(parallel=True)
-def _advance_shared(alpha, p, kp, x, r):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(p))):
-            last = min((c + 1) * CHUNK, len(p))
-            _add_rows(c * CHUNK, last, alpha, p, x)
-            _add_rows(c * CHUNK, last, -alpha, kp, r)
-
-
 @kernel()
-def advance(alpha, p, kp, x, r):
-    """Go alpha along p, in place: x += alpha p, r -= alpha K p."""
-    if len(p) >= SHARED:
-        _advance_shared(alpha, p, kp, x, r)
-    else:
-        _add_rows(0, len(p), alpha, p, x)
-        _add_rows(0, len(p), -alpha, kp, r)
+def vector(count):
+    """Return a vector of zeros as the iteration has them (n, 8).
 
-
-@kernel(parallel=True)
-def _turn_shared(z, beta, p):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(p))):
-            _turn_rows(c * CHUNK, min((c + 1) * CHUNK, len(p)), z, beta, p)
-
-
-@kernel()
-def turn(z, beta, p):
-    """Turn the direction, in place: p = z + beta p."""
-    if len(p) >= SHARED:
-        _turn_shared(z, beta, p)
-    else:
-        _turn_rows(0, len(p), z, beta, p)
-
-
-@kernel()
-def vector(count, precision):
-    """Return a vector of zeros as products in the precision of an array take it.
-
-    Rows of eight have two numbers that stay zero: operations on six leave them as they are.
+    Two numbers of a row stay zero: operations on six leave them as they are.
     """
-    return np.zeros((count, 6 if precision.itemsize == 8 else WIDTH), precision.dtype)
+    return np.zeros((count, WIDTH), np.float32)
 
 
-@kernel()
-def _empty(blocks):
-    """Return a vector to be cleared, of as many rows as blocks and in their precision."""
-    return np.empty((len(blocks), 6 if blocks.itemsize == 8 else WIDTH), blocks.dtype)
-
-
-@kernel()
-def _order_rows(first, last, order, given, ordered, cleared):
-    """Write places ``first`` to ``last`` - 1 in the factor's order; return the sum of squares.
-
-    Nothing ``given`` (0, 6) is zero.  Those of ``cleared`` become zero as well.
-    """
-    ordered[first:last] = 0.0
-    cleared[first:last] = 0.0
-    square = zeros()
-    if len(given) > 0:
-        for i in range(first, last):
-            numbers = row(given, order[i])
-            square = plus_product(square, numbers, numbers)
-            put_row(ordered, i, numbers)
-    return total(square)
-
-
-@kernel(parallel=True)
-def _in_order_shared(order, given, ordered, cleared, squares):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, len(squares)):
-            last = min((c + 1) * CHUNK, len(order))
-            squares[c] = _order_rows(c * CHUNK, last, order, given, ordered, cleared)
-
-
-@kernel()
-def _in_order(order, given, ordered, cleared):
-    """Write the rows of a vector (n, 6) in the order of the factor; return if any is not zero."""
-    if len(order) < SHARED:
-        return _order_rows(0, len(order), order, given, ordered, cleared) > 0.0
-    squares = np.empty(chunks(len(order)))
-    _in_order_shared(order, given, ordered, cleared, squares)
-    return squares.max() > 0.0
-
-
-@kernel()
-def _return_rows(first, last, order, guess, x, result):
-    """Write ``guess`` plus x where places ``first`` to ``last`` - 1 belong."""
+@shared(BLOCKS)
+def _to_order(first, last, order, force, ordered):
+    """Write a vector (n, 6) in the order of the factor."""
     for i in range(first, last):
-        begun = row(guess, order[i]) if len(guess) > 0 else zeros()
-        put_row(result, order[i], plus(begun, row(x, i)))
+        put_row(ordered, i, row(force, order[i]))
 
 
-@kernel(parallel=True)
-def _gone_shared(order, guess, x, result):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(order))):
-            _return_rows(c * CHUNK, min((c + 1) * CHUNK, len(order)), order, guess, x, result)
-
-
-@kernel()
-def _gone(order, guess, x):
-    """Return ``guess`` (n, 6) plus x, which is in the order of the factor."""
-    result = np.empty((len(order), 6))
-    if len(order) >= SHARED:
-        _gone_shared(order, guess, x, result)
-    else:
-        _return_rows(0, len(order), order, guess, x, result)
-    return result
+@shared(BLOCKS)
+def _from_order(first, last, order, ordered, found):
+    """Write a vector in the order of the factor where its rows belong (n, 6)."""
+    for i in range(first, last):
+        put_row(found, order[i], row(ordered, i))
 
 
 @kernel()
-def _precondition(incomplete, coarse, r, z, of_coarse):
+def _precondition(factor, coarse, r, z, of_coarse):
     """Write the incomplete factor's part of B r into z; return r.B r.
 
     What the coarse system finds is the second of ``of_coarse``, two vectors of it.
     """
-    product = substitute(incomplete, r, z)
-    _, start, members, offset, factor = coarse
+    product = substitute(factor, r, z)
+    _, start, members, offset, of_aggregates = coarse
     if len(start) > 1:
-        restrict(start, members, offset, r, of_coarse[0])
-        product += substitute(factor, *of_coarse)
+        restrict(len(start) - 1, start, members, offset, r, of_coarse[0])
+        product += substitute(of_aggregates, *of_coarse)
     return product
 
 
@@ -178,55 +85,57 @@ def _turn_to(coarse, z, of_coarse, beta, p):
     """Turn the direction, in place: p = B r + beta p, with what was found of B r."""
     aggregate, start, _, offset, _ = coarse
     if len(start) > 1:
-        turn_with(aggregate, offset, of_coarse[1], z, beta, p)
+        turn_with(len(p), aggregate, offset, of_coarse[1], z, beta, p)
     else:
-        turn(z, beta, p)
+        _turn(len(p), z, beta, p)
 
 
 @kernel()
-def solve(incomplete, matrix, coarse, force, guess, tolerance, limit, trial):
-    """Return d (n, 6) of K d = F, the iterations and the reduction of r.B r reached.
-
-    Starts from ``guess`` (n, 6), or from zero where that is (0, 6), and stops where r.B r has
-    fallen to tolerance^2 of its start and no longer falls by leaps, after ``limit`` iterations,
-    where far more than that seem needed after the first ``trial``, or where B is no preconditioner,
-    which is said by a reduction of infinity.  ``incomplete`` is the factor M and ``matrix`` is K in
-    its order, as linear/incomplete.py returns them; ``coarse`` what linear/coarse_kernels.py
-    does,
-    without any aggregates where B is to be M^-1.  All but ``force``, ``guess`` and d has the
-    precision of K.
-    """
-    order, _, pairs, right, left, listed, _, _ = incomplete
-    own, couplings = matrix
-    x, r, z, kp = _empty(own), _empty(own), _empty(own), _empty(own)
-    number = len(coarse[1]) - 1
-    of_coarse = vector(number, own), vector(number, own)
-    _in_order(order, force, r, x)
-    if _in_order(order, guess, z, kp):
-        multiply(own, couplings, pairs, right, left, listed, z, kp)
-        turn(r, -1.0, kp)
-        r, kp = kp, r
-    start = rz = _precondition(incomplete, coarse, r, z, of_coarse)
-    if start == 0.0:
-        return _gone(order, guess, x), 0, 0.0
-    p = vector(len(own), own)
-    _turn_to(coarse, z, of_coarse, 0.0, p)
-    iterations, wanted = 0, tolerance**2 * start
+def _iterate(ready, vectors, of_coarse, wanted, limits):
+    """Go on until r.B r is at most ``wanted``; return the iterations and r.B r, or infinity."""
+    factor, matrix, coarse = ready
+    x, r, z, p, kp = vectors
+    limit, trial, start = limits
+    rz, iterations = start, 0
     while iterations < limit and rz > wanted:
-        curvature = multiply(own, couplings, pairs, right, left, listed, p, kp)
+        curvature = multiply(matrix, factor[0], p, kp)
         if not (curvature > 0.0 and rz >= SHORTEST * curvature):
-            return _gone(order, guess, x), iterations, np.inf
-        advance(rz / curvature, p, kp, x, r)
+            return iterations, np.inf
+        _advance(len(p), rz / curvature, p, kp, x, r)
         iterations += 1
-        following = _precondition(incomplete, coarse, r, z, of_coarse)
-        beta = following / rz
-        leaps = following < LEAP**2 * rz
-        wanted = min(tolerance, EXACT if leaps else tolerance) ** 2 * start
-        rz = following
+        following = _precondition(factor, coarse, r, z, of_coarse)
+        beta, rz = following / rz, following
         if iterations == trial and rz > wanted:
-            # needed / iterations = log(tolerance^2) / log(rz / start), for what is gained so far
-            gained = np.log(start / rz)
-            if -2.0 * np.log(tolerance) * iterations > HOPE * limit * gained:
+            # needed / iterations = log(wanted / start) / log(rz / start), for what is gained so far
+            if np.log(start / wanted) * iterations > HOPE * limit * np.log(start / rz):
                 break
         _turn_to(coarse, z, of_coarse, beta, p)
-    return _gone(order, guess, x), iterations, np.sqrt(rz / start)
+    return iterations, rz
+
+
+@kernel()
+def solve(ready, force, goal, tolerance, limit, trial):
+    """Return d (n, 6) of K d = F, the iterations, and sqrt(r.B r) at first and at last.
+
+    Stops where sqrt(r.B r) is at most ``goal`` or ``tolerance`` of what it was; after ``limit``
+    iterations; where far more than that seem needed after the first ``trial``; or where B is no
+    preconditioner, which is said by infinity.  ``ready`` is the factor M, K in its order
+    (linear/ldlt.py) and the coarse system (linear/coarse_space.py), which has no aggregates where B
+    is to be M^-1.
+    """
+    factor, _, coarse = ready
+    order = factor[0][0]
+    count, number = len(order), len(coarse[1]) - 1
+    x, r, z, p, kp = vector(count), vector(count), vector(count), vector(count), vector(count)
+    of_coarse = vector(number), vector(number)
+    found = np.zeros((count, 6))
+    _to_order(count, order, force, r)
+    start = _precondition(factor, coarse, r, z, of_coarse)
+    wanted = max(goal, tolerance * np.sqrt(start)) ** 2
+    if not start > wanted:
+        return found, 0, np.sqrt(start), np.sqrt(start)
+    _turn_to(coarse, z, of_coarse, 0.0, p)
+    limits = limit, trial, start
+    iterations, rz = _iterate(ready, (x, r, z, p, kp), of_coarse, wanted, limits)
+    _from_order(count, order, x, found)
+    return found, iterations, np.sqrt(start), np.sqrt(rz)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.compute.chunks import CHUNK, SHARED, chunks
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
-from clast.compute.parallel import nothing_done, prange, threads_of, to_do
+from clast.compute.parallel import BLOCKS, shared
 from clast.compute.vec6 import plus, plus_product, plus_scaled, put_row, row, total, zeros
 from clast.contact.jacobian import force_on
 
@@ -50,20 +49,12 @@ def _balance(i, system, graph, contacts, d, normal, shear, found):
         distance[i] = total(plus_product(zeros(), own, row(residual, i)))
 
 
-@kernel()
-def _balance_rows(low, high, system, graph, contacts, d, normal, shear, found):
-    """Balance blocks ``low`` to ``high`` - 1."""
-    for i in range(low, high):
+@shared(BLOCKS)
+def _balance_rows(first, last, system, graph, contacts, d, forces, found):
+    """Balance blocks."""
+    normal, shear = forces
+    for i in range(first, last):
         _balance(i, system, graph, contacts, d, normal, shear, found)
-
-
-@kernel(parallel=True)
-def _balance_shared(system, graph, contacts, d, normal, shear, found):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(d))):
-            last = min((c + 1) * CHUNK, len(d))
-            _balance_rows(c * CHUNK, last, system, graph, contacts, d, normal, shear, found)
 
 
 @kernel()
@@ -75,39 +66,32 @@ def unbalanced(system, graph, contacts, d, normal, shear):
     levers of those, ``d`` (n, 6) the unknowns and ``normal`` and ``shear`` (m,) N and T.
     """
     found = np.empty_like(d), np.empty(len(d))
-    if len(d) >= SHARED:
-        _balance_shared(system, graph, contacts, d, normal, shear, found)
-    else:
-        _balance_rows(0, len(d), system, graph, contacts, d, normal, shear, found)
+    _balance_rows(len(d), system, graph, contacts, d, (normal, shear), found)
     return found
 
 
-@kernel(parallel=True)
-def _balance_some_shared(blocks, system, graph, contacts, d, normal, shear, found):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(blocks))):
-            for k in range(c * CHUNK, min((c + 1) * CHUNK, len(blocks))):
-                _balance(blocks[k], system, graph, contacts, d, normal, shear, found)
+@shared(BLOCKS)
+def _balance_some(first, last, blocks, system, graph, contacts, at, found):
+    """Balance some blocks."""
+    d, normal, shear = at
+    for k in range(first, last):
+        _balance(blocks[k], system, graph, contacts, d, normal, shear, found)
 
 
 @kernel()
 def balance_again(blocks, system, graph, contacts, d, normal, shear, found):
     """Write what :func:`unbalanced` returns where some ``blocks`` (k,) have changed, in place."""
-    if len(blocks) >= SHARED:
-        _balance_some_shared(blocks, system, graph, contacts, d, normal, shear, found)
-    else:
-        for i in blocks:
-            _balance(i, system, graph, contacts, d, normal, shear, found)
+    _balance_some(len(blocks), blocks, system, graph, contacts, (d, normal, shear), found)
 
 
-@kernel()
-def _left_rows(low, high, system, graph, contacts, starts, normal, shear, left):
-    """Write r.B^-1 r of blocks ``low`` to ``high`` - 1 at each start: B is read once for all."""
+@shared(BLOCKS)
+def _left_rows(first, last, system, graph, contacts, starts, forces, left):
+    """Write r.B^-1 r of blocks at each start: B is read once for all."""
+    normal, shear = forces
     base, inverse, load, fixed = system
     vertex_block, levers = contacts
     residual = np.empty((1, 6))
-    for i in range(low, high):
+    for i in range(first, last):
         for k in range(len(starts)):
             if fixed[i]:
                 left[k, i] = 0.0
@@ -119,15 +103,6 @@ def _left_rows(low, high, system, graph, contacts, starts, normal, shear, left):
             left[k, i] = total(plus_product(zeros(), own, row(residual, 0)))
 
 
-@kernel(parallel=True)
-def _left_shared(system, graph, contacts, starts, normal, shear, left):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(left.shape[1])):
-            last = min((c + 1) * CHUNK, left.shape[1])
-            _left_rows(c * CHUNK, last, system, graph, contacts, starts, normal, shear, left)
-
-
 @kernel()
 def left_at(system, graph, contacts, starts, normal, shear):
     """Return r.B^-1 r of each block (k, n), as :func:`unbalanced` does, at k starts at once.
@@ -135,17 +110,16 @@ def left_at(system, graph, contacts, starts, normal, shear):
     ``starts`` (k, n, 6) are the unknowns, ``normal`` and ``shear`` (k, m) N and T there.
     """
     left = np.empty(starts.shape[:2])
-    if left.shape[1] >= SHARED:
-        _left_shared(system, graph, contacts, starts, normal, shear, left)
-    else:
-        _left_rows(0, left.shape[1], system, graph, contacts, starts, normal, shear, left)
+    _left_rows(left.shape[1], system, graph, contacts, starts, (normal, shear), left)
     return left
 
 
-@kernel()
-def _load_rows(low, high, load, fixed, graph, vertex_block, levers, normal, shear, out):
-    """Write load + sum of N n + T t of blocks ``low`` to ``high`` - 1; 0 where fixed."""
-    for i in range(low, high):
+@shared(BLOCKS)
+def _load_rows(first, last, load, fixed, graph, contacts, forces, out):
+    """Write load + sum of N n + T t of blocks; 0 where fixed."""
+    vertex_block, levers = contacts
+    normal, shear = forces
+    for i in range(first, last):
         if fixed[i]:
             put_row(out, i, zeros())
         else:
@@ -153,23 +127,9 @@ def _load_rows(low, high, load, fixed, graph, vertex_block, levers, normal, shea
             put_row(out, i, s)
 
 
-@kernel(parallel=True)
-def _load_shared(load, fixed, graph, vertex_block, levers, normal, shear, out):
-    progress = nothing_done()
-    for thread in prange(threads_of(progress)):
-        for c in to_do(thread, progress, chunks(len(load))):
-            last = min((c + 1) * CHUNK, len(load))
-            _load_rows(
-                c * CHUNK, last, load, fixed, graph, vertex_block, levers, normal, shear, out
-            )
-
-
 @kernel()
 def loaded(load, fixed, graph, vertex_block, levers, normal, shear):
     """Return load + sum of N n + T t (n, 6): forces with those of contacts; 0 for fixed blocks."""
     out = np.empty_like(load)
-    if len(load) >= SHARED:
-        _load_shared(load, fixed, graph, vertex_block, levers, normal, shear, out)
-    else:
-        _load_rows(0, len(load), load, fixed, graph, vertex_block, levers, normal, shear, out)
+    _load_rows(len(load), load, fixed, graph, (vertex_block, levers), (normal, shear), out)
     return out

@@ -6,6 +6,7 @@ import numpy as np
 
 from clast.compute import chunks as shares
 from clast.linear.factor import Factor, LinearSolver
+from clast.linear.pattern import Patterns
 from clast.linear.solvers import Automatic, IteratedMatrix
 from clast.linear.system import BlockSystem, Stiffnesses
 from clast.model.model import Floats, Ints
@@ -18,8 +19,8 @@ class FactorOfStep:
     friction updates of one active set change the right-hand side only.
     """
 
-    def __init__(self, solver: LinearSolver) -> None:
-        self._solver = solver
+    def __init__(self, solver: LinearSolver, patterns: Patterns | None = None) -> None:
+        self._solver, self._patterns = solver, patterns or Patterns()
         self._factor: Factor | None = None
         self._stiffness: tuple[Floats, ...] = ()
         self._pairs: Ints = np.zeros((0, 2), np.int64)
@@ -61,7 +62,7 @@ class FactorOfStep:
         if self._factor is None or not same:
             solver = self._next_solver()
             self._iterated = self.iterations
-            self._factor = solver.factor(system)
+            self._factor = solver.factor(system, self._patterns)
             self._stiffness, self._pairs = stiffness, system.pairs
             self.factorised += 1
         self.solved += 1

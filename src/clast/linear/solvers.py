@@ -1,244 +1,136 @@
-"""Solvers of the block system."""
+"""Solvers of the block system: an exact factor for few blocks, PCG for many."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from clast.errors import StepOutcome, StepRejected
-from clast.linear import coarse_kernels as coarse
-from clast.linear import coarse_space as aggregated
-from clast.linear import incomplete
-from clast.linear import pcg as conjugate
-from clast.linear.cholesky import Cholesky
-from clast.linear.couplings import Precision
+from clast.linear import block_matrix, coarse_space, ldlt, pcg
 from clast.linear.factor import Factor, LinearSolver
+from clast.linear.pattern import Patterns, exact_pattern, strips_of, without_fill
 from clast.linear.system import BlockSystem
-from clast.model.model import Floats, Ints
-
-if TYPE_CHECKING:
-    from scipy.sparse import csc_array
-    from scipy.sparse.linalg import SuperLU
-
-
-def _block_pattern(system: BlockSystem) -> tuple[Ints, Ints, Floats]:
-    """Return row, column and 6 x 6 values of all non-zero blocks."""
-    own = np.arange(len(system.diagonal))
-    low, high = system.pairs[:, 0], system.pairs[:, 1]
-    rows = np.concatenate([own, low, high])
-    columns = np.concatenate([own, high, low])
-    return rows, columns, np.concatenate([system.diagonal, system.upper, system.lower])
-
-
-def sparse_matrix(system: BlockSystem) -> csc_array:
-    """Return K as a scipy matrix (6n, 6n) in compressed columns."""
-    from scipy.sparse import csc_array  # slow to import, and needed by this solver alone
-
-    rows, columns, blocks = _block_pattern(system)
-    # sorted by block column, then block row: each column of a block is six contiguous entries
-    order = np.lexsort((rows, columns))
-    rows, columns, blocks = rows[order], columns[order], blocks[order]
-    count = len(system.diagonal)
-    per_column = np.bincount(columns, minlength=count)
-    first = np.concatenate([[0], np.cumsum(per_column)])
-    position = np.arange(len(rows)) - first[columns]
-    width = 6 * per_column
-    pointer = np.concatenate([[0], np.cumsum(np.repeat(width, 6))])
-    values = np.empty(pointer[-1])
-    indices = np.empty(pointer[-1], np.int32)
-    six = np.arange(6)
-    start = pointer[6 * columns[:, None] + six] + 6 * position[:, None]
-    target = start[:, :, None] + six
-    values[target] = blocks.transpose(0, 2, 1)
-    indices[target] = np.broadcast_to(
-        (6 * rows[:, None, None] + six).astype(np.int32), target.shape
-    )
-    return csc_array((values, indices, pointer.astype(np.int32)), shape=(6 * count, 6 * count))
+from clast.linear.unsymmetric import Scipy
+from clast.model.model import Bools, Floats
 
 
 @dataclass(frozen=True)
-class SuperLUFactor:
-    """A matrix factorised by SuperLU."""
+class ExactFactor:
+    """A matrix K = L D L^T."""
 
-    factor: SuperLU
-    """The factors."""
+    factor: tuple[Any, ...]
+    """The factor (linear/ldlt.py)."""
 
     def solve(self, force: Floats) -> Floats:
         """Return d (n, 6) for F (n, 6); raises StepRejected where it is not finite."""
-        displacement = self.factor.solve(force.ravel()).reshape(-1, 6)
+        displacement: Floats = ldlt.solve(self.factor, force)
         if not np.isfinite(displacement).all():
             raise StepRejected(StepOutcome.NOT_FINITE)
         return displacement
 
 
 @dataclass(frozen=True)
-class Scipy:
-    """SuperLU through scipy, with the ordering and pivoting that suit a symmetric pattern."""
-
-    def factor(self, system: BlockSystem) -> SuperLUFactor:
-        """Return the factorised matrix; raises StepRejected where K is singular."""
-        from scipy.sparse.linalg import splu
-
-        try:
-            return SuperLUFactor(
-                splu(
-                    sparse_matrix(system),
-                    permc_spec="MMD_AT_PLUS_A",
-                    diag_pivot_thresh=0.0,
-                    options={"SymmetricMode": True},
-                )
-            )
-        except RuntimeError as error:
-            raise StepRejected(StepOutcome.SINGULAR, str(error)) from error
-
-
-@dataclass(frozen=True)
 class Direct:
-    """Block Cholesky for symmetric systems, SuperLU for others."""
+    """Block LDL^T for symmetric systems, SuperLU for others."""
 
-    def factor(self, system: BlockSystem) -> Factor:
+    def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
         """Return the factorised matrix; raises StepRejected where it is singular."""
-        return Cholesky().factor(system) if system.symmetric else Scipy().factor(system)
-
-
-BREVITY: dict[Precision, type] = {np.float64: np.float32, np.float32: np.uint16}
-"""How L is kept beside a K in either precision: as single numbers or short ones."""
-
-
-def no_aggregates(precision: Precision) -> tuple[Any, ...]:
-    """Return what linear/pcg.py takes for no coarse system."""
-    none, start = np.zeros(0, np.int64), np.zeros(1, np.int64)
-    rows = np.zeros(1, np.int32), np.zeros(1, np.int32), np.zeros(0, np.int32)
-    inverse, scaled = np.zeros((0, 6, 6), precision), np.zeros((0, 6, 6), np.float32)
-    factor = none, none, np.zeros((0, 2), np.int32), *rows, inverse, scaled
-    return none, start, none, np.zeros((0, 2)), factor
-
-
-NO_AGGREGATES = {kind: no_aggregates(kind) for kind in BREVITY}
-"""No coarse system beside a K in either precision."""
-NO_GUESS: Floats = np.zeros((0, 6))
-"""What linear/pcg.py takes for a guess of zero."""
-SHIFT, SAFE_SHIFT = 0.006, 0.02
-"""Share by which diagonal blocks are larger in what is eliminated incompletely than they are in K,
-and where pivots were next to singular all the same: there 15 to 40 iterations then do what took 50
-to 900, or ended in numbers that are none; elsewhere it costs up to half as many more."""
-TRIED = 8
-"""Iterations after which the rate of convergence is judged."""
+        if not system.symmetric:
+            return Scipy().factor(system, patterns)
+        pattern = patterns.of(system, exact_pattern)
+        factor, bad = ldlt.exact(pattern, system.diagonal, system.upper)
+        if bad >= 0:
+            raise StepRejected(
+                StepOutcome.SINGULAR,
+                f"the matrix is not positive definite: equations of block {bad + 1}",
+            )
+        return ExactFactor(factor)
 
 
 @dataclass(frozen=True, kw_only=True)
-class WithIncomplete:
-    """Conjugate gradients with an incomplete Cholesky factorisation and a coarse system."""
+class Attempt:
+    """How an iteration is preconditioned, and when it is given up."""
 
-    incomplete: tuple[Any, ...]
-    """The factorisation (linear/incomplete.py)."""
-    matrix: tuple[Any, Any]
-    """K in its order: the diagonal blocks, and those of coupled pairs."""
-    coarse: tuple[Any, ...]
-    """The coarse system (linear/coarse_kernels.py), or one of NO_AGGREGATES."""
+    coarse: bool
+    """Whether there is a coarse space beside the factor without fill."""
+    shift: float
+    """Share by which diagonal blocks are larger in what is eliminated than they are in K."""
     iterations: int
     """Iterations at most."""
-    trial: int = TRIED
-    """Iterations after which it is given up where far more than that seem needed."""
+    trial: int
+    """Iterations after which it is given up where far more than those at most seem needed."""
 
-    def __call__(
-        self, force: Floats, guess: Floats | None, tolerance: float
-    ) -> tuple[Floats, int, float]:
-        """Return d (n, 6), the iterations, and the share that is left of the guess's residual."""
-        found: tuple[Floats, int, float] = conjugate.solve(
-            self.incomplete,
-            self.matrix,
-            self.coarse,
-            force,
-            NO_GUESS if guess is None else guess,
-            tolerance,
-            self.iterations,
-            self.trial,
-        )
-        return found
+    def ready(
+        self, system: BlockSystem, coupled: Bools, patterns: Patterns
+    ) -> tuple[Any, ...] | None:
+        """Return what linear/pcg.py iterates with, or None where single precision is not enough.
 
-    @property
-    def by_rows(self) -> tuple[Any, ...]:
-        """K as it is multiplied with: what block_rows.multiply takes before x."""
-        _, _, pairs, right, left, listed, _, _ = self.incomplete
-        return (*self.matrix, pairs, right, left, listed)
+        ``coupled`` (q,) says which pairs are.  Raises StepRejected where K is singular.
+        """
+        order, begin = patterns.of(system, strips_of)
+        pattern = without_fill(order, begin, system.pairs, system.rows, coupled)
+        factor, matrix, bad = ldlt.incomplete(pattern, system.diagonal, system.upper, self.shift)
+        if bad >= 0:
+            raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
+        if not self.coarse:
+            return factor, matrix, NO_AGGREGATES
+        aggregates = patterns.of(system, coarse_space.aggregates_of)
+        coarse, definite = coarse_space.factor(factor[0], matrix, aggregates)
+        return (factor, matrix, coarse) if definite else None
 
 
-def with_incomplete(
-    system: BlockSystem,
-    iterations: int,
-    precision: Precision = np.float64,
-    shift: float = SHIFT,
-) -> WithIncomplete:
-    """Return the iteration for a symmetric system; raises StepRejected where it is singular.
-
-    K is read with ``precision`` in every iteration; ``shift`` is that of what is eliminated.
-    """
-    factor, matrix, bad = incomplete.factor(
-        system.diagonal,
-        system.couplings.known,
-        system.couplings.coupled,
-        system.pairs,
-        system.rows,
-        system.centroid,
-        shift,
-        np.empty(0, precision),
-        np.empty(0, BREVITY[precision]),
-    )
-    if bad >= 0:
-        raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
-    none = NO_AGGREGATES[precision]
-    return WithIncomplete(incomplete=factor, matrix=matrix, coarse=none, iterations=iterations)
-
-
-def with_aggregates(
-    system: BlockSystem,
-    iterations: int,
-    precision: Precision = np.float64,
-    shift: float = SHIFT,
-) -> WithIncomplete:
-    """Return the same with a coarse system of aggregates added."""
-    plain = with_incomplete(system, iterations, precision, shift)
-    found, definite = coarse.factor(
-        plain.incomplete, plain.matrix, aggregated.LAST.of(system).arrays
-    )
-    if not definite:
-        raise StepRejected(StepOutcome.SINGULAR, "the matrix is not positive definite")
-    return replace(plain, coarse=found)
+NO_AGGREGATES = coarse_space.no_aggregates()
+"""No coarse system."""
+SHIFT, SAFE_SHIFT = 0.006, 0.02
+"""Shares by which diagonal blocks are larger, at first and where pivots were next to singular all
+the same: there 15 to 40 iterations then do what took 50 to 900, or ended in numbers that are none;
+elsewhere it costs up to half as many more."""
+TRIED = 8
+"""Iterations after which the rate of convergence is judged."""
+TENTH = 10
+"""One in so many iterations has been made before the last attempt is judged: the first may gain
+nothing, and what comes after them is an exact factor."""
+SINGLE = 1e-5
+"""Reduction of the residual that single precision is good for, before it is computed anew."""
+GAIN = 0.5
+"""Reduction of the residual, computed anew, without which single precision is not enough."""
+MARGIN = 0.5
+"""Share of what may be left that a refinement leaves, for it to hold when computed anew."""
 
 
 class IteratedMatrix:
-    """A symmetric system that is solved by iteration.
-
-    Where that stalls another solver takes over, whom ``next_solver`` names from then on;
-    ``iterated`` counts the iterations of both.
-    """
+    """A symmetric system that is solved by iteration, and exactly where all attempts stall."""
 
     def __init__(
         self,
         system: BlockSystem,
-        iteration: WithIncomplete,
-        takes_over: LinearSolver,
+        coupled: Bools,
+        patterns: Patterns,
         tolerance: float,
+        attempts: tuple[Attempt, ...],
     ) -> None:
-        self._system, self._iteration, self._takes_over = system, iteration, takes_over
+        self._system, self._coupled, self._patterns = system, coupled, patterns
+        self._attempts, self._stalled = attempts, False
+        self._ready: tuple[Any, ...] | None = None
+        self._exact: Factor | None = None
         self.tolerance = tolerance
-        self.next_solver: LinearSolver | None = None
-        self._own = 0
-        self._factor: Factor | None = None
+        self.iterated = 0
+        self._begin()
 
     @property
-    def by_rows(self) -> tuple[Any, ...]:
-        """K as it is multiplied with: what block_rows.multiply takes before x."""
-        return self._iteration.by_rows
+    def next_solver(self) -> LinearSolver | None:
+        """Who would have solved this matrix without stalling; None where nothing has stalled."""
+        if not self._stalled:
+            return None
+        return Iteration(self.tolerance, self._attempts) if self._attempts else Direct()
 
     @property
-    def iterated(self) -> int:
-        """Iterations so far."""
-        return self._own + int(getattr(self._factor, "iterated", 0))
+    def ready(self) -> tuple[Any, ...] | None:
+        """The factor without fill, K in its order and the coarse system (linear/pcg.py)."""
+        return self._ready
 
     def solve(self, force: Floats) -> Floats:
         """Return d (n, 6) for F (n, 6)."""
@@ -249,139 +141,138 @@ class IteratedMatrix:
 
         None is a guess of zero.
         """
-        if self._factor is None:
-            displacement, iterations, left = self._iteration(force, guess, tolerance)
-            self._own += iterations
-            if left <= tolerance:
+        while self._exact is None:
+            displacement = self._refined(force, guess, tolerance)
+            if displacement is not None:
                 return displacement
-            self._factor = self._takes_over.factor(self._system)
-        if not isinstance(self._factor, IteratedMatrix):
-            self.next_solver = self._takes_over
-            return self._factor.solve(force)
-        displacement = self._factor.nearer(force, guess, tolerance)
-        self.next_solver = self._factor.next_solver or self._takes_over
-        return displacement
+            self._give_up()
+        return self._exact.solve(force)
+
+    def _begin(self) -> None:
+        """Make the matrix ready for the first attempt that is worth making, or exactly."""
+        while self._attempts:
+            self._ready = self._attempts[0].ready(self._system, self._coupled, self._patterns)
+            if self._ready is not None:
+                return
+            self._attempts, self._stalled = self._attempts[1:], True
+        self._exact = Direct().factor(self._system, self._patterns)
+
+    def _give_up(self) -> None:
+        """Go on to the next attempt."""
+        self._attempts, self._stalled = self._attempts[1:], True
+        self._begin()
+
+    def _refined(self, force: Floats, guess: Floats | None, tolerance: float) -> Floats | None:
+        """Return d (n, 6) by iterative refinement, or None where the iteration stalls."""
+        attempt, displacement = self._attempts[0], guess
+        left, goal, before = attempt.iterations, 0.0, math.inf
+        rough, accuracy = tolerance >= SINGLE, max(tolerance, SINGLE)
+        while True:
+            residual = force if displacement is None else force - self._times(displacement)
+            correction, iterations, size, rest = pcg.solve(
+                self._ready, residual, goal * MARGIN, accuracy, left, attempt.trial
+            )
+            if displacement is not None and size <= goal:
+                return displacement
+            if not size <= GAIN * before:
+                return None
+            self.iterated += iterations
+            left, before = left - iterations, size
+            goal, accuracy = goal or tolerance * size, SINGLE
+            displacement = correction if displacement is None else displacement + correction
+            if rough and rest <= goal:
+                return displacement
+            if not rest <= max(SINGLE * size, goal):
+                return None
+
+    def _times(self, displacement: Floats) -> Floats:
+        """Return K d (n, 6) in double precision."""
+        system = self._system
+        return np.asarray(
+            block_matrix.multiply(
+                system.diagonal, system.upper, system.pairs, system.rows, displacement
+            )
+        )
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """Conjugate gradients by given attempts, one after the other, for symmetric systems."""
+
+    tolerance: float
+    """Reduction of the residual that ends the iteration."""
+    attempts: tuple[Attempt, ...]
+    """The first is tried first; after the last one the matrix is factorised."""
+
+    def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
+        """Return the matrix made ready; raises StepRejected where it is singular."""
+        coupled = np.asarray(block_matrix.coupled_pairs(system.upper))
+        return IteratedMatrix(system, coupled, patterns, self.tolerance, self.attempts)
 
 
 @dataclass(frozen=True)
 class PCG:
     """Conjugate gradients for symmetric systems, preconditioned as strongly as they need.
 
-    By an incomplete factorisation, and a coarse system of aggregates where inertia does not hold
-    its own against the contacts.  Where that stalls a safer incomplete factorisation is made, and
-    where that stalls, too, the system is factorised, as unsymmetric ones (friction solved inside
-    the step) are.
+    By a factor without fill, and a coarse space of aggregates where inertia does not hold its own
+    against the contacts.  Where that stalls a safer factor is made, and where that stalls, too, the
+    system is factorised with all fill; unsymmetric ones (friction solved inside the step) are
+    factorised anyway.
     """
 
     tolerance: float = 1e-8
     """Reduction of the residual, in the norm of the preconditioner, that ends the iteration."""
     iterations: int = 400
-    """Iterations with a coarse system at most, before a factorisation takes over."""
+    """Iterations with a coarse space at most, before a factorisation takes over."""
     plain: int = 100
-    """Iterations without a coarse system at most, before one is added; 0: none."""
+    """Iterations without a coarse space at most, before one is added; 0: none."""
 
     def inexact(self, tolerance: float) -> PCG:
         """Return the same solver ending at ``tolerance``, if that is earlier."""
         return replace(self, tolerance=max(self.tolerance, tolerance))
 
-    def factor(self, system: BlockSystem) -> Factor:
+    def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
         """Return the matrix made ready; raises StepRejected where it is singular."""
         if not system.symmetric:
-            return Scipy().factor(system)
-        share, least = inertia_shares(system)
-        precision = precision_for(system, self.tolerance, least)
-        if self.plain > 0 and suffices_alone(system, share, least):
-            iteration = with_incomplete(system, self.plain, precision)
-            return IteratedMatrix(system, iteration, replace(self, plain=0), self.tolerance)
-        iteration = with_aggregates(system, self.iterations, precision, SHIFT)
-        safer = Shifted(self.tolerance, self.iterations)
-        return IteratedMatrix(system, iteration, safer, self.tolerance)
-
-
-@dataclass(frozen=True)
-class Shifted:
-    """Conjugate gradients after others have stalled, with pivots kept away from being singular."""
-
-    tolerance: float
-    """Reduction of the residual that ends the iteration."""
-    iterations: int
-    """Iterations at most, as many as take as long as a factorisation."""
-
-    def factor(self, system: BlockSystem) -> Factor:
-        """Return the matrix made ready; raises StepRejected where it is singular."""
-        _, least = inertia_shares(system)
-        precision = precision_for(system, self.tolerance, least)
-        iteration = replace(
-            with_aggregates(system, self.iterations, precision, SAFE_SHIFT),
-            trial=max(TRIED, self.iterations // TENTH),
+            return Scipy().factor(system, patterns)
+        coupled = np.asarray(block_matrix.coupled_pairs(system.upper))
+        most, safe_trial = self.iterations, max(TRIED, self.iterations // TENTH)
+        attempts: tuple[Attempt, ...] = (
+            Attempt(coarse=True, shift=SHIFT, iterations=most, trial=TRIED),
+            Attempt(coarse=True, shift=SAFE_SHIFT, iterations=most, trial=safe_trial),
         )
-        return IteratedMatrix(system, iteration, Direct(), self.tolerance)
-
-
-TENTH = 10
-"""One in so many iterations has been made before the last ones are judged: the first may gain
-nothing, and what comes after them is a factorisation."""
-
-
-def inertia_shares(system: BlockSystem) -> tuple[float, float]:
-    """Return how much of the blocks' stiffness against translation is not that of contacts.
-
-    A translation of all blocks together moves no contact between two of them, so that what is left
-    of e.K e, e being all translations, is inertia, over the sum of the diagonal blocks' own.
-    Blocks that are coupled to none, as fixed ones, do not count; 1 where all are such.  Second, the
-    least such share of one block with its row of K, in the direction in which it is least.
-    """
-    return system.couplings.inertia_shares(system.diagonal, system.rows)
-
-
-def is_chain(system: BlockSystem) -> bool:
-    """Return whether there are fewer pairs than blocks: chains and trees for the most part."""
-    return len(system.pairs) < len(system.diagonal)
-
-
-def suffices_alone(system: BlockSystem, share: float, least: float) -> bool:
-    """Return whether the incomplete factor alone takes few iterations: thirty at most.
-
-    Of chains it is exact.  ``share`` and ``least`` are the :func:`inertia_shares` of the system.
-    Springs to fixed blocks count as inertia there, so that a share may be large although most
-    blocks have next to none; a small least one may be that of a single light block, and is of no
-    account beside a large share.
-    """
-    return is_chain(system) or share > HEAVY or (share > SOFT and least > WEAK)
+        if self.plain > 0 and suffices_alone(system, coupled):
+            plain = Attempt(coarse=False, shift=SHIFT, iterations=self.plain, trial=TRIED)
+            attempts = (plain, *attempts)
+        return IteratedMatrix(system, coupled, patterns, self.tolerance, attempts)
 
 
 SOFT, HEAVY = 0.01, 0.1
-"""Shares of inertia below which the incomplete factor does not suffice, and above which it does."""
+"""Shares of inertia below which a factor without fill does not suffice, and above which it does."""
 WEAK = 5e-4
 """Least share of inertia of any block below which it does not suffice in between."""
-ROUGH, LIGHT = 1e-5, 1e-6
-"""Where the solution may be iterated in single precision, that is with a K rounded by 6e-8 of
-itself: where the residual need not fall below ROUGH, and no block's share of inertia is below
-LIGHT, so that rounding stays below a tenth of any inertia.  LIGHT is for Newton's directions; what
-must be more accurate needs more inertia in proportion."""
-DIRECTION = 1e-3
-"""Accuracy of Newton's directions where they are found by iteration; the step's is unaffected.
-LIGHT was measured with it (docs/decisions/0027)."""
 
 
-def precision_for(system: BlockSystem, tolerance: float, least: float) -> Precision:
-    """Return the precision of K for a solution to ``tolerance``, ``least`` being any's share.
+def suffices_alone(system: BlockSystem, coupled: Bools) -> bool:
+    """Return whether a factor without fill alone takes few iterations: thirty at most.
 
-    Of chains the incomplete factor is exact: one iteration then solves them to 1e-8, which ends
-    Newton's in one as well.
+    A translation of all blocks together moves no contact between two of them, so that what is left
+    of e.K e, e being all translations, is inertia: its share of the diagonal blocks' own says how
+    much of the blocks' stiffness is not that of contacts.  Springs to fixed blocks count as inertia
+    there, so that it may be large although most blocks have next to none; the least share of one
+    block with its row of K may be that of a single light block, and is of no account beside a large
+    one of all.
     """
-    enough = tolerance >= ROUGH and least * tolerance >= LIGHT * DIRECTION
-    return np.float32 if enough and not is_chain(system) else np.float64
+    share, least = block_matrix.inertia_shares(system.diagonal, system.upper, system.rows, coupled)
+    return bool(share > HEAVY or (share > SOFT and least > WEAK))
 
 
 @dataclass(frozen=True)
 class Automatic:
-    """A factorisation for few blocks; for more PCG, as long as it is quicker than one."""
+    """An exact factor for few blocks, chains and trees, and PCG for others."""
 
-    few: int = 80
-    """Up to this number of blocks all is done before an iteration would be worth while."""
-    patience: float = 1.0
-    """An iteration is given up after this share of the time that a factorisation takes."""
+    few: int = 200
+    """Blocks up to which the factor is exact."""
     tolerance: float = 1e-8
     """Reduction of the residual that ends an iteration."""
 
@@ -389,47 +280,20 @@ class Automatic:
         """Return the same solver with iterations ending at ``tolerance``, if that is earlier."""
         return replace(self, tolerance=max(self.tolerance, tolerance))
 
-    def factor(self, system: BlockSystem) -> Factor:
+    def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
         """Return the matrix made ready; raises StepRejected where it is singular."""
-        if len(system.diagonal) <= self.few or not system.symmetric:
-            return Direct().factor(system)
-        with_factor = self._limit(system, FACTOR_ITERATION)
-        share, least = inertia_shares(system)
-        if suffices_alone(system, share, least) and with_factor >= LEAST_ITERATIONS:
-            precision = precision_for(system, self.tolerance, least)
-            iteration = with_incomplete(system, with_factor, precision)
-            return IteratedMatrix(system, iteration, self._stiff(system, least), self.tolerance)
-        return self._stiff(system, least).factor(system)
-
-    def _stiff(self, system: BlockSystem, least: float) -> LinearSolver:
-        """Return the solver for a system with little inertia: PCG, if it can be quicker.
-
-        ``least`` is the least share of inertia of any block.
-        """
-        limit = self._limit(system, COARSE_ITERATION)
-        per_digit = COARSE_PER_DIGIT if least >= LIGHT else LIGHT_PER_DIGIT
-        if limit < per_digit * -math.log10(self.tolerance):
-            return Direct()
-        return PCG(tolerance=self.tolerance, iterations=limit, plain=0)
-
-    def _limit(self, system: BlockSystem, cost: float) -> int:
-        """Return how many iterations of ``cost`` take as long as a factorisation."""
         count = len(system.diagonal)
-        factorisation = self.patience * FACTOR_COST * count**FACTOR_POWER
-        return int(min(factorisation / (cost * (count + len(system.pairs))), MOST_ITERATIONS))
+        if count <= self.few or len(system.pairs) < count:
+            return Direct().factor(system, patterns)
+        most = int(PER_ROOT * math.sqrt(count))
+        return PCG(self.tolerance, iterations=most, plain=most).factor(system, patterns)
 
 
-FACTOR_COST, FACTOR_POWER = 3.1e-7, 1.6
-"""Seconds that a factorisation of n blocks takes: cost n^power (walls and slopes, 60 to 3,000)."""
-FACTOR_ITERATION, COARSE_ITERATION = 2.8e-8, 3.5e-8
-"""Seconds that an iteration takes per block and per pair, without and with a coarse system."""
-COARSE_PER_DIGIT = 3.0
-"""Iterations with a coarse system that a decimal of the solution takes at least."""
-LIGHT_PER_DIGIT = 50.0
-"""The same where some block's share of inertia is below LIGHT: 100 to 140 for three decimals (walls
-with p = 1,000 E), of which Newton's method makes less than of exact ones."""
-LEAST_ITERATIONS, MOST_ITERATIONS = 20, 1000
-"""Iterations without a coarse system that are worth a try, and limit of any iterations."""
+PER_ROOT = 2.0
+"""Iterations at most, in units of the root of the number of blocks n: an exact factor of blocks in
+the plane takes as n^1.5, an iteration as n."""
+DIRECTION = 1e-3
+"""Accuracy of Newton's directions where they are found by iteration; the step's is unaffected."""
 
 
 def inexact(solver: LinearSolver, tolerance: float) -> LinearSolver:
@@ -439,4 +303,4 @@ def inexact(solver: LinearSolver, tolerance: float) -> LinearSolver:
 
 def solve(solver: LinearSolver, system: BlockSystem) -> Floats:
     """Return d (n, 6) of a block system with its own right-hand side."""
-    return solver.factor(system).solve(system.force)
+    return solver.factor(system, Patterns()).solve(system.force)

@@ -13,9 +13,12 @@ from clast.errors import StepOutcome, StepRejected
 from clast.linear import assembly
 from clast.linear import block_matrix as block_rows
 from clast.linear import residual as balance
-from clast.linear.couplings import Blocks, Couplings, Graph, Rows
-from clast.linear.couplings import Springs as Kept
 from clast.model.model import Bools, Floats, Ints
+
+Rows = tuple[Ints, Ints, Ints]
+"""Right (n + 1,), left (n + 1,) and listed (q,) of pairs (linear/block_matrix.py)."""
+Graph = tuple[Ints, Ints, Ints, Ints]
+"""First contact of each pair (q + 1,), then the Rows of the pairs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,24 +74,26 @@ class BlockSystem:
     """Coupled blocks (i, j), i < j, shape (q, 2)."""
     rows: Rows
     """Which pairs each block belongs to."""
-    couplings: Couplings
-    """K_ij and K_ji."""
-    symmetric: bool
-    """True where K_ji is the transpose of K_ij: unless friction is solved inside the step."""
+    upper: Floats
+    """K_ij, shape (q, 6, 6)."""
+    unsymmetric: Floats | None = None
+    """K_ji, shape (q, 6, 6), where it is not the transpose of K_ij: friction solved in the step."""
+    fixed: Bools
+    """Blocks whose equations read d = 0 and which are coupled to none, shape (n,)."""
     force: Floats
     """F, shape (n, 6)."""
     centroid: Floats
     """Where the blocks are, m, shape (n, 2)."""
 
     @property
-    def upper(self) -> Floats:
-        """K_ij, shape (q, 6, 6)."""
-        return self.couplings.upper
-
-    @property
     def lower(self) -> Floats:
         """K_ji, shape (q, 6, 6)."""
-        return self.couplings.lower
+        return self.upper.transpose(0, 2, 1) if self.unsymmetric is None else self.unsymmetric
+
+    @property
+    def symmetric(self) -> bool:
+        """True where K_ji is the transpose of K_ij."""
+        return self.unsymmetric is None
 
 
 def graph_of(contacts: Contacts | Springs, count: int) -> Graph:
@@ -190,43 +195,31 @@ def with_contact_forces(
     )
 
 
-def _with_contacts(
+def _unsymmetric_system(
     base: DiagonalTerms,
-    force: Floats,
     contacts: Contacts | Springs,
     response: Bearing,
-    loads: tuple[Floats, Floats],
+    force: Floats,
     fixed: Bools,
+    graph: Graph,
 ) -> BlockSystem:
-    """Return the system with contact stiffness and loads (m,) added, fixed blocks held."""
-    if not response.coupling.any():
-        graph = graph_of(contacts, len(fixed))
-        force = with_contact_forces(force, contacts, graph, fixed, *loads)
-        return symmetric_system(base, contacts, response, force, fixed, graph)
-    diagonal, force = base.diagonal.copy(), force.copy()
-    upper = np.zeros((len(contacts.pairs), 6, 6))
-    lower = np.zeros_like(upper)
-    assembly.add_contacts(
-        diagonal,
-        upper,
-        lower,
-        force,
-        contacts.pair,
-        contacts.vertex_block,
-        contacts.edge_block,
+    """Return the system of contacts some of whose friction follows the normal force."""
+    shape = len(contacts.pairs), 6, 6
+    matrix = base.diagonal.copy(), np.zeros(shape), np.zeros(shape)
+    assembly.add_unsymmetric(
+        matrix,
+        (contacts.pair, contacts.vertex_block, contacts.edge_block),
         contacts.rows,
-        response.normal_stiffness,
-        response.shear_stiffness,
-        response.coupling,
-        *loads,
+        (response.normal_stiffness, response.shear_stiffness, response.coupling),
     )
-    assembly.hold_blocks(diagonal, upper, lower, force, contacts.pairs, fixed)
+    assembly.hold_blocks(matrix, contacts.pairs, fixed)
     return BlockSystem(
-        diagonal=diagonal,
+        diagonal=matrix[0],
         pairs=contacts.pairs,
-        rows=block_rows.row_pointers(len(diagonal), contacts.pairs),
-        couplings=Blocks(upper=upper, lower=lower),
-        symmetric=False,
+        rows=graph[1:],
+        upper=matrix[1],
+        unsymmetric=matrix[2],
+        fixed=fixed,
         force=force,
         centroid=base.centroid,
     )
@@ -244,26 +237,20 @@ def symmetric_system(
 
     ``force`` is 0 for fixed blocks already; ``graph`` that of the contacts.
     """
-    diagonal = np.empty_like(base.diagonal)
     stiffnesses = response.normal_stiffness, response.shear_stiffness
-    vertex_block, levers = contacts.vertex_block, contacts.levers
-    coupled, share, least = assembly.assemble(
-        base.diagonal, fixed, contacts.pairs, graph, vertex_block, levers, *stiffnesses, diagonal
+    diagonal, upper = assembly.assemble(
+        base.diagonal,
+        fixed,
+        contacts.pairs,
+        graph,
+        (contacts.vertex_block, contacts.levers, *stiffnesses),
     )
     return BlockSystem(
         diagonal=diagonal,
         pairs=contacts.pairs,
         rows=graph[1:],
-        couplings=Kept(
-            graph=graph,
-            vertex_block=vertex_block,
-            levers=levers,
-            normal_stiffness=stiffnesses[0],
-            shear_stiffness=stiffnesses[1],
-            coupled=coupled,
-            shares=(share, least),
-        ),
-        symmetric=True,
+        upper=upper,
+        fixed=fixed,
         force=force,
         centroid=base.centroid,
     )
@@ -290,5 +277,7 @@ def assemble(
         + response.shear_stiffness * slip
         + response.coupling * (normal_load - response.normal_force)
     )
-    loads = normal_load, shear_load
-    return _with_contacts(base, base.force, contacts, response, loads, fixed)
+    graph = graph_of(contacts, len(fixed))
+    force = with_contact_forces(base.force, contacts, graph, fixed, normal_load, shear_load)
+    system = _unsymmetric_system if response.coupling.any() else symmetric_system
+    return system(base, contacts, response, force, fixed, graph)

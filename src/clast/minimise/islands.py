@@ -23,10 +23,10 @@ from clast.compute.jit import kernel
 from clast.compute.parallel import EACH, shared
 from clast.compute.vec6 import line, plus_scaled, put_line, put_row, row, zeros
 from clast.contact.clipped_spring import Springs
-from clast.contact.jacobian import couple
-from clast.linear import elimination
-from clast.linear.assembly import assemble_own, contact_motions, form, stiff_pairs
+from clast.linear import ldlt
+from clast.linear.assembly import assemble, contact_motions, form
 from clast.linear.block_matrix import dot, row_pointers
+from clast.linear.pattern import with_fill
 from clast.linear.residual import unbalanced
 from clast.minimise.line_search import island_sums, lengths_along, links_along
 from clast.model.model import Bools, Ints
@@ -343,24 +343,21 @@ def put_back(blocks, source, found, point):
 
 
 @kernel()
-def _assemble(problem, kn, ks, own, links):
-    """Write K_ii into ``own`` (n, 6, 6) and K_ij into ``links``; return False: no room."""
-    (base, _, _, fixed), (pairs, graph, (vertex_block, _, levers), _) = problem
-    start = graph[0]
-    degree, _, _, blocks, used = links
-    count = len(degree)
-    degree[:], used[0] = 0, 0
-    for i in range(count):
-        assemble_own(i, base, graph, vertex_block, levers, kn, ks, own)
-    stiff = stiff_pairs(fixed, pairs, start, kn, ks)
+def _pattern(problem):
+    """Return the pattern of the exact factor of an island: that of all pairs of free blocks."""
+    (_, _, _, fixed), (pairs, _, _, _) = problem
+    free = np.empty(len(pairs), np.bool_)
     for q in range(len(pairs)):
-        if stiff[q]:
-            i = pairs[q, 0]
-            at = elimination.joined(i, pairs[q, 1], links)
-            if at < 0:
-                return False
-            couple(levers, i, at, start[q], start[q + 1], vertex_block, kn, ks, blocks)
-    return True
+        free[q] = not (fixed[pairs[q, 0]] or fixed[pairs[q, 1]])
+    return with_fill(len(fixed), pairs, free)
+
+
+@kernel()
+def _factor(problem, pattern, kn, ks):
+    """Return the factor of an island's system, and the first block without a pivot or -1."""
+    (base, _, _, fixed), (pairs, graph, (vertex_block, _, levers), _) = problem
+    own, upper = assemble(base, fixed, pairs, graph, (vertex_block, levers, kn, ks))
+    return ldlt.exact(pattern, own, upper)
 
 
 @kernel()
@@ -388,19 +385,16 @@ def _minimum(problem, point, tolerance, iterations):
     By as many ``iterations`` at most; or the point from which it does not go on, where there is no
     direction that is as good as exact.
     """
-    count = len(point[0]) - 1
-    own, links = np.empty((count, 6, 6)), elimination.room_for(count)
-    evaluations = 0
+    pattern, evaluations = _pattern(problem), 0
     for k in range(iterations):
         left = sum_of(point[8])
         if left <= tolerance:
             return point, left, k, evaluations
-        if not _assemble(problem, point[5], point[6], own, links):
+        factor, bad = _factor(problem, pattern, point[5], point[6])
+        if bad >= 0:
             return point, left, k, evaluations
         residual = point[7]
-        direction = residual.copy()  # 0 for the block that stands still, and so it stays
-        if not elimination.solve(own, links, direction):
-            return point, left, k, evaluations
+        direction = ldlt.solve(factor, residual)  # 0 for the block that stands still
         decrement = dot(residual, direction)
         if not 0.0 < decrement < np.inf:
             return point, left, k, evaluations
@@ -435,8 +429,8 @@ def minimise_each(wanted, listing, problem, point, limits, left):
 
     ``listing`` is that of :class:`Islands`, ``limits`` (2,) are the tolerance, J/m, of each island
     and the iterations that it may take.  What islands have ``left`` (r,), J/m, is written for those
-    wanted: at most the tolerance, unless an island takes more iterations, or its system is too
-    large to be solved exactly.
+    wanted: at most the tolerance, unless an island takes more iterations, or its system is
+    singular.
     """
     counts = np.zeros((len(wanted), 2), np.int64)
     system, (pairs, graph, ends, springs) = problem

@@ -22,9 +22,14 @@ from clast.compute.stopwatch import Stages
 from clast.compute.vec6 import plus_product, plus_scaled, put_row, row, total, zeros
 from clast.contact.clipped_spring import Forces, Springs
 from clast.linear import block_matrix, residual
-from clast.linear.couplings import Graph
 from clast.linear.reuse import FactorOfStep
-from clast.linear.system import BlockSystem, DiagonalTerms, contact_motions, symmetric_system
+from clast.linear.system import (
+    BlockSystem,
+    DiagonalTerms,
+    Graph,
+    contact_motions,
+    symmetric_system,
+)
 from clast.minimise.islands import Islands
 from clast.minimise.line_search import (
     blocks_along,

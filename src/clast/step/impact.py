@@ -33,8 +33,7 @@ from clast.contact.contacts import Contacts
 from clast.contact.detection import joints_of_pairs
 from clast.contact.laws import ContactLaw
 from clast.contact.multipliers import has_multipliers
-from clast.linear.couplings import Graph
-from clast.linear.system import contact_motions, gap_rate, with_contact_forces
+from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_forces
 from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step import collisions, stopping

@@ -52,7 +52,7 @@ SOLVERS = {
     "auto": "clast.linear.solvers:Automatic",
     "cholesky": "clast.linear.solvers:Direct",
     "pcg": "clast.linear.solvers:PCG",
-    "scipy": "clast.linear.solvers:Scipy",
+    "scipy": "clast.linear.unsymmetric:Scipy",
 }
 
 ALTERNATIVES = Alternatives(

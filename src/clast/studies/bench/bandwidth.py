@@ -9,10 +9,10 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from clast.compute import chunks
+from clast.compute.parallel import BLOCKS
 from clast.errors import StepRejected
-from clast.linear import block_matrix as block_rows
-from clast.linear import pcg as conjugate
+from clast.linear import pcg, single_precision
+from clast.linear.pattern import Patterns
 from clast.linear.solvers import DIRECTION, PCG, IteratedMatrix
 from clast.linear.system import BlockSystem
 from clast.model.model import Model
@@ -69,7 +69,7 @@ class _Captured(Exception):
 class _Capture:
     """A solver that does not solve."""
 
-    def factor(self, system: BlockSystem) -> NoReturn:
+    def factor(self, system: BlockSystem, patterns: Patterns) -> NoReturn:
         """Hand the system to who asked for it."""
         raise _Captured(system)
 
@@ -97,37 +97,38 @@ def system_of_step(model: Model, method: Method, state: State, step: float) -> B
 
 
 def matrix_of_directions(system: BlockSystem) -> tuple[Any, ...]:
-    """Return K as it is multiplied with in Newton's directions: what block_rows.multiply takes.
+    """Return K and its pattern as single_precision.multiply takes them.
 
     In the order and the precision in which conjugate gradients have it.  Raises StepRejected where
     it is singular.
     """
-    matrix = PCG(tolerance=DIRECTION).factor(system)
-    if not isinstance(matrix, IteratedMatrix):
-        raise TypeError("only symmetric systems are iterated")
-    return matrix.by_rows
+    matrix = PCG(tolerance=DIRECTION).factor(system, Patterns())
+    if not isinstance(matrix, IteratedMatrix) or matrix.ready is None:
+        raise TypeError("this system is not iterated")
+    factor, blocks, _ = matrix.ready
+    return blocks, factor[0]
 
 
 def bytes_of_product(matrix: tuple[Any, ...]) -> int:
     """Return the bytes that a product moves: K_ii, pairs and K_ij read, x read, y written."""
-    diagonal, upper, pairs, *_ = matrix
-    vectors = 2 * conjugate.vector(len(diagonal), diagonal).nbytes
-    return int(diagonal.nbytes + upper.nbytes + pairs.nbytes + vectors)
+    (diagonal, upper), pattern = matrix
+    pairs = pattern[2]
+    return int(diagonal.nbytes + upper.nbytes + pairs.nbytes + 2 * pcg.vector(len(diagonal)).nbytes)
 
 
 def measured_product(matrix: tuple[Any, ...]) -> Product:
     """Return the rate of K x, beside the triad's."""
-    count = len(matrix[0])
-    x, y = conjugate.vector(count, matrix[0]), conjugate.vector(count, matrix[0])
+    count = len(matrix[0][0])
+    x, y = pcg.vector(count), pcg.vector(count)
     x[:, :6] = 1.0
     moved = bytes_of_product(matrix)
-    taken = fastest(lambda: block_rows.multiply(*matrix, x, y))
+    taken = fastest(lambda: single_precision.multiply(*matrix, x, y))
     return Product(
         bytes=moved,
         rate=moved / taken,
         triad=triad_rate(moved),
         triad_by_threads=triad_rate(moved, threads=True),
-        shared=count >= chunks.SHARED,
+        shared=count >= BLOCKS.many,
     )
 
 

@@ -1,0 +1,358 @@
+"""Block LDL^T factorisation, K = L D L^T, of a symmetric matrix of 6 x 6 blocks.
+
+One elimination for three patterns (linear/pattern.py): with all fill it is exact, without any it is
+a preconditioner, and the coarse system of aggregates (linear/coarse_space.py) is exact again.
+
+Without fill, what would fall on a pair of blocks that share no contact is left out (Meijerink and
+van der Vorst 1977).  For want of that a pivot may be next to singular, and a few of those among
+100,000 have cost hundreds of iterations: what is eliminated is K with slightly larger blocks on its
+diagonal (Manteuffel 1980).  Where a pivot still is not positive definite the diagonal block of K
+takes its place, so that the product is positive definite in any case.
+
+Pivots are D_i = C_i C_i^T, and rows are eliminated by W_ij = C_i^-1 K_ij: K_jk -= W_ij^T W_ik.  An
+inverse of D_i in between would cost digits where springs are far stiffer than the rock.  An exact
+factor is (pattern, C, W); an iteration, which has no digits to lose and reads it over and over, has
+(pattern, D^-1, L^T), one product a block and in single precision.  C, W, D^-1 (n, 6, 6) and L^T
+above its diagonal (p, 6, 6) are in the order of the pattern.  Strips are eliminated at the same
+time, and then the segments of the seam.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.compute.jit import kernel
+from clast.compute.mat6 import lines, put_lines
+from clast.compute.parallel import BLOCKS, EACH, shared
+from clast.compute.vec6 import line, plus, plus_scaled, put_line, put_row, row, six, zeros
+from clast.linear.block_matrix import block_times, transpose_times
+from clast.linear.pattern import FILL
+
+
+@kernel()
+def _root(blocks, i):
+    """Write C of block i = C C^T, its diagonal inverted; return whether the block is definite.
+
+    What is above the diagonal has no meaning afterwards.
+    """
+    for a in range(6):
+        pivot = blocks[i, a, a]
+        for b in range(a):
+            pivot -= blocks[i, a, b] * blocks[i, a, b]
+        if not pivot > 0.0:
+            return False
+        inverse = 1.0 / np.sqrt(pivot)
+        blocks[i, a, a] = inverse
+        for c in range(a + 1, 6):
+            below = blocks[i, c, a]
+            for b in range(a):
+                below -= blocks[i, c, b] * blocks[i, a, b]
+            blocks[i, c, a] = below * inverse
+    return True
+
+
+@kernel(forceinline=True)
+def _scaled(factor, u):
+    """Return six numbers times ``factor``."""
+    return plus_scaled(zeros(), factor, u)
+
+
+@kernel(forceinline=True)
+def _forward(c, i, k0, k1, k2, k3, k4, k5):
+    """Return the lines of C^-1 K."""
+    w0 = _scaled(c[i, 0, 0], k0)
+    w1 = _scaled(c[i, 1, 1], plus_scaled(k1, -c[i, 1, 0], w0))
+    s = plus_scaled(plus_scaled(k2, -c[i, 2, 0], w0), -c[i, 2, 1], w1)
+    w2 = _scaled(c[i, 2, 2], s)
+    s = plus_scaled(plus_scaled(k3, -c[i, 3, 0], w0), -c[i, 3, 1], w1)
+    w3 = _scaled(c[i, 3, 3], plus_scaled(s, -c[i, 3, 2], w2))
+    s = plus_scaled(plus_scaled(k4, -c[i, 4, 0], w0), -c[i, 4, 1], w1)
+    s = plus_scaled(plus_scaled(s, -c[i, 4, 2], w2), -c[i, 4, 3], w3)
+    w4 = _scaled(c[i, 4, 4], s)
+    s = plus_scaled(plus_scaled(k5, -c[i, 5, 0], w0), -c[i, 5, 1], w1)
+    s = plus_scaled(plus_scaled(s, -c[i, 5, 2], w2), -c[i, 5, 3], w3)
+    return w0, w1, w2, w3, w4, _scaled(c[i, 5, 5], plus_scaled(s, -c[i, 5, 4], w4))
+
+
+@kernel(forceinline=True)
+def _backward(c, i, w0, w1, w2, w3, w4, w5):
+    """Return the lines of C^-T W."""
+    s5 = _scaled(c[i, 5, 5], w5)
+    s4 = _scaled(c[i, 4, 4], plus_scaled(w4, -c[i, 5, 4], s5))
+    s = plus_scaled(plus_scaled(w3, -c[i, 5, 3], s5), -c[i, 4, 3], s4)
+    s3 = _scaled(c[i, 3, 3], s)
+    s = plus_scaled(plus_scaled(w2, -c[i, 5, 2], s5), -c[i, 4, 2], s4)
+    s2 = _scaled(c[i, 2, 2], plus_scaled(s, -c[i, 3, 2], s3))
+    s = plus_scaled(plus_scaled(w1, -c[i, 5, 1], s5), -c[i, 4, 1], s4)
+    s1 = _scaled(c[i, 1, 1], plus_scaled(plus_scaled(s, -c[i, 3, 1], s3), -c[i, 2, 1], s2))
+    s = plus_scaled(plus_scaled(w0, -c[i, 5, 0], s5), -c[i, 4, 0], s4)
+    s = plus_scaled(plus_scaled(s, -c[i, 3, 0], s3), -c[i, 2, 0], s2)
+    return _scaled(c[i, 0, 0], plus_scaled(s, -c[i, 1, 0], s1)), s1, s2, s3, s4, s5
+
+
+@kernel(forceinline=True)
+def _subtract_product(blocks, q, f, target, t):
+    """Subtract the product of the transpose of block q and block f from block t of ``target``."""
+    r0, r1, r2, r3, r4, r5 = lines(blocks, f)
+    for a in range(6):
+        s0 = plus_scaled(line(target, t, a), -blocks[q, 0, a], r0)
+        s1 = plus_scaled(zeros(), -blocks[q, 1, a], r1)
+        s0 = plus_scaled(s0, -blocks[q, 2, a], r2)
+        s1 = plus_scaled(s1, -blocks[q, 3, a], r3)
+        s0 = plus_scaled(s0, -blocks[q, 4, a], r4)
+        s1 = plus_scaled(s1, -blocks[q, 5, a], r5)
+        put_line(target, t, a, plus(s0, s1))
+
+
+@kernel()
+def _pass_on(i, low, high, pattern, work):
+    """Subtract what row i leaves for the rows ``low`` to ``high`` - 1: K_jk -= W_ij^T W_ik.
+
+    Places that the pattern lacks are left out.
+    """
+    _, _, pairs, right, _, _, _ = pattern
+    diagonal, upper = work
+    for q in range(right[i], right[i + 1]):
+        j = pairs[q, 1]
+        if j < low:
+            continue
+        if j >= high:
+            break
+        _subtract_product(upper, q, q, diagonal, j)
+        at = right[j]
+        for following in range(q + 1, right[i + 1]):
+            k = pairs[following, 1]
+            while at < right[j + 1] and pairs[at, 1] < k:
+                at += 1
+            if at < right[j + 1] and pairs[at, 1] == k:
+                _subtract_product(upper, q, following, upper, at)
+
+
+@kernel()
+def _eliminate(low, high, pattern, own, work):
+    """Eliminate rows ``low`` to ``high`` - 1 in place; return the first without a pivot, or -1.
+
+    ``work`` are the diagonal blocks and those of the pairs: they become C_i, where the pivots are
+    D_i = C_i C_i^T, and W_ij = C_i^-1 K_ij.  The blocks ``own`` of K take the place of pivots that
+    are not positive definite; where there are none, (0, 6, 6), none does.
+    """
+    order, _, _, right, _, _, _ = pattern
+    diagonal, upper = work
+    for i in range(low, high):
+        if not _root(diagonal, i):
+            if len(own) == 0:
+                return order[i]
+            diagonal[i] = own[order[i]]
+            if not _root(diagonal, i):
+                return order[i]
+        for q in range(right[i], right[i + 1]):
+            k0, k1, k2, k3, k4, k5 = lines(upper, q)
+            put_lines(upper, q, *_forward(diagonal, i, k0, k1, k2, k3, k4, k5))
+        _pass_on(i, low, high, pattern, work)
+    return -1
+
+
+@shared(BLOCKS)
+def _finish(first, last, pattern, work, inverse, scaled):
+    """Write D_i^-1 = C_i^-T C_i^-1 and L_ji^T = D_i^-1 K_ij = C_i^-T W_ij."""
+    right = pattern[3]
+    diagonal, upper = work
+    for i in range(first, last):
+        w0, w1, w2, w3, w4, w5 = _forward(
+            diagonal,
+            i,
+            six(1.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+            six(0.0, 1.0, 0.0, 0.0, 0.0, 0.0),
+            six(0.0, 0.0, 1.0, 0.0, 0.0, 0.0),
+            six(0.0, 0.0, 0.0, 1.0, 0.0, 0.0),
+            six(0.0, 0.0, 0.0, 0.0, 1.0, 0.0),
+            six(0.0, 0.0, 0.0, 0.0, 0.0, 1.0),
+        )
+        put_lines(inverse, i, *_backward(diagonal, i, w0, w1, w2, w3, w4, w5))
+        for q in range(right[i], right[i + 1]):
+            w0, w1, w2, w3, w4, w5 = lines(upper, q)
+            put_lines(scaled, q, *_backward(diagonal, i, w0, w1, w2, w3, w4, w5))
+
+
+@kernel()
+def finished(pattern, work):
+    """Return what eliminated blocks become for an iteration: (pattern, D^-1, L^T), in single."""
+    diagonal, upper = work
+    inverse, scaled = np.empty(diagonal.shape, np.float32), np.empty(upper.shape, np.float32)
+    _finish(len(diagonal), pattern, work, inverse, scaled)
+    return pattern, inverse, scaled
+
+
+@kernel()
+def _take(low, high, pattern, own, given, larger, work):
+    """Write the rows ``low`` to ``high`` - 1 of K in the order of the pattern, to be eliminated.
+
+    ``own`` are the diagonal blocks of K, taken ``larger`` times, and ``given`` those of its pairs.
+    """
+    order, _, _, right, _, _, source = pattern
+    diagonal, upper = work
+    for i in range(low, high):
+        for a in range(6):
+            put_line(diagonal, i, a, plus_scaled(zeros(), larger, line(own, order[i], a)))
+        for q in range(right[i], right[i + 1]):
+            s = source[q]
+            if s >= 0:
+                for a in range(6):
+                    put_line(upper, q, a, line(given, s, a))
+            elif s == FILL:
+                for a in range(6):
+                    put_line(upper, q, a, zeros())
+            else:
+                for a in range(6):
+                    for c in range(6):
+                        upper[q, c, a] = given[-1 - s, a, c]
+
+
+# With all fill -----------------------------------------------------------------------------------
+
+
+@kernel()
+def exact(pattern, own, given):
+    """Return the factor of K, and the first block without a positive definite pivot, or -1.
+
+    ``pattern`` has all fill; ``own`` (n, 6, 6) are the diagonal blocks of K and ``given``
+    (q, 6, 6) those of its pairs.
+    """
+    work = np.empty_like(own), np.empty((len(pattern[2]), 6, 6))
+    _take(0, len(own), pattern, own, given, 1.0, work)
+    bad = _eliminate(0, len(own), pattern, own[:0], work)
+    return (pattern, *work), bad
+
+
+@kernel()
+def solve(factor, force):
+    """Return d (n, 6) of K d = F by an exact factor: C z = F - W^T z, then C^T d = z - W d."""
+    (order, _, pairs, right, _, _, _), c, upper = factor
+    z, found = np.empty_like(force), np.empty_like(force)
+    for i in range(len(order)):
+        put_row(z, i, row(force, order[i]))
+    for i in range(len(order)):
+        for a in range(6):
+            for b in range(a):
+                z[i, a] -= c[i, a, b] * z[i, b]
+            z[i, a] *= c[i, a, a]
+        for q in range(right[i], right[i + 1]):
+            j = pairs[q, 1]
+            put_row(z, j, plus_scaled(row(z, j), -1.0, transpose_times(upper, q, z, i)))
+    for i in range(len(order) - 1, -1, -1):
+        s = row(z, i)
+        for q in range(right[i], right[i + 1]):
+            s = plus_scaled(s, -1.0, block_times(upper, q, row(z, pairs[q, 1])))
+        put_row(z, i, s)
+        for a in range(5, -1, -1):
+            for b in range(a + 1, 6):
+                z[i, a] -= c[i, b, a] * z[i, b]
+            z[i, a] *= c[i, a, a]
+        put_row(found, order[i], row(z, i))
+    return found
+
+
+# Without fill ------------------------------------------------------------------------------------
+
+
+@kernel()
+def _leaders(low, high, seam, pattern, leaders):
+    """Write the rows from ``low`` to ``high`` - 1 that are coupled to the seam; return how many."""
+    _, _, pairs, right, _, _, _ = pattern
+    number = 0
+    for i in range(low, high):
+        if right[i + 1] > right[i] and pairs[right[i + 1] - 1, 1] >= seam:
+            leaders[low + number] = i
+            number += 1
+    return number
+
+
+@kernel()
+def _begin(low, high, pattern, matrix, work, kept):
+    """Write rows of K to be eliminated, and as they are into those ``kept``."""
+    own, given, larger = matrix
+    order, _, _, right, _, _, _ = pattern
+    _take(low, high, pattern, own, given, larger, work)
+    for i in range(low, high):
+        for a in range(6):
+            put_line(kept[0], i, a, line(own, order[i], a))
+    for q in range(right[low], right[high]):
+        for a in range(6):
+            put_line(kept[1], q, a, line(work[1], q, a))
+
+
+@shared(EACH)
+def _eliminate_strips(first, last, pattern, matrix, work, kept, leading):
+    """Copy and eliminate strips; write which rows lead to the seam, and what is singular."""
+    begin = pattern[1]
+    leaders, number, bad = leading
+    for c in range(first, last):
+        low, high = begin[c], begin[c + 1]
+        _begin(low, high, pattern, matrix, work, kept)
+        bad[c] = _eliminate(low, high, pattern, matrix[0], work)
+        number[c] = _leaders(low, high, begin[len(bad)], pattern, leaders)
+
+
+@shared(EACH)
+def _begin_segments(first, last, pattern, matrix, work, kept, leading):
+    """Copy segments of the seam and subtract what the strips leave for them, in their order.
+
+    A strip may be coupled to any segment, and a row to several.
+    """
+    begin = pattern[1]
+    leaders, number, _ = leading
+    strips = len(number)
+    for segment in range(strips + first, strips + last):
+        low, high = begin[segment], begin[segment + 1]
+        _begin(low, high, pattern, matrix, work, kept)
+        for c in range(strips):
+            for at in range(begin[c], begin[c] + number[c]):
+                _pass_on(leaders[at], low, high, pattern, work)
+
+
+@shared(EACH)
+def _eliminate_segments(first, last, pattern, own, work, bad):
+    """Eliminate segments of the seam, of which none is coupled to another one."""
+    begin, strips = pattern[1], len(bad)
+    for c in range(first, last):
+        low, high = begin[strips + c], begin[strips + c + 1]
+        bad[c] = _eliminate(low, high, pattern, own, work)
+
+
+@kernel()
+def is_parted(pattern):
+    """Return whether no segment of the seam is coupled to another one."""
+    _, begin, pairs, right, _, _, _ = pattern
+    strips = len(begin) // 2
+    for c in range(strips, 2 * strips):
+        for i in range(begin[c], begin[c + 1]):
+            if right[i + 1] > right[i] and pairs[right[i + 1] - 1, 1] >= begin[c + 1]:
+                return False
+    return True
+
+
+@kernel()
+def incomplete(pattern, own, given, shift):
+    """Return the factor of K without fill, K in its order, and the first block without a pivot.
+
+    That is -1 where all have one.  ``pattern`` has no fill, ``own`` (n, 6, 6) are the diagonal
+    blocks of K and ``given`` (q, 6, 6) those of its pairs; what is eliminated has diagonal blocks
+    larger by the share ``shift``.  The factor is (pattern, D^-1, L^T); it and K, its diagonal
+    blocks (n, 6, 6) and those of the pattern's pairs (p, 6, 6), are in single precision, pivots and
+    all arithmetic in double.
+    """
+    order, begin, pairs, right, left, listed, source = pattern
+    strips, single = len(begin) // 2, np.float32
+    kept = np.empty(own.shape, single), np.empty((len(pairs), 6, 6), single)
+    work = np.empty_like(own), np.empty((len(pairs), 6, 6), single)
+    matrix, bad = (own, given, 1.0 + shift), np.full(strips, -1)
+    leading = np.empty(len(own), np.int64), np.zeros(strips, np.int64), bad
+    _eliminate_strips(strips, pattern, matrix, work, kept, leading)
+    if strips > 1 and bad.max() < 0:
+        _begin_segments(strips, pattern, matrix, work, kept, leading)
+        if not is_parted(pattern):  # they become one (strips are thin)
+            begin = begin.copy()
+            begin[strips + 1 :] = begin[-1]
+            pattern = order, begin, pairs, right, left, listed, source
+        _eliminate_segments(strips, pattern, own, work, bad)
+    return finished(pattern, work), kept, bad.max()
