@@ -161,7 +161,15 @@ def some_springs(count, seed=0):
 
 def room(count):
     """Return room for states, errors and stiffnesses."""
-    return interior._room(count)
+    two = (np.empty(count), np.empty(count)), (np.empty(count), np.empty(count))
+    return (np.empty((5, count)), np.empty((5, count))), *two
+
+
+def centred(count, stretches, springs, mu):
+    """Return states, errors and stiffnesses of centred springs, and the sum of products."""
+    found, flat = room(count), (*springs[0], *springs[1])
+    interior._centre_both(count, stretches, mu, flat, found[0])
+    return *found, interior._linearise_both(count, stretches, flat, *found)
 
 
 def near(found, wanted, share=1e-12, *, beside=0.0):
@@ -184,8 +192,8 @@ def conditions(stretch, springs, state):
 @pytest.mark.parametrize("count", COUNTS)
 def test_an_iterate_is_centred_and_linearised(count):
     stretches, springs = some_springs(count)
-    mu, found = 1e-4, room(count)
-    products = interior._centred(count, stretches, mu, springs, found)
+    mu = 1e-4
+    *found, products = centred(count, stretches, springs, mu)
     total = 0.0
     for kind in (0, 1):
         state, error, stiffness = (one[kind] for one in found)
@@ -212,19 +220,16 @@ def test_an_iterate_is_centred_and_linearised(count):
 def test_a_direction_meets_the_conditions_to_first_order(count):
     """Products become what is aimed at, less the bend; the errors vanish."""
     stretches, springs = some_springs(count, 1)
-    found = room(count)
-    products = interior._centred(count, stretches, 1e-4, springs, found)
-    states, errors, stiffnesses = found
-    about = states, errors, stiffnesses
+    states, errors, stiffnesses, products = centred(count, stretches, springs, 1e-4)
+    about = *errors, *stiffnesses
     changes = tuple(np.random.default_rng(2).normal(size=(2, count)) * 1e-6)
     shown, target = interior.NOTHING_SHOWN, 0.0
     for _ in range(2):
-        aim = target, shown
         direction = np.empty((3, count), np.float32), np.empty((3, count), np.float32)
         parts = np.zeros((max(1, -(-count // CONTACTS.part)), 3))
-        interior._go_both(count, about, aim, changes, direction, parts)
+        interior._go_both(count, states, (*about, *changes), target, shown, direction, parts)
         forces = np.empty(count), np.empty(count)
-        interior._aim_both(count, about, aim, forces)
+        interior._aim_both(count, states, about, target, shown, forces)
         haste = 0.0
         for kind in (0, 1):
             t, low, up = direction[kind].astype(float)
@@ -252,8 +257,10 @@ def test_a_direction_meets_the_conditions_to_first_order(count):
         assert parts[:, 0].max() == pytest.approx(haste, rel=1e-6)
         share = 0.5 * min(1.0, 1.0 / haste if haste > 0.0 else 1.0)
         moved, new = room(count), (np.empty(count), np.empty(count))
-        along = changes, direction, share
-        after = interior._advanced(count, (stretches, states), along, springs, new, moved)
+        along = *stretches, *changes
+        interior._move_both(count, states, moved[0], along, direction, share, new)
+        flat = *springs[0], *springs[1]
+        after = interior._linearise_both(count, new, flat, *moved)
         total = 0.0
         for kind in (0, 1):
             t, low, up = direction[kind].astype(float)

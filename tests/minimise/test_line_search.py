@@ -35,11 +35,11 @@ def test_every_island_goes_to_the_least_potential_of_its_own(count, islands):
     start = -rng.uniform(1e-3, 1e-1, islands)
     line = gap, d_gap, slip, d_slip
     lengths, evaluations = line_search.lengths_along(
-        island, line, springs, start + work, curvature, start
+        island, line, (*springs[0], *springs[1]), start + work, curvature, start
     )
     assert 0 < evaluations < line_search.LIMIT
     at = lengths[island]
-    found = line_search.links_along(island, lengths, line, springs)
+    found = line_search.links_along(island, lengths, line, (*springs[0], *springs[1]))
     n, kn = bear(gap + at * d_gap, springs[0])
     t, ks = bear(slip + at * d_slip, springs[1])
     wanted = gap + at * d_gap, slip + at * d_slip, n, t, kn, ks

@@ -7,7 +7,7 @@ import pytest
 
 from clast.minimise.newton import Newton, best_of
 from clast.minimise.schedule import NonlinearElimination, Schedule, SmallIslands, unfinished
-from clast.minimise.subproblem import subproblem, with_neighbours
+from clast.minimise.subproblem import subproblem, touched, with_neighbours
 from clast.studies.bench.scenes import SCENES
 from clast.studies.bench.scenes import heap as falling_squares
 from scenes.potentials import (
@@ -84,6 +84,21 @@ def test_a_subproblem_has_what_the_whole_has_and_gives_it_back(potentials):
         change = own.energy(inner.unknowns + step) - own.energy(inner.unknowns)
         wanted = one.energy(moved) - one.energy(unknowns)
         assert change == pytest.approx(wanted, rel=1e-6)
+
+
+def test_blocks_that_have_links_go_without_the_others_where_they_are_few():
+    for one in some_of(caught(heap(40, 10), 5e8, 5e-3, 0.3)):
+        point = at_rest(one)
+        part = touched(one, point, 1.0)
+        known = np.zeros(len(one.fixed), bool)
+        known[one.springs.pairs.ravel()] = True
+        assert np.array_equal(part.blocks, np.flatnonzero(known & ~one.fixed))
+        rows = part.rows(slice(None))
+        assert np.array_equal(part.links[rows], np.arange(len(one.springs)))
+        assert np.array_equal(part.rows(np.array([0])), rows[:1])
+        assert np.array_equal(part.potential.springs.levers[rows], one.springs.levers)
+        share = len(part.blocks) / np.count_nonzero(~one.fixed)
+        assert touched(one, point, 0.999 * share) is None
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -115,9 +115,12 @@ class Springs:
         return f"Springs({len(self)} between {len(self.pairs)} pairs of blocks)"
 
     @cached_property
-    def arrays(self) -> tuple[Any, Any]:
-        """Both springs of each link as kernels take them."""
-        return self.normal.arrays, self.shear.arrays
+    def arrays(self) -> tuple[Floats, ...]:
+        """Normal springs and shear springs as kernels take them, eight arrays in all.
+
+        One tuple, for loops that threads share take no tuples of tuples.
+        """
+        return *self.normal.arrays, *self.shear.arrays
 
     @property
     def rows(self) -> Floats:
@@ -249,10 +252,18 @@ def merged(first: Springs, others: Sequence[Springs]) -> tuple[Springs, tuple[Ro
 
 
 @kernel()
-def in_piece(springs, first, last):
-    """Return of springs (four arrays, (m,)) those from ``first`` to ``last`` - 1."""
-    at_zero, stiffness, low, high = springs
-    return at_zero[first:last], stiffness[first:last], low[first:last], high[first:last]
+def in_piece(springs, kind, first, last):
+    """Return the springs ``first`` to ``last`` - 1, normal (``kind`` 0) or shear (1) ones.
+
+    Force at zero, stiffness, least and largest force, (m,) each; ``springs`` are Springs.arrays.
+    """
+    at = 4 * kind
+    return (
+        springs[at][first:last],
+        springs[at + 1][first:last],
+        springs[at + 2][first:last],
+        springs[at + 3][first:last],
+    )
 
 
 @kernel()
@@ -267,8 +278,8 @@ def _respond_all(first, last, gap, slip, springs, forces, stiffnesses):
     gap, slip = in_part((gap, slip), first, last)
     normal, shear = in_part(forces, first, last)
     kn, ks = in_part(stiffnesses, first, last)
-    _respond(gap, in_piece(springs[0], first, last), normal, kn)
-    _respond(slip, in_piece(springs[1], first, last), shear, ks)
+    _respond(gap, in_piece(springs, 0, first, last), normal, kn)
+    _respond(slip, in_piece(springs, 1, first, last), shear, ks)
 
 
 @kernel()
@@ -284,7 +295,7 @@ def forces_at(gap, slip, springs):
 @summed(CONTACTS)
 def energies(first, last, gap, slip, springs):
     """Return the energy of all springs at gaps and slips (m,), J/m (Springs.arrays)."""
-    normal, shear = in_piece(springs[0], first, last), in_piece(springs[1], first, last)
+    normal, shear = in_piece(springs, 0, first, last), in_piece(springs, 1, first, last)
     gap, slip = in_part((gap, slip), first, last)
     total = 0.0
     for c in range(len(gap)):

@@ -105,20 +105,32 @@ class Conditions:
 
     def centred(self, point: Point, mu: float) -> Iterate:
         """Return the iterate at ``point`` whose products are ``mu``, J/m, where one bound is."""
-        stretches, springs = (point.gap, point.slip), self.potential.springs.arrays
-        room = _room(len(point.gap))
-        products = _centred(len(point.gap), stretches, mu, springs, room)
-        return _iterate(point.unknowns, stretches, room, products)
+        stretches, count = (point.gap, point.slip), len(point.gap)
+        states = np.empty((5, count)), np.empty((5, count))
+        _centre_both(count, stretches, mu, self.potential.springs.arrays, states)
+        return self.at(point.unknowns, stretches, states)
 
     def advanced(self, at: Iterate, direction: Direction, share: float) -> Iterate:
         """Return the iterate ``share`` of the ``direction`` on."""
-        count, room = len(at.stretches[0]), _room(len(at.stretches[0]))
-        stretches = np.empty(count), np.empty(count)
-        before = at.stretches, at.states
-        along = direction.changes, direction.of_springs, share
-        springs = self.potential.springs.arrays
-        products = _advanced(count, before, along, springs, stretches, room)
-        return _iterate(at.unknowns + share * direction.unknowns, stretches, room, products)
+        count = len(at.stretches[0])
+        stretches, states = _two(count), (np.empty((5, count)), np.empty((5, count)))
+        along = *at.stretches, *direction.changes
+        _move_both(count, at.states, states, along, direction.of_springs, share, stretches)
+        return self.at(at.unknowns + share * direction.unknowns, stretches, states)
+
+    def at(self, unknowns: Floats, stretches: Both, states: Both) -> Iterate:
+        """Return the iterate with the conditions linearised about it."""
+        count, springs = len(stretches[0]), self.potential.springs.arrays
+        errors, stiffnesses = _two(count), _two(count)
+        products = _linearise_both(count, stretches, springs, states, errors, stiffnesses)
+        return Iterate(
+            unknowns=unknowns,
+            stretches=stretches,
+            states=states,
+            errors=errors,
+            stiffnesses=stiffnesses,
+            products=float(products),
+        )
 
     def linearised(self, at: Iterate) -> BlockSystem:
         """Return the matrix of the conditions linearised about an iterate."""
@@ -151,11 +163,11 @@ class Conditions:
         that, and is done where what it leaves has fallen to ``accuracy`` of itself.
         """
         potential, work, count = self.potential, self.work, len(at.stretches[0])
-        about = at.states, at.errors, at.stiffnesses
-        aim = target, NOTHING_SHOWN if before is None else before.of_springs
+        about = *at.errors, *at.stiffnesses
+        shown = NOTHING_SHOWN if before is None else before.of_springs
         with work.stages("law"):
-            forces = np.empty(count), np.empty(count)
-            _aim_both(count, about, aim, forces)
+            forces = _two(count)
+            _aim_both(count, at.states, about, target, shown, forces)
             load, _ = potential.unbalanced(at.unknowns, *forces)
         with work.stages("solve"):
             guess = None if before is None else before.unknowns
@@ -166,7 +178,7 @@ class Conditions:
             changes = contact_motions(potential.springs, unknowns)
             of_springs = np.empty((3, count), np.float32), np.empty((3, count), np.float32)
             found = np.zeros((max(1, (count + PART - 1) // PART), 3))
-            _go_both(count, about, aim, changes, of_springs, found)
+            _go_both(count, at.states, (*about, *changes), target, shown, of_springs, found)
         haste = float(found[:, 0].max())
         return Direction(
             unknowns=unknowns,
@@ -291,22 +303,9 @@ class InteriorPoint:
             return conditions.advanced(now.at, direction, share)
 
 
-def _room(count: int) -> tuple[Both, Both, Both]:
-    """Return room for states, errors and stiffnesses."""
-    states = np.empty((5, count)), np.empty((5, count))
-    return states, (np.empty(count), np.empty(count)), (np.empty(count), np.empty(count))
-
-
-def _iterate(unknowns: Floats, stretches: Both, room: tuple[Any, ...], products: float) -> Iterate:
-    states, errors, stiffnesses = room
-    return Iterate(
-        unknowns=unknowns,
-        stretches=stretches,
-        states=states,
-        errors=errors,
-        stiffnesses=stiffnesses,
-        products=float(products),
-    )
+def _two(count: int) -> Both:
+    """Return room for a number of each normal and each shear spring."""
+    return np.empty(count), np.empty(count)
 
 
 # --- spring by spring ----------------------------------------------------------------------
@@ -335,13 +334,12 @@ def _linearise(stretch, springs, state, error, stiffness):
     return sum_of(products)
 
 
-@kernel()
-def _linearise_both(first, last, stretches, springs, room):
-    """Linearise the springs of links ``first`` to ``last`` - 1; return the sum of products."""
-    states, errors, stiffnesses = room
+@summed(CONTACTS)
+def _linearise_both(first, last, stretches, springs, states, errors, stiffnesses):
+    """Write errors and stiffnesses of all springs; return the sum of all products."""
     products = 0.0
     for kind in range(2):
-        stretch, own = stretches[kind][first:last], in_piece(springs[kind], first, last)
+        stretch, own = stretches[kind][first:last], in_piece(springs, kind, first, last)
         error, stiffness = errors[kind][first:last], stiffnesses[kind][first:last]
         state = _of_state(states[kind], first, last)
         products += _linearise(stretch, own, state, error, stiffness)
@@ -382,13 +380,12 @@ def _centre(stretch, springs, mu, state):
         upper[c] = mu / below[c] if below[c] > 0.0 else 0.0
 
 
-@summed(CONTACTS)
-def _centred(first, last, stretches, mu, springs, room):
-    """Write the centred state and what it is linearised; return the sum of all products."""
+@shared(CONTACTS)
+def _centre_both(first, last, stretches, mu, springs, states):
+    """Write the centred state of all springs."""
     for kind in range(2):
-        stretch, own = stretches[kind][first:last], in_piece(springs[kind], first, last)
-        _centre(stretch, own, mu, _of_state(room[0][kind], first, last))
-    return _linearise_both(first, last, stretches, springs, room)
+        stretch, own = stretches[kind][first:last], in_piece(springs, kind, first, last)
+        _centre(stretch, own, mu, _of_state(states[kind], first, last))
 
 
 @kernel()
@@ -423,13 +420,14 @@ def _aim(state, target, bent, error, stiffness, force):
 
 
 @shared(CONTACTS)
-def _aim_both(first, last, about, aim, forces):
-    """Write N and T, N/m, (m,) each, on blocks that do not move."""
-    states, errors, stiffnesses = about
-    target, shown = aim
+def _aim_both(first, last, states, about, target, shown, forces):
+    """Write N and T, N/m, (m,) each, on blocks that do not move.
+
+    ``about`` are errors and stiffnesses, (m,) each.
+    """
     for kind in range(2):
         state, bent = _of_state(states[kind], first, last), _bent(shown[kind], first, last)
-        error, stiffness = errors[kind][first:last], stiffnesses[kind][first:last]
+        error, stiffness = about[kind][first:last], about[2 + kind][first:last]
         _aim(state, target, bent, error, stiffness, forces[kind][first:last])
 
 
@@ -456,15 +454,16 @@ def _go(state, aim, error, stiffness, stretching, direction):
 
 
 @shared(CONTACTS)
-def _go_both(first, last, about, aim, changes, of_springs, found):
-    """Write the directions of both springs, and by parts what ``_go`` finds of them."""
-    states, errors, stiffnesses = about
-    target, shown = aim
+def _go_both(first, last, states, about, target, shown, of_springs, found):
+    """Write the directions of all springs, and by parts what ``_go`` finds of them.
+
+    ``about`` are errors, stiffnesses and the changes of gap and slip, (m,) each.
+    """
     part = found[first // PART]
     for kind in range(2):
         state, own = _of_state(states[kind], first, last), (target, _bent(shown[kind], first, last))
-        error, stiffness = errors[kind][first:last], stiffnesses[kind][first:last]
-        stretching, direction = changes[kind][first:last], of_springs[kind][:, first:last]
+        error, stiffness = about[kind][first:last], about[2 + kind][first:last]
+        stretching, direction = about[4 + kind][first:last], of_springs[kind][:, first:last]
         haste, growth, bend = _go(state, own, error, stiffness, stretching, direction)
         part[0], part[1], part[2] = max(part[0], haste), part[1] + growth, part[2] + bend
 
@@ -485,15 +484,14 @@ def _move(old, stretch, direction, stretching, share, state, new):
         new[c] = stretch[c] + share * stretching[c]
 
 
-@summed(CONTACTS)
-def _advanced(first, last, before, along, springs, stretches, room):
-    """Write state and stretches along a direction, linearised; return the sum of all products."""
-    old_stretches, old = before
-    changes, of_springs, share = along
+@shared(CONTACTS)
+def _move_both(first, last, old, states, stretches, of_springs, share, new):
+    """Write states and stretches ``share`` of a direction on.
+
+    ``old`` are the states, ``stretches`` gap and slip and their changes, ``new`` gap and slip then.
+    """
     for kind in range(2):
-        direction, stretching = of_springs[kind][:, first:last], changes[kind][first:last]
-        state, new = _of_state(room[0][kind], first, last), stretches[kind][first:last]
-        known = _of_state(old[kind], first, last)
-        stretch = old_stretches[kind][first:last]
-        _move(known, stretch, direction, stretching, share, state, new)
-    return _linearise_both(first, last, stretches, springs, room)
+        known, state = _of_state(old[kind], first, last), _of_state(states[kind], first, last)
+        stretch, stretching = stretches[kind][first:last], stretches[2 + kind][first:last]
+        direction = of_springs[kind][:, first:last]
+        _move(known, stretch, direction, stretching, share, state, new[kind][first:last])

@@ -163,7 +163,7 @@ def are_small(island, count, pairs, first, fixed, few, like_trees):
 
 
 @kernel()
-def _size(blocks, pairs, graph, moves):
+def _size(blocks, pairs, graph, still):
     """Return how many pairs and links some blocks have; those within count once."""
     start, right, left, listed = graph
     joins, links = 0, 0
@@ -172,7 +172,7 @@ def _size(blocks, pairs, graph, moves):
         links += start[right[i + 1]] - start[right[i]]
         for at in range(left[i], left[i + 1]):
             q = listed[at]
-            if not moves[pairs[q, 0]]:
+            if still[pairs[q, 0]]:
                 joins += 1
                 links += start[q + 1] - start[q]
     return joins, links
@@ -190,25 +190,25 @@ def _add_pair(q, k, other, start, at, own, first, source):
 
 
 @kernel()
-def _pairs_of(blocks, place, moves, pairs, graph):
+def _pairs_of(blocks, place, still, pairs, graph):
     """Return the pairs (q, 2) of some blocks, the first link of each, and where its links are."""
     start, right, left, listed = graph
     count = len(blocks)
-    joins, links = _size(blocks, pairs, graph, moves)
+    joins, links = _size(blocks, pairs, graph, still)
     own, first = np.empty((joins, 2), np.int64), np.zeros(joins + 1, np.int64)
     source, at = np.empty(links, np.int64), 0
     for k in range(count):
         i = blocks[k]
         for q in range(right[i], right[i + 1]):
-            if moves[pairs[q, 1]]:
+            if not still[pairs[q, 1]]:
                 _add_pair(q, k, place[pairs[q, 1]], start, at, own, first, source)
                 at += 1
         for e in range(left[i], left[i + 1]):
-            if not moves[pairs[listed[e], 0]]:
+            if still[pairs[listed[e], 0]]:
                 _add_pair(listed[e], k, count, start, at, own, first, source)
                 at += 1
         for q in range(right[i], right[i + 1]):
-            if not moves[pairs[q, 1]]:
+            if still[pairs[q, 1]]:
                 _add_pair(q, k, count, start, at, own, first, source)
                 at += 1
     return own, first, source
@@ -254,24 +254,27 @@ def _levers_of(levers, source):
 
 
 @kernel()
-def _ends_of(ends, source, place, moves, last):
+def _ends_of(ends, source, place, still, last):
     """Return the numbers that the blocks of links ``source`` have among some blocks."""
     found = np.empty(len(source), np.int64)
     for c in range(len(source)):
         i = ends[source[c]]
-        found[c] = place[i] if moves[i] else last
+        found[c] = last if still[i] else place[i]
     return found
 
 
 @kernel()
 def _springs_of(springs, source):
-    """Return of springs (four arrays, (m,)) those of the links ``source``."""
-    at_zero, stiffness, low, high = springs
+    """Return of springs (Springs.arrays) those of the links ``source``."""
     return (
-        _taken(at_zero, source),
-        _taken(stiffness, source),
-        _taken(low, source),
-        _taken(high, source),
+        _taken(springs[0], source),
+        _taken(springs[1], source),
+        _taken(springs[2], source),
+        _taken(springs[3], source),
+        _taken(springs[4], source),
+        _taken(springs[5], source),
+        _taken(springs[6], source),
+        _taken(springs[7], source),
     )
 
 
@@ -296,26 +299,26 @@ def _point_of(blocks, source, point):
 
 
 @kernel()
-def taken_out(blocks, place, moves, problem, point):
+def taken_out(blocks, place, still, problem, point):
     """Return the problem and the point of ``blocks`` (k,), and where their links are.
 
-    These blocks move, among those that ``moves`` (n,) says, where ``place`` (n,) has their numbers
-    among themselves, in their order.  All that stand still are one block, the last: it is wanted
-    for nothing but that it does not move, for gaps and slips know where it is.
+    ``place`` (n,) has their numbers among themselves, in their order.  All blocks that stand
+    ``still`` (n,) are one, the last: it is wanted for nothing but that it does not move, for gaps
+    and slips know where it is.
     """
     (base, inverse, load, _), (pairs, graph, ends, springs) = problem
     vertex_block, edge_block, levers = ends
     count = len(blocks)
-    own_pairs, first, source = _pairs_of(blocks, place, moves, pairs, graph)
+    own_pairs, first, source = _pairs_of(blocks, place, still, pairs, graph)
     held = np.zeros(count + 1, np.bool_)
     held[count] = True
     system = _blocks_of(base, blocks), _blocks_of(inverse, blocks), _rows_of(load, blocks), held
     own_ends = (
-        _ends_of(vertex_block, source, place, moves, count),
-        _ends_of(edge_block, source, place, moves, count),
+        _ends_of(vertex_block, source, place, still, count),
+        _ends_of(edge_block, source, place, still, count),
         _levers_of(levers, source),
     )
-    own_springs = _springs_of(springs[0], source), _springs_of(springs[1], source)
+    own_springs = _springs_of(springs, source)
     links = own_pairs, (first, *row_pointers(count + 1, own_pairs)), own_ends, own_springs
     return (system, links), _point_of(blocks, source, point), source
 
@@ -403,14 +406,20 @@ def _minimum(problem, point, tolerance, iterations):
 
 
 @shared(EACH)
-def _minimise(first, last, which, moves, problem, point, limits, found):
-    wanted, (start, blocks, place) = which
+def _minimise(first, last, which, problem, springs, point, limits, found):
+    """Minimise islands; what threads share takes no tuples of tuples."""
+    wanted, start, blocks, place = which
+    links = problem[4], problem[5:9], problem[9:12], springs
     left, counts = found
     for k in range(first, last):
         r = wanted[k]
         own = blocks[start[r] : start[r + 1]]
-        own_problem, own_point, source = taken_out(own, place, moves, problem, point)
-        moved, left[r], counts[k, 0], counts[k, 1] = _minimum(own_problem, own_point, *limits)
+        own_problem, own_point, source = taken_out(
+            own, place, problem[3], (problem[:4], links), point
+        )
+        moved, left[r], counts[k, 0], counts[k, 1] = _minimum(
+            own_problem, own_point, limits[0], int(limits[1])
+        )
         put_back(own, source, moved, point)
 
 
@@ -418,12 +427,13 @@ def _minimise(first, last, which, moves, problem, point, limits, found):
 def minimise_each(wanted, listing, problem, point, limits, left):
     """Minimise the islands ``wanted`` (k,) in place; return the most iterations and evaluations.
 
-    ``listing`` is that of :class:`Islands`, ``limits`` are the tolerance, J/m, of each island and
-    the iterations that it may take.  What islands have ``left`` (r,), J/m, is written for those
+    ``listing`` is that of :class:`Islands`, ``limits`` (2,) are the tolerance, J/m, of each island
+    and the iterations that it may take.  What islands have ``left`` (r,), J/m, is written for those
     wanted: at most the tolerance, unless an island takes more iterations, or its system is
     singular.
     """
     counts = np.zeros((len(wanted), 2), np.int64)
-    which, moves = (wanted, listing), ~problem[0][3]
-    _minimise(len(wanted), which, moves, problem, point, limits, (left, counts))
+    system, (pairs, graph, ends, springs) = problem
+    flat = *system, pairs, *graph, *ends
+    _minimise(len(wanted), (wanted, *listing), flat, springs, point, limits, (left, counts))
     return counts[:, 0].max(), counts[:, 1].max()

@@ -132,8 +132,8 @@ def _work(first, last, island, length, line, springs, works, bends):
     at = _lengths(length, island[first:last])
     gap, d_gap = in_part((line[0], line[1]), first, last)
     slip, d_slip = in_part((line[2], line[3]), first, last)
-    n0, kn, n_low, n_high = in_piece(springs[0], first, last)
-    t0, kt, t_low, t_high = in_piece(springs[1], first, last)
+    n0, kn, n_low, n_high = in_piece(springs, 0, first, last)
+    t0, kt, t_low, t_high = in_piece(springs, 1, first, last)
     works, bends = in_part((works, bends), first, last)
     for c in range(len(gap)):
         opening, sliding = d_gap[c], d_slip[c]

@@ -65,7 +65,7 @@ class SmallIslands:
             islands.listing,
             potential.problem,
             moved.arrays,
-            (self.finished * tolerance / len(wanted), self.iterations),
+            np.array([self.finished * tolerance / len(wanted), self.iterations]),
             left,
         )
         work.count("passes", int(passes))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.compute.jit import kernel
-from clast.contact.clipped_spring import Forces, Springs, clipped_from
+from clast.contact.clipped_spring import Forces, Rows, Springs, clipped_from
 from clast.linear.system import DiagonalTerms, contact_motions
 from clast.minimise.islands import islands_of, put_back, taken_out
 from clast.minimise.potential import Point, Potential
@@ -30,6 +30,12 @@ class Subproblem:
     links: Ints
     """Their links among those of the whole."""
 
+    def rows(self, among: Rows) -> Ints:
+        """Return where rows of the whole's table are in this one, which has all of them."""
+        place = np.empty(len(self.links), np.int64)
+        place[self.links] = np.arange(len(self.links))
+        return place[among]
+
     def put_back(self, whole: Potential, point: Point, moved: Point) -> Point:
         """Return a ``point`` of the whole with these blocks where they ``moved`` to."""
         result = copied(point)
@@ -48,9 +54,9 @@ def subproblem(potential: Potential, point: Point, moves: Bools) -> Subproblem:
     """
     blocks = np.flatnonzero(moves)
     place = np.cumsum(moves) - 1
-    (system, links), own, source = taken_out(blocks, place, moves, potential.problem, point.arrays)
+    (system, links), own, source = taken_out(blocks, place, ~moves, potential.problem, point.arrays)
     diagonal, inverse, force, fixed = system
-    pairs, graph, (vertex_block, edge_block, levers), (normal, shear) = links
+    pairs, graph, (vertex_block, edge_block, levers), both = links
     unknowns, gap, slip, *forces, residual, distances = own
     springs = Springs(
         vertex_block=vertex_block,
@@ -60,8 +66,8 @@ def subproblem(potential: Potential, point: Point, moves: Bools) -> Subproblem:
         pairs=pairs,
         gap=gap,
         slip=slip,
-        normal=clipped_from(*normal),
-        shear=clipped_from(*shear),
+        normal=clipped_from(*both[:4]),
+        shear=clipped_from(*both[4:]),
     )
     opened, slipped = contact_motions(springs, unknowns)
     springs = replace(springs, gap=gap - opened, slip=slip - slipped)
@@ -90,6 +96,22 @@ def subproblem(potential: Potential, point: Point, moves: Bools) -> Subproblem:
         blocks=blocks,
         links=source,
     )
+
+
+def touched(potential: Potential, point: Point, most: float) -> Subproblem | None:
+    """Return the blocks that have links, where they are at most a share ``most`` of those free.
+
+    All others go as their own forces take them.  None, too, where a link is between two blocks that
+    stand still, or a law says what springs bear.
+    """
+    moves = np.zeros(len(potential.fixed), np.bool_)
+    moves[potential.springs.pairs.ravel()] = True
+    moves &= ~potential.fixed
+    number, free = np.count_nonzero(moves), np.count_nonzero(~potential.fixed)
+    if potential.law is not None or not 0 < number <= most * free:
+        return None
+    part = subproblem(potential, point, moves)
+    return part if len(part.links) == len(potential.springs) else None
 
 
 def copied(point: Point) -> Point:

@@ -39,6 +39,7 @@ from clast.minimise.islands import islands_of
 from clast.minimise.newton import Newton, Work, best_of
 from clast.minimise.potential import Answer, Point, Potential
 from clast.minimise.schedule import Schedule, SmallIslands
+from clast.minimise.subproblem import touched
 from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step.energy_balance import round_off
@@ -227,13 +228,27 @@ class Search:
         """Return d (n, 6), the contacts and what the law answers at the minimum.
 
         It is searched for from the best of the ``starts``, (n, 6) each, with the friction bounds
-        that the contacts have.
+        that the contacts have, and where many blocks have no links without these.
         """
-        law, stages = self.law, self.work.stages
-        with stages("law"):
-            contacts = multipliers.begin(law, contacts)
+        with self.work.stages("law"):
+            contacts = multipliers.begin(self.law, contacts)
             potential = self.bound(potential, contacts)
             point = best_of(potential, starts)
+            part = touched(potential, point, self.schedule.most)
+        if part is None:
+            point, contacts, response = self.settled(potential, contacts, point)
+            return point.unknowns, contacts, response
+        within = replace(self, rows=part.rows(self.rows))
+        moved, contacts, response = within.settled(part.potential, contacts, part.point)
+        unknowns = point.unknowns.copy()
+        unknowns[part.blocks] = moved.unknowns[:-1]
+        return unknowns, contacts, response
+
+    def settled(
+        self, potential: Potential, contacts: Contacts, point: Point
+    ) -> tuple[Point, Contacts, ContactResponse]:
+        """Return the minimum that is found from a point on, the contacts and the law's answer."""
+        law, stages = self.law, self.work.stages
         # new multipliers shift the normal forces: their solve has its own friction to find
         updates = self.friction.updates + int(multipliers.has_multipliers(law))
         solves = 0
@@ -251,7 +266,7 @@ class Search:
                 # only the last solve has the forces by which bonds are judged
                 broken = contacts.bonded & ~response.bonded
                 if not broken.any():
-                    return point.unknowns, multipliers.renew(law, contacts, response), response
+                    return point, multipliers.renew(law, contacts, response), response
                 contacts, solves = without_bonds(contacts, broken), solves - 1
             with stages("law"):
                 contacts = replace(contacts, friction_base=response.normal_force)
