@@ -13,7 +13,7 @@ from clast.model.state import ContactMemory
 from clast.step.convex import Convex
 from clast.step.finish import reject_tunnelled
 from clast.step.integration import BackwardEuler, ConstantAcceleration
-from clast.step.modified import ImplicitFriction, Modified, reach_of
+from clast.step.modified import ImplicitFriction, Modified, search_of_modified
 from clast.step.open_close import OpenClose
 from scenes.systems import (
     GRAVITY,
@@ -318,7 +318,7 @@ def remembered(depth, vertex=4):
 
 
 def test_vertex_that_jumps_deeper_than_the_reach_has_tunnelled():
-    reach = reach_of(method()).depth
+    reach = search_of_modified(method()).depth
     model, state = sunk(1.01 * reach)
     with pytest.raises(StepRejected) as caught:
         reject_tunnelled(
@@ -333,14 +333,14 @@ def test_vertex_that_jumps_deeper_than_the_reach_has_tunnelled():
 
 def test_vertex_that_was_as_deep_before_has_not_jumped():
     """To try a smaller step again and again would be of no use."""
-    reach = reach_of(method()).depth
+    reach = search_of_modified(method()).depth
     model, state = sunk(3.0 * reach)
     reject_tunnelled(model, state.vertices, state.vertices, ContactMemory(), reach, VerletList())
 
 
 def test_depth_that_the_contacts_of_the_pair_know_is_no_tunnelling():
     """Whichever vertex it is: deep contacts are handed from one to the other."""
-    reach = reach_of(method()).depth
+    reach = search_of_modified(method()).depth
     model, state = sunk(4.0 * reach)
     for vertex in (4, 5):
         reject_tunnelled(
@@ -380,7 +380,7 @@ def test_rolling_on_soft_springs_is_not_taken_for_tunnelling(process):
     model = system([floor, wheel], fixed=[0], velocity={1: (2.0, 0.0, -4.0)}, friction_angle=40.0)
     how = method(process=PROCESSES[process], contact_law=Penalty(normal_stiffness=3e5))
     results = march(model, how, 2e-3, 0.6)
-    assert max(one.penetration for one in results) > 1.2 * reach_of(how).depth
+    assert max(one.penetration for one in results) > 1.2 * search_of_modified(how).depth
     assert len({int(v) for one in results for v in one.contacts.vertex}) > 4
     # never cut but for the limit on movement, never lost
     assert min(np.diff([0.0] + [one.state.time for one in results])) > 1.9e-3
@@ -480,6 +480,6 @@ def test_renumbering_blocks_changes_no_motion(process):
 
 def test_reach_of_a_step_covers_the_motion_of_both_blocks():
     how = method(critdis=0.003, max_displacement=0.02)
-    assert vars(reach_of(how)) == pytest.approx(
+    assert vars(search_of_modified(how)) == pytest.approx(
         vars(SearchDistance(front=0.003, depth=0.043, critdis=0.003))
     )

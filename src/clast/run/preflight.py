@@ -18,7 +18,7 @@ from clast.model.state import State, initial_state
 from clast.run.method_warnings import check_overlaps, method_warnings
 from clast.run.model_warnings import model_warnings
 from clast.step.method import Workspace
-from clast.step.modified import STABILITY_LIMIT, reach_of, stability_number
+from clast.step.modified import STABILITY_LIMIT, search_of_modified, stability_number
 
 if TYPE_CHECKING:
     from clast.contact.contacts import Contacts
@@ -172,7 +172,7 @@ def _contacts(model: Model, method: Method, state: State) -> Contacts:
         method.corner_rule,
         state,
         frames.centroid,
-        reach_of(method),
+        search_of_modified(method),
     )
 
 

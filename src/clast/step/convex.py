@@ -46,16 +46,16 @@ from clast.step.energy_balance import round_off
 from clast.step.finish import finish
 from clast.step.impact import after_impacts, bearing, first_bases, scheme_of
 from clast.step.method import Method, Solved, StepResult, Workspace
-from clast.step.reach import (
+from clast.step.relief import relieved
+from clast.step.start import Begun, begin, diagonal_terms
+from clast.step.travel import (
     JUMP,
     closes_unseen,
     farther,
-    reach_within_step,
+    search_within_step,
     travel_expected,
     travel_of,
 )
-from clast.step.relief import relieved
-from clast.step.start import Begun, begin, diagonal_terms
 
 AT_REST = 1.0
 """Slip rate below which a new contact is taken to hold at first, in units of g h."""
@@ -97,7 +97,7 @@ class Convex:
             begun = begin(model, method, state, step, workspace)
         with stages("contacts"):
             travel = travel_expected(begun)
-            contacts = begun.contacts(reach_within_step(method, travel), begun.drift)
+            contacts = begun.contacts(search_within_step(method, travel), begun.drift)
         starts: tuple[Floats, ...] = (np.zeros_like(begun.velocity),)
         counts = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}
         while True:
@@ -107,7 +107,7 @@ class Convex:
                 if wider is None:
                     break
                 seen, travel = contacts, wider
-                contacts = begun.contacts(reach_within_step(method, travel), begun.drift)
+                contacts = begun.contacts(search_within_step(method, travel), begun.drift)
                 if not closes_unseen(seen, contacts, solved.unknowns):
                     break
             starts = (solved.unknowns,)
@@ -156,7 +156,7 @@ class Convex:
         contacts = replace(contacts, friction_base=first_friction_base(begun, contacts, largest))
         # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
         starts = (entering.drift, *starts, potential.untouched())
-        factor = FactorOfStep(inexact(method.solver, DIRECTION))
+        factor = FactorOfStep(inexact(method.solver, DIRECTION), begun.workspace.patterns)
         search = Search(
             law=method.contact_law,
             rows=rows,

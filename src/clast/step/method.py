@@ -16,6 +16,7 @@ from clast.contact.laws import ContactLaw
 from clast.contact.verlet_list import VerletList
 from clast.errors import StepOutcome
 from clast.linear.factor import LinearSolver
+from clast.linear.pattern import Patterns
 from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step.integration import Integrator, Scheme
@@ -31,6 +32,8 @@ class Workspace:
 
     near: VerletList = field(default_factory=VerletList)
     """Pairs of blocks near each other."""
+    patterns: Patterns = field(default_factory=Patterns)
+    """Orders and fill of the last factors, and the aggregates of the last coarse space."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -117,7 +117,7 @@ class Modified:
             base = diagonal_terms(begun, begun.drift, begun.scheme)
         with stages("contacts"):
             # (8) blocks near each other; (9) entrance edges by the angle bisector
-            reach = reach_of(method)
+            reach = search_of_modified(method)
             contacts = begun.contacts(reach)
         found = self._solve(begun, base, contacts, stages)
         solved = Solved(
@@ -166,7 +166,7 @@ class Modified:
         self, begun: Begun, base: DiagonalTerms, contacts: Contacts, stages: Stages
     ) -> PassResult:
         """Return what the passes of the step, with their multiplier solves, have found."""
-        law, factor = begun.method.contact_law, FactorOfStep(begun.method.solver)
+        law, factor = begun.method.contact_law, factor_of(begun)
         contacts = multipliers.begin(law, contacts)
         # the first pass sees the gaps at the start and the slip that the velocity will bring
         seen = contacts.gap, slip_in_step(contacts, begun.drift)
@@ -221,6 +221,11 @@ def pass_result(
     )
 
 
+def factor_of(begun: Begun) -> FactorOfStep:
+    """Return what solves the systems of a step."""
+    return FactorOfStep(begun.method.solver, begun.workspace.patterns)
+
+
 def counts_of(passes: int, factor: FactorOfStep) -> dict[str, int]:
     """Return the counts of a step that is solved."""
     return {"passes": passes, "solves": factor.solved, "factorisations": factor.factorised}
@@ -243,7 +248,7 @@ def forces_in_equations(
     return normal, shear
 
 
-def reach_of(method: Method) -> SearchDistance:
+def search_of_modified(method: Method) -> SearchDistance:
     """Return how far contacts are looked for: critdis, and twice the travel of a step behind."""
     return SearchDistance(
         front=method.critdis,
@@ -268,7 +273,7 @@ def stability_number(model: Model, method: Method, state: State, step: float) ->
         method.corner_rule,
         state,
         frames.centroid,
-        reach_of(method),
+        search_of_modified(method),
     )
     sides = np.concatenate([contacts.vertex_block, contacts.edge_block])
     per_block = np.maximum(1, np.bincount(sides, minlength=model.block_count))
@@ -282,6 +287,6 @@ __all__ = [
     "LaggedFriction",
     "Modified",
     "forces_in_equations",
-    "reach_of",
+    "search_of_modified",
     "stability_number",
 ]

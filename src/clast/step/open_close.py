@@ -26,7 +26,6 @@ from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.errors import StepOutcome, StepRejected
-from clast.linear.reuse import FactorOfStep
 from clast.linear.system import DiagonalTerms, slip_in_step
 from clast.model.model import Model
 from clast.model.state import State
@@ -38,11 +37,12 @@ from clast.step.modified import (
     STABILITY_LIMIT,
     PassResult,
     counts_of,
+    factor_of,
     pass_result,
     stability_number,
 )
-from clast.step.reach import JUMP, reach_within_step
 from clast.step.start import Begun, begin, diagonal_terms
+from clast.step.travel import JUMP, search_within_step
 
 CUT = 1.0 / 3.0
 """Shi's cut of a step whose modes do not settle."""
@@ -89,7 +89,7 @@ class OpenClose:
             base = diagonal_terms(begun, begun.drift, begun.scheme)
         with stages("contacts"):
             farthest = np.full(model.block_count, method.max_displacement)
-            contacts = begun.contacts(reach_within_step(method, farthest), begun.drift)
+            contacts = begun.contacts(search_within_step(method, farthest), begun.drift)
         found = self._iterate(begun, base, contacts, stages)
         solved = Solved(
             velocity=begun.velocity,
@@ -132,7 +132,7 @@ class OpenClose:
         self, begun: Begun, base: DiagonalTerms, contacts: Contacts, stages: Stages
     ) -> PassResult:
         """Return the solve whose modes agree with those that it was assembled with."""
-        law, factor = begun.method.contact_law, FactorOfStep(begun.method.solver)
+        law, factor = begun.method.contact_law, factor_of(begun)
         contacts = multipliers.begin(law, contacts)
         seen = contacts.gap, slip_in_step(contacts, begun.drift)
         springs, at = begun.springs, begun.drift

@@ -31,7 +31,7 @@ GROWTH = 1.5
 """Where a block went too far it is expected to go so much further than it went."""
 
 
-def reach_within_step(method: Method, travel: Floats) -> SearchDistance:
+def search_within_step(method: Method, travel: Floats) -> SearchDistance:
     """Return the reach for blocks whose vertices move by ``travel`` (n,) at most, m."""
     return SearchDistance(
         front=method.critdis,
