@@ -200,7 +200,10 @@ def {name}(count, {names}):
     for thread in prange(threads_of(progress)):
         for part in to_do(thread, progress, len(sums)):
             sums[part] = {body}(part * {part}, min((part + 1) * {part}, count), {names})
-    return sums.sum()
+    total = 0.0
+    for part in range(len(sums)):  # sums.sum() would be made by threads, in their order
+        total += sums[part]
+    return total
 """
 
 

@@ -207,17 +207,17 @@ def _come_down(low, high, factor, r, z):
 
 
 @shared(EACH)
-def _up_strips(first, last, factor, r, z):
+def _up_strips(first, last, pattern, values, r, z):
     """Write L^-1 r into the rows of strips of z."""
-    begin = factor[0][1]
+    begin, factor = pattern[1], (pattern, *values)
     for c in range(first, last):
         _go_up(begin[c], begin[c + 1], 0, factor, r, z)
 
 
 @summed(EACH)
-def _round_segments(first, last, factor, r, z):
+def _round_segments(first, last, pattern, values, r, z):
     """Solve for segments of the seam, whose rows are coupled to those of the strips before."""
-    begin, right = factor[0][1], factor[0][3]
+    begin, right, factor = pattern[1], pattern[3], (pattern, *values)
     strips, product = len(begin) // 2, 0.0
     for segment in range(strips + first, strips + last):
         low, high = begin[segment], begin[segment + 1]
@@ -227,9 +227,9 @@ def _round_segments(first, last, factor, r, z):
 
 
 @summed(EACH)
-def _down_strips(first, last, factor, r, z):
+def _down_strips(first, last, pattern, values, r, z):
     """Turn L^-1 r into the solution in strips of z, in place; return r.z there."""
-    begin, product = factor[0][1], 0.0
+    begin, factor, product = pattern[1], (pattern, *values), 0.0
     for c in range(first, last):
         product += _come_down(begin[c], begin[c + 1], factor, r, z)
     return product
@@ -238,8 +238,10 @@ def _down_strips(first, last, factor, r, z):
 @kernel()
 def substitute(factor, r, z):
     """Write (L D L^T)^-1 r into z and return r.z, (n, 8) each, in the order of the factor."""
-    strips = len(factor[0][1]) // 2
-    _up_strips(strips, factor, r, z)
+    pattern, values = factor[0], factor[1:]  # threads take no tuples of tuples
+    strips = len(pattern[1]) // 2
+    _up_strips(strips, pattern, values, r, z)
     if strips == 1:
-        return _down_strips(1, factor, r, z)
-    return _round_segments(strips, factor, r, z) + _down_strips(strips, factor, r, z)
+        return _down_strips(1, pattern, values, r, z)
+    round_ = _round_segments(strips, pattern, values, r, z)
+    return round_ + _down_strips(strips, pattern, values, r, z)

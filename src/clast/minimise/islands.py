@@ -235,12 +235,13 @@ def _rows_of(values, blocks):
 
 @kernel()
 def _blocks_of(values, blocks):
-    """Return of blocks (n, 6, 6) those of ``blocks``, and the first of them once more."""
+    """Return of blocks (n, 6, 6) those of ``blocks``, and one more, as good as any."""
     count = len(blocks)
     found = np.empty((count + 1, 6, 6))
     for k in range(count + 1):
+        i = blocks[k] if k < count else 0
         for a in range(6):
-            put_line(found, k, a, line(values, blocks[k if k < count else 0], a))
+            put_line(found, k, a, line(values, i, a))
     return found
 
 
