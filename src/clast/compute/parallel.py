@@ -145,6 +145,39 @@ def _continue(context, builder, signature, arguments, result):
         result.yield_(piece)
 
 
+# Arrays without owners ---------------------------------------------------------------------------
+
+
+def _disowned(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    """Return an array, or what is in a tuple, without its owner."""
+    if isinstance(kind, types.Array):
+        array = cgutils.create_struct_proxy(kind)(context, builder, value=value)
+        array.meminfo = cgutils.get_null_value(array.meminfo.type)
+        array.parent = cgutils.get_null_value(array.parent.type)
+        return array._getvalue()
+    if isinstance(kind, types.BaseTuple):
+        kinds: Any = kind
+        parts = cgutils.unpack_tuple(builder, value, len(kinds))
+        lent = [_disowned(context, builder, *one) for one in zip(kinds, parts, strict=True)]
+        return context.make_tuple(builder, kind, lent)
+    return value
+
+
+@operation
+def borrowed(context, value):
+    """Return an array, a tuple of such, or a number, whose references are not counted.
+
+    Who calls a loop keeps its arrays while it runs.  Counting references takes an atomic operation
+    for each array that is taken out of a tuple, which in loops over vertices was half of the time;
+    threads get their arrays without owners in any case.
+    """
+
+    def made(context, builder, signature, arguments):
+        return _disowned(context, builder, value, arguments[0])
+
+    return value(value), made
+
+
 # Loops that threads share ------------------------------------------------------------------------
 
 
@@ -168,9 +201,10 @@ EACH = Sharing(part=1, many=2)
 # A 0 in a call would be a type of its own to numba, and have the body compiled a second time.
 LOOP = """
 def {name}(count, {names}):
+    {lent} = {lending}
     at_once = max(count, 1) if count < {many} else {part}
     for begin in range(0, count, at_once):
-        {body}(begin, min(begin + at_once, count), {names})
+        {body}(begin, min(begin + at_once, count), {passed})
 """
 LOOP_BY_THREADS = """
 def {name}(count, {names}):
@@ -184,11 +218,12 @@ def {name}(count, {names}):
 """
 SUM = """
 def {name}(count, {names}):
+    {lent} = {lending}
     at_once = max(count, 1) if count < {many} else {part}
     sums = np.empty((count + at_once - 1) // at_once)
     for piece in range(len(sums)):
         begin = piece * at_once
-        sums[piece] = {body}(begin, min(begin + at_once, count), {names})
+        sums[piece] = {body}(begin, min(begin + at_once, count), {passed})
     return sums.sum()
 """
 SUM_BY_THREADS = """
@@ -230,14 +265,22 @@ def _loop(
         kept = options if BY_THREADS else {**options, "inline": "always"}
         compiled = body if hasattr(body, "py_func") else kernel(**kept)(body)
         function = compiled.py_func
-        names = ", ".join(list(inspect.signature(function).parameters)[2:])
+        given = list(inspect.signature(function).parameters)[2:]
         name = f"{function.__name__}_loop"  # numba keeps it beside the body, under its name
         text = (by_threads if BY_THREADS else alone).format(
-            name=name, names=names, body="_body", part=sharing.part, many=sharing.many
+            name=name,
+            names=", ".join(given),
+            lent=", ".join(f"{one}_" for one in given) + ",",
+            passed=", ".join(f"{one}_" for one in given),
+            lending=", ".join(f"borrowed({one})" for one in given) + ",",
+            body="_body",
+            part=sharing.part,
+            many=sharing.many,
         )
         known = {
             "_body": compiled,
             "np": np,
+            "borrowed": borrowed,
             "prange": prange,
             "nothing_done": nothing_done,
             "threads_of": threads_of,

@@ -62,35 +62,41 @@ def tension_of(tensile_strength, length):
 
 
 @kernel(forceinline=True)
-def resist(c, slip, k, strengths, memory, bears, counts, found):
-    """Write T, its derivatives, mode, bond and loss of contact c; add to its energy, all in place.
+def resist(slip, k, strengths, memory, normal, bears, counts):
+    """Return T, its stiffness and coupling to N, mode, bond, energy and loss of one contact.
 
-    Its N and the energy of that stand in ``found`` already.  ``bears``: whether it is pressed
-    together; ``counts``: whether it may bear shear.  What the spring does not take up of a slip is
-    lost.  Without any strength there is nothing to stick to, even at rest.
+    ``strengths`` are tan(phi), c, sigma_t and the length, ``memory`` the bond, T_old and the N that
+    bounds friction, numbers of one contact (:func:`strengths_of`, :func:`memory_of`).  ``normal``
+    is its N, N/m; ``bears``: whether it is pressed together; ``counts``: whether it may bear shear.
+    What the spring does not take up of a slip is lost.  Without any strength there is nothing to
+    stick to, even at rest.
     """
     friction, cohesion, tensile_strength, length = strengths
-    bonded, shear_force, _, friction_base = memory
-    normal, shear, _, ks, coupling, mode, intact, energy, loss = found
-    given = not np.isnan(friction_base[c])
-    base = friction_base[c] if given else normal[c]
-    bound = shear_strength(base, friction[c], cohesion[c], length[c]) if counts else 0.0
-    trial = shear_force[c] - k * slip if counts else 0.0
+    bonded, shear_force, friction_base = memory
+    given = not np.isnan(friction_base)
+    base = friction_base if given else normal
+    bound = shear_strength(base, friction, cohesion, length) if counts else 0.0
+    trial = shear_force - k * slip if counts else 0.0
     sign = 1.0 if trial > 0.0 else -1.0
     size = sign * trial
     slips = size > bound
     sticks = (not slips) & (bound > 0.0)
     t = trial if sticks else sign * bound
-    shear[c] = t if bound > 0.0 else 0.0
-    ks[c] = k if sticks else 0.0
-    coupling[c] = sign * friction[c] if slips & (bound > 0.0) & (not given) else 0.0
-    loss[c] = bound * (size - bound) / k if slips else 0.0
-    energy[c] += 0.5 * t * t / k
-    tension, strength = tension_of(tensile_strength[c], length[c]), cohesion[c] * length[c]
-    away = (not counts) | ((normal[c] == 0.0) & (tension == 0.0))
-    mode[c] = OPEN if away else LOCK if sticks else SLIDE
+    coupling = sign * friction if slips & (bound > 0.0) & (not given) else 0.0
+    loss = bound * (size - bound) / k if slips else 0.0
+    tension, strength = tension_of(tensile_strength, length), cohesion * length
+    away = (not counts) | ((normal == 0.0) & (tension == 0.0))
+    mode = OPEN if away else LOCK if sticks else SLIDE
     unbroken = (bears | (tension == 0.0)) & ((not slips) | ((strength == 0.0) & (tension == 0.0)))
-    intact[c] = bonded[c] & unbroken
+    return (
+        t if bound > 0.0 else 0.0,
+        k if sticks else 0.0,
+        coupling,
+        mode,
+        bonded & unbroken,
+        0.5 * t * t / k,
+        loss,
+    )
 
 
 @shared(CONTACTS, error_model="numpy")
@@ -99,14 +105,22 @@ def answer_with_friction(first, last, slip, k, strengths, memory, found):
 
     N (m,) stands in ``found``, in N/m; energies become those of the shear spring alone.
     """
-    _, _, tensile_strength, length = strengths
-    normal, energy = found[0], found[7]
+    friction, cohesion, tensile_strength, length = strengths
+    bonded, shear_force, _, friction_base = memory
+    normal, shear, _, ks, coupling, mode, intact, energy, loss = found
     for c in range(first, last):
         bears = normal[c] != 0.0
-        given = not np.isnan(memory[3][c])
+        given = not np.isnan(friction_base[c])
         counts = bears | given | (tension_of(tensile_strength[c], length[c]) != 0.0)
-        energy[c] = 0.0
-        resist(c, slip[c], k, strengths, memory, bears, counts, found)
+        shear[c], ks[c], coupling[c], mode[c], intact[c], energy[c], loss[c] = resist(
+            slip[c],
+            k,
+            (friction[c], cohesion[c], tensile_strength[c], length[c]),
+            (bonded[c], shear_force[c], friction_base[c]),
+            normal[c],
+            bears,
+            counts,
+        )
 
 
 @shared(CONTACTS)

@@ -34,9 +34,9 @@ def answer_of_springs(first, last, gap, slip, stiffnesses, strengths, memory, fo
     at the kink either is a derivative, and it is about to close.
     """
     p, k = stiffnesses
-    _, _, tensile_strength, length = strengths
-    _, _, multiplier, friction_base = memory
-    normal, _, kn, _, _, _, _, energy, _ = found
+    friction, cohesion, tensile_strength, length = strengths
+    bonded, shear_force, multiplier, friction_base = memory
+    normal, shear, kn, ks, coupling, mode, intact, energy, loss = found
     for c in range(first, last):
         given = not np.isnan(friction_base[c])
         trial = multiplier[c] - p * gap[c]
@@ -45,10 +45,20 @@ def answer_of_springs(first, last, gap, slip, stiffnesses, strengths, memory, fo
         counts = bears | given | (tension != 0.0)
         # -tension is the cut-off; the bond is lost when the step is over
         n = trial if bears else -tension
-        normal[c] = n if counts else 0.0
+        n = n if counts else 0.0
+        normal[c] = n
         kn[c] = p if bears else 0.0
-        energy[c] = 0.5 * (n - max(0.0, multiplier[c])) ** 2 / p if counts else 0.0
-        resist(c, slip[c], k, strengths, memory, bears, counts, found)
+        pressed = 0.5 * (n - max(0.0, multiplier[c])) ** 2 / p if counts else 0.0
+        shear[c], ks[c], coupling[c], mode[c], intact[c], sheared, loss[c] = resist(
+            slip[c],
+            k,
+            (friction[c], cohesion[c], tensile_strength[c], length[c]),
+            (bonded[c], shear_force[c], friction_base[c]),
+            n,
+            bears,
+            counts,
+        )
+        energy[c] = pressed + sheared
 
 
 def springs(
