@@ -17,18 +17,6 @@ MANY = 3000
 
 
 @kernel()
-def parts(count):
-    """Return the number of parts of contacts."""
-    return (count + PART - 1) // PART
-
-
-@kernel()
-def bounds(part, count):
-    """Return the first contact of a part and the one after its last."""
-    return part * PART, min((part + 1) * PART, count)
-
-
-@kernel()
 def in_part(two, first, last):
     """Return of two arrays (m,) what belongs to the contacts ``first`` to ``last`` - 1."""
     return two[0][first:last], two[1][first:last]
@@ -47,15 +35,6 @@ def sum_of(values):
     for c in range(len(values) - rest, len(values)):
         s0 += values[c]
     return (s0 + s1) + (s2 + s3)
-
-
-@kernel()
-def only_region(region):
-    """Return the region that all contacts are in (m,), or -1."""
-    same = True
-    for c in range(len(region)):
-        same &= region[c] == region[0]
-    return region[0] if same else -1
 
 
 @kernel()

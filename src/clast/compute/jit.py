@@ -32,8 +32,6 @@ from pathlib import Path
 from typing import Any
 
 import numba
-from numba import types as types
-from numba.extending import overload as overload
 
 from clast.compute.compilation import COMPILATION
 

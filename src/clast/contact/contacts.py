@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -74,54 +73,6 @@ class Contacts:
     def __repr__(self) -> str:
         nearest = f", smallest gap {self.gap.min():.3g} m" if len(self) else ""
         return f"Contacts({len(self)} between {len(self.pairs)} pairs of blocks{nearest})"
-
-
-def of_pairs(contacts: Contacts, pairs: Ints, kept: Ints, pair: Ints, number: Ints) -> Contacts:
-    """Return the contacts ``kept`` (c,), which are those of some ``pairs`` (k,).
-
-    ``pair`` (c,) says of which of them each is.  Blocks are renumbered by ``number`` (n,), which
-    must keep their order.
-    """
-    # contacts are in order of their pairs: where all are kept nothing needs to be copied
-    which = kept if len(kept) < len(contacts) else slice(None)
-    values = _columns(contacts, which, number)
-    return Contacts(pairs=number[contacts.pairs.take(pairs, axis=0)], pair=pair, **values)
-
-
-def reordered(contacts: Contacts, number: Ints) -> tuple[Contacts, Ints]:
-    """Return the contacts of blocks that have other numbers now, ``number`` (n,), by their pairs.
-
-    And their places in ``contacts``.
-    The contacts of a pair keep their order; vertices and edges keep their numbers.
-    """
-    ends = np.sort(number[contacts.pairs], axis=1)
-    by_ends = np.lexsort((ends[:, 1], ends[:, 0]))
-    place = np.empty(len(by_ends), np.int64)
-    place[by_ends] = np.arange(len(by_ends))
-    pair = place[contacts.pair]
-    order = np.argsort(pair, kind="stable")
-    values = _columns(contacts, order, number)
-    return Contacts(pairs=ends[by_ends], pair=pair[order], **values), order
-
-
-def _columns(contacts: Contacts, which: Ints | slice, number: Ints) -> dict[str, Any]:
-    """Return all but the pairs of the contacts ``which`` (c,), of blocks with a new ``number``."""
-    values = {
-        name: _rows(value, which)
-        for name, value in vars(contacts).items()
-        if name not in ("pair", "pairs")
-    }
-    for end in ("vertex_block", "edge_block"):
-        values[end] = number.take(values[end])
-    return values
-
-
-def _rows(values: Any, which: Ints | slice) -> Any:
-    """Return the rows ``which`` of an array."""
-    # take is quicker, but copies an array whole that is part of another one, as the normals are
-    if isinstance(which, slice) or not values.flags.c_contiguous:
-        return values[which]
-    return values.take(which, axis=0)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

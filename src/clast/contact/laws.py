@@ -309,8 +309,3 @@ class MultiplierLaw(ContactLaw, Protocol):
 def has_limits(law: ContactLaw) -> TypeIs[SpringLaw]:
     """Return True for laws of springs with bounds; isinstance of a protocol is slow."""
     return hasattr(law, "limits")
-
-
-def limits_of(law: ContactLaw, contacts: Contacts) -> SpringLimits | None:
-    """Return the law as springs with bounds, or None for any other law or without contacts."""
-    return law.limits(contacts) if has_limits(law) and len(contacts) else None

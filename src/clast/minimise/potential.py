@@ -24,6 +24,7 @@ from clast.contact.clipped_spring import Forces, Springs
 from clast.linear import block_matrix, residual
 from clast.linear.reuse import FactorOfStep
 from clast.linear.system import (
+    Bearing,
     BlockSystem,
     DiagonalTerms,
     Graph,
@@ -45,39 +46,10 @@ MOMENTUM_SHARE = 1e-4
 """Weight of the energy of motion among the forces that tolerances refer to."""
 
 
-class Answer(Protocol):
-    """What springs bear at a point, and how stiff they are; each of shape (m,)."""
-
-    @property
-    def normal_force(self) -> Floats:
-        """N, N/m."""
-        ...
-
-    @property
-    def shear_force(self) -> Floats:
-        """T, N/m."""
-        ...
-
-    @property
-    def normal_stiffness(self) -> Floats:
-        """-dN/dgap, N/m per m."""
-        ...
-
-    @property
-    def shear_stiffness(self) -> Floats:
-        """-dT/dslip, N/m per m."""
-        ...
-
-    @property
-    def coupling(self) -> Floats:
-        """dT/dN: zeros, or none at all."""
-        ...
-
-
 class Law(Protocol):
     """Springs that are not clipped straight lines, given by what they bear."""
 
-    def at(self, gap: Floats, slip: Floats) -> Answer:
+    def at(self, gap: Floats, slip: Floats) -> Bearing:
         """Return what all springs bear at gaps and slips (m,), m."""
         ...
 
@@ -96,7 +68,7 @@ class Point:
     """Gap of each link, m, shape (m,)."""
     slip: Floats
     """Slip of each link, m, shape (m,)."""
-    forces: Answer
+    forces: Bearing
     """What the springs bear."""
     residual: Floats
     """F - K d + spring forces, minus the gradient, shape (n, 6); 0 for fixed blocks."""
@@ -194,7 +166,7 @@ class Potential:
         """Return the derivatives at ``unknowns`` (n, 6), with the links' gap and slip (m,), m."""
         return self.bearing(unknowns, gap, slip, self.forces.at(gap, slip))
 
-    def bearing(self, unknowns: Floats, gap: Floats, slip: Floats, forces: Answer) -> Point:
+    def bearing(self, unknowns: Floats, gap: Floats, slip: Floats, forces: Bearing) -> Point:
         """Return the point at ``unknowns`` (n, 6) where the springs bear ``forces``."""
         found = self.unbalanced(unknowns, forces.normal_force, forces.shear_force)
         return Point(

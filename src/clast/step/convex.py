@@ -34,10 +34,10 @@ from clast.contact.laws import ContactLaw, SpringLaw, has_limits
 from clast.errors import StepOutcome
 from clast.linear.reuse import FactorOfStep
 from clast.linear.solvers import DIRECTION, inexact
-from clast.linear.system import contact_motions, graph_of, inverse_of_blocks
+from clast.linear.system import Bearing, contact_motions, graph_of, inverse_of_blocks
 from clast.minimise.islands import islands_of
 from clast.minimise.newton import Newton, Work, best_of
-from clast.minimise.potential import Answer, Point, Potential
+from clast.minimise.potential import Point, Potential
 from clast.minimise.schedule import Schedule, SmallIslands
 from clast.minimise.subproblem import touched
 from clast.model.model import Floats, Model
@@ -315,7 +315,7 @@ class OfContacts:
     springs: Springs
     """That table; what it has for the contacts does not count."""
 
-    def at(self, gap: Floats, slip: Floats) -> Answer:
+    def at(self, gap: Floats, slip: Floats) -> Bearing:
         """Return what all springs bear at gaps and slips (m,), m."""
         answer = self.law.respond(self.contacts, gap[self.rows], slip[self.rows])
         if len(self.contacts) == len(self.springs):
