@@ -1,9 +1,8 @@
-"""How threads share contacts and pairs, and how a part of them is gone through.
+"""Sizes of the parts of loops, and sums that the processor can vectorise.
 
-Little is done with each contact.  Arrays are cut to a part first, divisions do not ask for zeros
-(error_model="numpy"), choices are values and not ways through the code, and what is to be summed
-up is written down first: loops then begin at 0, have no exception to end in and no order to keep,
-and several contacts share each instruction.
+Loops over contacts do little with each: slices of arrays that begin at 0, divisions that raise
+nothing (error_model="numpy") and values chosen without branches let several contacts share each
+instruction.
 """
 
 from __future__ import annotations
