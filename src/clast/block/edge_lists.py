@@ -34,6 +34,19 @@ def edges_within(window, reach, vertices, first, last, found):
 
 
 @kernel()
+def first_at_least(values, bound):
+    """Return which of ascending values is the first at least ``bound``; their number if none."""
+    low, high = 0, len(values)
+    while low < high:
+        middle = (low + high) // 2
+        if values[middle] < bound:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@kernel()
 def left_to_right(edges, vertices, first, last):
     """Return the left ends, m, of edges of a block in their order, the edges, and the widest, m."""
     left = np.empty(len(edges))
@@ -62,7 +75,7 @@ def edges_near(point, reach, listed, vertices, first, last, found):
     """
     (px, py), (left, edges, widest) = point, listed
     count = 0
-    for k in range(np.searchsorted(left, px - reach - widest), len(left)):
+    for k in range(first_at_least(left, px - reach - widest), len(left)):
         if left[k] > px + reach:
             break
         e = edges[k]

@@ -34,6 +34,7 @@ from typing import Any
 import numba
 
 from clast.compute.compilation import COMPILATION
+from clast.compute.linking import Kernel
 
 SETTINGS: Any = numba.config
 """numba's settings of this process."""
@@ -142,7 +143,9 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
         usual = SETTINGS.CACHE_DIR
         SETTINGS.CACHE_DIR = folder(Path(function.__code__.co_filename)) or usual
         try:
-            return numba.njit(cache=True, **options)(function)
+            made = Kernel(function, targetoptions={"nopython": True, **options})
+            made.enable_caching()
+            return made
         finally:
             SETTINGS.CACHE_DIR = usual
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from clast.block import polygon
 from clast.block.displacement import displacements
-from clast.block.edge_lists import FEW, edges_around
+from clast.block.edge_lists import FEW, edges_around, first_at_least
 from clast.block.polygon import depth_inside, vertex_after
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
@@ -211,7 +211,7 @@ def find_tunnelled(
 def _is_inside(px, py, left, edges, widest, vertices, first, last):
     """Return whether a point lies inside a polygon, by its edges from left to right."""
     inside = False
-    for k in range(np.searchsorted(left, px - widest), len(left)):
+    for k in range(first_at_least(left, px - widest), len(left)):
         if left[k] > px:
             break
         e = edges[k]

@@ -142,7 +142,8 @@ def _eliminate(low, high, pattern, own, work):
         if not _root(diagonal, i):
             if len(own) == 0:
                 return order[i]
-            diagonal[i] = own[order[i]]
+            for a in range(6):
+                put_line(diagonal, i, a, line(own, order[i], a))
             if not _root(diagonal, i):
                 return order[i]
         for q in range(right[i], right[i + 1]):

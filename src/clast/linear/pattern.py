@@ -177,7 +177,8 @@ def _structures(start, neighbour, place, order, parent):
             one = sibling[one]
         if found + room > len(rows):
             larger = np.empty(2 * len(rows) + room, np.int32)
-            larger[:found] = rows[:found]
+            for at in range(found):
+                larger[at] = rows[at]
             rows = larger
         for at in range(start[node], start[node + 1]):
             row = place[neighbour[at]]
