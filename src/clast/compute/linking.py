@@ -1,0 +1,101 @@
+"""Kernels that other kernels call become part of them, and machine code only there.
+
+numba makes machine code of every function that it compiles, with a way in for Python, keeps it on
+disk, and then optimises it once more within each function that calls it.  Two thirds of our kernels
+are never called from Python: the time to compile all of them falls by half where that is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from llvmlite.binding import Linkage
+from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
+from numba.core.registry import CPUDispatcher, cpu_target
+
+
+class Linked(JITCodeLibrary):
+    """The code of a function, made ready to run only if it has a way in for Python."""
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        """Leave it to when all that is called has been linked in."""
+        ll_module.data_layout = self._codegen._data_layout
+
+    def add_linking_library(self, library: Any) -> None:
+        """Note code that is called, which need not be ready to run."""
+        self._linking_libraries.append(library)
+
+    def _all_called(self) -> Iterator[Any]:
+        """Yield the code that is called, and what that calls, each once."""
+        known, left = {self}, [self]
+        while left:
+            for library in left.pop()._linking_libraries:
+                if library not in known:
+                    known.add(library)
+                    yield library
+                    if not library._finalized:
+                        left.append(library)
+
+    def _get_module_for_linking(self) -> Any:
+        """Return the code for others to take in; before it is finalised, without what it calls."""
+        if self._finalized:
+            return super()._get_module_for_linking()
+        module = self._final_module.clone()
+        for function in module.functions:
+            if not function.is_declaration and function.linkage == Linkage.external:
+                function.linkage = "linkonce_odr"
+        return module
+
+    def finalize(self) -> None:
+        """Make the code ready to run, with all that it calls."""
+        for library in self._all_called():
+            self._reload_init.update(library._reload_init)
+            module = library._get_module_for_linking()
+            self._final_module.link_in(module, preserve=library._finalized)
+        self._linking_libraries = []
+        super().finalize()
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return the address of a function, 0 if there is none of this name."""
+        if not self._finalized and not self._defines(name):
+            return 0
+        address: int = super().get_pointer_to_function(name)
+        return address
+
+    def _defines(self, name: str) -> bool:
+        try:
+            return not self._final_module.get_function(name).is_declaration
+        except NameError:
+            return False
+
+
+class Linking(JITCPUCodegen):
+    """Makes such code of all that numba compiles in this process."""
+
+    _library_class = Linked
+
+    def set_env(self, env_name: str, env: Any) -> None:
+        """Tell the code of a function, where it is ready to run, where its Python objects are."""
+        if self._engine.is_symbol_defined(env_name):
+            super().set_env(env_name, env)
+
+
+cpu_target.target_context.codegen().__class__ = Linking
+
+
+class Kernel(CPUDispatcher):
+    """A compiled function, which Python may call, and which other kernels take in."""
+
+    def __init__(self, py_func: Any, *arguments: Any, targetoptions: Any, **others: Any) -> None:
+        super().__init__(py_func, *arguments, targetoptions=targetoptions, **others)
+        taken_in = {**targetoptions, "no_cpython_wrapper": True}
+        self.taken_in = CPUDispatcher(py_func, *arguments, targetoptions=taken_in, **others)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return the type of a call by another kernel."""
+        return self.taken_in.get_call_template(args, kws)
+
+    def get_overload(self, sig: Any) -> Any:
+        """Return what stands for the code that another kernel calls."""
+        return self.taken_in.get_overload(sig)
