@@ -7,7 +7,6 @@ are never called from Python: the time to compile all of them falls by half wher
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 from llvmlite.binding import Linkage
@@ -26,16 +25,22 @@ class Linked(JITCodeLibrary):
         """Note code that is called, which need not be ready to run."""
         self._linking_libraries.append(library)
 
-    def _all_called(self) -> Iterator[Any]:
-        """Yield the code that is called, and what that calls, each once."""
-        known, left = {self}, [self]
-        while left:
-            for library in left.pop()._linking_libraries:
-                if library not in known:
-                    known.add(library)
-                    yield library
-                    if not library._finalized:
-                        left.append(library)
+    def _all_called(self) -> list[Any]:
+        """Return the code that is called, and what that calls, each after all that call it.
+
+        LLVM leaves out what nothing calls of the code that is there already.
+        """
+        found: dict[Any, None] = {}
+
+        def visit(library: Any) -> None:
+            if not library._finalized:
+                for called in library._linking_libraries:
+                    if called not in found:
+                        visit(called)
+            found[library] = None
+
+        visit(self)
+        return list(found)[-2::-1]
 
     def _get_module_for_linking(self) -> Any:
         """Return the code for others to take in; before it is finalised, without what it calls."""

@@ -1,0 +1,120 @@
+"""Kernels that are linked into those that call them: the same answers, fresh and from disk."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+
+from clast.compute.jit import kernel
+
+SCRIPT = '''
+import numpy as np
+from clast.compute.jit import kernel
+from clast.compute.parallel import BLOCKS, shared, summed
+
+
+@kernel()
+def squares(values):
+    """Return new numbers (k,)."""
+    return values * values
+
+
+@shared(BLOCKS)
+def add(first, last, one, other, found):
+    for i in range(first, last):
+        found[i] = one[i] + other[i]
+
+
+@summed(BLOCKS)
+def total(first, last, values):
+    return values[first:last].sum()
+
+
+@kernel()
+def sum_of_squares(values):
+    """Return the sum of twice the squares, by kernels of every kind."""
+    found = np.empty(len(values))
+    add(len(values), squares(values), squares(values), found)
+    return total(len(values), found)
+
+
+print(sum_of_squares(np.arange(2000.0)))
+'''
+
+
+@kernel()
+def root_of(x):
+    """Return the root of a number that is not negative."""
+    if x < 0.0:
+        raise ValueError("a root of a negative number")
+    return np.sqrt(x)
+
+
+@kernel()
+def sum_of_roots(values):
+    """Return the sum of the roots of numbers (k,)."""
+    total = 0.0
+    for x in values:
+        total += root_of(x)
+    return total
+
+
+def files_in(folder: Path) -> list[str]:
+    """Return the names of the functions that are kept."""
+    return sorted(file.name.split(".")[1].split("-")[0] for file in folder.rglob("*.nbi"))
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_what_kernels_call_is_kept_within_them(threads: int, tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT, encoding="utf-8")
+    kept = tmp_path / "kept"
+    environment = {
+        **os.environ,
+        "NUMBA_NUM_THREADS": str(threads),
+        "NUMBA_CACHE_DIR": str(kept),
+    }
+    answers = [
+        subprocess.run(
+            [sys.executable, str(script)],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for _ in range(2)
+    ]
+    expected = 2.0 * float((np.arange(2000.0) ** 2).sum())
+    assert [float(answer) for answer in answers] == [expected, expected]
+    assert files_in(kept) == ["sum_of_squares"]
+
+
+def test_a_kernel_may_be_called_by_python_and_by_kernels() -> None:
+    values = np.array([1.0, 4.0, 9.0])
+    assert sum_of_roots(values) == 6.0
+    assert root_of(16.0) == 4.0
+    assert sum_of_roots(values) == 6.0
+
+
+def test_errors_of_linked_kernels_reach_python() -> None:
+    with pytest.raises(ValueError, match="a root of a negative number"):
+        sum_of_roots(np.array([1.0, -1.0]))
+
+
+def test_functions_of_others_are_compiled_as_ever() -> None:
+    @numba.njit
+    def inner(x):
+        return 2.0 * x
+
+    @numba.njit
+    def outer(values):
+        return sum([inner(x) for x in values])
+
+    assert outer(np.arange(4.0)) == 12.0
+    assert inner(3.0) == 6.0
