@@ -15,9 +15,8 @@ import pytest
 
 from clast.block import polygon
 from clast.contact import broad_phase
-from clast.contact.candidates import find_candidates
+from clast.contact.candidates import SearchDistance, find_candidates
 from clast.contact.contacts import Contacts
-from clast.contact.search_distance import SearchDistance
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.linear import block_matrix as block_rows
 from clast.linear import pcg

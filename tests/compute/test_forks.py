@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-LIMIT = 100.0
-"""Time after which a script is taken to hang, s."""
+LIMIT = 400.0
+"""Time after which a script is taken to hang, s: with no kernel on disk a slow machine takes 100."""
 
 SCRIPT = """
 import concurrent.futures, multiprocessing, sys

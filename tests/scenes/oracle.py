@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from clast.contact.search_distance import SearchDistance
+from clast.contact.candidates import SearchDistance
 
 PARALLEL = 3.0
 """Degrees within which edges count as parallel."""

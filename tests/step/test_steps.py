@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from clast.contact.candidates import SearchDistance
 from clast.contact.laws import Penalty
-from clast.contact.search_distance import SearchDistance
 from clast.contact.verlet_list import VerletList
 from clast.errors import StepOutcome, StepRejected
 from clast.model.state import ContactMemory

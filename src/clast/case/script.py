@@ -180,13 +180,16 @@ def _values(entry: Entry, label: Label) -> Iterator[dict[str, Any]]:
     counts, vertices = entry.loops(label)
     past = np.cumsum(counts)
     velocity, stress = entry.velocities(label), entry.stresses(label)
+    joints = entry.edge_joints(label)
     for k, fixed in enumerate(entry.held(label)):
+        own = slice(past[k] - counts[k], past[k])
         yield {
-            "vertices": vertices[past[k] - counts[k] : past[k]],
+            "vertices": vertices[own],
             "rock": entry.rock,
             "fixed": bool(fixed),
             "velocity": velocity[k],
             "initial_stress": None if stress is None else stress[k],
+            "edge_joint": joints[own].tolist() if joints[own].any() else None,
         }
 
 

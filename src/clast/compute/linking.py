@@ -92,10 +92,10 @@ cpu_target.target_context.codegen().__class__ = Linking
 class Kernel(CPUDispatcher):
     """A compiled function, which Python may call, and which other kernels take in."""
 
-    def __init__(self, py_func: Any, *arguments: Any, targetoptions: Any, **others: Any) -> None:
-        super().__init__(py_func, *arguments, targetoptions=targetoptions, **others)
-        taken_in = {**targetoptions, "no_cpython_wrapper": True}
-        self.taken_in = CPUDispatcher(py_func, *arguments, targetoptions=taken_in, **others)
+    def __init__(self, py_func: Any, locals: Any = None, targetoptions: Any = None) -> None:
+        super().__init__(py_func, locals, targetoptions)
+        taken_in = {**(targetoptions or {}), "no_cpython_wrapper": True}
+        self.taken_in = CPUDispatcher(py_func, locals, taken_in)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Return the type of a call by another kernel."""

@@ -1,4 +1,4 @@
-"""Candidate edges of every vertex, before a corner rule chooses among them."""
+"""How far contacts are looked for, and the candidate edges of every vertex that this finds."""
 
 from __future__ import annotations
 
@@ -11,9 +11,28 @@ from clast.block import polygon
 from clast.contact import seams
 from clast.contact.memory import pair_penetration, remembered_edges
 from clast.contact.narrow_phase import PART, candidates_of_parts, join_parts
-from clast.contact.search_distance import SearchDistance
 from clast.model.model import Floats, Ints
 from clast.model.state import ContactMemory
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchDistance:
+    """How far contact detection looks, m."""
+
+    front: float
+    """In front of an edge, beside what the blocks may move."""
+    depth: float
+    """Behind an edge, beyond the remembered penetration: how deep a vertex may have moved."""
+    critdis: float
+    """Length by which edges are extended where corners coincide."""
+    tip: float = 0.0
+    """Length by which edges are extended for a vertex that touches with its tip alone."""
+    travel: Floats | None = None
+    """How far a vertex of each block may move in a step, m, shape (n,); added to both."""
+
+    def travel_of(self, count: int) -> Floats:
+        """Return the travel of ``count`` blocks, m, shape (count,); 0 where none is given."""
+        return np.zeros(count) if self.travel is None else self.travel
 
 
 @dataclass(frozen=True, kw_only=True)

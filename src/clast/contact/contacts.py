@@ -41,6 +41,8 @@ class Contacts:
     """Length of joint that the contact stands for (cohesion, tensile strength), m, shape (m,)."""
     levers: Floats
     """Normal (nx, ny), and offsets of P and Q from the centroids of i and j, m, shape (m, 6)."""
+    joint: Ints
+    """Joint that the contact lies along: index into those of the model, shape (m,)."""
     friction: Floats
     """tan(friction angle) of the joint, shape (m,)."""
     cohesion: Floats

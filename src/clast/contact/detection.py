@@ -16,13 +16,13 @@ from clast.block.edge_lists import FEW, edges_around, first_at_least
 from clast.block.polygon import depth_inside, vertex_after
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
-from clast.contact.candidates import Candidates, find_candidates
+from clast.contact.candidates import Candidates, SearchDistance, find_candidates
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.crossings import Chosen, with_crossings
+from clast.contact.joints import joints_of
 from clast.contact.memory import pair_penetration, recall
 from clast.contact.narrow_phase import contact_lengths
-from clast.contact.search_distance import SearchDistance
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.model.model import Floats, Ints, JointTable, Model
 from clast.model.state import ContactMemory, State
@@ -89,11 +89,12 @@ def _contacts(
     # bonds exist only along joints that are closed at the start of the run
     bond_reach = reach.critdis if state.time == 0.0 else -1.0
     row = recall(state.memory, vertex, j, edge)
-    joint = joints_of_pairs(model.joint_table, model.block_rock, touching)
-    carried = _carried(row, gap, bond_reach, state.memory, joint[pair], model.joint_table)
     ends = vertex, edge, i, j, pair
+    joint = joints_of(model, ends, touching, found.direction)
+    carried = _carried(row, gap, bond_reach, state.memory, joint, model.joint_table)
     of_edges = state.vertices, model.block_start, found.direction, found.length
     return Contacts(
+        joint=joint,
         vertex=vertex,
         edge=edge,
         vertex_block=i,
@@ -122,18 +123,6 @@ def _geometry(first, last, ends, gap, outlines, centroid, foot, levers):
             foot[c, x] = vertices[p, x] - gap[c] * levers[c, x]
             levers[c, 2 + x] = vertices[p, x] - centroid[i[c], x]
             levers[c, 4 + x] = foot[c, x] - centroid[j[c], x]
-
-
-def joints_of_pairs(table: JointTable, block_rock: Ints, pairs: Ints) -> Ints:
-    """Return the joint index of each pair of blocks: of the blocks, else of their rocks, (q,)."""
-    joint = table.rock_pair[block_rock[pairs[:, 0]], block_rock[pairs[:, 1]]]
-    if len(table.block_pair) == 0:
-        return joint
-    width = len(block_rock)
-    own = table.block_pair[:, 0] * width + table.block_pair[:, 1]
-    wanted = pairs[:, 0] * width + pairs[:, 1]
-    at = np.minimum(np.searchsorted(own, wanted), len(own) - 1)
-    return np.where(own[at] == wanted, table.block_pair_joint[at], joint)
 
 
 # memory and strength ---------------------------------------------------------------------------

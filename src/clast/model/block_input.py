@@ -20,6 +20,8 @@ from clast.model.value_checks import check_numbers
 
 Vector = Sequence[float] | Floats
 """Two or three numbers."""
+Names = np.ndarray[Any, np.dtype[np.str_]]
+"""Names in an array."""
 Label = Callable[[int], str]
 """What a message calls the block of an entry, by its number in the entry from 0."""
 
@@ -39,6 +41,10 @@ class Entry(Protocol):
 
     def loops(self, label: Label) -> tuple[Ints, Floats]:
         """Return the vertex count of each loop (k,) and all vertices one after another, m."""
+        ...
+
+    def edge_joints(self, label: Label) -> Names:
+        """Return the name of the joint of each edge, "" for none of its own, one by one."""
         ...
 
     def held(self, label: Label) -> Bools:
@@ -64,6 +70,8 @@ class OneBlock:
     fixed: bool
     velocity: Vector
     initial_stress: Vector | None
+    joints: Any = None
+    """Name of the joint of each of its edges, or none."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -74,6 +82,10 @@ class OneBlock:
         """Return the number of its vertices (1,) and the vertices, m."""
         loop = _loop(self.vertices, label)
         return np.array([len(loop)], np.int64), loop
+
+    def edge_joints(self, label: Label) -> Names:
+        """Return the name of the joint of each of its edges, "" for none of its own."""
+        return _names_of_joints(self.joints, len(self.loops(label)[1]), label(0))
 
     def held(self, label: Label) -> Bools:
         """Return whether it is fixed, shape (1,)."""
@@ -110,6 +122,8 @@ class ManyBlocks:
     fixed: Any
     velocity: Any
     initial_stress: Any
+    joints: Any = None
+    """Name of the joint of each edge, or none."""
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -127,6 +141,11 @@ class ManyBlocks:
     def loops(self, label: Label) -> tuple[Ints, Floats]:
         """Return the vertex count of each loop (k,) and the vertices (nv, 2), m."""
         return self._loops
+
+    def edge_joints(self, label: Label) -> Names:
+        """Return the name of the joint of each edge, "" for none of its own."""
+        where = f"blocks from number {self.first + 1} on"
+        return _names_of_joints(self.joints, len(self._loops[1]), where)
 
     def held(self, label: Label) -> Bools:
         """Return True where a block is fixed, shape (k,)."""
@@ -203,4 +222,19 @@ def _loop(vertices: Any, label: Label) -> Floats:
         "vertices are no list of (x, y) pairs of numbers",
         where=label(0),
         remedy="give them as [(x, y), (x, y), ...], counter-clockwise, in m",
+    )
+
+
+def _names_of_joints(given: Any, edges: int, where: str) -> Names:
+    """Return the names of joints, "" for none, of as many ``edges``."""
+    if given is None:
+        return np.full(edges, "")
+    whole = not isinstance(given, str) and len(given) == edges
+    if whole and all(one is None or isinstance(one, str) for one in given):
+        return np.array(["" if one is None else str(one) for one in given], np.str_)
+    raise ModelError(
+        f"does not name a joint for each of its {edges} edges",
+        where=f"{where}, edge_joint",
+        remedy='give one name for each vertex, that of the edge that begins there; "" for edges '
+        "without a joint of their own",
     )

@@ -27,10 +27,10 @@ from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.model import checks as model_checks
 from clast.model import ranges, value_checks
-from clast.model.block_input import Entry, Label, ManyBlocks, OneBlock, Vector
+from clast.model.block_input import Entry, Label, ManyBlocks, Names, OneBlock, Vector
 from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Still
-from clast.model.joint_input import JointEntry, joint_table, pairs_of_names
+from clast.model.joint_input import JointEntry, joint_table, joints_of_edges, pairs_of_names
 from clast.model.model import (
     Bools,
     Floats,
@@ -117,8 +117,9 @@ class ModelBuilder:
 
         The joint called "default" serves every contact that no other joint names with
         ``between`` (pairs of blocks) or ``between_rocks`` (pairs of rocks, equal ones allowed);
-        a pair of blocks goes before a pair of rocks.  Without any default, contacts are
-        frictionless.  ``restitution``, 0 to 1, goes before that of the process.
+        a pair of blocks goes before what edges say for themselves (``edge_joint`` of blocks), and
+        that before a pair of rocks.  Without any default, contacts are frictionless.
+        ``restitution``, 0 to 1, goes before that of the process.
         ``allow_small_friction_angle`` confirms an angle that looks like radians.
         """
         joint = Joint(
@@ -149,16 +150,20 @@ class ModelBuilder:
         fixed: bool = False,
         velocity: Vector = (0.0, 0.0, 0.0),
         initial_stress: Vector | None = None,
+        edge_joint: Sequence[str] | None = None,
     ) -> str:
         """Add a block by its counter-clockwise vertices (k, 2), m; return its name.
 
         The name is its number, from 1, unless one is given.  ``rock`` may be left out where there
         is only one.  A ``fixed`` block cannot move at all; ``velocity`` (u, v, omega) is that of
         its centroid at the start; ``initial_stress`` (xx, yy, xy) overrides the rock's.
+        ``edge_joint`` (k,) names the joint of the edge that begins at each vertex, "" for none.
         """
         self._count += 1
         given = str(self._count) if name is None else name
-        self._entries.append(OneBlock(given, rock, vertices, fixed, velocity, initial_stress))
+        self._entries.append(
+            OneBlock(given, rock, vertices, fixed, velocity, initial_stress, edge_joint)
+        )
         return given
 
     def blocks(
@@ -171,13 +176,14 @@ class ModelBuilder:
         fixed: bool | Bools = False,
         velocity: Vector = (0.0, 0.0, 0.0),
         initial_stress: Vector | None = None,
+        edge_joint: Sequence[str] | None = None,
     ) -> tuple[str, ...]:
         """Add k blocks at once, as arrays; return their names.  A wall of a million takes 13 s.
 
         ``vertices`` in m are (k, s, 2) where every block has s corners, or (nv, 2) with the index
         of each block's first vertex, and nv, in ``start`` (k + 1,).  ``fixed`` is one truth value
-        or (k,); ``velocity`` and ``initial_stress`` are three numbers or (k, 3).  Everything
-        else, and every check, is that of ``block``.
+        or (k,); ``velocity`` and ``initial_stress`` are three numbers or (k, 3); ``edge_joint`` is
+        (nv,).  Everything else, and every check, is that of ``block``.
 
         A run is gone on from with another load, joint or method by making its last state a model;
         the contact penetration in it is no bad geometry (what contacts of the stiffness that is
@@ -196,7 +202,7 @@ class ModelBuilder:
         Blocks of several rocks are added one by one: ``model.block_rock`` says which is whose.
         """
         entry = ManyBlocks(
-            self._count, names, rock, vertices, start, fixed, velocity, initial_stress
+            self._count, names, rock, vertices, start, fixed, velocity, initial_stress, edge_joint
         )
         self._count += len(entry.names)
         self._entries.append(entry)
@@ -242,11 +248,12 @@ class ModelBuilder:
         outlines = self._outlines()
         polygons = outlines.polygons()
         clockwise = model_checks.check_polygons(outlines, polygons)
+        edge_joint = self._edge_joint_names(outlines)[outlines.turned_edges(clockwise)]
         outlines = outlines.turned(clockwise)
         block_rock = self._block_rocks(outlines)
         block_number = {name: number for number, name in enumerate(outlines.names)}
         rock_number = {rock.name: index for index, rock in enumerate(self._rocks)}
-        table = joint_table(self._joints, rock_number, block_number)
+        table = joint_table(self._joints, rock_number, block_number, edge_joint)
         overlaps = model_checks.check_overlaps(outlines, polygons)
 
         def places(entries: list[Place]) -> Places:
@@ -263,6 +270,7 @@ class ModelBuilder:
             origin=outlines.origin,
             rocks=tuple(self._rocks),
             joint_table=table,
+            edge_joint=joints_of_edges(table, edge_joint),
             block_name=outlines.names,
             block_start=outlines.start,
             block_rock=block_rock,
@@ -336,6 +344,12 @@ class ModelBuilder:
             index = number_of(name, number, "rock", label(0))
             found.append(np.full(len(entry.names), index, np.int64))
         return np.concatenate(found)
+
+    def _edge_joint_names(self, outlines: Outlines) -> Names:
+        """Return the name of the joint of each edge, "" for none of its own, shape (nv,)."""
+        return np.concatenate(
+            [entry.edge_joints(label) for entry, label in self._labelled(outlines)]
+        )
 
     def _fixed(self, outlines: Outlines) -> Bools:
         """Return True where a block cannot move at all, shape (n,)."""

@@ -58,6 +58,12 @@ class Outlines:
         order = np.where(clockwise[self.owner], back, vertex)
         return replace(self, vertices=np.ascontiguousarray(self.vertices[order]))
 
+    def turned_edges(self, clockwise: Bools) -> Ints:
+        """Return which edge each one was before some loops (n,) were turned, shape (nv,)."""
+        edge = np.arange(len(self.vertices))
+        back = self.start[self.owner] + self.start[self.owner + 1] - 1 - edge
+        return np.where(clockwise[self.owner], back, edge)
+
     def label(self, block: int) -> str:
         """Return how a message calls a block: its number from 1, and its name."""
         number, name = str(block + 1), shortened(self.names[block])

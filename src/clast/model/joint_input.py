@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from clast.errors import ModelError, shortened
-from clast.model.model import Joint, JointTable
+from clast.model.block_input import Names
+from clast.model.model import Ints, Joint, JointTable
 from clast.model.value_checks import number_of
 
 
@@ -40,9 +41,16 @@ def pairs_of_names(pairs: Iterable[tuple[str, str]], where: str) -> tuple[tuple[
 
 
 def joint_table(
-    entries: Sequence[JointEntry], rock_number: dict[str, int], block_number: dict[str, int]
+    entries: Sequence[JointEntry],
+    rock_number: dict[str, int],
+    block_number: dict[str, int],
+    edge_joint: Names,
 ) -> JointTable:
-    """Return the joints, the default first, and the pairs that they belong to."""
+    """Return the joints, the default first, and the pairs that they belong to.
+
+    ``edge_joint`` (nv,) names those of edges.
+    """
+    along_edges = set(np.unique(edge_joint).tolist())
     ordered = sorted(entries, key=lambda entry: entry.joint.name != "default")
     if not ordered or ordered[0].joint.name != "default":
         ordered.insert(0, JointEntry(Joint(), (), (), allow_small_friction_angle=False))
@@ -50,12 +58,13 @@ def joint_table(
     block_joint: dict[tuple[int, int], int] = {}
     for index, entry in enumerate(ordered):
         name = entry.joint.name
-        if index > 0 and not entry.between and not entry.between_rocks:
+        placed = entry.between or entry.between_rocks or name in along_edges
+        if index > 0 and not placed:
             raise ModelError(
                 "belongs to no contact",
                 where=f"joint '{name}'",
-                remedy="call it default, or say where it is with between (pairs of blocks) "
-                "or between_rocks (pairs of rocks)",
+                remedy="call it default, or say where it is with between (pairs of blocks), "
+                "between_rocks (pairs of rocks) or the edge_joint of blocks",
             )
         _assign(entry.between_rocks, "rock", rock_number, index, rock_joint, ordered)
         _assign(entry.between, "block", block_number, index, block_joint, ordered)
@@ -69,6 +78,17 @@ def joint_table(
         block_pair=np.array(pairs, np.int64).reshape(-1, 2),
         block_pair_joint=np.array([block_joint[pair] for pair in pairs], np.int64),
     )
+
+
+def joints_of_edges(table: JointTable, names: Names) -> Ints:
+    """Return the joint index of each edge by its name, -1 where it has none of its own, (nv,)."""
+    number = {joint.name: index for index, joint in enumerate(table.joints)}
+    distinct, which = np.unique(names, return_inverse=True)
+    found = [
+        number_of(name, number, "joint", "blocks, edge_joint") if name else -1
+        for name in distinct.tolist()
+    ]
+    return np.asarray(np.array(found, np.int64)[which])
 
 
 def _assign(

@@ -153,7 +153,7 @@ class PointSlices:
 
 @dataclass(frozen=True, kw_only=True)
 class JointTable:
-    """The joint of a contact: by pair of blocks, else by pair of rocks, else the first."""
+    """The joint of a contact: by pair of blocks, edge, pair of rocks, else the first."""
 
     joints: tuple[Joint, ...]
     """All joints; the first is the default."""
@@ -200,6 +200,8 @@ class Model:
     """All rocks."""
     joint_table: JointTable
     """Joints and which contacts they belong to."""
+    edge_joint: Ints
+    """Joint index of the edge from each vertex to the next; -1: none of its own, shape (nv,)."""
     block_name: tuple[str, ...]
     """Name of each block."""
     block_start: Ints

@@ -17,11 +17,11 @@ from itertools import chain
 import numpy as np
 
 from clast.block import polygon
+from clast.contact.candidates import SearchDistance
 from clast.contact.contacts import SLIDE, ContactResponse, Contacts
 from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
 from clast.contact.laws import ContactLaw, has_limits
-from clast.contact.search_distance import SearchDistance
 from clast.model.builder import ModelBuilder
 from clast.model.model import Bools, Floats
 from clast.model.state import initial_state

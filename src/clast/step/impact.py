@@ -30,7 +30,6 @@ import numpy as np
 from clast.block.inertia import BlockFrames
 from clast.compute.jit import kernel
 from clast.contact.contacts import Contacts
-from clast.contact.detection import joints_of_pairs
 from clast.contact.laws import ContactLaw
 from clast.contact.multipliers import has_multipliers
 from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_forces
@@ -136,8 +135,7 @@ def restitutions(model: Model, contacts: Contacts, restitution: float) -> Floats
     of_joints = [
         restitution if one.restitution is None else one.restitution for one in table.joints
     ]
-    joint = joints_of_pairs(table, model.block_rock, contacts.pairs)
-    return np.array(of_joints, float)[joint][contacts.pair]
+    return np.array(of_joints, float)[contacts.joint]
 
 
 def flying(begun: Begun, contacts: Contacts, graph: Graph) -> Floats:

@@ -15,10 +15,10 @@ import numpy as np
 from clast.block.inertia import block_frames
 from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
+from clast.contact.candidates import SearchDistance
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.detection import detect
 from clast.contact.laws import ContactLaw
-from clast.contact.search_distance import SearchDistance
 from clast.errors import StepOutcome
 from clast.linear.reuse import FactorOfStep
 from clast.linear.system import DiagonalTerms, contact_motions, slip_in_step

@@ -17,10 +17,10 @@ from clast.actions.acting import acceleration_of, actions_of, add_shares, own_st
 from clast.actions.action import Action, Share, StepStart
 from clast.block import equations
 from clast.block.inertia import BlockFrames, block_frames
+from clast.contact.candidates import SearchDistance
 from clast.contact.clipped_spring import Springs
 from clast.contact.contacts import Contacts
 from clast.contact.detection import detect
-from clast.contact.search_distance import SearchDistance
 from clast.linear.system import DiagonalTerms
 from clast.model.model import Floats, Model
 from clast.model.state import State

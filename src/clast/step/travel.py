@@ -14,8 +14,8 @@ import numpy as np
 
 from clast.block import polygon
 from clast.block.displacement import displacements
+from clast.contact.candidates import SearchDistance
 from clast.contact.contacts import Contacts
-from clast.contact.search_distance import SearchDistance
 from clast.linear.system import gap_at_end
 from clast.model.model import Floats
 from clast.step.method import Method

@@ -29,6 +29,8 @@ class LoopTable(Table):
     """Velocity (u, v, omega) at the start, m/s and rad/s, counter-clockwise."""
     initial_stress: Stresses | None = None
     """Stress (xx, yy, xy) at the start, Pa, tension positive; the rock's if absent."""
+    edge_joint: list[StrictStr] | None = None
+    """Joint of the edge from each vertex to the next, one name a vertex; "" for none of its own."""
 
 
 class GeometryTable(Table):
@@ -91,6 +93,8 @@ class BlockTable(Table):
     """Velocity (u, v, omega) at the start, m/s and rad/s, counter-clockwise."""
     initial_stress: Stresses | None = None
     """Stress (xx, yy, xy) at the start, Pa, tension positive; the rock's if absent."""
+    edge_joint: list[StrictStr] | None = None
+    """Joint of the edge from each vertex to the next, one name a vertex; "" for none of its own."""
 
     def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
         """Add the block."""
