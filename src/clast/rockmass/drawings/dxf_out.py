@@ -1,0 +1,109 @@
+"""Blocks out as DXF: a closed LWPOLYLINE for each block on the layer of its rock, in metres."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clast.errors import CaseError, shortened
+from clast.rockmass.drawings.blocks import Blocks, blocks_of
+from clast.rockmass.drawings.drawing import DEFAULT_JOINT
+from clast.rockmass.drawings.files import replaced
+
+FORBIDDEN = set('<>/\\":;?*|=`,')
+"""Characters that names of DXF layers do not have."""
+LONGEST_NAME = 255
+COLOURS = (7, 1, 3, 5, 2, 6, 4, 30, 94, 200)
+"""AutoCAD colours of the layers, one after the other."""
+
+
+def write_blocks_dxf(
+    path: str | Path,
+    vertices: Any,
+    block_start: Any,
+    rock: Sequence[str],
+    edge_joint: Sequence[str] | None = None,
+) -> None:
+    """Write blocks to a DXF file, and their joints as lines on layers JOINTS_name if given.
+
+    ``vertices`` (nv, 2), m, of the blocks that begin at ``block_start`` (nb + 1,), their rocks (nb,)
+    and the joints (nv,) of the edges from each vertex to the next; an edge without a joint has an
+    empty name.  Lines that two blocks share are drawn once.  Raises CaseError where the arrays do
+    not belong together, a name cannot be that of a layer, or nothing can be written at ``path``.
+    """
+    blocks = blocks_of(vertices, block_start, rock, edge_joint)
+    document = _document(path)
+    layers = {name: name for name in dict.fromkeys(blocks.rock)}
+    joints = {name: _joint_layer(name) for name in dict.fromkeys(blocks.edge_joint) if name}
+    _check_layers([*layers.values(), *joints.values()])
+    for number, layer in enumerate([*layers.values(), *joints.values()]):
+        if not document.layers.has_entry(layer):
+            document.layers.add(layer, color=COLOURS[number % len(COLOURS)])
+    space = document.modelspace()
+    for block, name in enumerate(blocks.rock):
+        points = blocks.polygon(block).tolist()
+        space.add_lwpolyline(points, close=True, dxfattribs={"layer": layers[name]})
+    for start, end, name in _joint_lines(blocks):
+        space.add_line(start, end, dxfattribs={"layer": joints[name]})
+    text = io.StringIO()
+    document.write(text)
+    with replaced(Path(path)) as file:
+        file.write(document.encode(text.getvalue()))
+
+
+def _document(path: str | Path) -> Any:
+    """Return an empty document in metres."""
+    try:
+        import ezdxf
+    except ImportError:
+        raise CaseError(
+            "DXF files are written by ezdxf, which is not installed",
+            where=str(path),
+            remedy='install it: pip install "clast[dxf]", or write .csv or .npz',
+        ) from None
+    return ezdxf.new("R2010", units=6)
+
+
+def _joint_layer(name: str) -> str:
+    """Return the layer of a joint's lines, which read_dxf reads again under the same name."""
+    return "JOINTS" if name == DEFAULT_JOINT else f"JOINTS_{name}"
+
+
+def _check_layers(names: Sequence[str]) -> None:
+    """Refuse names that layers cannot have, and those that differ only in capitals."""
+    seen: dict[str, str] = {}
+    for name in names:
+        bad = sorted(FORBIDDEN & set(name)) or [c for c in name if not c.isprintable()]
+        if bad or not name.strip() or len(name) > LONGEST_NAME:
+            listed = ", ".join(repr(one) for one in bad[:5])
+            raise CaseError(
+                f"'{shortened(name)}' cannot be the name of a DXF layer"
+                + (f": it has {listed}" if bad else ""),
+                remedy="rename the rock or the joint, or write .csv or .npz",
+            )
+        other = seen.setdefault(name.casefold(), name)
+        if other != name:
+            raise CaseError(
+                f"'{shortened(other)}' and '{shortened(name)}' would be one layer",
+                remedy="rename one of them: layers do not tell capitals",
+            )
+
+
+def _joint_lines(blocks: Blocks) -> list[tuple[list[float], list[float], str]]:
+    """Return start, end and joint of the edges that have one, those of two blocks once."""
+    following = np.arange(1, len(blocks.vertices) + 1)
+    following[blocks.block_start[1:] - 1] = blocks.block_start[:-1]
+    seen: set[tuple[tuple[float, ...], tuple[float, ...], str]] = set()
+    lines = []
+    at = blocks.vertices.tolist()
+    for k, name in enumerate(blocks.edge_joint):
+        first, second = tuple(at[k]), tuple(at[following[k]])
+        key = (min(first, second), max(first, second), name)
+        if name and key not in seen:
+            seen.add(key)
+            lines.append((at[k], at[following[k]], name))
+    return lines
