@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from clast.errors import CaseError, shortened
@@ -20,7 +20,7 @@ from clast.rockmass.legacy.shi_geometry import read_shi_geometry
 class Reading:
     """How a drawing is read, as far as its kind of file asks."""
 
-    dxf: DxfReading = DxfReading()
+    dxf: DxfReading = field(default_factory=DxfReading)
     mass_unit: float = 1.0
     """Kilograms in the unit of mass of Shi's files: 1000 for t, kN and kPa."""
 
@@ -31,8 +31,8 @@ def read_drawing(
     """Return what a file draws: .dxf, .csv, .xml or, with any other ending, a text geometry of Shi.
 
     A DXF file without a layer of clast is read by the convention of DDA for Windows where it has
-    the texts F, L, M or H of that.  ``analysis`` is the analysis file, .xml or text, that belongs to
-    a legacy geometry.  Raises CaseError for files that cannot be read.
+    the texts F, L, M or H of that.  ``analysis`` is the analysis file, .xml or text, that belongs
+    to a legacy geometry.  Raises CaseError for files that cannot be read.
     """
     path, how = Path(path), reading or Reading()
     reader = READERS.get(path.suffix.casefold(), _shi)
@@ -71,7 +71,7 @@ def _xml(path: Path, how: Reading) -> Drawing:
 
 
 def _shi(path: Path, how: Reading) -> Drawing:
-    return read_shi_geometry(path)
+    return read_shi_geometry(path, how.mass_unit)
 
 
 def _not_read(path: Path, how: Reading) -> Drawing:

@@ -30,8 +30,8 @@ def write_blocks_dxf(
 ) -> None:
     """Write blocks to a DXF file, and their joints as lines on layers JOINTS_name if given.
 
-    ``vertices`` (nv, 2), m, of the blocks that begin at ``block_start`` (nb + 1,), their rocks (nb,)
-    and the joints (nv,) of the edges from each vertex to the next; an edge without a joint has an
+    ``vertices`` (nv, 2), m, of the blocks that begin at ``block_start`` (nb + 1,), their rocks
+    (nb,) and the joints (nv,) of the edges from each vertex to the next; an edge without a joint has an
     empty name.  Lines that two blocks share are drawn once.  Raises CaseError where the arrays do
     not belong together, a name cannot be that of a layer, or nothing can be written at ``path``.
     """
@@ -58,14 +58,14 @@ def write_blocks_dxf(
 def _document(path: str | Path) -> Any:
     """Return an empty document in metres."""
     try:
-        import ezdxf
+        from ezdxf.filemanagement import new
     except ImportError:
         raise CaseError(
             "DXF files are written by ezdxf, which is not installed",
             where=str(path),
             remedy='install it: pip install "clast[dxf]", or write .csv or .npz',
         ) from None
-    return ezdxf.new("R2010", units=6)
+    return new("R2010", units=6)
 
 
 def _joint_layer(name: str) -> str:

@@ -100,14 +100,14 @@ def read_dda_xml(path: str | Path, mass_unit: float = 1.0) -> Drawing:
                 "has neither lines nor materials", where=file, remedy="see whether it is whole"
             )
         return Drawing(file=file, analysis=analysis, left_out=left)
-    drawing = legacy_drawing(_geometry(root, file))
+    drawing = legacy_drawing(_geometry(root, file, scale))
     return replace(drawing, analysis=analysis, left_out=(*drawing.left_out, *left))
 
 
 # Geometry ----------------------------------------------------------------------------------------
 
 
-def _geometry(root: Element, file: str) -> LegacyGeometry:
+def _geometry(root: Element, file: str, scale: float) -> LegacyGeometry:
     """Return the lines and points of the file."""
     fixed = _rows(root, "fixedpointlist", ("point", "line"), file, (2, 4))
     return LegacyGeometry(
@@ -123,6 +123,7 @@ def _geometry(root: Element, file: str) -> LegacyGeometry:
         load_points=_rows(root, "loadpointlist", ("point",), file, (2, 2)),
         measured_points=_rows(root, "measuredpointlist", ("point",), file, (2, 2)),
         hole_points=_rows(root, "holepointlist", ("point",), file, (2, 2)),
+        mass_unit=scale,
     )
 
 

@@ -25,15 +25,16 @@ from pathlib import Path
 from clast.errors import CaseError
 from clast.rockmass.drawings.drawing import Drawing, LeftOut
 from clast.rockmass.legacy.number_text import NumberText
-from clast.rockmass.legacy.words import LegacyGeometry, legacy_drawing
+from clast.rockmass.legacy.words import LegacyGeometry, check_mass_unit, legacy_drawing
 
 
-def read_shi_geometry(path: str | Path) -> Drawing:
+def read_shi_geometry(path: str | Path, mass_unit: float = 1.0) -> Drawing:
     """Return the drawing of a text geometry of Shi's programs, m.
 
-    Raises CaseError with the line where it is no such file, and where its lines enclose no area.
+    ``mass_unit`` is the kilograms in the unit of mass of what bolts bear.  Raises CaseError with the
+    line where it is no such file, and where its lines enclose no area.
     """
-    text = NumberText(Path(path))
+    scale, text = check_mass_unit(mass_unit), NumberText(Path(path))
     distance = text.number("the node distance e00")
     if not 0.0 <= distance < 1.0:
         raise CaseError(
@@ -71,6 +72,7 @@ def read_shi_geometry(path: str | Path) -> Drawing:
         load_points=text.rows(counts[3], 2, "load point"),
         measured_points=text.rows(counts[4], 2, "measured point"),
         hole_points=text.rows(counts[5], 2, "hole point"),
+        mass_unit=scale,
     )
     return legacy_drawing(replace(given, left_out=rest_of(text)))
 

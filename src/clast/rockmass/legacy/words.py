@@ -90,6 +90,8 @@ class LegacyGeometry:
     load_points: tuple[Numbers, ...]
     measured_points: tuple[Numbers, ...]
     hole_points: tuple[Numbers, ...]
+    mass_unit: float = 1.0
+    """Kilograms in the unit of mass of what bolts bear."""
     notes: tuple[str, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
 
@@ -101,10 +103,10 @@ def legacy_drawing(given: LegacyGeometry) -> Drawing:
     """
     notes, left = list(given.notes), list(given.left_out)
     traces, short = _traces(given.joints, given.file)
-    left += short
+    left += [*short, *_outer_types(given.boundary)]
     boundary, faces = _domain(given, [trace.points for trace in traces], notes)
     openings, holes = _openings(given.hole_points, faces)
-    kinds, bolts = _bolts(given.bolts, given.file, notes)
+    kinds, bolts = _bolts(given, notes)
     spots = [one for one in given.fixed if (one.ends[0] == one.ends[1]).all()]
     lines = [one for one in given.fixed if (one.ends[0] != one.ends[1]).any()]
     return Drawing(
@@ -143,6 +145,16 @@ def _traces(joints: Sequence[Numbers], file: str) -> tuple[list[Polyline], list[
         else:
             traces.append(Polyline(points=one.ends, joint=joint, place=one.place))
     return traces, left
+
+
+def _outer_types(boundary: Sequence[Numbers]) -> list[LeftOut]:
+    """Return the joint types of boundary lines, which no contact has."""
+    types = sorted({one.values[4] for one in boundary if len(one.values) > 4})
+    if not types:
+        return []
+    listed = ", ".join(f"{one:g}" for one in types)
+    what = f"joint types {listed} of {len(boundary)} boundary lines"
+    return [LeftOut(what=what, place=boundary[0].place, reason="nothing touches the outer edges")]
 
 
 def _domain(
@@ -187,31 +199,29 @@ def _openings(
     return openings, left
 
 
-def _bolts(
-    bolts: Sequence[Numbers], file: str, notes: list[str]
-) -> tuple[list[BoltKind], list[Segment]]:
+def _bolts(given: LegacyGeometry, notes: list[str]) -> tuple[list[BoltKind], list[Segment]]:
     """Return the kinds of bolts and the bolts."""
     kinds: dict[tuple[float, ...], BoltKind] = {}
     segments = []
-    for one in bolts:
+    for one in given.bolts:
         length = float(np.hypot(*(one.ends[1] - one.ends[0])))
-        stiffness, strength, force = (*one.values[4:], 0.0, 0.0, 0.0)[:3]
-        if length == 0.0 or stiffness < 0.0 or strength < 0.0:
+        e0, t0, f0 = (given.mass_unit * value for value in (*one.values[4:], 0.0, 0.0, 0.0)[:3])
+        if length == 0.0 or e0 < 0.0 or t0 < 0.0:
             raise CaseError(
-                f"a bolt of the length {length:g} m, e0 {stiffness:g}, t0 {strength:g}",
-                where=f"{file}: {one.place}",
+                f"a bolt of the length {length:g} m, e0 {e0:g}, t0 {t0:g}",
+                where=f"{given.file}: {one.place}",
                 remedy="a bolt has two ends; its stiffness and strength are 0 or more",
             )
-        key = (float(f"{stiffness / length:.9g}"), strength, force)
+        key = (float(f"{e0 / length:.9g}"), t0, f0)
         kind = BoltKind(
             name=f"bolt-{len(kinds) + 1}",
             stiffness=key[0],
-            yield_force=strength if strength > 0.0 else math.inf,
-            pretension=force,
+            yield_force=t0 if t0 > 0.0 else math.inf,
+            pretension=f0,
         )
         kind = kinds.setdefault(key, kind)
         segments.append(Segment(name=kind.name, ends=one.ends, place=one.place))
-    if bolts:
+    if given.bolts:
         notes.append("stiffnesses of bolts are e0 / length, as e0 is force by strain (Shi 1988)")
     return list(kinds.values()), segments
 
