@@ -108,9 +108,7 @@ def lines_of_layer(
     collected = _one_layer(Path(path), layer, reading or DxfReading())
     for piece in collected.content.pieces:
         collected.trace(piece, joint or role_of(piece.layer)[1])
-    if collected.left_out:
-        first = collected.left_out[0]
-        raise CaseError(f"{first.what}: {first.reason}", where=f"{path}: {first.place}")
+    _refuse_left_out(collected)
     return tuple(collected.traces)
 
 
@@ -122,6 +120,7 @@ def outline_of_layer(path: str | Path, layer: str, reading: DxfReading | None = 
     collected = _one_layer(Path(path), layer, reading or DxfReading())
     for piece in collected.content.pieces:
         collected.outlined(piece, layer, "")
+    _refuse_left_out(collected)
     outlines = collected.outlines()
     rings = [one for group in outlines.values() for one in group]
     if len(rings) != 1:
@@ -176,6 +175,16 @@ def _one_layer(path: Path, layer: str, reading: DxfReading) -> _Collected:
     if not any(name.strip().casefold() == asked for name in content.layers):
         raise _no_layer(content, path, layer, "name one of these layers")
     return _Collected(path, content, reading)
+
+
+def _refuse_left_out(collected: _Collected) -> None:
+    """Refuse a layer with something on it that is not taken over."""
+    for one in collected.left_out:
+        raise CaseError(
+            f"{one.what}: {one.reason}",
+            where=f"{collected.path}: {one.place}",
+            remedy="put it on another layer",
+        )
 
 
 def _no_layer(content: DxfContent, path: Path, layer: str, remedy: str) -> CaseError:
@@ -307,7 +316,7 @@ class _Collected:
             unit=self.content.unit,
             unit_source=self.content.unit_source,
             notes=tuple(self.notes),
-            left_out=tuple(self.left_out),
+            left_out=(*self.left_out, *self.content.elsewhere),
         )
 
     def _boundary(self, found: Sequence[Outline]) -> Floats:

@@ -83,6 +83,9 @@ class DxfContent:
     unit_source: str
     notes: tuple[str, ...]
     left_out: tuple[LeftOut, ...]
+    """What is on the layers that were wanted and cannot be drawn."""
+    elsewhere: tuple[LeftOut, ...]
+    """What is on other layers and in paper space."""
 
 
 def dxf_content(
@@ -111,8 +114,7 @@ def dxf_content(
             found.append((entity, layer, place))
         else:
             others.setdefault((layer, entity.dxftype()), []).append(place)
-    left += [_unwanted(key, places) for key, places in others.items()]
-    left += _other_spaces(document)
+    elsewhere = [_unwanted(key, places) for key, places in others.items()]
     notes += _hidden_layers(document, {layer for _, layer, _ in found})
     pieces, flattened = _flattened(found, document, path, left, (metres, sagitta))
     return DxfContent(
@@ -122,6 +124,7 @@ def dxf_content(
         unit_source=source,
         notes=(*notes, *flattened),
         left_out=tuple(left),
+        elsewhere=(*elsewhere, *_other_spaces(document)),
     )
 
 

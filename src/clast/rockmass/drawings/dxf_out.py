@@ -31,9 +31,9 @@ def write_blocks_dxf(
     """Write blocks to a DXF file, and their joints as lines on layers JOINTS_name if given.
 
     ``vertices`` (nv, 2), m, of the blocks that begin at ``block_start`` (nb + 1,), their rocks
-    (nb,) and the joints (nv,) of the edges from each vertex to the next; an edge without a joint has an
-    empty name.  Lines that two blocks share are drawn once.  Raises CaseError where the arrays do
-    not belong together, a name cannot be that of a layer, or nothing can be written at ``path``.
+    (nb,) and the joints (nv,) of the edges from each vertex to the next, empty where there is none.
+    Lines that two blocks share are drawn once.  Raises CaseError where the arrays do not belong
+    together, a name cannot be that of a layer, or nothing can be written at ``path``.
     """
     blocks = blocks_of(vertices, block_start, rock, edge_joint)
     document = _document(path)

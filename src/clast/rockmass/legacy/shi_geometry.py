@@ -31,8 +31,8 @@ from clast.rockmass.legacy.words import LegacyGeometry, check_mass_unit, legacy_
 def read_shi_geometry(path: str | Path, mass_unit: float = 1.0) -> Drawing:
     """Return the drawing of a text geometry of Shi's programs, m.
 
-    ``mass_unit`` is the kilograms in the unit of mass of what bolts bear.  Raises CaseError with the
-    line where it is no such file, and where its lines enclose no area.
+    ``mass_unit`` is the kilograms in the unit of mass of what bolts bear.  Raises CaseError with
+    the line where it is no such file, and where its lines enclose no area.
     """
     scale, text = check_mass_unit(mass_unit), NumberText(Path(path))
     distance = text.number("the node distance e00")
