@@ -198,10 +198,10 @@ def ring(loop: Loop, what: str, file: str) -> tuple[Floats, list[str]]:
 
 
 def outline_of_lines(lines: Sequence[Floats]) -> tuple[Floats, list[Floats]] | None:
-    """Return the outline of all faces that lines enclose, and the faces; None if it is not one.
+    """Return the outline of all faces that lines enclose, and those inside; None if it is not one.
 
-    The outline is counter-clockwise, (n, 2), m; ends that dangle have no part in it, as in Shi's
-    block cutting.
+    All are counter-clockwise, (n, 2), m; ends that dangle have no part in them, as in Shi's block
+    cutting.  Faces inside are those without a hole, where there is more than one face.
     """
     merged = shapely.unary_union([shapely.LineString(line) for line in lines if len(line) > 1])
     faces = [face for face in shapely.polygonize([merged]).geoms if face.area > 0.0]
@@ -210,7 +210,7 @@ def outline_of_lines(lines: Sequence[Floats]) -> tuple[Floats, list[Floats]] | N
     whole = shapely.unary_union(faces)
     if whole.geom_type != "Polygon":
         return None
-    plain = [face for face in faces if not face.interiors]
+    plain = [face for face in faces if len(faces) > 1 and not face.interiors]
     outer = shapely.Polygon(whole.exterior).simplify(0.0)
     return _counter_clockwise(outer), [_counter_clockwise(face) for face in plain]
 

@@ -164,7 +164,7 @@ def _domain(
     outer = [one.ends for one in given.boundary if (one.ends[0] != one.ends[1]).any()]
     found = outline_of_lines(outer) if outer else None
     if found is not None:
-        return found[0], found[1] if len(found[1]) > 1 else []
+        return found
     found = outline_of_lines([*outer, *traces])
     if found is None:
         raise CaseError(
