@@ -26,6 +26,8 @@ DEEPEST = 20
 """Most blocks within blocks."""
 MOST_ENTITIES = 500_000
 """Most entities of a drawing, those of block references counted each time."""
+BEGINNING = 100_000
+"""Bytes within which a DXF file has its first section."""
 MOST_CHORDS = 100_000
 """Most chords of one curve."""
 SAGITTA = 1e-4
@@ -156,7 +158,11 @@ def unit_of(code: Any, given: str | float | None, file: str) -> tuple[float, str
 
 def _document(path: Path) -> tuple[Any, list[str]]:
     """Return the document of a DXF file, repaired where it could be, and what was repaired."""
-    checked_file(path)
+    with checked_file(path).open("rb") as file:
+        beginning = file.read(BEGINNING)
+    if b"SECTION" not in beginning:
+        what = "is a DWG file" if beginning.startswith(b"AC10") else "is no DXF file"
+        raise CaseError(what, where=str(path), remedy="save it anew as DXF (R2000 or later)")
     try:
         from ezdxf import recover
     except ImportError:
