@@ -96,6 +96,11 @@ def _unsaid(drawing: Drawing) -> Iterator[LeftOut]:
         yield LeftOut(what=what, place=line.place, reason=ROCK)
     for spot in drawing.hole_points:
         yield LeftOut(what=f"hole point {_at(spot.at)}", place=spot.place, reason=HOLE)
+    for joint in drawing.analysis.joints:
+        if joint.name not in _named_joints(drawing):
+            values = (joint.friction_angle, joint.cohesion, joint.tensile_strength)
+            what = f"joint {joint.name}, {' '.join(f'{value:g}' for value in values)}"
+            yield LeftOut(what=what, place=joint.place, reason="no trace has it")
     yield from _unsaid_loads(drawing)
     yield from _unsaid_of_rocks(drawing.analysis)
     sets = sorted({trace.joint_set for trace in drawing.traces if trace.joint_set})
@@ -212,7 +217,7 @@ def _rock(rock: DrawnRock) -> dict[str, Any]:
 
 
 def _joints(drawing: Drawing) -> dict[str, Any]:
-    """Return [joint.NAME] for every joint that the file describes or names."""
+    """Return [joint.NAME] for every joint that a trace has."""
     described = {
         joint.name: {
             "friction_angle": joint.friction_angle,
@@ -221,9 +226,13 @@ def _joints(drawing: Drawing) -> dict[str, Any]:
         }
         for joint in drawing.analysis.joints
     }
-    named = sorted({trace.joint for trace in drawing.traces})
     unknown = {"friction_angle": TO_BE_GIVEN}
-    return {name: described.get(name, unknown) for name in dict.fromkeys([*described, *named])}
+    return {name: described.get(name, unknown) for name in _named_joints(drawing)}
+
+
+def _named_joints(drawing: Drawing) -> list[str]:
+    """Return the joints of the traces, sorted: a case refuses joints that no contact has."""
+    return sorted({trace.joint for trace in drawing.traces})
 
 
 def _domain(drawing: Drawing) -> str:
