@@ -9,7 +9,7 @@ from pathlib import Path
 from clast.errors import CaseError, shortened
 from clast.rockmass.drawings.csv_lines import read_csv
 from clast.rockmass.drawings.drawing import Drawing, with_analysis
-from clast.rockmass.drawings.dxf import DxfReading, has_clast_layers, read_dda_dxf, read_dxf
+from clast.rockmass.drawings.dxf import DxfReading, MissingLayer, read_dda_dxf, read_dxf, role_of
 from clast.rockmass.drawings.files import checked_file
 from clast.rockmass.legacy.dda_xml import read_dda_xml
 from clast.rockmass.legacy.shi_analysis import read_shi_analysis
@@ -52,14 +52,20 @@ def _analysed(drawing: Drawing, path: Path, how: Reading) -> Drawing:
 
 def _dxf(path: Path, how: Reading) -> Drawing:
     """Return a DXF drawing by clast's layers, else by the convention of DDA for Windows."""
-    if has_clast_layers(path):
+    try:
         return read_dxf(path, how.dxf)
+    except MissingLayer as missing:
+        if any(role_of(layer)[0] for layer in missing.layers):
+            raise
+        refused = missing
     try:
         drawing = read_dda_dxf(path, how.dxf)
     except CaseError:
-        return read_dxf(path, how.dxf)  # which says what layers there are
+        raise refused from None
     marks = (drawing.fixed_points, drawing.load_points, drawing.measured_points)
-    return drawing if any(marks) or drawing.hole_points else read_dxf(path, how.dxf)
+    if any(marks) or drawing.hole_points:
+        return drawing
+    raise refused
 
 
 def _csv(path: Path, how: Reading) -> Drawing:

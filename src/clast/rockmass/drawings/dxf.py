@@ -71,6 +71,14 @@ class DxfReading:
                 raise CaseError(f"{value!r} is no distance", where=key, remedy="give m, above 0")
 
 
+class MissingLayer(CaseError):
+    """A DXF file without the layer that is asked for; ``layers`` are those it has."""
+
+    def __init__(self, what: str, *, where: str, remedy: str, layers: tuple[str, ...]) -> None:
+        self.layers = layers
+        super().__init__(what, where=where, remedy=remedy)
+
+
 def role_of(layer: str) -> tuple[str, str]:
     """Return what a layer is for and the name after it; the role is empty where it is not read."""
     head, line, name = layer.strip().partition("_")
@@ -160,12 +168,6 @@ def read_dda_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing
     return collected.drawing(found[0])
 
 
-def has_clast_layers(path: Path) -> bool:
-    """Return whether a DXF file has a layer of the convention of clast with something on it."""
-    content = dxf_content(path, lambda _: False)
-    return any(role_of(layer)[0] for layer in content.layers)
-
-
 def _one_layer(path: Path, layer: str, reading: DxfReading) -> _Collected:
     """Return what can be collected from one layer, or say which there are."""
     asked = layer.strip().casefold()
@@ -187,12 +189,13 @@ def _refuse_left_out(collected: _Collected) -> None:
         )
 
 
-def _no_layer(content: DxfContent, path: Path, layer: str, remedy: str) -> CaseError:
+def _no_layer(content: DxfContent, path: Path, layer: str, remedy: str) -> MissingLayer:
     listed = ", ".join(content.layers[:20]) if content.layers else "none: nothing is drawn"
-    return CaseError(
+    return MissingLayer(
         f"nothing is drawn on a layer {layer}",
         where=str(path),
         remedy=f"{remedy}; the layers are: {listed}",
+        layers=content.layers,
     )
 
 
