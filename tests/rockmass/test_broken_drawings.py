@@ -103,6 +103,7 @@ TEXTS = [
     ("xml", "<DDA/>", "neither lines nor materials"),
     ("xml", XML.replace(">-1 0 21 0<", ">-1 0 21<"), "line 10, line.*3 numbers instead of 4"),
     ("xml", XML.replace(">-1 0 21 0<", ">a b c d<"), "line 10, line.*'a' is no number"),
+    ("xml", XML.replace('Joint type="2"', "Joint"), "line 6, joint.*0 numbers.*a type"),
     ("xml", XML.replace('Joint type="2"', 'Joint type="x"'), "line 6, joint.*'x'"),
     ("xml", XML.replace('Joint type="2"', 'Joint type="-1"'), "-1 is no number of a joint type"),
     ("xml", XML.replace("<dda:Unitmass>2.7</dda:Unitmass>", ""), "has no unitmass"),

@@ -134,6 +134,18 @@ def test_other_layers_and_entities_are_listed(sheet):
     assert any("REGIONS_rock" in text for text in left)
 
 
+def test_entities_of_unknown_types_are_listed(sheet):
+    sheet.boundary()
+    line = sheet.line((0, 1), (20, 1), "JOINTS")
+    text = sheet.saved().read_text("utf-8")
+    sheet.path.write_text(text.replace("\nLINE\n", "\nLIME\n"), "utf-8")
+    drawing = read_dxf(sheet.path)
+    assert drawing.traces == ()
+    assert [(one.what, one.place) for one in drawing.left_out] == [
+        ("on layer JOINTS", f"LIME {line.dxf.handle}")
+    ]
+
+
 def test_paper_space_and_hidden_layers_are_said(sheet):
     sheet.boundary()
     sheet.document.layers.add("JOINTS").off()
@@ -407,6 +419,13 @@ def test_an_open_polyline_is_refused_unless_its_ends_meet(sheet):
     sheet.space.delete_all_entities()
     sheet.space.add_lwpolyline([*SQUARE, (0, 0)], dxfattribs={"layer": "BOUNDARY"})
     np.testing.assert_array_equal(sheet.read().boundary, SQUARE)
+
+
+def test_points_nearer_than_the_tolerance_are_merged_and_said(sheet):
+    sheet.boundary([(0, 0), (1e-5, 0), (20, 0), (20, 10), (0, 10)])
+    drawing = sheet.read()
+    np.testing.assert_array_equal(drawing.boundary, SQUARE)
+    assert any("1 points within" in note and "merged" in note for note in drawing.notes)
 
 
 def test_lines_drawn_twice_are_taken_once(sheet):

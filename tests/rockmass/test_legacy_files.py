@@ -95,6 +95,16 @@ def test_all_lines_together_make_the_domain_where_the_boundary_alone_does_not(wr
     assert any("enclose nothing by themselves" in note for note in drawing.notes)
 
 
+def test_boundary_lines_that_just_miss_are_lengthened_and_said(written):
+    """Corners 1 mm apart, within 1.25 e00 w0 = 5 mm of each other."""
+    lines = "0.001 0 9 0 1\n9 0.001 9 8 1\n9 8 0 8 1\n0 8 0 0 1\n"
+    text = f"0.001\n4 4\n0\n0\n0\n0 0 0\n{lines}"
+    drawing = read_shi_geometry(written(text))
+    np.testing.assert_allclose(np.ptp(drawing.boundary, axis=0), (9, 8), atol=1e-12)
+    assert len(drawing.boundary) == 4
+    assert any("lengthened by 0.005 m" in note for note in drawing.notes)
+
+
 # Analysis ----------------------------------------------------------------------------------------
 
 

@@ -38,6 +38,7 @@ from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
 from clast.rockmass.drawings.loops import (
     Line,
     closure_of,
+    lengthened,
     loops_of,
     outline_of_lines,
     point,
@@ -158,7 +159,11 @@ def read_dda_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing
         else:
             what = f"{piece.kind} {piece.text!r}" if piece.text else piece.kind
             collected.leave(piece, what, "the convention of DDA for Windows has no use for it")
-    found = outline_of_lines([trace.points for trace in collected.traces])
+    lines = [trace.points for trace in collected.traces]
+    found = outline_of_lines(lines)
+    if found is None and collected.tolerance > 0.0:
+        found = outline_of_lines(lines, collected.tolerance)
+        collected.notes.append(lengthened(collected.tolerance))
     if found is None:
         raise CaseError(
             "its lines enclose no area, or several that do not touch",

@@ -206,7 +206,7 @@ def _exploded(document: Any, path: Path, left: list[LeftOut]) -> Iterator[tuple[
     waiting = [(entity, "", "", 0) for entity in reversed(list(document.modelspace()))]
     while waiting:
         entity, above, within, depth = waiting.pop()
-        kind, layer = entity.dxftype(), str(entity.dxf.get("layer", "0"))
+        kind, layer = _plain(entity.dxftype()), _layer(entity)
         # What is on layer 0 of a block lies on the layer of the reference to the block.
         layer = above if above and layer == "0" else layer
         source = entity.source_of_copy if entity.dxf.handle is None else entity
@@ -228,6 +228,13 @@ def _exploded(document: Any, path: Path, left: list[LeftOut]) -> Iterator[tuple[
         else:
             inner = _inside(entity, path, place)
             waiting += [(one, layer, place, depth + 1) for one in reversed(inner)]
+
+
+def _layer(entity: Any) -> str:
+    """Return the layer of an entity, also of a type that ezdxf does not know."""
+    if entity.dxf.is_supported("layer"):
+        return _plain(str(entity.dxf.get("layer", "0")))
+    return _plain(str(entity.graphic_properties().get("layer", "0")))
 
 
 def _inside(insert: Any, path: Path, place: str) -> list[Any]:
@@ -327,7 +334,7 @@ def _flattened(
                 points=points,
                 closed=closed,
                 colour=_colour(entity, layer, document),
-                text=entity.plain_text() if entity.dxftype() == "MTEXT" else "",
+                text=_says(entity, path, place),
             )
         )
     note = f"curves were flattened to chords within {sagitta * unit:.3g} m of them (the sagitta)"
@@ -357,6 +364,19 @@ def _colour(entity: Any, layer: str, document: Any) -> int:
     if colour != 256:
         return colour
     return abs(int(document.layers.get(layer).color)) if document.layers.has_entry(layer) else 7
+
+
+def _says(entity: Any, path: Path, place: str) -> str:
+    """Return what an MTEXT says, nothing for other entities."""
+    if entity.dxftype() != "MTEXT":
+        return ""
+    with _guarded(path, place):
+        return _plain(str(entity.plain_text()))
+
+
+def _plain(text: str) -> str:
+    """Return a text with question marks for bytes that are none in the file's encoding."""
+    return text.encode("utf-8", "replace").decode("utf-8")
 
 
 def _line(entity: Any, sagitta: float) -> Drawn:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -58,9 +58,11 @@ def loops_of(lines: Sequence[Line], tolerance: float, file: str) -> list[Loop]:
     Ends nearer than ``tolerance``, m, meet; lines drawn twice are taken once; both are noted.
     Raises CaseError with the size and the place of a gap, and where more than two ends meet.
     """
-    loops, opened = [], []
+    loops, opened, merged = [], [], 0
     for line in lines:
         points = without_repeats(line.points, tolerance)
+        if len(points) < len(line.points):
+            merged += len(line.points) - len(points)
         meets = len(points) > 2 and np.hypot(*(points[-1] - points[0])) <= tolerance
         if line.closed or meets:
             gap = 0.0 if line.closed else float(np.hypot(*(points[-1] - points[0])))
@@ -68,14 +70,13 @@ def loops_of(lines: Sequence[Line], tolerance: float, file: str) -> list[Loop]:
         elif len(points) > 1:
             opened.append(Line(points=points, closed=False, place=line.place))
     once = _drawn_once(opened, tolerance)
-    if not once:
-        return loops
-    joined = _joined(once, tolerance, file)
-    if len(once) < len(opened):
-        twice = f"{len(opened) - len(once)} lines drawn twice were taken once"
-        first = joined[0]
-        joined[0] = Loop(points=first.points, place=first.place, notes=(*first.notes, twice))
-    return [*loops, *joined]
+    if once:
+        loops += _joined(once, tolerance, file)
+    twice = len(opened) - len(once)
+    notes = [f"{twice} lines drawn twice were taken once"] if twice else []
+    if merged:
+        notes.append(f"{merged} points within {tolerance:.3g} m of the one before were merged")
+    return [replace(loops[0], notes=(*notes, *loops[0].notes)), *loops[1:]] if loops else []
 
 
 def without_repeats(points: Floats, tolerance: float) -> Floats:
@@ -197,13 +198,17 @@ def ring(loop: Loop, what: str, file: str) -> tuple[Floats, list[str]]:
     return np.ascontiguousarray(points[::-1]), notes
 
 
-def outline_of_lines(lines: Sequence[Floats]) -> tuple[Floats, list[Floats]] | None:
+def outline_of_lines(
+    lines: Sequence[Floats], reach: float = 0.0
+) -> tuple[Floats, list[Floats]] | None:
     """Return the outline of all faces that lines enclose, and those inside; None if it is not one.
 
     All are counter-clockwise, (n, 2), m; ends that dangle have no part in them, as in Shi's block
-    cutting.  Faces inside are those without a hole, where there is more than one face.
+    cutting.  Faces inside are those without a hole, where there is more than one face.  All lines
+    are lengthened by ``reach``, m, so that ends which just miss another line meet it.
     """
-    merged = shapely.unary_union([shapely.LineString(line) for line in lines if len(line) > 1])
+    longer = [_lengthened(line, reach) for line in lines if len(line) > 1]
+    merged = shapely.unary_union([shapely.LineString(line) for line in longer])
     faces = [face for face in shapely.polygonize([merged]).geoms if face.area > 0.0]
     if not faces:
         return None
@@ -213,6 +218,23 @@ def outline_of_lines(lines: Sequence[Floats]) -> tuple[Floats, list[Floats]] | N
     plain = [face for face in faces if len(faces) > 1 and not face.interiors]
     outer = shapely.Polygon(whole.exterior).simplify(0.0)
     return _counter_clockwise(outer), [_counter_clockwise(face) for face in plain]
+
+
+def lengthened(reach: float) -> str:
+    """Return the note that lines were lengthened to meet."""
+    return f"lines were lengthened by {reach:.3g} m at both ends, for the domain to close"
+
+
+def _lengthened(line: Floats, reach: float) -> Floats:
+    """Return a line that goes on straight for ``reach``, m, at both ends."""
+    if reach == 0.0:
+        return line
+    longer = line.copy()
+    for end, beside in ((0, 1), (-1, -2)):
+        away = line[end] - line[beside]
+        size = float(np.hypot(*away))
+        longer[end] += reach * away / size if size > 0.0 else 0.0
+    return longer
 
 
 def _counter_clockwise(face: shapely.Polygon) -> Floats:

@@ -150,7 +150,7 @@ def _typed(root: Element, group: str, name: str, file: str) -> tuple[Numbers, ..
     elements = [one for found in root.all(group) for one in found.children if one.name == name]
     return tuple(
         Numbers(
-            values=(*row.values, *_numbers(one.attributes.get("type", "1"), one, file)[:1]),
+            values=(*row.values, _single(one.attributes.get("type", ""), one, file, "a type")),
             place=row.place,
         )
         for row, one in zip(rows, elements, strict=True)
@@ -320,11 +320,14 @@ def _one(root: Element, name: str, file: str) -> float | None:
     return None if found is None else _single(found.value(SETTINGS[name]), found, file)
 
 
-def _single(written: str, element: Element, file: str) -> float:
+def _single(written: str, element: Element, file: str, what: str = "it") -> float:
+    """Return the one number that is written, or say how many there are."""
     values = _numbers(written, element, file)
     if len(values) != 1:
         raise CaseError(
-            f"has {len(values)} numbers instead of one", where=f"{file}: {element.place}"
+            f"has {len(values)} numbers instead of one",
+            where=f"{file}: {element.place}",
+            remedy=f"give {what} as one number",
         )
     return values[0]
 

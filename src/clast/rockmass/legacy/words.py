@@ -43,7 +43,7 @@ from clast.rockmass.drawings.drawing import (
     Segment,
     Spot,
 )
-from clast.rockmass.drawings.loops import outline_of_lines, point
+from clast.rockmass.drawings.loops import lengthened, outline_of_lines, point
 
 LIGHT = 100.0
 """A density below this is no rock's in kg/m3, but looks like t/m3."""
@@ -162,22 +162,29 @@ def _domain(
 ) -> tuple[Floats, list[Floats]]:
     """Return the outline of the domain, and the faces of the boundary lines."""
     outer = [one.ends for one in given.boundary if (one.ends[0] != one.ends[1]).any()]
-    found = outline_of_lines(outer) if outer else None
-    if found is not None:
-        return found
-    found = outline_of_lines([*outer, *traces])
-    if found is None:
-        raise CaseError(
-            f"its {len(outer)} boundary lines and {len(traces)} joints enclose no area, or several "
-            "that do not touch",
-            where=given.file,
-            remedy="let the boundary lines cross or meet at the corners of one domain",
-        )
-    notes.append(
+    every = [*outer, *traces]
+    height = float(np.ptp(np.vstack(every)[:, 1])) if every else 0.0
+    reach = 1.25 * (given.node_distance or 0.0) * 0.5 * height
+    alone = (
         f"the {len(outer)} boundary lines enclose nothing by themselves: the domain is what all "
         "lines together enclose"
     )
-    return found[0], []
+    for lines, further, said in (
+        (outer, 0.0, []),
+        (outer, reach, [lengthened(reach)]),
+        (every, 0.0, [alone]),
+        (every, reach, [alone, lengthened(reach)]),
+    ):
+        found = outline_of_lines(lines, further) if lines else None
+        if found is not None:
+            notes += said
+            return found[0], found[1] if lines is outer else []
+    raise CaseError(
+        f"its {len(outer)} boundary lines and {len(traces)} joints enclose no area, or several "
+        "that do not touch",
+        where=given.file,
+        remedy="let the boundary lines cross or meet at the corners of one domain",
+    )
 
 
 def _openings(
