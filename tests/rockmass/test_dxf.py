@@ -20,7 +20,8 @@ from clast.rockmass.drawings.dxf import (
     read_dxf,
     role_of,
 )
-from clast.rockmass.drawings.dxf_entities import UNITS, arc, bulged
+from clast.rockmass.drawings.dxf_entities import UNITS
+from clast.rockmass.drawings.dxf_points import arc, bulged
 from clast.rockmass.reading import read_drawing
 
 SQUARE = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (0.0, 10.0)]
@@ -419,6 +420,12 @@ def test_an_open_polyline_is_refused_unless_its_ends_meet(sheet):
     sheet.space.delete_all_entities()
     sheet.space.add_lwpolyline([*SQUARE, (0, 0)], dxfattribs={"layer": "BOUNDARY"})
     np.testing.assert_array_equal(sheet.read().boundary, SQUARE)
+
+
+@pytest.mark.parametrize("tolerance", [1e-300, 1e-9])
+def test_the_smallest_tolerance_joins_ends_that_are_equal(sheet, tolerance):
+    lines_round(sheet, SQUARE)
+    assert area(sheet.read(tolerance=tolerance).boundary) == 200.0
 
 
 def test_points_nearer_than_the_tolerance_are_merged_and_said(sheet):

@@ -99,7 +99,8 @@ def _drawn_once(lines: Sequence[Line], tolerance: float) -> list[Line]:
     """Return the lines without those of two points that lie on an earlier one."""
     kept: list[Line] = []
     seen: set[tuple[tuple[int, int], ...]] = set()
-    grid = max(tolerance, np.finfo(float).tiny)
+    largest = max((float(np.abs(line.points).max()) for line in lines), default=0.0)
+    grid = max(tolerance, 1e-12 * largest)
     for line in lines:
         cells = [(int(x), int(y)) for x, y in np.round(line.points[[0, -1]] / grid)]
         key = tuple(sorted(cells))
