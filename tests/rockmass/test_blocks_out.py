@@ -51,11 +51,14 @@ def test_a_table_has_a_row_for_each_vertex(tmp_path):
 
 def test_a_drawing_has_a_closed_polyline_for_each_block(tmp_path):
     path = tmp_path / "blocks.dxf"
-    write_blocks_dxf(path, VERTICES, START, ("granite", "Schiefer grün"), EDGE_JOINT)
+    write_blocks_dxf(path, VERTICES, START, ("granite", "Schiefer {grün}"), EDGE_JOINT)
     document = ezdxf.readfile(path)
+    auditor = document.audit()
+    assert not auditor.errors and not auditor.fixes
+    assert int(document.header["$HANDSEED"], 16) > max(int(h, 16) for h in document.entitydb)
     assert document.header["$INSUNITS"] == 6
     lines = document.modelspace().query("LWPOLYLINE")
-    assert [line.dxf.layer for line in lines] == ["granite", "Schiefer grün"]
+    assert [line.dxf.layer for line in lines] == ["granite", "Schiefer {grün}"]
     for block, line in enumerate(lines):
         assert line.closed
         points = np.array(list(line.get_points("xy")))

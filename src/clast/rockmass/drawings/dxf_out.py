@@ -17,6 +17,9 @@ from clast.rockmass.drawings.files import replaced
 FORBIDDEN = set('<>/\\":;?*|=`,')
 """Characters that names of DXF layers do not have."""
 LONGEST_NAME = 255
+SECTION = "  0\nSECTION\n  2\nENTITIES\n"
+COMMON = "  5\n{handle}\n330\n{owner}\n100\nAcDbEntity\n"
+"""What every entity begins with: its handle, its owner, the class it is of."""
 COLOURS = (7, 1, 3, 5, 2, 6, 4, 30, 94, 200)
 """AutoCAD colours of the layers, one after the other."""
 
@@ -43,16 +46,14 @@ def write_blocks_dxf(
     for number, layer in enumerate([*layers.values(), *joints.values()]):
         if not document.layers.has_entry(layer):
             document.layers.add(layer, color=COLOURS[number % len(COLOURS)])
-    space = document.modelspace()
-    for block, name in enumerate(blocks.rock):
-        points = blocks.polygon(block).tolist()
-        space.add_lwpolyline(points, close=True, dxfattribs={"layer": layers[name]})
-    for start, end, name in _joint_lines(blocks):
-        space.add_line(start, end, dxfattribs={"layer": joints[name]})
-    text = io.StringIO()
-    document.write(text)
+    entities = [
+        _polygon(blocks.polygon(block).tolist(), layers[name])
+        for block, name in enumerate(blocks.rock)
+    ]
+    entities += [_line(start, end, joints[name]) for start, end, name in _joint_lines(blocks)]
+    text = _with_entities(document, entities)
     with replaced(Path(path)) as file:
-        file.write(document.encode(text.getvalue()))
+        file.write(document.encode(text))
 
 
 def _document(path: str | Path) -> Any:
@@ -66,6 +67,44 @@ def _document(path: str | Path) -> Any:
             remedy='install it: pip install "clast[dxf]", or write .csv or .npz',
         ) from None
     return new("R2010", units=6)
+
+
+def _with_entities(document: Any, entities: Sequence[str]) -> str:
+    """Return the text of a DXF file with entities in its model space.
+
+    ezdxf writes all around them; objects of its own for each would cost a hundred times as much.
+    """
+    handles = document.entitydb.handles
+    first = int(str(handles), 16)
+    handles.reset(f"{first + len(entities):X}")
+    frame = io.StringIO()
+    document.write(frame)
+    before, section, after = frame.getvalue().partition(SECTION)
+    owner = document.modelspace().layout_key
+    numbered = (
+        entity.format(handle=f"{number:X}", owner=owner)
+        for number, entity in enumerate(entities, first)
+    )
+    return "".join([before, section, *numbered, after])
+
+
+def _polygon(points: list[list[float]], layer: str) -> str:
+    """Return a closed LWPOLYLINE, all but its handle and its owner."""
+    corners = "".join(f" 10\n{x!r}\n 20\n{y!r}\n" for x, y in points)
+    head = f"100\nAcDbPolyline\n 90\n{len(points)}\n 70\n1\n"
+    return f"  0\nLWPOLYLINE\n{COMMON}  8\n{_braced(layer)}\n{head}{corners}"
+
+
+def _line(start: list[float], end: list[float], layer: str) -> str:
+    """Return a LINE, all but its handle and its owner."""
+    places = f" 10\n{start[0]!r}\n 20\n{start[1]!r}\n 30\n0.0\n"
+    places += f" 11\n{end[0]!r}\n 21\n{end[1]!r}\n 31\n0.0\n"
+    return f"  0\nLINE\n{COMMON}  8\n{_braced(layer)}\n100\nAcDbLine\n{places}"
+
+
+def _braced(text: str) -> str:
+    """Return a text that str.format leaves as it is."""
+    return text.replace("{", "{{").replace("}", "}}")
 
 
 def _joint_layer(name: str) -> str:
