@@ -73,7 +73,7 @@ def test_what_a_text_geometry_has_too_much_is_named(written):
     drawing = read_shi_geometry(written(legacy_files.GEOMETRY + "7 8 nine"))
     left = [str(one) for one in drawing.left_out]
     assert "line 13: joint of type-2 at (5, 5) m: it has no length" in left
-    assert any("joint types 1 of 4 boundary lines" in text for text in left)
+    assert any("type-1 of 4 boundary lines" in text for text in left)
     assert any(text.startswith("line 22: 7 8 nine") for text in left)
 
 
@@ -93,6 +93,24 @@ def test_all_lines_together_make_the_domain_where_the_boundary_alone_does_not(wr
     drawing = read_shi_geometry(written(text))
     assert {tuple(p) for p in drawing.boundary} == {(0, 0), (9, 0), (9, 8), (0, 8)}
     assert any("enclose nothing by themselves" in note for note in drawing.notes)
+
+
+def test_boundary_lines_inside_cut_too(written):
+    """The same box without a hole point: its sides are joints of the type 2."""
+    box = "8 4 12 4 2\n12 4 12 6 2\n12 6 8 6 2\n8 6 8 4 2\n"
+    outer = "0 0 20 0 1\n20 0 20 10 1\n20 10 0 10 1\n0 10 0 0 1\n"
+    text = f"0.001\n8 8\n0\n0\n0\n0 0 0\n{outer}{box}"
+    drawing = read_shi_geometry(written(text))
+    assert [trace.joint for trace in drawing.traces] == ["type-2"] * 4
+    assert drawing.openings == () and len(drawing.boundary) == 4
+    assert ["type-1 of 4 boundary lines"] == [one.what for one in drawing.left_out]
+
+
+def test_joints_outside_of_the_domain_are_named(written):
+    text = legacy_files.GEOMETRY.replace("-1  5 21  5 2", "-1 15 21 15 2")
+    drawing = read_shi_geometry(written(text))
+    assert [trace.joint for trace in drawing.traces] == ["type-3"]
+    assert any("joint of type-2 from (-1, 15) m" in one.what for one in drawing.left_out)
 
 
 def test_boundary_lines_that_just_miss_are_lengthened_and_said(written):

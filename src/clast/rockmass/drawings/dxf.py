@@ -38,6 +38,7 @@ from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
 from clast.rockmass.drawings.loops import (
     Line,
     closure_of,
+    cutting,
     lengthened,
     loops_of,
     outline_of_lines,
@@ -170,6 +171,15 @@ def read_dda_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing
             where=str(path),
             remedy="draw the outline of the domain as lines that cross or meet at its corners",
         )
+    collected.traces, along = cutting(collected.traces, found[0], [])
+    collected.left_out += [
+        LeftOut(
+            what=f"{line.joint} from {point(line.points[0])} to {point(line.points[-1])}",
+            place=line.place,
+            reason="it lies along the outline of the domain, and so cuts nothing",
+        )
+        for line in along
+    ]
     return collected.drawing(found[0])
 
 

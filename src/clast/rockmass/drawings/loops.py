@@ -14,11 +14,13 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from clast.errors import CaseError
-from clast.rockmass.drawings.drawing import Floats
+from clast.rockmass.drawings.drawing import Floats, Polyline
 
 Ints = NDArray[np.int64]
 CLOSURE = 1e-5
 """Gap between ends of lines that still meet, as a share of the drawing's diagonal."""
+INSIDE = 1e-7
+"""Distance from an outline within which a line lies along it, as a share of its length."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -219,6 +221,26 @@ def outline_of_lines(
     plain = [face for face in faces if len(faces) > 1 and not face.interiors]
     outer = shapely.Polygon(whole.exterior).simplify(0.0)
     return _counter_clockwise(outer), [_counter_clockwise(face) for face in plain]
+
+
+def cutting(
+    traces: Sequence[Polyline], boundary: Floats, voids: Sequence[Floats]
+) -> tuple[list[Polyline], list[Polyline]]:
+    """Return the traces with a part inside of the boundary and outside of voids, and the others.
+
+    A part counts from INSIDE of the domain's size on: what lies along an outline is not inside.
+    """
+    domain = shapely.Polygon(boundary)
+    reach = INSIDE * domain.length
+    holes = shapely.unary_union([shapely.Polygon(void).buffer(reach) for void in voids])
+    inner = shapely.difference(domain.buffer(-reach), holes)
+    shapely.prepare(inner)
+    lines = [shapely.LineString(trace.points) for trace in traces]
+    within = shapely.length(shapely.intersection(lines, inner)) > reach
+    return (
+        [trace for trace, cuts in zip(traces, within, strict=True) if cuts],
+        [trace for trace, cuts in zip(traces, within, strict=True) if not cuts],
+    )
 
 
 def lengthened(reach: float) -> str:

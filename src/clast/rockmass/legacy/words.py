@@ -3,8 +3,9 @@
 Geometry.  A joint line of type N is a trace with the joint ``type-N``; a material line of material
 N is a line of ``rock-N``, and what no such line crosses is ``rock-1``.  Lines overshoot at corners:
 the domain is what the boundary lines enclose or, where they alone enclose nothing, what all lines
-enclose, without the ends that dangle.  A hole point in a face of the boundary lines makes that face
-an opening; any other stays a point, whose block is known only when blocks are cut.
+enclose, without the ends that dangle.  Boundary lines inside of it are traces like the others.  A
+hole point in a face of the boundary lines makes that face an opening; any other stays a point,
+whose block is known only when blocks are cut.
 
 A bolt has e0, t0 and f0: its force is e0 times its strain (Shi 1988), so that its spring between
 the two ends has the stiffness e0 / length; t0 is the largest force (0: none), f0 the first one.
@@ -43,7 +44,7 @@ from clast.rockmass.drawings.drawing import (
     Segment,
     Spot,
 )
-from clast.rockmass.drawings.loops import lengthened, outline_of_lines, point
+from clast.rockmass.drawings.loops import cutting, lengthened, outline_of_lines, point
 
 LIGHT = 100.0
 """A density below this is no rock's in kg/m3, but looks like t/m3."""
@@ -102,10 +103,17 @@ def legacy_drawing(given: LegacyGeometry) -> Drawing:
     Raises CaseError where its lines enclose no area.
     """
     notes, left = list(given.notes), list(given.left_out)
-    traces, short = _traces(given.joints, given.file)
-    left += [*short, *_outer_types(given.boundary)]
-    boundary, faces = _domain(given, [trace.points for trace in traces], notes)
+    joints, short = _traces(given.joints, given.file)
+    boundary, faces = _domain(given, [joint.points for joint in joints], notes)
     openings, holes = _openings(given.hole_points, faces)
+    sides = _traces([_with_type(one) for one in given.boundary], given.file)[0]
+    voids = [one.points for one in openings]
+    inner, outer = cutting(sides, boundary, voids)
+    traces, outside = cutting(joints, boundary, voids)
+    traces = [*inner, *traces]
+    left += [*short, *(_outside(joint) for joint in outside)]
+    if given.boundary and len(given.boundary[0].values) > 4:
+        left += _outer_types(outer)
     kinds, bolts = _bolts(given, notes)
     spots = [one for one in given.fixed if (one.ends[0] == one.ends[1]).all()]
     lines = [one for one in given.fixed if (one.ends[0] != one.ends[1]).any()]
@@ -147,14 +155,27 @@ def _traces(joints: Sequence[Numbers], file: str) -> tuple[list[Polyline], list[
     return traces, left
 
 
-def _outer_types(boundary: Sequence[Numbers]) -> list[LeftOut]:
-    """Return the joint types of boundary lines, which no contact has."""
-    types = sorted({one.values[4] for one in boundary if len(one.values) > 4})
-    if not types:
+def _with_type(line: Numbers) -> Numbers:
+    """Return a boundary line with its type, 1 where the file gives none."""
+    return Numbers(values=(*line.values, 1.0)[:5], place=line.place)
+
+
+def _outside(joint: Polyline) -> LeftOut:
+    """Return a joint that cuts nothing."""
+    return LeftOut(
+        what=f"joint of {joint.joint} from {point(joint.points[0])} to {point(joint.points[-1])}",
+        place=joint.place,
+        reason="no part of it lies inside of the domain",
+    )
+
+
+def _outer_types(lines: Sequence[Polyline]) -> list[LeftOut]:
+    """Return the joint types of boundary lines along outlines, which no contact has."""
+    if not lines:
         return []
-    listed = ", ".join(f"{one:g}" for one in types)
-    what = f"joint types {listed} of {len(boundary)} boundary lines"
-    return [LeftOut(what=what, place=boundary[0].place, reason="nothing touches the outer edges")]
+    listed = ", ".join(sorted({line.joint for line in lines}))
+    what = f"{listed} of {len(lines)} boundary lines"
+    return [LeftOut(what=what, place=lines[0].place, reason="nothing touches the outer edges")]
 
 
 def _domain(
