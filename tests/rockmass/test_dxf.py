@@ -22,6 +22,7 @@ from clast.rockmass.drawings.dxf import (
 )
 from clast.rockmass.drawings.dxf_entities import UNITS
 from clast.rockmass.drawings.dxf_points import arc, bulged
+from clast.rockmass.drawings.loops import Line, loops_of, ring
 from clast.rockmass.reading import read_drawing
 
 SQUARE = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (0.0, 10.0)]
@@ -394,6 +395,35 @@ def test_lines_and_arcs_make_a_tunnel(sheet):
     assert shapely.LinearRing(opening.points).is_ccw
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_any_outline_comes_back_from_its_shuffled_lines(seed):
+    """Stars of random rays, in pieces of one to four edges, scattered, turned, and moved a bit."""
+    random = np.random.default_rng(seed)
+    count = int(random.integers(5, 60))
+    turned = np.sort(random.uniform(0, 2 * math.pi, count))
+    rays = random.uniform(5, 10, count)[:, None]
+    star = rays * np.column_stack([np.cos(turned), np.sin(turned)]) + random.uniform(-1e5, 1e5, 2)
+    cuts = np.unique([0, *random.integers(0, count, count // 2)])
+    pieces = [
+        star[np.arange(a, b + 1) % count] for a, b in zip(cuts, [*cuts[1:], count], strict=True)
+    ]
+    lines = [
+        Line(
+            points=(piece[::-1] if random.random() < 0.5 else piece)
+            + random.uniform(-1e-7, 1e-7, (len(piece), 2)),
+            closed=False,
+            place=f"piece {k}",
+        )
+        for k, piece in enumerate(pieces)
+    ]
+    random.shuffle(lines)
+    found = loops_of(lines, 1e-6, "x")
+    assert len(found) == 1
+    corners, _ = ring(found[0], "the outline", "x")
+    first = int(np.argmin(np.hypot(*(corners - star[0]).T)))
+    np.testing.assert_allclose(np.roll(corners, -first, axis=0), star, atol=2e-7)
+
+
 def test_small_gaps_are_closed_and_said(sheet):
     sheet.line((0, 0), (20, 0), "BOUNDARY")
     sheet.line((20, 1e-4), (20, 10), "BOUNDARY")
@@ -494,6 +524,21 @@ def test_the_convention_of_dda_for_windows(sheet):
     assert [one.what[:6] for one in drawing.left_out[1:]] == ["type-2"] * 3 + ["type-6"]
     # read_drawing tells it by its texts
     assert len(read_drawing(sheet.path).hole_points) == 1
+
+
+def test_lines_of_dda_for_windows_that_just_miss_are_lengthened_and_said(sheet):
+    for start, end in (
+        ((0, 1e-5), (0, 10)),
+        ((0, 0), (20, 0)),
+        ((20, 1e-5), (20, 10)),
+        ((20 - 1e-5, 10), (1e-5, 10)),
+    ):
+        sheet.line(start, end, "0")
+    sheet.line((-1, 5), (21, 5), "0", color=1)
+    drawing = read_dda_dxf(sheet.saved())
+    assert area(drawing.boundary) == pytest.approx(200.0, rel=1e-9)
+    assert any("lengthened" in note for note in drawing.notes)
+    assert [trace.joint for trace in drawing.traces] == ["type-2"]
 
 
 def test_a_drawing_of_neither_convention_is_refused_with_its_layers(sheet):
