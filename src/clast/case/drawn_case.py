@@ -1,0 +1,350 @@
+"""The case file of a drawing: what it says as tables, and the rest as comments with the reason.
+
+A drawing has no moduli and no strengths.  What it cannot know stands in the text as "to be given",
+so that the case is refused, key by key, until a number is there: nothing is made up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from clast import spelling
+from clast.case.text import to_toml
+from clast.rockmass.drawings.drawing import (
+    Analysis,
+    Drawing,
+    DrawnRock,
+    Floats,
+    LeftOut,
+    PointForce,
+    Segment,
+)
+
+TO_BE_GIVEN = "to be given"
+"""Value of a key that the drawing does not know."""
+WIDTH = 98
+"""Most characters of a line of a comment, where words allow."""
+HELD = "each block that it crosses is held at one point of it: [[fixed_point]] once blocks are cut"
+ROCK = "every block that it crosses is of its rock: draw a [[region]] round them"
+HOLE = "the block with this point in it is removed: draw an [[opening]] round it"
+
+
+def case_text(drawing: Drawing) -> str:
+    """Return the text of a case file (TOML) with what a drawing says, in SI units.
+
+    What was taken otherwise than given, and what was not taken over, stands in comments.  Keys that
+    a drawing cannot know have the value "to be given".
+    """
+    parts = [
+        _head(drawing),
+        to_toml(_top(drawing)),
+        *_settings(drawing),
+        to_toml({"rock": _rocks(drawing)}),
+        to_toml({"joint": joints}) if (joints := _joints(drawing)) else "",
+        _domain(drawing),
+        *_tables(drawing),
+        *_points(drawing),
+        _bolts(drawing),
+    ]
+    return "\n\n".join(part.strip("\n") for part in parts if part.strip()) + "\n"
+
+
+# Comments ----------------------------------------------------------------------------------------
+
+
+def _head(drawing: Drawing) -> str:
+    """Return where the case is from, what was taken otherwise than given, what was left out."""
+    analysis = drawing.analysis
+    lines = [*_comment(f"From {drawing.file}; {drawing.unit_source}. Lengths are metres.")]
+    unknown = [TO_BE_GIVEN] if TO_BE_GIVEN in str((_rocks(drawing), _joints(drawing))) else []
+    unknown += [TO_BE_GIVEN] if analysis.step is None else []
+    if unknown:
+        lines += _comment(f'Keys with "{TO_BE_GIVEN}" need a number before the case can run.')
+    lines += _listed("Taken otherwise than given:", [*drawing.notes, *analysis.notes])
+    left = [*drawing.left_out, *analysis.left_out, *_unsaid(drawing)]
+    return "\n".join([*lines, *_listed("Not taken over:", [str(one) for one in left])])
+
+
+def _comment(text: str, indent: str = "") -> list[str]:
+    """Return a text as lines of comments, broken between words."""
+    words = spelling.visible(" ".join(text.split())).split(" ")
+    lines, line = [], f"# {indent}{words[0]}"
+    for word in words[1:]:
+        if len(line) + 1 + len(word) > WIDTH:
+            lines.append(line)
+            line = f"# {' ' * len(indent)}{word}"
+        else:
+            line += f" {word}"
+    return [*lines, line]
+
+
+def _listed(title: str, items: Iterable[str]) -> list[str]:
+    """Return a title and items as comments; nothing where there are no items."""
+    lines = [line for item in items for line in _comment(item, "- ")]
+    return ["#", f"# {title}", *lines] if lines else []
+
+
+def _unsaid(drawing: Drawing) -> Iterator[LeftOut]:
+    """Yield what a drawing holds and a case file has no table for."""
+    for line in drawing.fixed_lines:
+        yield LeftOut(what=f"fixed line {_ends(line)}", place=line.place, reason=HELD)
+    for line in drawing.material_lines:
+        what = f"line of {line.name} {_ends(line)}"
+        yield LeftOut(what=what, place=line.place, reason=ROCK)
+    for spot in drawing.hole_points:
+        yield LeftOut(what=f"hole point {_at(spot.at)}", place=spot.place, reason=HOLE)
+    for joint in drawing.analysis.joints:
+        if joint.name not in _named_joints(drawing):
+            values = (joint.friction_angle, joint.cohesion, joint.tensile_strength)
+            what = f"joint {joint.name}, {' '.join(f'{value:g}' for value in values)}"
+            yield LeftOut(what=what, place=joint.place, reason="no trace has it")
+    yield from _unsaid_loads(drawing)
+    yield from _unsaid_of_rocks(drawing.analysis)
+    sets = sorted({trace.joint_set for trace in drawing.traces if trace.joint_set})
+    if sets:
+        reason = "a trace has a joint, and no set"
+        yield LeftOut(what=f"sets {', '.join(sets)}", place="column set", reason=reason)
+    if drawing.orientations is not None:
+        what = f"{len(drawing.orientations.dip)} orientations in space"
+        reason = "they are no lines: describe them by [[joint_set]] with dip and dip_direction"
+        yield LeftOut(what=what, place=drawing.file, reason=reason)
+
+
+def _unsaid_loads(drawing: Drawing) -> Iterator[LeftOut]:
+    """Yield load points without a constant force, and forces without a load point."""
+    for number, spot in enumerate(drawing.load_points, 1):
+        forces = _forces(drawing.analysis, number)
+        if not forces:
+            reason = "no force is given: write [[point_load]] with at and force"
+            yield LeftOut(what=f"load point {_at(spot.at)}", place=spot.place, reason=reason)
+        elif not _is_constant(forces):
+            values = "; ".join(f"{f.time:g} {f.force[0]:g} {f.force[1]:g}" for f in forces)
+            reason = "a [[point_load]] is constant"
+            what = f"load point {_at(spot.at)}, t fx fy {values}"
+            yield LeftOut(what=what, place=spot.place, reason=reason)
+    for force in drawing.analysis.forces:
+        if force.point > len(drawing.load_points):
+            what = f"force ({force.force[0]:g}, {force.force[1]:g}) N at {force.time:g} s"
+            reason = f"there is no load point {force.point}"
+            yield LeftOut(what=what, place=force.place, reason=reason)
+
+
+def _unsaid_of_rocks(analysis: Analysis) -> Iterator[LeftOut]:
+    """Yield velocities, and weights that are not those of the one gravity of a case."""
+    gravity = _gravity(analysis)
+    for rock in analysis.rocks:
+        if any(rock.velocity):
+            what = f"velocity {rock.velocity} of {rock.name}"
+            reason = "velocities belong to blocks, which are not cut yet"
+            yield LeftOut(what=what, place=rock.place, reason=reason)
+        due = rock.density * (gravity if gravity is not None else 0.0)
+        if gravity is not None and abs(rock.weight - due) > 1e-6 * max(abs(due), 1.0):
+            what = f"weight {rock.weight:g} N/m3 of {rock.name}"
+            reason = f"a case has one gravity, {gravity:g} m/s2, which makes it {due:g} N/m3"
+            yield LeftOut(what=what, place=rock.place, reason=reason)
+    if analysis.rotation == "linear":
+        reason = "it makes blocks grow as they turn: write [method] rotation if it is meant"
+        yield LeftOut(what="linear rotation", place="Rotation", reason=reason)
+
+
+# Tables ------------------------------------------------------------------------------------------
+
+
+def _top(drawing: Drawing) -> dict[str, Any]:
+    """Return the single values at the top of the file."""
+    gravity = _gravity(drawing.analysis)
+    top: dict[str, Any] = {"schema": 1, "title": spelling.visible(Path(drawing.file).stem[:200])}
+    if drawing.analysis.plane is not None:
+        top["plane"] = drawing.analysis.plane
+    if gravity is not None:
+        top["gravity"] = [0.0, -gravity]
+    return top
+
+
+def _gravity(analysis: Analysis) -> float | None:
+    """Return gravity, m/s2 downwards: what is given, or weight over density of the first rock."""
+    if analysis.gravity is not None:
+        return analysis.gravity
+    first = next((rock for rock in analysis.rocks if rock.density > 0.0), None)
+    return None if first is None else _short(first.weight / first.density)
+
+
+def _settings(drawing: Drawing) -> Iterator[str]:
+    """Yield [time], and [method] and [output] where the file says something of them."""
+    given, half = drawing.analysis, drawing.half_height
+    time: dict[str, Any] = {"step": TO_BE_GIVEN, "end": TO_BE_GIVEN}
+    if given.step is not None:
+        time["step"] = given.step
+        if given.steps is not None:
+            time["end"] = _short(given.steps * given.step)
+    if given.dynamic_ratio is not None:
+        time["dynamic_ratio"] = given.dynamic_ratio
+    if given.displacement_ratio is not None and half is not None:
+        time["max_displacement"] = _short(given.displacement_ratio * half)
+    yield to_toml({"time": time})
+    if given.rotation == "exact":
+        yield to_toml({"method": {"rotation": given.rotation}})
+    if given.frame_steps is not None and given.step is not None:
+        yield to_toml({"output": {"every": _short(given.frame_steps * given.step)}})
+
+
+def _rocks(drawing: Drawing) -> dict[str, Any]:
+    """Return [rock.NAME] for every rock that the file describes or names."""
+    described = {rock.name: _rock(rock) for rock in drawing.analysis.rocks}
+    named = [
+        *(region.name for region in drawing.regions),
+        *(s.name for s in drawing.material_lines),
+    ]
+    unknown = dict.fromkeys(("young", "poisson", "density"), TO_BE_GIVEN)
+    return {
+        name: described.get(name, unknown)
+        for name in dict.fromkeys([drawing.boundary_rock, *named, *described])
+    }
+
+
+def _rock(rock: DrawnRock) -> dict[str, Any]:
+    table: dict[str, Any] = {
+        "young": rock.young,
+        "poisson": rock.poisson,
+        "density": _short(rock.density),
+    }
+    if any(rock.initial_stress):
+        table["initial_stress"] = list(rock.initial_stress)
+    return table
+
+
+def _joints(drawing: Drawing) -> dict[str, Any]:
+    """Return [joint.NAME] for every joint that a trace has."""
+    described = {
+        joint.name: {
+            "friction_angle": joint.friction_angle,
+            "cohesion": joint.cohesion,
+            "tensile_strength": joint.tensile_strength,
+        }
+        for joint in drawing.analysis.joints
+    }
+    unknown = {"friction_angle": TO_BE_GIVEN}
+    return {name: described.get(name, unknown) for name in _named_joints(drawing)}
+
+
+def _named_joints(drawing: Drawing) -> list[str]:
+    """Return the joints of the traces, sorted: a case refuses joints that no contact has."""
+    return sorted({trace.joint for trace in drawing.traces})
+
+
+def _domain(drawing: Drawing) -> str:
+    """Return [domain], with the node distance of a legacy file as a comment."""
+    if drawing.boundary is None:
+        text = "The file has no outline of the domain: [domain] needs a boundary."
+        return "\n".join(_comment(text))
+    text = to_toml({"domain": {"boundary": _list(drawing.boundary), "rock": drawing.boundary_rock}})
+    half = drawing.half_height
+    if drawing.node_distance is None or half is None:
+        return text
+    edge = 1.25 * drawing.node_distance * half
+    about = f"# smallest_edge = {edge:.6g}  # m: 1.25 e00 w0, with e00 = {drawing.node_distance:g}"
+    return f"{text}{about}\n"
+
+
+def _tables(drawing: Drawing) -> Iterator[str]:
+    """Yield [[region]], [[opening]] and [[trace]]."""
+    yield _list_of(
+        "region",
+        (
+            {"name": f"{one.name} {k}", "polygon": _list(one.points), "rock": one.name}
+            for k, one in enumerate(drawing.regions, 1)
+        ),
+    )
+    openings = _list_of(
+        "opening",
+        (
+            {"name": o.name, "shape": "polygon", "points": _list(o.points), "excavated": True}
+            for o in drawing.openings
+        ),
+    )
+    if openings:
+        yield "# excavated = false: rock until a stage excavates it\n" + openings.strip("\n")
+    traces = ({"points": _list(one.points), "joint": one.joint} for one in drawing.traces)
+    yield _list_of("trace", traces)
+
+
+def _points(drawing: Drawing) -> Iterator[str]:
+    """Yield [[fixed_point]], [[measured_point]] and [[point_load]]."""
+    yield _list_of("fixed_point", ({"at": _pair(spot.at)} for spot in drawing.fixed_points))
+    yield _list_of(
+        "measured_point",
+        ({"name": spot.name, "at": _pair(spot.at)} for spot in drawing.measured_points),
+    )
+    yield _list_of("point_load", _loads(drawing))
+
+
+def _loads(drawing: Drawing) -> Iterator[dict[str, Any]]:
+    """Yield the load points with a constant force."""
+    for number, spot in enumerate(drawing.load_points, 1):
+        forces = _forces(drawing.analysis, number)
+        if forces and _is_constant(forces):
+            yield {"at": _pair(spot.at), "force": [_short(value) for value in forces[0].force]}
+
+
+def _forces(analysis: Analysis, point: int) -> list[PointForce]:
+    return [force for force in analysis.forces if force.point == point]
+
+
+def _is_constant(forces: list[PointForce]) -> bool:
+    return len({force.force for force in forces}) == 1
+
+
+def _bolts(drawing: Drawing) -> str:
+    """Return bolts and their kinds as tables behind comment signs."""
+    if not drawing.bolts:
+        return ""
+    known = {kind.name: kind for kind in drawing.bolt_kinds}
+    kinds: dict[str, Any] = {}
+    for name in dict.fromkeys(bolt.name for bolt in drawing.bolts):
+        kind = known.get(name)
+        table: dict[str, Any] = {"stiffness": kind.stiffness if kind else TO_BE_GIVEN}
+        if kind and math.isfinite(kind.yield_force):
+            table["yield_force"] = kind.yield_force
+        if kind and kind.pretension:
+            table["pretension"] = kind.pretension
+        kinds[name] = table
+    bolts = [
+        {"kind": bolt.name, "start": _pair(bolt.ends[0]), "end": _pair(bolt.ends[1])}
+        for bolt in drawing.bolts
+    ]
+    tables = to_toml({"bolt_kind": kinds, "bolt": bolts}).strip("\n").split("\n")
+    title = _comment("Bolts, which a case file does not hold yet:")
+    return "\n".join([*title, *(f"# {line}".rstrip() for line in tables)])
+
+
+# Values ------------------------------------------------------------------------------------------
+
+
+def _list_of(name: str, tables: Iterable[Mapping[str, Any]]) -> str:
+    """Return a list of tables, nothing where there are none."""
+    content = [dict(table) for table in tables]
+    return to_toml({name: content}) if content else ""
+
+
+def _short(value: float) -> float:
+    """Return a number without the last digit, which a change of units has left."""
+    return float(f"{value:.15g}")
+
+
+def _pair(at: Floats) -> list[float]:
+    return [_short(float(at[0])), _short(float(at[1]))]
+
+
+def _list(points: Floats) -> list[list[float]]:
+    return [_pair(point) for point in points]
+
+
+def _at(at: Floats) -> str:
+    return f"({at[0]:.6g}, {at[1]:.6g})"
+
+
+def _ends(line: Segment) -> str:
+    return f"{_at(line.ends[0])} to {_at(line.ends[1])}"

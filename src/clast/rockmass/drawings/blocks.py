@@ -1,0 +1,91 @@
+"""Cut blocks as plain arrays: what every writer takes, and what readers of blocks give back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clast.errors import CaseError
+from clast.rockmass.drawings.drawing import Floats, LeftOut
+
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Blocks:
+    """Polygons with their rocks, and the joints along their edges."""
+
+    vertices: Floats
+    """Vertices of all blocks, m, counter-clockwise, shape (nv, 2)."""
+    block_start: Ints
+    """First vertex of each block, and the number of vertices, shape (nb + 1,)."""
+    rock: tuple[str, ...]
+    """Rock of each block."""
+    edge_joint: tuple[str, ...]
+    """Joint of the edge that starts at each vertex; empty where there is none."""
+    notes: tuple[str, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
+
+    @property
+    def count(self) -> int:
+        """Return the number of blocks."""
+        return len(self.block_start) - 1
+
+    def polygon(self, block: int) -> Floats:
+        """Return the vertices of a block, m, shape (n, 2)."""
+        return self.vertices[self.block_start[block] : self.block_start[block + 1]]
+
+
+def blocks_of(
+    vertices: Any,
+    block_start: Any,
+    rock: Sequence[str],
+    edge_joint: Sequence[str] | None = None,
+    where: str = "blocks",
+) -> Blocks:
+    """Return blocks of plain arrays: (nv, 2), m, (nb + 1,), (nb,) and (nv,) names.
+
+    Raises CaseError where the arrays do not belong together, or where a coordinate is not finite.
+    """
+    try:
+        points = np.array(vertices, dtype=np.float64)
+        given = np.asarray(block_start)
+        start = given.astype(np.int64)
+        whole = np.array_equal(given, start)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise CaseError(f"the arrays are no numbers: {error}", where=where) from None
+    joints = tuple(str(name) for name in ([""] * len(points) if edge_joint is None else edge_joint))
+    rocks = tuple(str(name) for name in rock)
+    faults = {
+        f"vertices have the shape {points.shape}, not (nv, 2)": points.ndim != 2
+        or points.shape[-1] != 2,
+        "a vertex is not finite": not np.isfinite(points).all(),
+        f"block_start has the shape {start.shape}, not (nb + 1,)": start.ndim != 1
+        or len(start) == 0,
+        "block_start has no whole numbers": not whole,
+    }
+    fault = next((what for what, there in faults.items() if there), "") or _uneven(
+        points, start, rocks, joints
+    )
+    if fault:
+        remedy = "give vertices, block_start, rock and edge_joint of one system"
+        raise CaseError(fault, where=where, remedy=remedy)
+    return Blocks(vertices=points, block_start=start, rock=rocks, edge_joint=joints)
+
+
+def _uneven(points: Floats, start: Ints, rocks: Sequence[str], joints: Sequence[str]) -> str:
+    """Return in what the lengths of the arrays do not agree, or nothing."""
+    if start[0] != 0 or start[-1] != len(points):
+        return f"block_start goes from {start[0]} to {start[-1]}, not from 0 to {len(points)}"
+    few = np.flatnonzero(np.diff(start) < 3)
+    if len(few):
+        return f"block {few[0]} has {np.diff(start)[few[0]]} vertices, and a block at least 3"
+    if len(rocks) != len(start) - 1:
+        return f"there are {len(rocks)} rocks for {len(start) - 1} blocks"
+    if len(joints) != len(points):
+        return f"there are {len(joints)} joints of edges for {len(points)} vertices"
+    return ""

@@ -1,0 +1,401 @@
+"""DXF drawings in: outlines, joints, bolts and supports by the layers they lie on.
+
+The layers, in capitals or not:
+
+| layer | what is on it |
+| --- | --- |
+| BOUNDARY | the outline of the domain: one closed line, or lines that close end to end |
+| JOINTS, JOINTS_name | joints, of the strength [joint.default] or [joint.name] |
+| OPENINGS, OPENINGS_name | closed outlines of openings |
+| REGIONS_rock | closed outlines of what is of that rock |
+| BOLTS, BOLTS_kind | straight lines from head to end |
+| FIXED | points, and lines along which every block is held at one point |
+
+``read_dda_dxf`` reads the convention of DDA for Windows instead, which knows no layers.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from clast.errors import CaseError
+from clast.rockmass.drawings.drawing import (
+    DEFAULT_JOINT,
+    Drawing,
+    Floats,
+    LeftOut,
+    Outline,
+    Polyline,
+    Segment,
+    Spot,
+)
+from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
+from clast.rockmass.drawings.loops import (
+    Line,
+    closure_of,
+    cutting,
+    lengthened,
+    loops_of,
+    outline_of_lines,
+    point,
+    ring,
+    without_repeats,
+)
+
+ROLES = ("boundary", "joints", "openings", "regions", "bolts", "fixed")
+"""First words of the layers that are read."""
+NAMED = ("joints", "openings", "regions", "bolts")
+"""Those that may be followed by _name."""
+FLAT = 1e-6
+"""Largest difference of heights in a plane drawing, as a share of its diagonal."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DxfReading:
+    """How a DXF file is read."""
+
+    unit: str | float | None = None
+    """m, cm, mm, km, in, ft, or the metres in a unit of the file; its $INSUNITS if absent."""
+    sagitta: float | None = None
+    """Largest distance of a chord from its curve, m; 1e-4 of the drawing's diagonal if absent."""
+    tolerance: float | None = None
+    """Largest gap between ends that meet, m; 1e-5 of the drawing's diagonal if absent."""
+
+    def __post_init__(self) -> None:
+        for key in ("sagitta", "tolerance"):
+            value = getattr(self, key)
+            if value is not None and not (isinstance(value, int | float) and 0.0 < value < np.inf):
+                raise CaseError(f"{value!r} is no distance", where=key, remedy="give m, above 0")
+
+
+class MissingLayer(CaseError):
+    """A DXF file without the layer that is asked for; ``layers`` are those it has."""
+
+    def __init__(self, what: str, *, where: str, remedy: str, layers: tuple[str, ...]) -> None:
+        self.layers = layers
+        super().__init__(what, where=where, remedy=remedy)
+
+
+def role_of(layer: str) -> tuple[str, str]:
+    """Return what a layer is for and the name after it; the role is empty where it is not read."""
+    head, line, name = layer.strip().partition("_")
+    role = head.casefold()
+    if role not in ROLES or (line and role not in NAMED):
+        return "", ""
+    return role, name.strip()
+
+
+def read_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing:
+    """Return what a DXF file draws on the layers of clast.
+
+    Raises CaseError where the layer BOUNDARY is missing (with the layers there are), for outlines
+    that are not closed (with the size and the place of the gap) or cross themselves, and for
+    drawings that are not plane.
+    """
+    path, reading = Path(path), reading or DxfReading()
+    content = dxf_content(path, lambda name: bool(role_of(name)[0]), reading.unit, reading.sagitta)
+    if not any(role_of(layer)[0] == "boundary" for layer in content.layers):
+        raise _no_layer(content, path, "BOUNDARY", "rename the layer of the outline to BOUNDARY")
+    collected = _Collected(path, content, reading)
+    for piece in content.pieces:
+        role, name = role_of(piece.layer)
+        TAKE[role](collected, piece, name)
+    return collected.drawing()
+
+
+def lines_of_layer(
+    path: str | Path, layer: str, joint: str = "", reading: DxfReading | None = None
+) -> tuple[Polyline, ...]:
+    """Return the lines of one layer, case-blind, m, as joints of that name (else the layer's).
+
+    Raises CaseError where there is no such layer, and for what is no line.
+    """
+    collected = _one_layer(Path(path), layer, reading or DxfReading())
+    for piece in collected.content.pieces:
+        collected.trace(piece, joint or role_of(piece.layer)[1])
+    _refuse_left_out(collected)
+    return tuple(collected.traces)
+
+
+def outline_of_layer(path: str | Path, layer: str, reading: DxfReading | None = None) -> Floats:
+    """Return the one closed outline of a layer, case-blind, m, counter-clockwise, shape (n, 2).
+
+    Raises CaseError where there is no such layer, or where it has not one outline.
+    """
+    collected = _one_layer(Path(path), layer, reading or DxfReading())
+    for piece in collected.content.pieces:
+        collected.outlined(piece, layer, "")
+    _refuse_left_out(collected)
+    outlines = collected.outlines()
+    rings = [one for group in outlines.values() for one in group]
+    if len(rings) != 1:
+        raise CaseError(
+            f"the layer {layer} has {len(rings)} outlines, not one",
+            where=str(path),
+            remedy="put each on a layer of its own",
+        )
+    return rings[0].points
+
+
+def read_dda_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing:
+    """Return what a DXF file of DDA for Windows draws.
+
+    LINE, LWPOLYLINE, ARC and CIRCLE are joints of the type colour + 1, named type-N; the domain is
+    what they enclose.  MTEXT F, L, M and H are fixed, load, measured and hole points; what else
+    there is goes to ``left_out``.
+    """
+    path, reading = Path(path), reading or DxfReading()
+    content = dxf_content(path, lambda _: True, reading.unit, reading.sagitta)
+    collected = _Collected(path, content, reading)
+    for piece in content.pieces:
+        if piece.kind in ("LINE", "LWPOLYLINE", "ARC", "CIRCLE"):
+            collected.trace(piece, f"type-{piece.colour + 1}")
+        elif piece.kind == "MTEXT" and piece.text.strip().upper() in collected.spots:
+            collected.spot(piece, piece.text.strip().upper())
+        else:
+            what = f"{piece.kind} {piece.text!r}" if piece.text else piece.kind
+            collected.leave(piece, what, "the convention of DDA for Windows has no use for it")
+    lines = [trace.points for trace in collected.traces]
+    found = outline_of_lines(lines)
+    if found is None and collected.tolerance > 0.0:
+        found = outline_of_lines(lines, collected.tolerance)
+        collected.notes.append(lengthened(collected.tolerance))
+    if found is None:
+        raise CaseError(
+            "its lines enclose no area, or several that do not touch",
+            where=str(path),
+            remedy="draw the outline of the domain as lines that cross or meet at its corners",
+        )
+    collected.traces, along = cutting(collected.traces, found[0], [])
+    collected.left_out += [
+        LeftOut(
+            what=f"{line.joint} from {point(line.points[0])} to {point(line.points[-1])}",
+            place=line.place,
+            reason="it lies along the outline of the domain, and so cuts nothing",
+        )
+        for line in along
+    ]
+    return collected.drawing(found[0])
+
+
+def _one_layer(path: Path, layer: str, reading: DxfReading) -> _Collected:
+    """Return what can be collected from one layer, or say which there are."""
+    asked = layer.strip().casefold()
+    content = dxf_content(
+        path, lambda name: name.strip().casefold() == asked, reading.unit, reading.sagitta
+    )
+    if not any(name.strip().casefold() == asked for name in content.layers):
+        raise _no_layer(content, path, layer, "name one of these layers")
+    return _Collected(path, content, reading)
+
+
+def _refuse_left_out(collected: _Collected) -> None:
+    """Refuse a layer with something on it that is not taken over."""
+    for one in collected.left_out:
+        raise CaseError(
+            f"{one.what}: {one.reason}",
+            where=f"{collected.path}: {one.place}",
+            remedy="put it on another layer",
+        )
+
+
+def _no_layer(content: DxfContent, path: Path, layer: str, remedy: str) -> MissingLayer:
+    listed = ", ".join(content.layers[:20]) if content.layers else "none: nothing is drawn"
+    return MissingLayer(
+        f"nothing is drawn on a layer {layer}",
+        where=str(path),
+        remedy=f"{remedy}; the layers are: {listed}",
+        layers=content.layers,
+    )
+
+
+@dataclass(eq=False)
+class _Collected:
+    """What was found in a file until now, in metres."""
+
+    path: Path
+    content: DxfContent
+    reading: DxfReading
+    traces: list[Polyline] = field(default_factory=list)
+    lines: dict[tuple[str, str], list[Line]] = field(default_factory=dict)
+    """Role and name -> lines of outlines."""
+    bolts: list[Segment] = field(default_factory=list)
+    fixed_lines: list[Segment] = field(default_factory=list)
+    spots: dict[str, list[Spot]] = field(default_factory=lambda: {k: [] for k in "FLMH"})
+    left_out: list[LeftOut] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.notes += self.content.notes
+        self.left_out += self.content.left_out
+        self.notes += _plane(self.content, self.path)
+        self.tolerance = closure_of(
+            [self.flat(piece) for piece in self.content.pieces], self.reading.tolerance
+        )
+
+    def flat(self, piece: Piece) -> Floats:
+        """Return the points of a piece, m, shape (n, 2)."""
+        return piece.points[:, :2] * self.content.unit
+
+    def leave(self, piece: Piece, what: str, reason: str) -> None:
+        """Leave a piece out, with the reason."""
+        place = f"{piece.place} on layer {piece.layer}"
+        self.left_out.append(LeftOut(what=what, place=place, reason=reason))
+
+    def trace(self, piece: Piece, name: str) -> None:
+        """Take a piece as a joint; a closed one returns to its first point."""
+        points = self.flat(piece)
+        if piece.closed and len(points):
+            points = np.vstack([points, points[:1]])
+        points = without_repeats(points, 0.0)
+        if len(points) < 2:
+            self.leave(piece, piece.kind, "a joint is a line of some length")
+            return
+        self.traces.append(Polyline(points=points, joint=name or DEFAULT_JOINT, place=piece.place))
+
+    def outlined(self, piece: Piece, role: str, name: str) -> None:
+        """Take a piece as an outline, or as a part of one."""
+        if len(piece.points) < 2:
+            self.leave(piece, piece.kind, "an outline is drawn by lines")
+            return
+        line = Line(points=self.flat(piece), closed=piece.closed, place=piece.place)
+        self.lines.setdefault((role, name), []).append(line)
+
+    def region(self, piece: Piece, name: str) -> None:
+        """Take a piece as the outline of a region, whose layer must name a rock."""
+        if not name:
+            self.leave(piece, piece.kind, "the layer does not name the rock: REGIONS_rock")
+            return
+        self.outlined(piece, "regions", name)
+
+    def bolt(self, piece: Piece, name: str) -> None:
+        """Take a straight line as a bolt."""
+        points = self.flat(piece)
+        if len(points) != 2 or piece.closed or not np.ptp(points, axis=0).any():
+            self.leave(piece, piece.kind, "a bolt is a straight line from its head to its end")
+            return
+        self.bolts.append(Segment(name=name or "bolt", ends=points, place=piece.place))
+
+    def held(self, piece: Piece, _: str) -> None:
+        """Take a point as a fixed one, a line as one along which blocks are held."""
+        points = self.flat(piece)
+        if piece.kind == "POINT":
+            self.spot(piece, "F")
+            return
+        if piece.kind not in ("LINE", "LWPOLYLINE", "POLYLINE"):
+            self.leave(piece, piece.kind, "draw fixed points as POINT, and lines of them as LINE")
+            return
+        if piece.closed:
+            points = np.vstack([points, points[:1]])
+        for k in range(len(points) - 1):
+            if (points[k] != points[k + 1]).any():
+                ends = points[k : k + 2]
+                self.fixed_lines.append(Segment(name="", ends=ends, place=piece.place))
+
+    def spot(self, piece: Piece, letter: str) -> None:
+        """Take the place of a piece as a point: F fixed, L load, M measured, H hole."""
+        found = self.spots[letter]
+        name = f"{letter}{len(found) + 1}"
+        found.append(Spot(name=name, at=self.flat(piece)[0], place=piece.place))
+
+    def outlines(self) -> dict[tuple[str, str], list[Outline]]:
+        """Return the closed outlines by role and name, counter-clockwise."""
+        found: dict[tuple[str, str], list[Outline]] = {}
+        for (role, name), lines in self.lines.items():
+            for loop in loops_of(lines, self.tolerance, str(self.path)):
+                points, notes = ring(loop, "the outline", str(self.path))
+                self.notes += notes
+                one = Outline(name=name, points=points, place=loop.place)
+                found.setdefault((role, name), []).append(one)
+        return found
+
+    def drawing(self, boundary: Floats | None = None) -> Drawing:
+        """Return all that was collected; the boundary is that of its layer if not given."""
+        outlines = self.outlines()
+        if boundary is None:
+            boundary = self._boundary(outlines.pop(("boundary", ""), []))
+        return Drawing(
+            file=str(self.path),
+            boundary=boundary,
+            traces=tuple(self.traces),
+            openings=tuple(_numbered(_of("openings", outlines), "opening")),
+            regions=tuple(_of("regions", outlines)),
+            bolts=tuple(self.bolts),
+            fixed_points=tuple(self.spots["F"]),
+            fixed_lines=tuple(self.fixed_lines),
+            load_points=tuple(self.spots["L"]),
+            measured_points=tuple(self.spots["M"]),
+            hole_points=tuple(self.spots["H"]),
+            unit=self.content.unit,
+            unit_source=self.content.unit_source,
+            notes=tuple(self.notes),
+            left_out=(*self.left_out, *self.content.elsewhere),
+        )
+
+    def _boundary(self, found: Sequence[Outline]) -> Floats:
+        if len(found) == 1:
+            return found[0].points
+        corners = "; ".join(f"{one.place} at {point(one.points[0])}" for one in found[:3])
+        raise CaseError(
+            f"the layer BOUNDARY has {len(found)} outlines, not one" + f": {corners}" * bool(found),
+            where=str(self.path),
+            remedy="put outlines of openings on OPENINGS, and keep one domain",
+        )
+
+
+TAKE: dict[str, Callable[[_Collected, Piece, str], None]] = {
+    "boundary": lambda found, piece, name: found.outlined(piece, "boundary", name),
+    "joints": _Collected.trace,
+    "openings": lambda found, piece, name: found.outlined(piece, "openings", name),
+    "regions": _Collected.region,
+    "bolts": _Collected.bolt,
+    "fixed": _Collected.held,
+}
+"""What becomes of a piece on the layers of each role."""
+
+
+def _of(role: str, outlines: dict[tuple[str, str], list[Outline]]) -> list[Outline]:
+    return [one for key, group in outlines.items() if key[0] == role for one in group]
+
+
+def _numbered(outlines: Iterable[Outline], kind: str) -> list[Outline]:
+    """Return outlines with names of their own: those without one, and twins, get a number."""
+    given = list(outlines)
+    times = Counter(one.name for one in given)
+    used = {name for name, count in times.items() if name and count == 1}
+    named = []
+    for one in given:
+        name, number = one.name, 0
+        while not name or (times[one.name] > 1 and (number == 0 or name in used)):
+            number += 1
+            name = f"{one.name or kind}-{number}"
+        used.add(name)
+        named.append(Outline(name=name, points=one.points, place=one.place))
+    return named
+
+
+def _plane(content: DxfContent, path: Path) -> list[str]:
+    """Return that a constant height was dropped, or refuse a drawing in space."""
+    pieces = [piece for piece in content.pieces if len(piece.points)]
+    if not pieces:
+        return []
+    points = np.vstack([piece.points for piece in pieces])
+    low = min(pieces, key=lambda piece: float(piece.points[:, 2].min()))
+    high = max(pieces, key=lambda piece: float(piece.points[:, 2].max()))
+    bottom, top = float(points[:, 2].min()), float(points[:, 2].max())
+    size = float(np.hypot(*np.ptp(points[:, :2], axis=0)))
+    if top - bottom > FLAT * size:
+        raise CaseError(
+            f"the drawing is not plane: z goes from {bottom:.6g} ({low.place}) to {top:.6g} "
+            f"({high.place})",
+            where=str(path),
+            remedy="draw the section in the plane of x and y",
+        )
+    if top == bottom == 0.0:
+        return []
+    return [f"all is drawn at z = {top * content.unit:.6g} m, which was dropped"]

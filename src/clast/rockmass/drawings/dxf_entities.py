@@ -1,0 +1,372 @@
+"""What a DXF file draws, as points: the file opened, its block references exploded, its units.
+
+Read by ezdxf (extra ``dxf``).
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clast.errors import CaseError, shortened
+from clast.rockmass.drawings.drawing import Floats, LeftOut
+from clast.rockmass.drawings.dxf_points import DRAWN, Drawn
+from clast.rockmass.drawings.files import checked_file
+
+DEEPEST = 20
+"""Most blocks within blocks."""
+MOST_ENTITIES = 500_000
+"""Most entities of a drawing, those of block references counted each time."""
+BEGINNING = 100_000
+"""Bytes within which a DXF file has its first section."""
+SAGITTA = 1e-4
+"""Sagitta as a share of the drawing's diagonal where none is given."""
+
+UNITS = {
+    1: ("inches", 0.0254),
+    2: ("feet", 0.3048),
+    3: ("miles", 1609.344),
+    4: ("millimetres", 1e-3),
+    5: ("centimetres", 1e-2),
+    6: ("metres", 1.0),
+    7: ("kilometres", 1e3),
+    10: ("yards", 0.9144),
+    13: ("microns", 1e-6),
+    14: ("decimetres", 0.1),
+    15: ("decametres", 10.0),
+    16: ("hectometres", 100.0),
+    21: ("US survey feet", 1200.0 / 3937.0),
+    24: ("US survey miles", 5280.0 * 1200.0 / 3937.0),
+}
+"""$INSUNITS -> name and metres."""
+SYMBOLS = {"m": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3, "km": 1e3, "in": 0.0254, "ft": 0.3048}
+"""What ``unit=`` may be, beside a number of metres."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Piece:
+    """One line, curve or point of a drawing."""
+
+    kind: str
+    """Type of the entity: LINE, ARC, POINT, MTEXT, ..."""
+    layer: str
+    place: str
+    """Type and handle, for messages."""
+    points: Floats
+    """Its points in units of the file, shape (n, 3); one for POINT and MTEXT."""
+    closed: bool
+    """True where an edge leads from its last point to its first."""
+    colour: int
+    """AutoCAD colour index, that of the layer where the entity has none."""
+    text: str
+    """What an MTEXT says."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DxfContent:
+    """The pieces of a DXF file on the layers that were wanted."""
+
+    pieces: tuple[Piece, ...]
+    layers: tuple[str, ...]
+    """Names of the layers with entities, sorted."""
+    unit: float
+    """Metres in a unit of the file."""
+    unit_source: str
+    notes: tuple[str, ...]
+    left_out: tuple[LeftOut, ...]
+    """What is on the layers that were wanted and cannot be drawn."""
+    elsewhere: tuple[LeftOut, ...]
+    """What is on other layers and in paper space."""
+
+
+def dxf_content(
+    path: Path,
+    wanted: Callable[[str], bool],
+    unit: str | float | None = None,
+    sagitta: float | None = None,
+) -> DxfContent:
+    """Return what a DXF file draws in model space on layers that are ``wanted``.
+
+    ``unit`` is a symbol (m, cm, mm, km, in, ft) or the metres in a unit of the file, in place of
+    $INSUNITS; ``sagitta`` is in metres, SAGITTA of the diagonal if absent.  Raises CaseError for
+    what is no DXF file, for entities that make no sense, and where ezdxf is not installed.
+    """
+    document, notes = _document(path)
+    metres, source = unit_of(document.header.get("$INSUNITS", 0), unit, str(path))
+    if "unitless" in source:
+        notes.append(source)
+    left: list[LeftOut] = []
+    found: list[tuple[Any, str, str]] = []
+    others: dict[tuple[str, str], list[str]] = {}
+    layers: Counter[str] = Counter()
+    for entity, layer, place in _exploded(document, path, left):
+        layers[layer] += 1
+        if wanted(layer):
+            found.append((entity, layer, place))
+        else:
+            others.setdefault((layer, entity.dxftype()), []).append(place)
+    elsewhere = [_unwanted(key, places) for key, places in others.items()]
+    notes += _hidden_layers(document, {layer for _, layer, _ in found})
+    pieces, flattened = _flattened(found, document, path, left, (metres, sagitta))
+    return DxfContent(
+        pieces=tuple(pieces),
+        layers=tuple(sorted(layers)),
+        unit=metres,
+        unit_source=source,
+        notes=(*notes, *flattened),
+        left_out=tuple(left),
+        elsewhere=(*elsewhere, *_other_spaces(document)),
+    )
+
+
+def unit_of(code: Any, given: str | float | None, file: str) -> tuple[float, str]:
+    """Return the metres in a unit of the file, and where that comes from."""
+    if isinstance(given, str):
+        if given not in SYMBOLS:
+            remedy = f"give one of {', '.join(SYMBOLS)}, or the metres in a unit of the file"
+            raise CaseError(f"'{shortened(given)}' is no unit", where="unit", remedy=remedy)
+        return SYMBOLS[given], f"unit = {given}, as asked for"
+    if given is not None:
+        if not (isinstance(given, int | float) and 0.0 < given < math.inf):
+            raise CaseError(f"{given!r} is no length", where="unit", remedy="give metres, above 0")
+        return float(given), f"unit = {given:g} m, as asked for"
+    if code in (0, None):
+        return 1.0, "the file is unitless ($INSUNITS 0): its coordinates were taken as metres"
+    if code not in UNITS:
+        raise CaseError(
+            f"$INSUNITS is {shortened(str(code))}, a unit that no rock mass is drawn in",
+            where=file,
+            remedy=f"give unit=, one of {', '.join(SYMBOLS)}",
+        )
+    name, metres = UNITS[code]
+    return metres, f"$INSUNITS {code}: {name}"
+
+
+# The file and its entities -----------------------------------------------------------------------
+
+
+def _document(path: Path) -> tuple[Any, list[str]]:
+    """Return the document of a DXF file, repaired where it could be, and what was repaired."""
+    with checked_file(path).open("rb") as file:
+        beginning = file.read(BEGINNING)
+    if b"SECTION" not in beginning:
+        what = "is a DWG file" if beginning.startswith(b"AC10") else "is no DXF file"
+        raise CaseError(what, where=str(path), remedy="save it anew as DXF (R2000 or later)")
+    try:
+        from ezdxf import recover
+    except ImportError:
+        raise CaseError(
+            "DXF files are read by ezdxf, which is not installed",
+            where=str(path),
+            remedy='install it: pip install "clast[dxf]"',
+        ) from None
+    with _quiet():
+        try:
+            document, auditor = recover.readfile(path)
+        except Exception as error:  # damaged files end in errors of many kinds
+            raise CaseError(
+                f"is no DXF file that can be read: {shortened(str(error), 150)}",
+                where=str(path),
+                remedy="save it anew as DXF (R2000 or later); a DWG file is another format",
+            ) from error
+    faults = [*auditor.errors, *auditor.fixes]
+    notes = []
+    if faults:
+        first = "; ".join(shortened(str(fault.message), 80) for fault in faults[:3])
+        notes.append(f"{len(faults)} faults of the file itself were repaired: {first}")
+    return document, notes
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep what ezdxf logs from the terminal: its faults are in the notes."""
+    logger = logging.getLogger("ezdxf")
+    silent = logging.Filter("none but this")
+    logger.addFilter(silent)
+    try:
+        yield
+    finally:
+        logger.removeFilter(silent)
+
+
+def _exploded(document: Any, path: Path, left: list[LeftOut]) -> Iterator[tuple[Any, str, str]]:
+    """Yield entity, layer and place of all in model space, block references exploded."""
+    count = 0
+    waiting = [(entity, "", "", 0) for entity in reversed(list(document.modelspace()))]
+    while waiting:
+        entity, above, within, depth = waiting.pop()
+        kind, layer = _plain(entity.dxftype()), _layer(entity)
+        # What is on layer 0 of a block lies on the layer of the reference to the block.
+        layer = above if above and layer == "0" else layer
+        source = entity.source_of_copy if entity.dxf.handle is None else entity
+        handle = source.dxf.handle if source is not None else None
+        place = f"{kind} {handle}" if handle else kind
+        place = f"{place} in {within}" if within else place
+        if kind != "INSERT":
+            count += 1
+            if count > MOST_ENTITIES:
+                raise CaseError(
+                    f"draws more than {MOST_ENTITIES} entities, block references exploded",
+                    where=f"{path}: {place}",
+                    remedy="take out what is no outline, joint, bolt or support",
+                )
+            yield entity, layer, place
+        elif depth >= DEEPEST:
+            reason = f"it is nested deeper than {DEEPEST} blocks"
+            left.append(LeftOut(what="block reference", place=place, reason=reason))
+        else:
+            inner = _inside(entity, path, place)
+            waiting += [(one, layer, place, depth + 1) for one in reversed(inner)]
+
+
+def _layer(entity: Any) -> str:
+    """Return the layer of an entity, also of a type that ezdxf does not know."""
+    if entity.dxf.is_supported("layer"):
+        return _plain(str(entity.dxf.get("layer", "0")))
+    return _plain(str(entity.graphic_properties().get("layer", "0")))
+
+
+def _inside(insert: Any, path: Path, place: str) -> list[Any]:
+    """Return the entities of a block reference, or further references where it is an array."""
+    with _guarded(path, place):
+        if insert.mcount > MOST_ENTITIES:
+            raise CaseError(
+                f"repeats its block {insert.mcount} times",
+                where=f"{path}: {place}",
+                remedy="see to its rows and columns",
+            )
+        if insert.mcount > 1:
+            return list(insert.multi_insert())
+        return list(insert.virtual_entities())
+
+
+@contextmanager
+def _guarded(path: Path, place: str) -> Iterator[None]:
+    """Name the entity in which ezdxf fails over damaged values."""
+    try:
+        with _quiet():
+            yield
+    except CaseError:
+        raise
+    except Exception as error:  # errors of many kinds, according to what is damaged
+        raise CaseError(
+            f"cannot be drawn: {type(error).__name__} {shortened(str(error), 100)}".rstrip(),
+            where=f"{path}: {place}",
+            remedy="draw it anew, or remove it",
+        ) from error
+
+
+def _unwanted(key: tuple[str, str], places: list[str]) -> LeftOut:
+    layer, kind = key
+    more = f" and {len(places) - 5} more" if len(places) > 5 else ""
+    return LeftOut(
+        what=f"{len(places)} {kind}",
+        place=f"layer {layer}: {', '.join(places[:5])}{more}",
+        reason="the layer is none of those that are read",
+    )
+
+
+def _other_spaces(document: Any) -> list[LeftOut]:
+    """Return how much is drawn in paper space, which is not read."""
+    counted = {layout.name: len(layout) for layout in document.layouts if not layout.is_modelspace}
+    return [
+        LeftOut(what=f"{count} entities", place=f"layout {name}", reason="only model space is read")
+        for name, count in counted.items()
+        if count > 1  # an empty layout has one viewport
+    ]
+
+
+def _hidden_layers(document: Any, layers: set[str]) -> list[str]:
+    """Return which of the layers that were read do not show in the drawing."""
+    known = {layer.dxf.name.lower(): layer for layer in document.layers}
+    own = [(name, known[name.lower()]) for name in sorted(layers) if name.lower() in known]
+    hidden = [name for name, layer in own if layer.is_off() or layer.is_frozen()]
+    return [f"layer {name} is switched off or frozen, and was read all the same" for name in hidden]
+
+
+# From entities to points -------------------------------------------------------------------------
+
+
+def _flattened(
+    found: list[tuple[Any, str, str]],
+    document: Any,
+    path: Path,
+    left: list[LeftOut],
+    sizes: tuple[float, float | None],
+) -> tuple[list[Piece], list[str]]:
+    """Return pieces, and the sagitta that curves were flattened with; ``sizes``: unit, sagitta."""
+    unit, given = sizes
+    drawable = []
+    for entity, layer, place in found:
+        if entity.dxftype() in DRAWN:
+            drawable.append((entity, layer, place))
+        else:
+            reason = f"a {entity.dxftype()} is no line, curve or point that is read"
+            left.append(LeftOut(what=f"on layer {layer}", place=place, reason=reason))
+    rough = [_drawn(entity, path, place, math.inf)[0] for entity, _, place in drawable]
+    corners = np.vstack([points for points in rough if len(points)] or [np.zeros((1, 3))])
+    size = float(np.hypot(*np.ptp(corners[:, :2], axis=0)))
+    sagitta = SAGITTA * size if given is None else given / unit
+    if given is None and size == 0.0:
+        sagitta = 1.0  # nothing but points
+    if not 0.0 < sagitta < math.inf:
+        raise CaseError(f"{given!r} is no distance", where="sagitta", remedy="give metres, above 0")
+    pieces, curved = [], False
+    for entity, layer, place in drawable:
+        points, closed, is_curved = _drawn(entity, path, place, sagitta)
+        curved = curved or is_curved
+        pieces.append(
+            Piece(
+                kind=entity.dxftype(),
+                layer=layer,
+                place=place,
+                points=points,
+                closed=closed,
+                colour=_colour(entity, layer, document),
+                text=_says(entity, path, place),
+            )
+        )
+    note = f"curves were flattened to chords within {sagitta * unit:.3g} m of them (the sagitta)"
+    return pieces, [note] if curved else []
+
+
+def _drawn(entity: Any, path: Path, place: str, sagitta: float) -> Drawn:
+    """Return the points of an entity; refuse those that are not finite."""
+    with _guarded(path, place):
+        points, closed, curved = DRAWN[entity.dxftype()](entity, sagitta)
+    if not np.isfinite(points).all() or np.abs(points).max(initial=0.0) > 1e12:
+        raise CaseError(
+            "has a coordinate that is no finite number, or far too large a one",
+            where=f"{path}: {place}",
+            remedy="draw it anew, or remove it",
+        )
+    return points, closed, curved
+
+
+def _colour(entity: Any, layer: str, document: Any) -> int:
+    """Return the colour index: 256 means that of the layer."""
+    colour = int(entity.dxf.get("color", 256))
+    if colour != 256:
+        return colour
+    return abs(int(document.layers.get(layer).color)) if document.layers.has_entry(layer) else 7
+
+
+def _says(entity: Any, path: Path, place: str) -> str:
+    """Return what an MTEXT says, nothing for other entities."""
+    if entity.dxftype() != "MTEXT":
+        return ""
+    with _guarded(path, place):
+        return _plain(str(entity.plain_text()))
+
+
+def _plain(text: str) -> str:
+    """Return a text with question marks for bytes that are none in the file's encoding."""
+    return text.encode("utf-8", "replace").decode("utf-8")

@@ -1,0 +1,114 @@
+"""Files in and out: each is read whole, and written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from clast.errors import CaseError
+
+LARGEST_FILE = 500_000_000
+"""Drawings above this size are not read, bytes."""
+
+
+def checked_file(path: Path) -> Path:
+    """Return the path of a regular file that can be read, or raise CaseError."""
+    where = str(path)
+    try:
+        status = path.stat()
+        if stat.S_ISDIR(status.st_mode):
+            raise CaseError("is a directory, not a file", where=where, remedy="name a file in it")
+        if not stat.S_ISREG(status.st_mode):
+            raise CaseError(
+                "is no regular file but a pipe, a socket or a device",
+                where=where,
+                remedy="write its content into a file first",
+            )
+        if status.st_size > LARGEST_FILE:
+            raise CaseError(
+                f"has {status.st_size:.3g} bytes, more than a drawing can be meant to have",
+                where=where,
+                remedy="take out what is no outline, joint, bolt or support",
+            )
+        with path.open("rb"):
+            return path
+    except FileNotFoundError:
+        raise CaseError("there is no such file", where=where, remedy="see to its name") from None
+    except ValueError:  # a NUL in the name
+        raise CaseError("is no name of a file", where=repr(where)) from None
+    except OSError as error:
+        raise CaseError(
+            f"cannot be read: {error.strerror}",
+            where=where,
+            remedy="see to the file's name and permissions",
+        ) from None
+
+
+def text_of(path: Path) -> str:
+    """Return the text of a file in UTF-8 or, as old programs wrote it, in Latin-1.
+
+    Raises CaseError where there is no such file, or where it holds a NUL and so is no text.
+    """
+    content = checked_file(path).read_bytes()
+    if b"\0" in content:
+        raise CaseError(
+            f"is not a text file (byte {content.index(0)} is 0)",
+            where=str(path),
+            remedy="a DXF file ends in .dxf, an archive of blocks in .npz",
+        )
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+@contextmanager
+def replaced(path: Path) -> Iterator[BinaryIO]:
+    """Give an open file that takes the name ``path`` when all of it is written, and not before.
+
+    Raises CaseError where nothing can be written there; an older file is then left as it was.
+    """
+    try:
+        real = path.resolve()
+        _check_target(real, path)
+        part = real.with_name(f".{real.name}.{os.getpid()}.part")
+        try:
+            with part.open("wb") as file:
+                yield file
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(part, real)
+        finally:
+            part.unlink(missing_ok=True)
+    except (OSError, RuntimeError, ValueError) as error:  # loops of links, a NUL in the name
+        reason = getattr(error, "strerror", None) or str(error)
+        raise CaseError(
+            f"cannot be written: {reason}",
+            where=str(path),
+            remedy="choose another place, make room, or change its permissions",
+        ) from error
+
+
+def _check_target(real: Path, path: Path) -> None:
+    """Refuse to write over anything but a regular file, and into folders that are not there."""
+    if real.is_dir():
+        raise CaseError(
+            "is a directory, not a file to write to",
+            where=str(path),
+            remedy=f"name a file in it, e.g. {path / 'blocks.dxf'}",
+        )
+    if not real.parent.is_dir():
+        raise CaseError(
+            f"the directory {real.parent} does not exist", where=str(path), remedy="make it first"
+        )
+    if real.exists() and not stat.S_ISREG(real.stat().st_mode):
+        raise CaseError(
+            "is a device, a pipe or the like; it is not written over",
+            where=str(path),
+            remedy="choose another name",
+        )

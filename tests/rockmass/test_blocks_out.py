@@ -1,0 +1,188 @@
+"""Blocks out as DXF, CSV and NPZ, and in again."""
+
+from __future__ import annotations
+
+import csv
+import os
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+
+from clast.errors import CaseError
+from clast.rockmass.drawings.blocks_out import read_blocks_npz, write_blocks_csv, write_blocks_npz
+from clast.rockmass.drawings.dxf import read_dxf
+from clast.rockmass.drawings.dxf_out import write_blocks_dxf
+
+VERTICES = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (1, 0), (2, 0.1), (1, 1.0)]) / 3.0
+START = np.array([0, 4, 7])
+ROCK = ("granite", "Schiefer, grün")
+EDGE_JOINT = ("", "bedding", "default", "", "", "", "bedding")
+SYSTEM = (VERTICES, START, ROCK, EDGE_JOINT)
+WRITERS = {
+    ".dxf": write_blocks_dxf,
+    ".csv": write_blocks_csv,
+    ".npz": write_blocks_npz,
+}
+
+
+def test_an_archive_gives_back_every_digit(tmp_path):
+    path = tmp_path / "blocks.npz"
+    write_blocks_npz(path, *SYSTEM)
+    blocks = read_blocks_npz(path)
+    np.testing.assert_array_equal(blocks.vertices, VERTICES)
+    np.testing.assert_array_equal(blocks.block_start, START)
+    assert (blocks.rock, blocks.edge_joint, blocks.count) == (ROCK, EDGE_JOINT, 2)
+
+
+def test_a_table_has_a_row_for_each_vertex(tmp_path):
+    path = tmp_path / "blocks.csv"
+    write_blocks_csv(path, *SYSTEM)
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    found = np.array([(float(row["x"]), float(row["y"])) for row in rows])
+    np.testing.assert_array_equal(found, VERTICES)
+    assert [int(row["block"]) for row in rows] == [0] * 4 + [1] * 3
+    assert [int(row["vertex"]) for row in rows] == [0, 1, 2, 3, 0, 1, 2]
+    assert [row["joint"] for row in rows] == list(EDGE_JOINT)
+    assert {row["rock"] for row in rows} == set(ROCK)
+
+
+def test_a_drawing_has_a_closed_polyline_for_each_block(tmp_path):
+    path = tmp_path / "blocks.dxf"
+    write_blocks_dxf(path, VERTICES, START, ("granite", "Schiefer {grün}"), EDGE_JOINT)
+    document = ezdxf.readfile(path)
+    auditor = document.audit()
+    assert not auditor.errors and not auditor.fixes
+    assert int(document.header["$HANDSEED"], 16) > max(int(h, 16) for h in document.entitydb)
+    assert document.header["$INSUNITS"] == 6
+    lines = document.modelspace().query("LWPOLYLINE")
+    assert [line.dxf.layer for line in lines] == ["granite", "Schiefer {grün}"]
+    for block, line in enumerate(lines):
+        assert line.closed
+        points = np.array(list(line.get_points("xy")))
+        np.testing.assert_array_equal(points, VERTICES[START[block] : START[block + 1]])
+    joints = document.modelspace().query("LINE")
+    # The line that both blocks share is drawn once.
+    assert [line.dxf.layer for line in joints] == ["JOINTS_bedding", "JOINTS"]
+
+
+def test_joint_lines_are_read_again_as_traces(tmp_path):
+    path = tmp_path / "blocks.dxf"
+    write_blocks_dxf(path, VERTICES[:4], [0, 4], ["BOUNDARY"], EDGE_JOINT[:4])
+    drawing = read_dxf(path)
+    np.testing.assert_array_equal(drawing.boundary, VERTICES[:4])
+    assert [t.joint for t in drawing.traces] == ["bedding", "default"]
+    np.testing.assert_array_equal(drawing.traces[0].points, VERTICES[1:3])
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+def test_blocks_need_no_joints(tmp_path, suffix):
+    path = tmp_path / f"blocks{suffix}"
+    WRITERS[suffix](path, VERTICES, START, ["a", "b"])
+    assert path.stat().st_size > 0
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+def test_an_older_file_stays_until_the_new_one_is_whole(tmp_path, suffix, monkeypatch):
+    path = tmp_path / f"blocks{suffix}"
+    path.write_text("older")
+    monkeypatch.setattr(os, "fsync", lambda _: (_ for _ in ()).throw(OSError(28, "No space left")))
+    with pytest.raises(CaseError, match="cannot be written: No space left"):
+        WRITERS[suffix](path, VERTICES, START, ["a", "b"])
+    assert path.read_text() == "older"
+    assert os.listdir(tmp_path) == [path.name]
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+def test_links_are_followed(tmp_path, suffix):
+    real, link = tmp_path / f"real{suffix}", tmp_path / f"link{suffix}"
+    link.symlink_to(real)
+    WRITERS[suffix](link, VERTICES, START, ["a", "b"])
+    assert link.is_symlink() and real.stat().st_size > 0
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+@pytest.mark.parametrize(
+    ("place", "message"),
+    [
+        ("no/such/folder/x", "does not exist"),
+        (".", "is a directory"),
+        ("a\0b", "cannot be written"),
+        ("x" * 300, "cannot be written"),
+    ],
+)
+def test_places_that_cannot_be_written_to(tmp_path, suffix, place, message):
+    with pytest.raises(CaseError, match=message):
+        WRITERS[suffix](tmp_path / place, VERTICES, START, ["a", "b"])
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"vertices": VERTICES[:, :1]}, "shape"),
+        ({"vertices": VERTICES * np.nan}, "not finite"),
+        ({"vertices": "abc"}, "no numbers"),
+        ({"block_start": [0, 4, 6]}, "from 0 to 6, not from 0 to 7"),
+        ({"block_start": [0, 5, 7]}, "block 1 has 2 vertices"),
+        ({"block_start": [0, 4.5, 7]}, "no whole numbers"),
+        ({"block_start": []}, "not \\(nb"),
+        ({"rock": ["a"]}, "1 rocks for 2 blocks"),
+        ({"edge_joint": ["a"]}, "1 joints of edges for 7 vertices"),
+    ],
+)
+def test_arrays_that_do_not_belong_together(tmp_path, suffix, change, message):
+    system = {"vertices": VERTICES, "block_start": START, "rock": ["a", "b"], "edge_joint": None}
+    path = Path(tmp_path / f"x{suffix}")
+    with pytest.raises(CaseError, match=message):
+        WRITERS[suffix](path, **{**system, **change})
+    assert not path.exists()
+
+
+@pytest.mark.parametrize(
+    ("rocks", "message"),
+    [
+        (("a", "b:c"), "':'"),
+        (("a", " "), "cannot be the name"),
+        (("a", "A"), "do not tell capitals"),
+        (("a", "x\ny"), "cannot be the name"),
+    ],
+)
+def test_names_that_no_layer_can_have(tmp_path, rocks, message):
+    with pytest.raises(CaseError, match=message):
+        write_blocks_dxf(tmp_path / "x.dxf", VERTICES, START, rocks)
+
+
+def damaged(path: Path) -> None:
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda path: path.write_text("x1,y1"), "no archive of blocks"),
+        (lambda path: path.write_bytes(b""), "no archive of blocks"),
+        (lambda path: path.write_bytes(path.read_bytes()[:200]), "no archive of blocks"),
+        (damaged, "no archive of blocks"),
+        (lambda path: np.savez(path, vertices=VERTICES), "no array block_start, rock, edge_joint"),
+        (lambda path: np.savez(path, **dict.fromkeys(NAMES, np.zeros(3))), "no list of texts"),
+        (
+            lambda path: np.savez(path, **{n: np.array([None], object) for n in NAMES}),
+            "no archive of blocks",
+        ),
+    ],
+)
+def test_archives_that_are_none(tmp_path, spoil, message):
+    path = tmp_path / "blocks.npz"
+    write_blocks_npz(path, *SYSTEM)
+    spoil(path)
+    with pytest.raises(CaseError, match=message):
+        read_blocks_npz(path)
+
+
+NAMES = ("vertices", "block_start", "rock", "edge_joint")

@@ -1,0 +1,92 @@
+"""Traces, outlines and joint surveys from CSV."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clast.rockmass.drawings.csv_lines import read_csv, read_outline, read_traces
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text: str, encoding: str = "utf-8") -> Path:
+        path = tmp_path / "lines.csv"
+        path.write_bytes(text.encode(encoding))
+        return path
+
+    return write
+
+
+def test_four_plain_columns_need_no_heading(written):
+    traces = read_traces(written("0,0,10,5\n1,2.5,3,-4e0\n"))
+    np.testing.assert_array_equal(traces[1].points, [(1, 2.5), (3, -4)])
+    assert [one.joint for one in traces] == ["default", "default"]
+    assert traces[1].place == "line 2"
+
+
+def test_a_heading_names_columns_in_any_order(written):
+    text = "# survey of the north wall\nSet,Joint,X2,Y2,x1,y1\n\nJ1,bedding,10,0,0,1\nJ2,,5,5,0,0\n"
+    drawing = read_csv(written(text))
+    np.testing.assert_array_equal(drawing.traces[0].points, [(0, 1), (10, 0)])
+    assert [(t.joint, t.joint_set) for t in drawing.traces] == [
+        ("bedding", "J1"),
+        ("default", "J2"),
+    ]
+    assert drawing.traces[1].place == "line 5" and drawing.left_out == ()
+
+
+def test_a_joint_of_the_table_serves_those_that_name_none(written):
+    traces = read_traces(written("x1,y1,x2,y2,joint\n0,0,1,1,a\n0,0,2,2,\n"), "fault")
+    assert [one.joint for one in traces] == ["a", "fault"]
+
+
+def test_polylines_are_gathered_by_id(written):
+    text = "id,x,y,joint\na,0,0,f\nb,5,5,g\na,1,1,f\na,1,1,f\na,2,0,f\nb,6,5,g\n"
+    traces = read_traces(written(text))
+    np.testing.assert_array_equal(traces[0].points, [(0, 0), (1, 1), (2, 0)])
+    np.testing.assert_array_equal(traces[1].points, [(5, 5), (6, 5)])
+    assert [one.joint for one in traces] == ["f", "g"]
+
+
+@pytest.mark.parametrize("last", ["", "0,0\n"])
+@pytest.mark.parametrize("corners", ["0,0\n4,0\n4,3\n", "0,0\n4,3\n4,0\n"])
+def test_an_outline_is_turned_and_closed(written, corners, last):
+    outline = read_outline(written("x,y\n" + corners + last))
+    assert len(outline) == 3
+    x, y = outline.T
+    assert 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) == 6.0
+
+
+def test_a_joint_survey(written):
+    text = "dip;dip direction;length;set\n35,5;120;12,5;J1\n90;360;;J2\n"
+    drawing = read_csv(written(text))
+    survey = drawing.orientations
+    np.testing.assert_array_equal(survey.dip, [35.5, 90])
+    np.testing.assert_array_equal(survey.dip_direction, [120, 0])
+    np.testing.assert_array_equal(survey.length, [12.5, np.nan])
+    assert survey.joint_set == ("J1", "J2") and survey.joint == ("default", "default")
+    assert any("decimal commas" in note for note in drawing.notes)
+
+
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_separators_encodings_and_ends_of_lines(written, mark, encoding, end):
+    rows = [["x1", "y1", "x2", "y2", "joint"], ["0", "0", "1", "1", "Störung"]]
+    path = written(end.join(mark.join(row) for row in rows) + end, encoding)
+    assert read_traces(path)[0].joint == "Störung"
+
+
+def test_names_in_quotes_may_hold_commas(written):
+    drawing = read_csv(written('x1;y1;x2;y2;joint\n0;0;1;1;"a, b"\n'))
+    assert drawing.traces[0].joint == "a, b" and drawing.notes == ()
+
+
+def test_other_columns_and_points_are_left_out_by_name(written):
+    text = "x1,y1,x2,y2,aperture\n0,0,1,1,3.5\n2,2,2,2,1\n"
+    left = [str(one) for one in read_csv(written(text)).left_out]
+    assert "aperture" in left[0] and "3.5" in left[0]
+    assert "line 3" in left[1] and "no length" in left[1]
