@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 LIMIT = 400.0
-"""Time after which a script is taken to hang, s: with no kernel on disk a slow machine takes 100."""
+"""Time after which a script hangs, s: one that finds no kernel on disk takes some 100 to compile."""
 
 SCRIPT = """
 import concurrent.futures, multiprocessing, sys
