@@ -60,7 +60,7 @@ def report_of(work: Work) -> Report:
     error = (total - domain_area) / domain_area
 
     def place(cells: Floats | Ints) -> Floats:
-        return np.asarray(cells).reshape(-1, 2) * at.grid + at.origin
+        return np.asarray(cells, float).reshape(-1, 2) * at.grid + at.origin
 
     merged = np.concatenate([work.whole.islands, blocks.merged])
     return Report(
@@ -104,7 +104,8 @@ def _checked(error: float, at: Site) -> tuple[str, ...]:
         )
     return (
         f"the blocks sum up to {error:+.2g} of the domain more than its area: thin blocks at "
-        "outlines were left on the grid; a finer tolerance brings them onto the outline",
+        "outlines, or outlines that meet at a small angle, were left on the grid; a finer "
+        "tolerance brings them onto the outlines",
     )
 
 
@@ -143,9 +144,8 @@ def _sets(work: Work) -> tuple[SetReport, ...]:
     here = work.blocks.node
     once = (here < after) & (work.blocks.line >= 0)
     length = np.hypot(*(work.net.xy[after[once]] - work.net.xy[here[once]]).T.astype(float))
-    kept = np.bincount(
-        work.table[work.blocks.line[once]], weights=length, minlength=len(work.tables)
-    )
+    kept = np.zeros(len(work.tables))
+    np.add.at(kept, work.table[work.blocks.line[once]], length)
     found = [_set(one, [one], kept, work) for one in work.lines if one.plan is not None]
     traces: dict[str, list[SetLines]] = {}
     for one in work.lines:

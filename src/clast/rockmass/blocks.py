@@ -13,10 +13,18 @@ from clast.rockmass.network.faces import NOTHING
 from clast.rockmass.network.noding import Noded
 from clast.rockmass.network.planar import WELD, Graph, loops_of
 from clast.rockmass.network.straightening import straighten
-from clast.rockmass.network.tidying import CORNER, FREE, ON_OUTLINE, Tiling, collapse, merge
+from clast.rockmass.network.tidying import (
+    CORNER,
+    FREE,
+    ON_OUTLINE,
+    Tiling,
+    collapse,
+    edges_of,
+    merge,
+)
 
 THIN = 4.0
-"""Blocks thinner than this many cells are merged whatever sizes are asked for: they are rounding."""
+"""Blocks thinner than this many cells are merged whatever is asked for: they are rounding."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,17 +71,23 @@ def _cell(found: Noded, grid: Floats) -> float:
 
 
 def _cross(exact: Floats, node: Ints, line: Ints, ends: Floats) -> None:
-    """Put nodes on two outlines onto the crossing of these."""
+    """Put the nodes next to where two outlines cross onto the crossing."""
     order = np.argsort(node, kind="stable")
     node, line = node[order], line[order]
     twice = np.flatnonzero(np.r_[node[1:] == node[:-1], False])
+    nearest: dict[tuple[int, int], tuple[float, int, Floats]] = {}
     for k in twice:
-        (a, b), (c, d) = ends[line[k]], ends[line[k + 1]]
+        pair = int(line[k]), int(line[k + 1])
+        (a, b), (c, d) = ends[pair[0]], ends[pair[1]]
         one, other = b - a, d - c
         cross = one[0] * other[1] - one[1] * other[0]
         if abs(cross) > 1e-6 * np.hypot(*one) * np.hypot(*other):
             share = ((c[0] - a[0]) * other[1] - (c[1] - a[1]) * other[0]) / cross
-            exact[node[k]] = a + share * one
+            crossing = a + share * one
+            gap = float(np.hypot(*(crossing - exact[node[k]])))
+            nearest[pair] = min(nearest.get(pair, (np.inf, 0, crossing)), (gap, node[k], crossing))
+    for _, where, crossing in nearest.values():
+        exact[where] = crossing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,12 +117,17 @@ def tidied(graph: Graph, held: Ints, joint: Ints, shortest: float, smallest2: fl
 
     ``held`` (nn,) says what holds each node, ``joint`` (n,) the joint of each line.
     """
-    tiling = _tiling(graph, held)
-    collapse(tiling, shortest)
+    tiling, size2, half = _tiling(graph, held)
     thin = max(0.5 * shortest, THIN)
-    merge(tiling, max(smallest2, 1.0), thin)
-    short = collapse(tiling, shortest)
-    small = merge(tiling, max(smallest2, 1.0), thin)
+    smallest2 = max(smallest2, 1.0)
+    short = np.sort(graph.edge[graph.lengths < shortest], axis=1)
+    left = collapse(tiling, [(a, b) for a, b in short.tolist()], shortest)
+    # A block is no narrower than half its area over half its perimeter.
+    small = np.flatnonzero((size2 < smallest2) | (0.25 * size2 < thin * half))
+    kept = merge(tiling, {*small.tolist(), *tiling.changed}, smallest2, thin)
+    near = {edge for b in tiling.changed for edge in edges_of(tiling.loops[b])}
+    left = collapse(tiling, near | left, shortest)
+    kept = merge(tiling, tiling.changed | kept, smallest2, thin)
     straighten(tiling, [*joint.tolist(), WELD])
     loops = [loop for loop in tiling.loops if loop]
     node = np.array([n for loop in loops for n in loop], np.int64)
@@ -121,18 +140,20 @@ def tidied(graph: Graph, held: Ints, joint: Ints, shortest: float, smallest2: fl
         group=np.array([g for g, loop in zip(tiling.group, tiling.loops, strict=True) if loop]),
         collapsed=np.array(tiling.collapsed, np.int64).reshape(-1, 2),
         merged=np.array(tiling.merged, np.int64).reshape(-1, 2),
-        short_edges=short,
-        small_blocks=small,
+        short_edges=len(left),
+        small_blocks=len(kept),
     )
 
 
-def _tiling(graph: Graph, held: Ints) -> Tiling:
+def _tiling(graph: Graph, held: Ints) -> tuple[Tiling, Ints, Floats]:
+    """Return the blocks of a graph, twice their areas, cells2, and half their perimeters, cells."""
     loops = loops_of(graph)
+    half = 0.5 * np.add.reduceat(graph.lengths[loops.half >> 1], loops.start[:-1])
     node = loops.nodes(graph).tolist()
     side = graph.side[loops.half >> 1, loops.half & 1][loops.start[:-1]]
     blocks = np.flatnonzero((side != NOTHING) & (loops.area2 > 0))
     edges = [tuple(pair) for pair in np.sort(graph.edge, axis=1).tolist()]
-    return Tiling(
+    tiling = Tiling(
         xy=[tuple(at) for at in graph.xy.tolist()],
         held=held.tolist(),
         loops=[node[loops.start[b] : loops.start[b + 1]] for b in blocks],
@@ -140,14 +161,19 @@ def _tiling(graph: Graph, held: Ints) -> Tiling:
         line=dict(zip(edges, graph.line.tolist(), strict=True)),
         outline={e for e, barrier in zip(edges, graph.barrier.tolist(), strict=True) if barrier},
     )
+    return tiling, loops.area2[blocks], half[blocks]
 
 
 def sound(vertices: Floats, start: Ints) -> Bools:
-    """Return which blocks are simple, counter-clockwise polygons, shape (nb,)."""
+    """Return which blocks are simple, counter-clockwise polygons, each corner once, (nb,)."""
     owner = np.repeat(np.arange(len(start) - 1), np.diff(start))
     local = vertices - vertices[start[:-1]][owner]
     polygons = shapely.polygons(shapely.linearrings(local, indices=owner))
-    return np.asarray(shapely.is_valid(polygons) & (areas(vertices, start) > 0.0))
+    apart = np.hypot(*(vertices[following(start)] - vertices).T)
+    longest = np.maximum.reduceat(apart, start[:-1])
+    apart = np.minimum.reduceat(apart, start[:-1])
+    valid = shapely.is_valid(polygons) & (areas(vertices, start) > 0.0)
+    return np.asarray(valid & (apart > 1e-6 * longest))
 
 
 def areas(vertices: Floats, start: Ints) -> Floats:

@@ -115,7 +115,7 @@ def cut(
     found = tables(at, sets, lines, traces, patterns)
     estimate = check_counted(found, sets, domain.most_blocks)
     limits = limits_of(at, lines, patterns)
-    return _cut(at, lines, found, limits, (estimate, snapped))
+    return _cut(at, lines, found, limits, (estimate, np.concatenate([at.snapped, snapped])))
 
 
 def _cut(
@@ -184,7 +184,7 @@ def _graph(net: Noded, joint: Ints, outline: Bools) -> Graph:
 
 
 def _faces(at: Site, graph: Graph, limits: Limits) -> tuple[Whole, Graph]:
-    """Return the faces without holes, and the edges that were taken out because they border nothing."""
+    """Return the faces without holes, and the edges that border nothing, which are taken out."""
     place = Place(
         domain=_in_cells(at, at.window.polygon),
         openings=[_in_cells(at, one) for one in at.polygons(at.opening_outlines)],
@@ -223,7 +223,7 @@ def on_grid(xy: Ints, at: Site) -> Floats:
 
 
 def _vertices(blocks: block_loops.Tidied, exact: Floats, grid: Floats) -> Floats:
-    """Return the vertices (nv, 2), m, on the exact outlines; on the grid where that spoils a block."""
+    """Return the vertices (nv, 2), m: on the exact outlines unless that spoils a block."""
     place = exact.copy()
     owner = np.repeat(np.arange(len(blocks.group)), np.diff(blocks.start))
     for _ in range(MOST_REVERTS):

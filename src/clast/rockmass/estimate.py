@@ -10,6 +10,7 @@ import shapely
 
 from clast.errors import ModelError
 from clast.model.model import Floats
+from clast.rockmass.joints.distributions import distribution
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.plan import Plan
 from clast.rockmass.sources import Table
@@ -66,7 +67,7 @@ def _too_many(total: float, most: int, where: JointSet | str) -> ModelError:
             advice = f"intensities of at most 1/{times:.3g} of those given ("
             advice += f"{where.intensity / times:.3g} m/m2 for this set) would do"
         else:
-            mean = getattr(where.spacing, "mean", where.spacing)
+            mean = None if where.spacing is None else distribution(where.spacing).mean
             advice = f"spacings {times:.3g} times as large"
             advice += f" ({mean * times:.3g} m for this set)" if mean else ""
             advice += " would do"

@@ -75,6 +75,8 @@ class Site:
     opening_outlines: Sequence[Outline]
     regions: Sequence[Region]
     region_outlines: Sequence[Outline]
+    snapped: Floats
+    """Corners of openings that were moved onto other outlines, m, shape (k, 2)."""
 
     @cached_property
     def origin(self) -> Floats:
@@ -109,31 +111,55 @@ class Site:
 def site(domain: Domain, openings: Sequence[Opening], regions: Sequence[Region]) -> Site:
     """Return what is cut; ModelError for outlines that are none, or outside the domain."""
     domain.check()
+    rim = domain.outline()
+    reach, moved = domain.grid(), [np.zeros((0, 2))]
+    outlines: list[Outline] = []
+    for one in openings:
+        shape, points = _snapped_outline(one, [rim, *outlines], reach)
+        outlines.append(shape)
+        moved.append(points)
     check_names("opening", [one.name for one in openings])
     check_names("region", [one.name for one in regions])
     found = Site(
         domain=domain,
-        outline=domain.outline(),
+        outline=rim,
         openings=openings,
-        opening_outlines=[one.outline() for one in openings],
+        opening_outlines=outlines,
+        snapped=np.concatenate(moved),
         regions=regions,
         region_outlines=[one.outline() for one in regions],
     )
     outer = found.window.polygon
-    for named, outlines in (
-        (openings, found.opening_outlines),
-        (regions, found.region_outlines),
-    ):
-        for one, polygon in zip(named, found.polygons(outlines), strict=True):
-            inside = shapely.intersection(outer, polygon).area
-            if inside <= found.grid * polygon.length:
-                gap = shapely.distance(outer, polygon)
-                raise ModelError(
-                    f"lies outside of the domain, {gap:.3g} m away from it",
-                    where=one.where,
-                    remedy="move it, or widen the boundary of the domain",
-                )
+    where = [*(one.where for one in openings), *(one.where for one in regions)]
+    shapes = found.polygons([*found.opening_outlines, *found.region_outlines])
+    for label, polygon in zip(where, shapes, strict=True):
+        if shapely.intersection(outer, polygon).area <= found.grid * polygon.length:
+            gap = float(shapely.distance(outer, polygon))
+            away = f"{gap:.3g} m away from it" if gap > 0.0 else "and touches it at most"
+            raise ModelError(
+                f"lies outside of the domain, {away}",
+                where=label,
+                remedy="move it, or widen the boundary of the domain",
+            )
     return found
+
+
+def _snapped_outline(
+    one: Opening, others: Sequence[Outline], reach: float
+) -> tuple[Outline, Floats]:
+    """Return the outline of an opening with its corners on outlines within reach, and which moved.
+
+    Outlines that nearly coincide are meant to: a sliver between them would be no rock.
+    """
+    shape = one.outline()
+    origin = shape.corners[0]
+    edges = np.concatenate([other.edges for other in others]) - origin
+    at = shape.corners - origin
+    points, moved = snapped(np.stack([at, at], axis=1), edges, reach)
+    if len(moved) == 0:
+        return shape, moved
+    again = outline(points[:, 0] + origin, one.where)
+    return Outline(corners=again.corners, turned=shape.turned), moved + origin
 
 
 def set_lines(
@@ -142,8 +168,8 @@ def set_lines(
     """Return the lines of joint sets, those that end at others after them, in their own order."""
     check_names("joint_set", [one.name for one in sets])
     drawn: dict[str, Floats] = {}
-    for one in traces:
-        drawn[one.name] = np.concatenate([drawn.get(one.name, NONE), one.ends])
+    for trace in traces:
+        drawn[trace.name] = np.concatenate([drawn.get(trace.name, NONE), trace.ends])
     found: dict[int, SetLines] = {}
     waiting = list(enumerate(sets))
     known = {one.name for one in sets} | set(drawn)
@@ -305,7 +331,8 @@ def snapped(ends: Floats, edges: Floats, reach: float) -> tuple[Floats, Floats]:
     at, line = shapely.STRtree(lines).query(
         shapely.points(placed[free]), predicate="dwithin", distance=reach
     )
-    own = len(edges) + free[at] // 2 == line
+    # Not onto itself, nor onto another point: those have been joined.
+    own = (len(edges) + free[at] // 2 == line) | (shapely.length(lines[line]) == 0.0)
     gap = shapely.distance(shapely.points(placed[free[at]]), lines[line])
     usable = ~own & (gap > 0.0)
     touching = np.unique(at[~own & (gap == 0.0)])

@@ -31,6 +31,7 @@ def apparent(dip: float, dip_direction: float, section_azimuth: float) -> tuple[
 
 
 def normal_of(dip: float, dip_direction: float) -> Floats:
+    """Return the upward unit normal of a plane (east, north, up), shape (3,)."""
     d, D = math.radians(dip), math.radians(dip_direction)
     return np.array([math.sin(d) * math.sin(D), math.sin(d) * math.cos(D), math.cos(d)])
 

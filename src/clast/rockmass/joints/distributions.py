@@ -235,7 +235,7 @@ class Values:
 
 def distribution(value: float | Distribution) -> Distribution:
     """Return a number as the distribution that always gives it, and a distribution as it is."""
-    return value if hasattr(value, "draw") else Fixed(value)
+    return Fixed(float(value)) if isinstance(value, int | float | np.number) else value
 
 
 def running(spread: Distribution, rng: np.random.Generator, reach: float) -> Floats:

@@ -12,7 +12,7 @@ import numpy as np
 from clast.errors import ModelError
 from clast.model import ranges
 from clast.model.model import Floats
-from clast.rockmass.joints.directions import LARGEST_FACTOR, Direction, Scatter, normal_of, apparent
+from clast.rockmass.joints.directions import LARGEST_FACTOR, Direction, Scatter, apparent, normal_of
 from clast.rockmass.joints.distributions import Distribution, Scaled
 from clast.rockmass.joints.parallel import Parallel, number_or
 from clast.rockmass.joints.plan import Model, Plan, Window
@@ -58,9 +58,9 @@ class JointSet:
     bridge_length: float | Distribution | None = None
     """Rock bridge between traces on one line, m; None: traces follow each other."""
     origin: Any = None
-    """A line of the set passes here, m, shape (2,); None: the lower left of the domain."""
+    """A line of the set passes here, m, shape (2,); None: the lower left of its window."""
     stagger: float = 0.0
-    """Share of trace + bridge (or, between layers, of the spacing) by which every second is moved."""
+    """Share of trace + bridge (between layers: of the spacing) by which every second is moved."""
     within: Any = None
     """Polygon (k, 2), m, or the name of a region; None: everywhere."""
     terminates_at: Sequence[str] | None = None

@@ -137,13 +137,13 @@ def _traces(
         start = start + shift * period
         return np.stack([start, start + trace.mean], axis=1)
     # Begun well before the window, the place of the first trace there is as random as any.
-    start, found = low - (3.0 + rng.uniform()) * period, [np.zeros((0, 2))]
-    while start < high:
-        count = int(1.1 * (high - start) / period) + 8
+    at, found = low - (3.0 + rng.uniform()) * period, [np.zeros((0, 2))]
+    while at < high:
+        count = int(1.1 * (high - at) / period) + 8
         lengths, gaps = trace.draw(rng, count), bridge.draw(rng, count)
-        begin = start + np.concatenate([[0.0], np.cumsum(lengths + gaps)])
+        begin = at + np.concatenate([[0.0], np.cumsum(lengths + gaps)])
         found.append(np.stack([begin[:-1], begin[:-1] + lengths], axis=1))
-        start = float(begin[-1])
+        at = float(begin[-1])
     spans = np.concatenate(found)
     return spans[(spans[:, 1] > low) & (spans[:, 0] < high)]
 

@@ -151,7 +151,7 @@ class Model(Protocol):
 
 
 def along(points: Floats, ways: Floats, reach: float) -> Floats:
-    """Return lines through points (n, 2) in directions (n, 2), ``reach`` to each side, (n, 2, 2)."""
+    """Return lines (n, 2, 2) through points (n, 2) along ways (n, 2), ``reach`` to each side."""
     return np.stack([points - reach * ways, points + reach * ways], axis=1)
 
 

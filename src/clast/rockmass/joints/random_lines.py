@@ -1,4 +1,4 @@
-"""Random joints: traces of Baecher, lines of Poisson, broken lines of Veneziano, cells of Voronoi."""
+"""Random joints: Baecher's traces, Poisson's lines, Veneziano's broken lines, Voronoi's cells."""
 
 from __future__ import annotations
 

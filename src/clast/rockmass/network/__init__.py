@@ -1,1 +1,1 @@
-"""From straight pieces to blocks: a planar graph on a grid of whole numbers, its faces, its care."""
+"""From straight lines to blocks: a planar graph on a grid of whole numbers, and its faces."""

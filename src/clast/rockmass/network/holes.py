@@ -121,7 +121,7 @@ def _face(graph: Graph, loops: Loops, node: Ints, shell: int, inner: Ints) -> Fa
         return np.arange(loops.start[loop], loops.start[loop + 1])
 
     loop = node[entries(shell)]
-    # From its lowest node on, what is left over in the end is the outer loop, or hangs by its first.
+    # From its lowest node on, what is left at last is the outer loop, or hangs by its first node.
     lowest = int(np.lexsort(graph.xy[loop].T)[0])
     parts = [one for one in _simple(np.roll(loop, -lowest)) if len(one) > 2]
     rings = [Ring(nodes=one, touching=True) for one in parts]
@@ -142,7 +142,9 @@ def _face(graph: Graph, loops: Loops, node: Ints, shell: int, inner: Ints) -> Fa
 
 def _simple(loop: Ints) -> list[Ints]:
     """Return the simple loops that a loop of nodes (k,) is made of where it touches itself."""
-    found, path, place = [], [], {}
+    found: list[Ints] = []
+    path: list[int] = []
+    place: dict[int, int] = {}
     for node in loop.tolist():
         if node in place:
             cut = place[node]
@@ -239,7 +241,11 @@ def _first_seen(
     nodes = np.unique(edges)
     known = {(int(p), int(q)) for p, q in np.concatenate([edges, edges[:, ::-1]])}
     for p, q in zip(one.tolist(), other.tolist(), strict=True):
-        if (p, q) not in known and _inside(xy[p] + xy[q], *ends) and _sees(xy[p], xy[q], a, b, xy[nodes]):
+        if (
+            (p, q) not in known
+            and _inside(xy[p] + xy[q], *ends)
+            and _sees(xy[p], xy[q], a, b, xy[nodes])
+        ):
             return p, q
     return None
 

@@ -49,10 +49,16 @@ def noded(ends: Floats) -> Noded:
     xy, node = _unique_points(np.rint(at).astype(np.int64))
     along = np.flatnonzero(part[1:] == part[:-1])
     pairs = np.stack([node[along], node[along + 1]], axis=1)
-    pairs = np.unique(np.sort(pairs, axis=1), axis=0)
+    pairs = once(np.sort(pairs, axis=1))
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
     of = _sources(xy[pairs].astype(float), whole, np.flatnonzero(longer))
     return Noded(xy=xy, edge=pairs, of=of)
+
+
+def once(pairs: Ints) -> Ints:
+    """Return each pair of numbers (k, 2), 0 or more, once and in order, shape (n, 2)."""
+    key = np.unique(pairs[:, 0] << 32 | pairs[:, 1])
+    return np.stack([key >> 32, key & 0xFFFFFFFF], axis=1)
 
 
 def _unique_points(at: Ints) -> tuple[Ints, Ints]:
@@ -83,7 +89,7 @@ def _sources(piece: Floats, line: Floats, used: Ints) -> Ints:
     box, found = shapely.STRtree(shapely.points(middle)).query(boxes)
     found, number = found, of[box]
     near = _apart(piece[found], middle[found], line[number]) <= NEAR
-    pairs = np.unique(np.stack([found[near], number[near]], axis=1), axis=0)
+    pairs = once(np.stack([found[near], number[near]], axis=1))
     lacking = np.setdiff1d(np.arange(len(piece)), pairs[:, 0])
     if len(lacking):
         where = middle[lacking[0]]

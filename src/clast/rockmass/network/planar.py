@@ -120,20 +120,27 @@ def _settled(order: Ints, origin: Ints, way: Ints, angle: Floats) -> Ints:
 
 def _walked(following: Ints) -> tuple[Ints, Ints]:
     """Return the cycles of a permutation (n,) one after another (n,), and where each starts."""
-    after = following.tolist()
-    seen = bytearray(len(after))
-    half: list[int] = []
-    start = [0]
-    for first in range(len(after)):
-        if seen[first]:
-            continue
-        at = first
-        while not seen[at]:
-            seen[at] = 1
-            half.append(at)
-            at = after[at]
-        start.append(len(half))
-    return np.array(half, np.int64), np.array(start, np.int64)
+    count = len(following)
+    links = coo_array((np.ones(count, np.int8), (np.arange(count), following)), shape=(count,) * 2)
+    number, of = connected_components(links, directed=False)
+    first = np.full(number, count)
+    np.minimum.at(first, of, np.arange(count))
+    # How many steps lie between each and the last of its cycle, by jumps twice as long each time.
+    jump = following.copy()
+    left = (jump != first[of]).astype(np.int64)
+    last = np.flatnonzero(left == 0)
+    jump[last] = last
+    active = np.flatnonzero(left)
+    while len(active):
+        far = jump[active]
+        left[active] += left[far]
+        jump[active] = jump[far]
+        active = active[jump[active] != jump[jump[active]]]
+    size = np.bincount(of, minlength=number)
+    start = np.concatenate([[0], np.cumsum(size)])
+    half = np.empty(count, np.int64)
+    half[start[of] + size[of] - 1 - left] = np.arange(count)
+    return half, start
 
 
 def bordering(graph: Graph) -> Bools:

@@ -8,13 +8,13 @@ from clast.rockmass.network.tidying import CORNER, Tiling, crossing_free, ordere
 
 
 def straighten(tiling: Tiling, joint: Sequence[int]) -> int:
-    """Take out vertices that only one straight edge needs; return how many.
+    """Take out vertices of changed blocks that only one straight edge needs; return how many.
 
-    ``joint`` (n,) is the joint of each line, that of welds at last: an edge has one joint.  Rounding
-    bends lines by less than a cell: a bend goes where the straight edge meets no other.
+    ``joint`` (n,) is the joint of each line, that of welds at last: an edge has one joint.
+    Rounding bends lines by less than a cell: a bend goes where the straight edge meets no other.
     """
     gone = 0
-    for node in sorted(tiling.around):
+    for node in sorted({node for block in tiling.changed for node in tiling.loops[block]}):
         if tiling.around[node] and tiling.held[node] != CORNER and _taken_out(tiling, node, joint):
             gone += 1
     return gone

@@ -10,6 +10,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 Point = tuple[int, int]
@@ -41,6 +42,8 @@ class Tiling:
     """Where edges were collapsed."""
     merged: list[Point] = field(default_factory=list)
     """Where blocks were merged, or shrank to nothing with an edge."""
+    changed: set[int] = field(default_factory=set)
+    """Blocks that have changed so far."""
 
     def __post_init__(self) -> None:
         around: dict[int, set[int]] = defaultdict(set)
@@ -76,9 +79,12 @@ def area2(loop: list[int], xy: list[Point]) -> int:
     return total
 
 
-def collapse(tiling: Tiling, shortest: float) -> int:
-    """Collapse edges shorter than ``shortest`` (cells), the shortest first; return how many stay."""
-    short = [(tiling.length(edge), edge) for edge in tiling.line]
+def collapse(tiling: Tiling, edges: Iterable[Edge], shortest: float) -> set[Edge]:
+    """Collapse those of ``edges`` that are shorter, the shortest first; return those that stay.
+
+    ``shortest`` in cells; edges that become short on the way are collapsed, too.
+    """
+    short = [(tiling.length(edge), edge) for edge in edges if edge in tiling.line]
     short = [one for one in short if one[0] < shortest]
     heapq.heapify(short)
     left: set[Edge] = set()
@@ -95,7 +101,7 @@ def collapse(tiling: Tiling, shortest: float) -> int:
                 size = tiling.length(other)
                 if node in other and size < shortest:
                     heapq.heappush(short, (size, other))
-    return sum(1 for edge in left if edge in tiling.line)
+    return {edge for edge in left if edge in tiling.line and tiling.length(edge) < shortest}
 
 
 def _collapsed(tiling: Tiling, edge: Edge) -> int | None:
@@ -161,7 +167,7 @@ def _replaced(loop: list[int], gone: int, kept: int) -> list[int]:
 
 def _rename_edges(tiling: Tiling, gone: int, kept: int) -> None:
     """Give the edges of a node that is gone to the node that it became."""
-    near = set()
+    near: set[int] = set()
     for block in tiling.around[kept]:
         loop = tiling.loops[block]
         at = loop.index(kept)
@@ -186,6 +192,7 @@ def _forget(tiling: Tiling, block: int) -> None:
 
 
 def _set(tiling: Tiling, block: int, loop: list[int]) -> None:
+    tiling.changed.add(block)
     tiling.loops[block] = loop
     for node in loop:
         tiling.around[node].add(block)
@@ -263,16 +270,17 @@ def _touch(a: Point, b: Point, c: Point, d: Point) -> bool:
     )
 
 
-def merge(tiling: Tiling, smallest2: float, narrowest: float) -> int:
-    """Merge blocks of less than ``smallest2`` (2 areas), or narrower; return how many stay.
+def merge(tiling: Tiling, blocks: Iterable[int], smallest2: float, narrowest: float) -> set[int]:
+    """Merge those of ``blocks`` that are small, the smallest first; return those that stay.
 
-    A small block joins the neighbour with which it shares the longest edge, across welds first.
-    ``narrowest``: least thickness, cells, of the rectangle of the same area and perimeter.
+    Small are blocks of less than ``smallest2`` (twice the area), or narrower than ``narrowest``,
+    the shorter side of the rectangle of the same area and perimeter, in cells.  A small block joins
+    the neighbour with which it shares the longest edge, across welds first.
     """
     waiting = [
-        (area2(loop, tiling.xy), block)
-        for block, loop in enumerate(tiling.loops)
-        if loop and _small(tiling, block, smallest2, narrowest)
+        (area2(tiling.loops[block], tiling.xy), block)
+        for block in blocks
+        if tiling.loops[block] and _small(tiling, block, smallest2, narrowest)
     ]
     heapq.heapify(waiting)
     left: set[int] = set()
@@ -288,7 +296,7 @@ def merge(tiling: Tiling, smallest2: float, narrowest: float) -> int:
         left.discard(joined)
         if _small(tiling, joined, smallest2, narrowest):
             heapq.heappush(waiting, (area2(tiling.loops[joined], tiling.xy), joined))
-    return len(left)
+    return {block for block in left if tiling.loops[block]}
 
 
 def _small(tiling: Tiling, block: int, smallest2: float, narrowest: float) -> bool:
