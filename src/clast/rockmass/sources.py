@@ -239,7 +239,7 @@ def _drawn(at: Site, one: JointSet, number: int, seed: int, bounds: Floats) -> S
     along = shapely.distance(shapely.centroid(lines), rim) <= at.grid
     near = shapely.points(ends.reshape(-1, 2))
     along &= (shapely.distance(near, rim).reshape(-1, 2) <= at.grid).all(axis=1)
-    ends = ends[~along & (shapely.length(lines) > at.grid)]
+    ends = ends[~along & (shapely.length(lines) > 0.0)]
     if len(ends) == 0:
         raise _cuts_nothing(plan, one, drawn)
     return SetLines(

@@ -16,8 +16,10 @@ import shapely
 from clast.errors import ModelError
 from clast.model.model import Floats, Ints
 
-NEAR = 0.75
+NEAR = 0.7072
 """Pieces lie this near to their line, in cells: sqrt(1/2) and round-off."""
+NEARER_THAN = 2.0
+"""A piece that lies on no line belongs to those that are so near, in cells."""
 PIECE = 4.0
 """Lines are looked up in parts as long as this many pieces."""
 
@@ -88,7 +90,11 @@ def _sources(piece: Floats, line: Floats, used: Ints) -> Ints:
     boxes = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
     box, found = shapely.STRtree(shapely.points(middle)).query(boxes)
     found, number = found, of[box]
-    near = _apart(piece[found], middle[found], line[number]) <= NEAR
+    apart = _apart(piece[found], middle[found], line[number])
+    near = apart <= NEAR
+    without = np.ones(len(piece), np.bool_)
+    without[found[near]] = False
+    near |= without[found] & (apart <= NEARER_THAN)
     pairs = once(np.stack([found[near], number[near]], axis=1))
     lacking = np.setdiff1d(np.arange(len(piece)), pairs[:, 0])
     if len(lacking):
@@ -112,4 +118,4 @@ def _apart(piece: Floats, middle: Floats, line: Floats) -> Floats:
     to = piece - start[:, None]
     aside = np.abs(to[:, :, 0] * way[:, None, 1] - to[:, :, 1] * way[:, None, 0]).max(axis=1)
     along = ((middle - start) * way).sum(axis=1)
-    return np.where((along > -NEAR) & (along < length + NEAR), aside, np.inf)
+    return np.where((along > 0.0) & (along < length), aside, np.inf)
