@@ -207,8 +207,9 @@ def _coincident(work: Work) -> Finding:
     np.minimum.at(low, piece, joint)
     np.maximum.at(high, piece, joint)
     both = np.flatnonzero((high >= 0) & (low != high))
-    ends = work.net.xy[work.net.edge[both]].astype(float)
-    grid = work.site.grid
+    ends = work.net.xy[work.net.edge[both]] * work.site.grid
+    middle = ends.mean(axis=1)
+    inside = shapely.contains_xy(work.site.window.polygon, middle[:, 0], middle[:, 1])
     return finding(
-        ends.mean(axis=1) * grid + work.site.origin, length=float(_lengths(ends).sum()) * grid
+        middle[inside] + work.site.origin, length=float(_lengths(ends[inside]).sum())
     )

@@ -28,7 +28,7 @@ class Limits:
 def limits_of(at: Site, lines: Sequence[SetLines], patterns: Sequence[BlockPattern]) -> Limits:
     """Return the limits of a domain: those given, else by the median spacing of its sets.
 
-    Drawn traces count as one set, whose spacing is the area over their length.
+    Where only traces are drawn, their spacing is the area over their length.
     """
     domain = at.domain
     edge, block = domain.smallest_edge, domain.smallest_block
@@ -53,7 +53,8 @@ def _spacing(at: Site, lines: Sequence[SetLines], patterns: Sequence[BlockPatter
         else:
             found.append(math.sqrt(one.window.area / max(len(one.ends) / 3.0, 1.0)))
     found += [float(np.min(one.brick)) for one in patterns]
-    if traced > 0.0:
-        found.append(at.window.area / traced)
+    if traced > 0.0 and not found:
+        area = at.window.area
+        found.append(min(area / traced, math.sqrt(area)))
     # Nothing cuts the domain but its openings: these have edges as short as they are meant.
     return float(np.median(found)) if found else 0.0

@@ -325,26 +325,27 @@ def snapped(ends: Floats, edges: Floats, reach: float) -> tuple[Floats, Floats]:
     # A chain of points may be longer than the reach: only points near its first one move to it.
     target = all_points[first[group]]
     near = np.hypot(*(target - all_points).T) <= reach
-    placed = np.where(near[:, None], target, all_points)[len(corner) :]
+    group = np.where(near, first[group], np.arange(count))
+    placed, member = all_points[group][len(corner) :], group[len(corner) :]
     lines = shapely.linestrings(np.concatenate([edges, placed.reshape(-1, 2, 2)]))
-    free = np.flatnonzero(~(near & (first[group] < len(corner)))[len(corner) :])
+    free = np.unique(member[member >= len(corner)])
     at, line = shapely.STRtree(lines).query(
-        shapely.points(placed[free]), predicate="dwithin", distance=reach
+        shapely.points(all_points[free]), predicate="dwithin", distance=reach
     )
-    # Not onto itself, nor onto another point: those have been joined.
-    own = (len(edges) + free[at] // 2 == line) | (shapely.length(lines[line]) == 0.0)
-    gap = shapely.distance(shapely.points(placed[free[at]]), lines[line])
-    usable = ~own & (gap > 0.0)
-    touching = np.unique(at[~own & (gap == 0.0)])
-    usable &= ~np.isin(at, touching)
+    gap = shapely.distance(shapely.points(all_points[free[at]]), lines[line])
+    # Not onto a line that ends in the same point, nor from one that it lies on already.
+    ends_of = np.concatenate([np.full((len(edges), 2), -1), member.reshape(-1, 2)])
+    usable = (ends_of[line] != free[at][:, None]).all(axis=1)
+    usable &= ~np.isin(at, at[usable & (gap == 0.0)])
     at, line, gap = at[usable], line[usable], gap[usable]
     order = np.lexsort((line, gap, at))
     once = np.r_[True, np.diff(at[order]) > 0][: len(order)]
     at, line = at[order][once], line[order][once]
-    result = placed.copy()
-    along = shapely.line_locate_point(lines[line], shapely.points(placed[free[at]]))
+    along = shapely.line_locate_point(lines[line], shapely.points(all_points[free[at]]))
     onto = shapely.get_coordinates(shapely.line_interpolate_point(lines[line], along))
-    result[free[at]] = onto.reshape(-1, 2)
+    moved_to = all_points.copy()
+    moved_to[free[at]] = onto.reshape(-1, 2)
+    result = moved_to[member]
     moved = (result != point).any(axis=1)
     return result.reshape(-1, 2, 2), np.unique(point[moved], axis=0)
 
