@@ -69,7 +69,7 @@ def test_islands_in_islands():
 
 def test_many_islands_side_by_side():
     loops = [
-        Trace(points=np.array(square_loop(0, 0.5)) + (x, y))
+        Trace(points=np.add(square_loop(0, 0.5), (x, y)))
         for x in np.arange(0.5, 9.5)
         for y in np.arange(0.5, 9.5)
     ]
@@ -216,7 +216,9 @@ def test_outlines_are_construction_joints_until_they_are_excavated():
 
 def test_an_opening_without_construction_joint_has_whole_blocks():
     line = JointSet(name="A", angle=0.0, spacing=1.0)
-    one = Opening(name="bench", shape=Box(corner=(0, 7.4), size=(10, 2.6)), construction_joint=False)
+    one = Opening(
+        name="bench", shape=Box(corner=(0, 7.4), size=(10, 2.6)), construction_joint=False
+    )
     found = cut(SQUARE, [line], openings=[one])
     assert found.report.blocks == 10
     # Of the block from 7 to 8 more than half lies in it.

@@ -107,7 +107,7 @@ def test_two_sets_with_exponential_spacings_make_the_blocks_that_probability_say
 
 
 def test_traces_with_bridges_have_the_intensity_of_their_lengths():
-    # C4: P21 = t/((t + g) s); with full persistence P10 is cos(d)/s along a scanline d off the normal.
+    # C4: P21 = t/((t + g) s); of whole lines P10 = cos(d)/s along a scanline d off the normal.
     big = rectangle(100, 100)
     one = JointSet(
         name="A", angle=20.0, spacing=2.0, trace_length=6.0, bridge_length=2.0, stagger=0.5

@@ -110,7 +110,7 @@ def test_pieces_meet_in_nodes_only_and_lie_on_their_lines(seed, count):
     ends = rng.uniform(0, 100, (count, 2, 2))
     net = noded(ends)
     pieces = shapely.linestrings(net.xy[net.edge].astype(float))
-    first, second = shapely.STRtree(pieces).query(pieces, predicate="crosses")
+    first, _ = shapely.STRtree(pieces).query(pieces, predicate="crosses")
     assert len(first) == 0
     for piece, line in net.of:
         whole = shapely.LineString(np.rint(ends[line]))

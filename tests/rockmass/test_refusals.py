@@ -31,8 +31,8 @@ from clast.rockmass import (
     Trace,
     Uniform,
     Values,
-    Voronoi,
     VonMises,
+    Voronoi,
     cut,
 )
 
@@ -252,6 +252,12 @@ def test_patterns():
         with pytest.raises(ModelError) as caught:
             cut(SQUARE, patterns=[replace(wall, **changes)])
         assert caught.value.where == where
+
+
+@pytest.mark.parametrize("name", ["welded", "construction-joint:heading"])
+def test_names_of_joints_that_stand_for_welds(name):
+    refused("joint_set 'bedding', joint", "welded", sets=[replace(BEDDING, joint=name)])
+    refused("trace 1, joint", "welded", traces=[Trace(points=[(0, 5), (10, 5)], joint=name)])
 
 
 def test_numbers_of_numpy_are_numbers():

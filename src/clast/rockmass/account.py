@@ -167,10 +167,10 @@ def _set(first: SetLines, some: Sequence[SetLines], kept: Floats, work: Work) ->
         lines=len(ends),
         length=total,
         p21=total / area,
-        p21_asked=plan.density if plan is not None and plan.density > 0.0 else None,
+        p21_asked=float(plan.density) if plan is not None and plan.density > 0.0 else None,
         p10=frequency(ends, mean_normal(ends), area),
         persistence=total / carried if carried > 0.0 else 1.0,
-        persistence_asked=1.0 if plan is None else plan.persistence,
+        persistence_asked=1.0 if plan is None else float(plan.persistence),
         kept=min(left / total, 1.0),
     )
 
@@ -210,6 +210,4 @@ def _coincident(work: Work) -> Finding:
     ends = work.net.xy[work.net.edge[both]] * work.site.grid
     middle = ends.mean(axis=1)
     inside = shapely.contains_xy(work.site.window.polygon, middle[:, 0], middle[:, 1])
-    return finding(
-        middle[inside] + work.site.origin, length=float(_lengths(ends[inside]).sum())
-    )
+    return finding(middle[inside] + work.site.origin, length=float(_lengths(ends[inside]).sum()))

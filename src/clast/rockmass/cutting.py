@@ -196,7 +196,9 @@ def _faces(at: Site, graph: Graph, limits: Limits) -> tuple[Whole, Graph]:
     graph = sided(graph.only(border), place)
     graph = straightened(graph.only((graph.side != NOTHING).any(axis=1)))
     # Edges that fell together enclose nothing any more.
-    graph = sided(graph.only(bordering(graph)), place)
+    while not (border := bordering(graph)).all():
+        graph = straightened(graph.only(border))
+    graph = sided(graph, place)
     smallest2 = 2.0 * limits.smallest_block / at.grid**2
     return without_holes(graph, smallest2), _inside(at, dangling)
 

@@ -9,9 +9,6 @@ from typing import Any
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from clast import spelling
 from clast.errors import ModelError
@@ -21,12 +18,15 @@ from clast.rockmass.domain import Domain, Opening, Region, Trace
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import NONE, Drawn, Plan, Window
+from clast.rockmass.network.snapping import snapped, through
 from clast.rockmass.outlines import Outline, outline
 
 WELDED = "welded"
 """Joint of the edges that split a ring: they are no joints, and hold for good."""
 CONSTRUCTION = "construction-joint:"
 """Begin of the name of the joint along an opening until it is excavated; its name follows."""
+TOGETHER = 1.5
+"""Outlines are one where they are nearer than this many cells: sqrt(1/2) twice, and round-off."""
 OVER = 4.0
 """Lines that end at the boundary are cut this many cells beyond it, so that they do reach it."""
 
@@ -112,7 +112,8 @@ def site(domain: Domain, openings: Sequence[Opening], regions: Sequence[Region])
     """Return what is cut; ModelError for outlines that are none, or outside the domain."""
     domain.check()
     rim = domain.outline()
-    reach, moved = domain.grid(), [np.zeros((0, 2))]
+    # A corner moves to the middle of its cell, and with it the line that passes through that cell.
+    reach, moved = TOGETHER * domain.grid(), [np.zeros((0, 2))]
     outlines: list[Outline] = []
     for one in openings:
         shape, points = _snapped_outline(one, [rim, *outlines], reach)
@@ -156,9 +157,11 @@ def _snapped_outline(
     edges = np.concatenate([other.edges for other in others]) - origin
     at = shape.corners - origin
     points, moved = snapped(np.stack([at, at], axis=1), edges, reach)
+    corners, met = through(points[:, 0], edges[:, 0], reach)
+    moved = np.concatenate([moved, met])
     if len(moved) == 0:
         return shape, moved
-    again = outline(points[:, 0] + origin, one.where)
+    again = outline(corners + origin, one.where)
     return Outline(corners=again.corners, turned=shape.turned), moved + origin
 
 
@@ -307,53 +310,10 @@ def trace_lines(at: Site, traces: Sequence[Trace], set_count: int) -> tuple[list
     return found, moved + at.origin
 
 
-def snapped(ends: Floats, edges: Floats, reach: float) -> tuple[Floats, Floats]:
-    """Return lines (n, 2, 2) whose ends lie on what is within ``reach``, and the moved points.
-
-    Ends go to corners of ``edges`` (k, 2, 2) first, then to each other, then onto edges and lines.
-    """
-    corner, point = edges[:, 0], ends.reshape(-1, 2)
-    all_points = np.concatenate([corner, point])
-    pairs = cKDTree(all_points).query_pairs(reach, output_type="ndarray")
-    count = len(all_points)
-    links = coo_array(
-        (np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count,) * 2
-    )
-    group = connected_components(links, directed=False)[1]
-    first = np.full(group.max() + 1, count)
-    np.minimum.at(first, group, np.arange(count))
-    # A chain of points may be longer than the reach: only points near its first one move to it.
-    target = all_points[first[group]]
-    near = np.hypot(*(target - all_points).T) <= reach
-    group = np.where(near, first[group], np.arange(count))
-    placed, member = all_points[group][len(corner) :], group[len(corner) :]
-    lines = shapely.linestrings(np.concatenate([edges, placed.reshape(-1, 2, 2)]))
-    free = np.unique(member[member >= len(corner)])
-    at, line = shapely.STRtree(lines).query(
-        shapely.points(all_points[free]), predicate="dwithin", distance=reach
-    )
-    gap = shapely.distance(shapely.points(all_points[free[at]]), lines[line])
-    # Not onto a line that ends in the same point, nor from one that it lies on already.
-    ends_of = np.concatenate([np.full((len(edges), 2), -1), member.reshape(-1, 2)])
-    usable = (ends_of[line] != free[at][:, None]).all(axis=1)
-    usable &= ~np.isin(at, at[usable & (gap == 0.0)])
-    at, line, gap = at[usable], line[usable], gap[usable]
-    order = np.lexsort((line, gap, at))
-    once = np.r_[True, np.diff(at[order]) > 0][: len(order)]
-    at, line = at[order][once], line[order][once]
-    along = shapely.line_locate_point(lines[line], shapely.points(all_points[free[at]]))
-    onto = shapely.get_coordinates(shapely.line_interpolate_point(lines[line], along))
-    moved_to = all_points.copy()
-    moved_to[free[at]] = onto.reshape(-1, 2)
-    result = moved_to[member]
-    moved = (result != point).any(axis=1)
-    return result.reshape(-1, 2, 2), np.unique(point[moved], axis=0)
-
-
 def overreaching(at: Site, ends: Floats) -> Floats:
     """Return lines (n, 2, 2) with those ends that lie on the boundary moved beyond it."""
     way = ends[:, 1] - ends[:, 0]
-    way = way / np.hypot(*way.T)[:, None] * OVER * at.grid
+    way = way / np.maximum(np.hypot(*way.T), 1e-300)[:, None] * OVER * at.grid
     rim = shapely.boundary(at.window.polygon)
     shapely.prepare(rim)
     on = shapely.dwithin(rim, shapely.points(ends.reshape(-1, 2)), 1e-2 * at.grid).reshape(-1, 2)
@@ -371,6 +331,13 @@ def tables(
 
     Sets, traces, patterns of blocks, regions, openings, and last the boundary.
     """
+    check_joint_names(
+        [(one.where, one.joint) for one in sets]
+        + [(f"trace {k}", one.joint) for k, one in enumerate(traces, 1)]
+        + [(one.where, one.joint) for one in at.regions]
+        + [(one.where, one.joint) for one in patterns]
+        + [(one.where, one.head_joint) for one in patterns]
+    )
     joints = [(one.joint, one.model) for one in sets] + [(one.joint, None) for one in traces]
     found = []
     for one, (joint, model) in zip(lines, joints, strict=True):
@@ -409,6 +376,17 @@ def tables(
     return [*found, Table(name="boundary", joint=None, ends=at.outline.edges - at.origin)]
 
 
+def check_joint_names(named: Sequence[tuple[str, str | None]]) -> None:
+    """Refuse names of joints that stand for welds; ``named`` are places and names."""
+    for where, name in named:
+        if name is not None and (name == WELDED or name.startswith(CONSTRUCTION)):
+            raise ModelError(
+                f"'{name}' stands for edges that are welded",
+                where=f"{where}, joint",
+                remedy="give the joint another name",
+            )
+
+
 def _courses(at: Site, pattern: BlockPattern) -> list[Table]:
     beds, heads = (at.window.clipped(one - at.origin) for one in pattern.lines())
     if len(beds) + len(heads) == 0:
@@ -436,5 +414,6 @@ def _courses(at: Site, pattern: BlockPattern) -> list[Table]:
 
 def joints_of(found: Sequence[Table]) -> tuple[tuple[str, ...], Ints]:
     """Return the names of all joints, and the joint of each table, -1 for none, shape (k,)."""
-    names = tuple(dict.fromkeys([*(t.joint for t in found if t.joint is not None), WELDED]))
+    given = dict.fromkeys(one.joint for one in found if one.joint is not None)
+    names = (*given, WELDED)
     return names, np.array([-1 if t.joint is None else names.index(t.joint) for t in found])
