@@ -149,10 +149,14 @@ def test_a_set_that_passes_beside_the_domain_says_how_far():
 
 
 def test_traces_outside_and_traces_that_are_none():
-    refused(
-        "trace 2",
-        "3 m beside",
-        traces=[Trace(points=[(1, 1), (5, 5)]), Trace(points=[(13, 0), (13, 5)])],
+    away = [Trace(points=[(13, 0), (13, 5)]), Trace(points=[(12, 0), (12, 5)])]
+    refused("trace 1", "3 m beside", "units", traces=away[:1])
+    refused("trace 1", "no trace of the set 'traces'", "2 m beside", traces=away)
+    # Where others of the set do cut, those outside are said and left out.
+    found = cut(SQUARE, traces=[Trace(points=[(0, 1), (10, 5)]), *away])
+    assert found.report.blocks == 2
+    assert found.report.notes == (
+        "outside of the domain, and cutting nothing: trace 2 (3 m), trace 3 (2 m)",
     )
     refused("trace 1", "at least 2 points", traces=[Trace(points=[(1, 1)])])
     refused("trace 1", "not finite", traces=[Trace(points=[(1, 1), (math.nan, 2)])])

@@ -24,29 +24,45 @@ WRONG_AREA = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
+class Before:
+    """What was known before anything was cut."""
+
+    lines: Sequence[SetLines]
+    """Joint sets, then drawn traces."""
+    limits: Limits
+    """Smallest edges and blocks."""
+    estimate: int
+    """1 + lines + crossings."""
+    snapped: Floats
+    """Points that were moved to others, m, shape (k, 2)."""
+    notes: tuple[str, ...]
+    """What else was changed of the input, or left out."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Work:
     """All that a cut went through."""
 
     site: Site
-    lines: Sequence[SetLines]
-    """Joint sets, then drawn traces."""
+    """What was cut."""
+    before: Before
+    """What was known before."""
     tables: Sequence[Table]
     """Tables of lines, the boundary at last."""
     table: Ints
     """Table of each line, shape (n,)."""
     joint: Ints
     """Joint of each table."""
-    limits: Limits
     net: Noded
+    """Pieces of the lines."""
     whole: Whole
+    """Faces without holes."""
     dangling: Graph
     """Edges that were taken out."""
     blocks: Tidied
+    """Blocks after short edges and small blocks are gone."""
     vertices: Floats
     """Vertices of the blocks, m, shape (nv, 2)."""
-    estimate: int
-    snapped: Floats
-    """Points that were moved to others, m, shape (k, 2)."""
 
 
 def report_of(work: Work) -> Report:
@@ -65,7 +81,7 @@ def report_of(work: Work) -> Report:
     merged = np.concatenate([work.whole.islands, blocks.merged])
     return Report(
         blocks=len(area),
-        estimate=work.estimate,
+        estimate=work.before.estimate,
         domain_area=domain_area,
         area=total,
         area_error=error,
@@ -73,8 +89,8 @@ def report_of(work: Work) -> Report:
         edge_length=sizes(edge),
         aspect=sizes(_aspects(work)),
         tolerance=at.grid,
-        smallest_edge=work.limits.smallest_edge,
-        smallest_block=work.limits.smallest_block,
+        smallest_edge=work.before.limits.smallest_edge,
+        smallest_block=work.before.limits.smallest_block,
         sets=_sets(work),
         dangling=finding(
             place(work.dangling.middles), length=float(work.dangling.lengths.sum()) * at.grid
@@ -83,10 +99,10 @@ def report_of(work: Work) -> Report:
         merged=finding(place(merged), count=work.whole.island_blocks + len(blocks.merged)),
         rings=finding(place(work.whole.split)),
         coincident=_coincident(work),
-        snapped=finding(work.snapped),
+        snapped=finding(work.before.snapped),
         short_edges=blocks.short_edges,
         small_blocks=blocks.small_blocks,
-        notes=(*at.turned, *_checked(error, at)),
+        notes=(*work.before.notes, *_checked(error, at)),
     )
 
 
@@ -146,9 +162,9 @@ def _sets(work: Work) -> tuple[SetReport, ...]:
     length = np.hypot(*(work.net.xy[after[once]] - work.net.xy[here[once]]).T.astype(float))
     kept = np.zeros(len(work.tables))
     np.add.at(kept, work.table[work.blocks.line[once]], length)
-    found = [_set(one, [one], kept, work) for one in work.lines if one.plan is not None]
+    found = [_set(one, [one], kept, work) for one in work.before.lines if one.plan is not None]
     traces: dict[str, list[SetLines]] = {}
-    for one in work.lines:
+    for one in work.before.lines:
         if one.plan is None:
             traces.setdefault(one.name, []).append(one)
     found += [_set(some[0], some, kept, work) for some in traces.values()]

@@ -22,7 +22,7 @@ import shapely
 
 from clast.model.model import Bools, Floats, Ints
 from clast.rockmass import blocks as block_loops
-from clast.rockmass.account import Work, report_of
+from clast.rockmass.account import Before, Work, report_of
 from clast.rockmass.domain import Domain, Opening, Region, Trace
 from clast.rockmass.estimate import check_counted, check_expected
 from clast.rockmass.joints.joint_set import JointSet
@@ -36,7 +36,6 @@ from clast.rockmass.report import Report
 from clast.rockmass.sizes import Limits, limits_of
 from clast.rockmass.sources import (
     WELDED,
-    SetLines,
     Site,
     Table,
     joints_of,
@@ -110,52 +109,49 @@ def cut(
     for one in sets:
         one.check()
     check_expected(sets, [plan_of(at, one, NONE) for one in sets], domain.most_blocks)
-    drawn, snapped = trace_lines(at, traces, len(sets))
-    lines = [*set_lines(at, sets, drawn, seed), *drawn]
+    drawn = trace_lines(at, traces, len(sets))
+    lines = [*set_lines(at, sets, drawn.lines, seed), *drawn.lines]
     found = tables(at, sets, lines, traces, patterns)
     estimate = check_counted(found, sets, domain.most_blocks)
-    limits = limits_of(at, lines, patterns)
-    return _cut(at, lines, found, limits, (estimate, np.concatenate([at.snapped, snapped])))
+    before = Before(
+        lines=lines,
+        limits=limits_of(at, lines, patterns),
+        estimate=estimate,
+        snapped=np.concatenate([at.snapped, drawn.snapped]),
+        notes=(*at.turned, *drawn.notes),
+    )
+    return _cut(at, found, before)
 
 
-def _cut(
-    at: Site,
-    lines: Sequence[SetLines],
-    found: Sequence[Table],
-    limits: Limits,
-    notes: tuple[int, Floats],
-) -> Cut:
+def _cut(at: Site, found: Sequence[Table], before: Before) -> Cut:
     ends = np.concatenate([one.ends for one in found])
     table = np.repeat(np.arange(len(found)), [len(one.ends) for one in found])
     names, joint = joints_of(found)
     outline = _outlines(at, found)[table]
     net = noded(ends / at.grid)
     graph = _graph(net, joint[table], outline)
-    whole, dangling = _faces(at, graph, limits)
+    whole, dangling = _faces(at, graph, before.limits)
     grid = on_grid(net.xy, at)
     held = block_loops.anchors(net, outline, ends + at.origin, grid)
     blocks = block_loops.tidied(
         whole.graph,
         held.held,
         joint[table],
-        limits.smallest_edge / at.grid,
-        2.0 * limits.smallest_block / at.grid**2,
+        before.limits.smallest_edge / at.grid,
+        2.0 * before.limits.smallest_block / at.grid**2,
     )
     vertices = _vertices(blocks, held.exact, grid)
     work = Work(
         site=at,
-        lines=lines,
+        before=before,
         tables=found,
         table=table,
         joint=joint,
-        limits=limits,
         net=net,
         whole=whole,
         dangling=dangling,
         blocks=blocks,
         vertices=vertices,
-        estimate=notes[0],
-        snapped=notes[1],
     )
     return _assembled(work, names)
 

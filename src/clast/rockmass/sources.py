@@ -20,6 +20,7 @@ from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import NONE, Drawn, Plan, Window
 from clast.rockmass.network.snapping import snapped, through
 from clast.rockmass.outlines import Outline, outline
+from clast.rockmass.report import PLACES
 
 WELDED = "welded"
 """Joint of the edges that split a ring: they are no joints, and hold for good."""
@@ -273,30 +274,36 @@ def _cuts_nothing(plan: Plan, one: JointSet, drawn: Drawn) -> ModelError:
     )
 
 
-def trace_lines(at: Site, traces: Sequence[Trace], set_count: int) -> tuple[list[SetLines], Floats]:
-    """Return the pieces of drawn traces in the domain, and where points were snapped, m, (k, 2)."""
+@dataclass(frozen=True, kw_only=True)
+class Drawings:
+    """Drawn traces, clipped and snapped."""
+
+    lines: list[SetLines]
+    """Pieces of each trace in the domain, none for those outside."""
+    snapped: Floats
+    """Points that were moved onto others, m, shape (k, 2)."""
+    notes: tuple[str, ...]
+    """Which traces lie outside of the domain."""
+
+
+def trace_lines(at: Site, traces: Sequence[Trace], set_count: int) -> Drawings:
+    """Return the pieces of drawn traces in the domain; ModelError where a set has none there."""
     pieces = [one.pieces(f"trace {k}") - at.origin for k, one in enumerate(traces, 1)]
     if not pieces:
-        return [], np.zeros((0, 2))
-    rims = [
-        at.outline,
-        *(o for o, one in zip(at.opening_outlines, at.openings, strict=True) if one.cut),
-    ]
+        return Drawings(lines=[], snapped=np.zeros((0, 2)), notes=())
+    rims = [at.outline]
+    rims += [o for o, one in zip(at.opening_outlines, at.openings, strict=True) if one.cut]
     edges = np.concatenate([one.edges - at.origin for one in rims])
     ends, moved = snapped(np.concatenate(pieces), edges, at.grid)
     start = np.cumsum([0, *(len(one) for one in pieces)])
-    found = []
+    found: list[SetLines] = []
+    beside: dict[int, float] = {}
     for k, one in enumerate(traces):
         own = ends[start[k] : start[k + 1]]
         inside = at.window.clipped(own)
         inside = inside[np.hypot(*(inside[:, 1] - inside[:, 0]).T) > 0.0]
         if len(inside) == 0:
-            gap = float(shapely.distance(shapely.linestrings(own), at.window.polygon).min())
-            raise ModelError(
-                f"cuts nothing: it passes {gap:.3g} m beside the domain",
-                where=f"trace {k + 1}",
-                remedy="move it, or take it out",
-            )
+            beside[k] = float(shapely.distance(shapely.linestrings(own), at.window.polygon).min())
         found.append(
             SetLines(
                 name=one.set,
@@ -307,7 +314,34 @@ def trace_lines(at: Site, traces: Sequence[Trace], set_count: int) -> tuple[list
                 table=set_count + k,
             )
         )
-    return found, moved + at.origin
+    _refuse_outside(traces, beside)
+    return Drawings(lines=found, snapped=moved + at.origin, notes=_outside(beside))
+
+
+def _refuse_outside(traces: Sequence[Trace], beside: dict[int, float]) -> None:
+    """Refuse sets of traces none of which meets the domain; ``beside`` are distances, m."""
+    for name in dict.fromkeys(one.set for one in traces):
+        own = [k for k, one in enumerate(traces) if one.set == name]
+        if all(k in beside for k in own):
+            gap = min(beside[k] for k in own)
+            what = (
+                "cuts nothing" if len(own) == 1 else f"no trace of the set '{name}' cuts anything"
+            )
+            raise ModelError(
+                f"{what}: {'it' if len(own) == 1 else 'the nearest'} passes {gap:.3g} m beside "
+                "the domain",
+                where=f"trace {own[0] + 1}",
+                remedy="are units and origin those of the boundary? Else take it out",
+            )
+
+
+def _outside(beside: dict[int, float]) -> tuple[str, ...]:
+    """Say which traces lie outside."""
+    if not beside:
+        return ()
+    named = ", ".join(f"trace {k + 1} ({gap:.3g} m)" for k, gap in list(beside.items())[:PLACES])
+    more = f" and {len(beside) - PLACES} more" if len(beside) > PLACES else ""
+    return (f"outside of the domain, and cutting nothing: {named}{more}",)
 
 
 def overreaching(at: Site, ends: Floats) -> Floats:
@@ -351,7 +385,7 @@ def tables(
                 joint=joint,
                 ends=overreaching(at, one.ends),
                 whole=cells or drawn,
-                faces=1.0 if drawn else faces,
+                faces=float(len(one.ends) > 0) if drawn else faces,
             )
         )
     for pattern in patterns:
