@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 LIMIT = 400.0
-"""Time after which a script hangs, s: one that finds no kernel on disk takes some 100 to compile."""
+"""Time after which a script hangs, s: one that finds no kernel on disk compiles for some 100."""
 
 SCRIPT = """
 import concurrent.futures, multiprocessing, sys

@@ -1,1 +1,59 @@
-"""The rock mass before it is blocks: drawings in and out, joint sets, and the cutting of blocks."""
+"""Rock masses: joint sets, traces, openings and masonry, and the blocks that they cut."""
+
+from clast.rockmass.cutting import Cut, cut
+from clast.rockmass.domain import Box, Circle, Domain, Horseshoe, Opening, Polygon, Region, Trace
+from clast.rockmass.joints.directions import Fisher, VonMises, apparent
+from clast.rockmass.joints.distributions import (
+    Distribution,
+    Exponential,
+    Fixed,
+    Lognormal,
+    Normal,
+    Uniform,
+    Values,
+)
+from clast.rockmass.joints.joint_set import JointSet
+from clast.rockmass.joints.masonry import BlockPattern, RunningBond, StackBond
+from clast.rockmass.joints.parallel import CrossJointed, Parallel
+from clast.rockmass.joints.random_lines import Baecher, PoissonLines, Veneziano, Voronoi
+from clast.rockmass.report import Finding, Report, SetReport, Sizes
+from clast.rockmass.sources import CONSTRUCTION, WELDED
+
+__all__ = [
+    "CONSTRUCTION",
+    "WELDED",
+    "Baecher",
+    "BlockPattern",
+    "Box",
+    "Circle",
+    "CrossJointed",
+    "Cut",
+    "Distribution",
+    "Domain",
+    "Exponential",
+    "Finding",
+    "Fisher",
+    "Fixed",
+    "Horseshoe",
+    "JointSet",
+    "Lognormal",
+    "Normal",
+    "Opening",
+    "Parallel",
+    "PoissonLines",
+    "Polygon",
+    "Region",
+    "Report",
+    "RunningBond",
+    "SetReport",
+    "Sizes",
+    "StackBond",
+    "Trace",
+    "Uniform",
+    "Values",
+    "Veneziano",
+    "VonMises",
+    "Voronoi",
+    "apparent",
+    "cut",
+]

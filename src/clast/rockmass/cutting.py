@@ -1,0 +1,312 @@
+"""From joint sets, traces, openings and regions to blocks that tile the domain.
+
+    from clast.rockmass import Domain, JointSet, Parallel, cut
+
+    domain = Domain(boundary=[(0, 0), (10, 0), (10, 8), (0, 8)], rock="granite")
+    bedding = JointSet(name="bedding", angle=30.0, spacing=1.3, joint="bedding")
+    cross = JointSet(name="cross", angle=115.0, spacing=0.9, origin=(0.2, 0.1))
+    found = cut(domain, [bedding, cross])
+    print(found.report.blocks)
+
+Lines are drawn, clipped and met on a grid; what borders nothing is taken out; the faces that are
+left are tidied on shared nodes, so that neighbours agree and nothing is lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from clast.model.model import Bools, Floats, Ints
+from clast.rockmass import blocks as block_loops
+from clast.rockmass.account import Before, Work, report_of
+from clast.rockmass.domain import Domain, Opening, Region, Trace
+from clast.rockmass.estimate import check_counted, check_expected
+from clast.rockmass.joints.joint_set import JointSet
+from clast.rockmass.joints.masonry import BlockPattern
+from clast.rockmass.joints.plan import NONE
+from clast.rockmass.network.faces import NOTHING, Place, sided
+from clast.rockmass.network.holes import Whole, without_holes
+from clast.rockmass.network.noding import Noded, noded
+from clast.rockmass.network.planar import Graph, bordering, straightened
+from clast.rockmass.report import Report
+from clast.rockmass.sizes import Limits, limits_of
+from clast.rockmass.sources import (
+    WELDED,
+    Site,
+    Table,
+    joints_of,
+    plan_of,
+    set_lines,
+    site,
+    tables,
+    trace_lines,
+)
+
+MOST_REVERTS = 20
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cut:
+    """Blocks that tile the domain without its voids; frozen arrays, ragged ones flat.
+
+    The joint "welded" is that of edges which split a ring: no joint is there.  The joint
+    "construction-joint:NAME" runs along the opening NAME until a stage excavates it.
+    """
+
+    vertices: Floats
+    """Vertices, counter-clockwise by block, m, shape (nv, 2)."""
+    block_start: Ints
+    """Index of each block's first vertex; the last is the vertex count, shape (nb + 1,)."""
+    rock: Ints
+    """Index into ``rock_names`` of each block, shape (nb,)."""
+    edge_joint: Ints
+    """Index into ``joint_names`` of the edge from each vertex to the next, shape (nv,); -1 where no
+    other block is, or where no joint is named: by pair of blocks, rocks, or the default."""
+    opening: Ints
+    """Index into ``opening_names`` of the opening that each block is part of, -1, shape (nb,)."""
+    rock_names: tuple[str, ...]
+    """Names of the rocks."""
+    joint_names: tuple[str, ...]
+    """Names of the joints; "welded" is the last."""
+    opening_names: tuple[str, ...]
+    """Names of the openings."""
+    report: Report
+    """What was cut and what was changed."""
+
+    @property
+    def block_count(self) -> int:
+        """Number of blocks."""
+        return len(self.block_start) - 1
+
+    def polygon(self, block: int) -> Floats:
+        """Return the outline of one block, m, shape (k, 2)."""
+        return self.vertices[self.block_start[block] : self.block_start[block + 1]]
+
+
+def cut(
+    domain: Domain,
+    sets: Sequence[JointSet] = (),
+    traces: Sequence[Trace] = (),
+    openings: Sequence[Opening] = (),
+    regions: Sequence[Region] = (),
+    seed: int = 0,
+    patterns: Sequence[BlockPattern] = (),
+) -> Cut:
+    """Return the blocks into which lines and outlines cut a domain.
+
+    ``seed`` is that of all sets that have none of their own; the number of a set is part of it, so
+    that another set at the end leaves the lines of the others as they were.  Where lines coincide
+    the later one has the joint: sets, traces, patterns, regions, openings, boundary.
+
+    ModelError for what cannot be meant: outlines that cross themselves or lie outside, numbers that
+    are none, sets that cut nothing, more blocks than ``Domain.most_blocks``.
+    """
+    at = site(domain, openings, regions)
+    for one in sets:
+        one.check()
+    check_expected(sets, [plan_of(at, one, NONE) for one in sets], domain.most_blocks)
+    drawn = trace_lines(at, traces, len(sets))
+    lines = [*set_lines(at, sets, drawn.lines, seed), *drawn.lines]
+    found = tables(at, sets, lines, traces, patterns)
+    estimate = check_counted(found, sets, domain.most_blocks)
+    before = Before(
+        lines=lines,
+        limits=limits_of(at, lines, patterns),
+        estimate=estimate,
+        snapped=np.concatenate([at.snapped, drawn.snapped]),
+        notes=(*at.turned, *drawn.notes),
+    )
+    return _cut(at, found, before)
+
+
+def _cut(at: Site, found: Sequence[Table], before: Before) -> Cut:
+    ends = np.concatenate([one.ends for one in found])
+    table = np.repeat(np.arange(len(found)), [len(one.ends) for one in found])
+    names, joint = joints_of(found)
+    outline = _outlines(at, found)[table]
+    net = noded(ends / at.grid)
+    graph = _graph(net, joint[table], outline)
+    whole, dangling = _faces(at, graph, before.limits)
+    grid = on_grid(net.xy, at)
+    held = block_loops.anchors(net, outline, ends + at.origin, grid)
+    blocks = block_loops.tidied(
+        whole.graph,
+        held.held,
+        joint[table],
+        before.limits.smallest_edge / at.grid,
+        2.0 * before.limits.smallest_block / at.grid**2,
+    )
+    vertices = _vertices(blocks, held.exact, grid)
+    work = Work(
+        site=at,
+        before=before,
+        tables=found,
+        table=table,
+        joint=joint,
+        net=net,
+        whole=whole,
+        dangling=dangling,
+        blocks=blocks,
+        vertices=vertices,
+    )
+    return _assembled(work, names)
+
+
+def _outlines(at: Site, found: Sequence[Table]) -> Bools:
+    """Return which tables are outlines of openings or of the domain, shape (k,)."""
+    count = 1 + sum(one.cut for one in at.openings)
+    return np.arange(len(found)) >= len(found) - count
+
+
+def _graph(net: Noded, joint: Ints, outline: Bools) -> Graph:
+    """Return the pieces as a graph, each with the latest of its lines."""
+    count = len(net.edge)
+    line = np.zeros(count, np.int64)
+    np.maximum.at(line, net.of[:, 0], net.of[:, 1])
+    barrier = np.zeros(count, np.bool_)
+    np.logical_or.at(barrier, net.of[:, 0], outline[net.of[:, 1]])
+    return Graph(
+        xy=net.xy,
+        edge=net.edge,
+        line=line,
+        joint=joint[line],
+        barrier=barrier,
+        side=np.full((count, 2), NOTHING, np.int64),
+    )
+
+
+def _faces(at: Site, graph: Graph, limits: Limits) -> tuple[Whole, Graph]:
+    """Return the faces without holes, and the edges that border nothing, which are taken out."""
+    place = Place(
+        domain=_in_cells(at, at.window.polygon),
+        openings=[_in_cells(at, one) for one in at.polygons(at.opening_outlines)],
+        excavated=[one.excavated for one in at.openings],
+        cut=[one.cut for one in at.openings],
+    )
+    border = bordering(graph)
+    dangling = graph.only(~border)
+    graph = sided(graph.only(border), place)
+    graph = straightened(graph.only((graph.side != NOTHING).any(axis=1)))
+    # Edges that fell together enclose nothing any more.
+    while not (border := bordering(graph)).all():
+        graph = straightened(graph.only(border))
+    graph = sided(graph, place)
+    smallest2 = 2.0 * limits.smallest_block / at.grid**2
+    return without_holes(graph, smallest2), _inside(at, dangling)
+
+
+def _in_cells(at: Site, polygon: shapely.Polygon) -> shapely.Polygon:
+    return shapely.transform(polygon, lambda xy: xy / at.grid)
+
+
+def _inside(at: Site, dangling: Graph) -> Graph:
+    """Return those edges whose middles lie in rock: lines are cut a little beyond the boundary."""
+    x, y = (dangling.middles * at.grid).T
+    inside = shapely.contains_xy(at.window.polygon, x, y)
+    for one, polygon in zip(at.openings, at.polygons(at.opening_outlines), strict=True):
+        if one.excavated:
+            inside &= ~shapely.contains_xy(polygon, x, y)
+    return dangling.only(inside)
+
+
+def on_grid(xy: Ints, at: Site) -> Floats:
+    """Return nodes (nn, 2) in m: dividing by a whole number leaves decimals what they are."""
+    inverse = round(1.0 / at.grid)
+    whole = inverse > 0 and abs(inverse * at.grid - 1.0) < 1e-12
+    return at.origin + (xy / inverse if whole else xy * at.grid)
+
+
+def _vertices(blocks: block_loops.Tidied, exact: Floats, grid: Floats) -> Floats:
+    """Return the vertices (nv, 2), m: on the exact outlines unless that spoils a block."""
+    place = exact.copy()
+    owner = np.repeat(np.arange(len(blocks.group)), np.diff(blocks.start))
+    for _ in range(MOST_REVERTS):
+        vertices = place[blocks.node]
+        bad = ~block_loops.sound(vertices, blocks.start)
+        nodes = np.unique(blocks.node[bad[owner]])
+        nodes = nodes[(place[nodes] != grid[nodes]).any(axis=1)]
+        if len(nodes) == 0:
+            return vertices
+        place[nodes] = grid[nodes]
+    return grid[blocks.node]
+
+
+def _assembled(work: Work, names: tuple[str, ...]) -> Cut:
+    """Return the blocks with rocks, joints and openings, as frozen arrays."""
+    blocks, at = work.blocks, work.site
+    rocks, rock = _rocks(work)
+    opening = np.where(blocks.group >= 0, blocks.group, _uncut_openings(work))
+    arrays = {
+        "vertices": work.vertices,
+        "block_start": blocks.start,
+        "rock": rock,
+        "edge_joint": _edge_joints(work, names),
+        "opening": opening,
+    }
+    for name, array in arrays.items():
+        arrays[name] = np.ascontiguousarray(array)
+        arrays[name].setflags(write=False)
+    return Cut(
+        **arrays,
+        rock_names=rocks,
+        joint_names=names,
+        opening_names=tuple(one.name for one in at.openings),
+        report=report_of(work),
+    )
+
+
+def _edge_joints(work: Work, names: tuple[str, ...]) -> Ints:
+    """Return the joint of each edge, -1 where only one block is, shape (nv,)."""
+    blocks = work.blocks
+    here, there = blocks.node, blocks.node[block_loops.following(blocks.start)]
+    count = np.int64(here.max() + 1)
+    shared = np.isin(here * count + there, there * count + here)
+    joint = np.append(work.joint[work.table], names.index(WELDED))[blocks.line]
+    return np.where(shared, joint, -1)
+
+
+def _rocks(work: Work) -> tuple[tuple[str, ...], Ints]:
+    """Return the names of all rocks, and the rock of each block (nb,): that of most of it."""
+    at = work.site
+    given = [at.domain.rock if one.rock is None else one.rock for one in at.regions]
+    names = tuple(dict.fromkeys([at.domain.rock, *given]))
+    owner = _owners(work, at.polygons(at.region_outlines))
+    index = np.array([names.index(name) for name in (*given, at.domain.rock)], np.int64)
+    return names, index[owner]
+
+
+def _uncut_openings(work: Work) -> Ints:
+    """Return for each block the opening without cut outline that it lies in, -1, shape (nb,)."""
+    at = work.site
+    some = [k for k, one in enumerate(at.openings) if not one.cut]
+    polygons = at.polygons([at.opening_outlines[k] for k in some])
+    return np.array([*some, -1], np.int64)[_owners(work, polygons)]
+
+
+def _owners(work: Work, polygons: Sequence[shapely.Polygon]) -> Ints:
+    """Return which polygon holds most of each block, and more than half of it, else -1, (nb,)."""
+    blocks = work.blocks
+    count = len(blocks.group)
+    if not polygons:
+        return np.full(count, -1, np.int64)
+    owner = np.repeat(np.arange(count), np.diff(blocks.start))
+    shapes = shapely.polygons(shapely.linearrings(work.vertices - work.site.origin, indices=owner))
+    area = shapely.area(shapes)
+    number, block = shapely.STRtree(shapes).query(polygons, predicate="intersects")
+    common = np.zeros(len(block))
+    for k, polygon in enumerate(polygons):
+        own = np.flatnonzero(number == k)
+        shapely.prepare(polygon)
+        inside = shapely.contains(polygon, shapes[block[own]])
+        common[own[inside]] = area[block[own[inside]]]
+        rest = own[~inside]
+        common[rest] = shapely.area(shapely.intersection(shapes[block[rest]], polygon))
+    # Later regions go before earlier ones where both hold most of a block.
+    best = np.full(count, -1, np.int64)
+    most = common > 0.5 * area[block]
+    np.maximum.at(best, block[most], number[most])
+    return best

@@ -1,0 +1,277 @@
+"""What is cut: the domain, its regions of rock, its openings, and lines drawn by hand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from clast.errors import ModelError
+from clast.model import ranges
+from clast.model.model import Floats
+from clast.rockmass.outlines import Outline, outline, points_of
+
+FINEST = 1e-8
+"""Smallest tolerance as a share of the domain's diagonal: areas stay exact whole numbers."""
+COARSEST = 1e-3
+"""Largest tolerance as a share of the domain's diagonal."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Domain:
+    """The rock mass that is cut into blocks.
+
+    ``boundary`` may run either way; clockwise ones are turned round, and the report says so.
+    """
+
+    boundary: Any
+    """Corners of its outline, m, shape (k, 2)."""
+    rock: str = "rock"
+    """Rock of all blocks that lie in no region."""
+    tolerance: float | None = None
+    """Grid to which all lines are rounded, m; None: the power of ten below 1e-6 x the diagonal."""
+    smallest_edge: float | None = None
+    """Shorter edges are collapsed, m; None: 0.01 x the median spacing of the sets, and not more
+    than half the root of ``smallest_block``."""
+    smallest_block: float | None = None
+    """Smaller blocks are merged, m2; None: (2 x ``smallest_edge``)^2."""
+    most_blocks: int = 200_000
+    """More blocks are refused before anything is cut."""
+    section_azimuth: float | None = None
+    """Direction of +x, degrees clockwise from north; needed by dip and dip_direction."""
+
+    def outline(self) -> Outline:
+        """Return its outline, counter-clockwise; ModelError where it crosses itself."""
+        return outline(self.boundary, "domain, boundary")
+
+    def grid(self) -> float:
+        """Return the tolerance, m; ModelError where it is out of all proportion."""
+        diagonal = float(np.hypot(*np.ptp(self.outline().corners, axis=0)))
+        if self.tolerance is None:
+            # A power of ten leaves coordinates with few decimals what they are.
+            return 10.0 ** math.floor(math.log10(1e-6 * diagonal) + 1e-9)
+        share = _number(self.tolerance, "domain, tolerance") / diagonal
+        if not FINEST <= share <= COARSEST:
+            raise ModelError(
+                f"{self.tolerance:g} m is {share:.3g} times the diagonal of the domain",
+                where="domain, tolerance",
+                remedy=f"give {FINEST * diagonal:.3g} to {COARSEST * diagonal:.3g} m, or leave it "
+                f"out for {1e-6 * diagonal:.3g} m",
+            )
+        return float(self.tolerance)
+
+    def check(self) -> None:
+        """Refuse numbers that a domain cannot have."""
+        for key in ("smallest_edge", "smallest_block"):
+            value = getattr(self, key)
+            if value is not None and not 0.0 <= _number(value, f"domain, {key}"):
+                raise ModelError(
+                    f"{value:g} is below 0", where=f"domain, {key}", remedy="give 0 or more"
+                )
+        if self.section_azimuth is not None:
+            _number(self.section_azimuth, "domain, section_azimuth")
+        if not _number(self.most_blocks, "domain, most_blocks") >= 1:
+            raise ModelError(
+                f"{self.most_blocks} is no number of blocks",
+                where="domain, most_blocks",
+                remedy="give 1 or more",
+            )
+
+
+def _number(value: Any, where: str) -> float:
+    """Return a finite number; ModelError where it is none."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise ModelError(f"{value!r} is no finite number", where=where, remedy="give SI units")
+    return number
+
+
+@dataclass(frozen=True, kw_only=True)
+class Region:
+    """Rock by place: a block is of the region in which most of it lies.
+
+    The outline is no joint unless ``joint`` names one; then it is cut, too.
+    """
+
+    name: str
+    """Name, to which ``JointSet.within`` may refer."""
+    polygon: Any
+    """Corners, m, shape (k, 2)."""
+    rock: str | None = None
+    """Rock of its blocks; None: that of the domain."""
+    joint: str | None = None
+    """Joint along its outline; None: the outline is not cut."""
+
+    @property
+    def where(self) -> str:
+        """How messages call it."""
+        return f"region '{self.name}'"
+
+    def outline(self) -> Outline:
+        """Return its outline, counter-clockwise."""
+        return outline(self.polygon, f"{self.where}, polygon")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trace:
+    """A joint as it was drawn: a polyline."""
+
+    points: Any
+    """Its points in order, m, shape (k, 2)."""
+    joint: str | None = None
+    """Joint along it; None: that of the pair of blocks, the rocks, or the default."""
+    set: str = "traces"
+    """Set that it is counted with, and that other sets may end at."""
+
+    def pieces(self, where: str) -> Floats:
+        """Return its straight pieces, m, shape (k - 1, 2, 2)."""
+        points = points_of(self.points, where, 2)
+        return np.stack([points[:-1], points[1:]], axis=1)
+
+
+class Shape(Protocol):
+    """The outline of an opening."""
+
+    def corners(self, where: str) -> Floats:
+        """Return its corners, m, shape (k, 2); ModelError where its numbers make no outline."""
+        ...
+
+
+def _positive(value: Any, where: str) -> float:
+    number = _number(value, where)
+    if number <= 0.0:
+        raise ModelError(f"{number:g} must be above 0", where=where, remedy="give m")
+    ranges.check_size(number, ranges.LENGTH, where, "give m")
+    return number
+
+
+def _chords(value: int, where: str, least: int) -> int:
+    if not isinstance(value, int | np.integer) or value < least:
+        raise ModelError(
+            f"{value!r} is no number of chords", where=where, remedy=f"give at least {least}"
+        )
+    return int(value)
+
+
+def _pair(value: Any, where: str) -> Floats:
+    return points_of([value], where, 1)[0]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Circle:
+    """A circle as a polygon of equal area.
+
+    A polygon of n chords has the area n/2 r^2 sin(2 pi/n); its corners lie at
+    r sqrt(2 pi/(n sin(2 pi/n))), so that it has the area of the circle of radius r.
+    """
+
+    center: Any
+    """Centre, m, shape (2,)."""
+    radius: float
+    """Radius of the circle of the same area, m."""
+    chords: int = 32
+    """Number of straight edges."""
+
+    def corners(self, where: str) -> Floats:
+        """Return its corners, m, shape (chords, 2)."""
+        count = _chords(self.chords, f"{where}, chords", 3)
+        radius = _positive(self.radius, f"{where}, radius")
+        radius *= math.sqrt(2.0 * math.pi / (count * math.sin(2.0 * math.pi / count)))
+        angle = 2.0 * math.pi * np.arange(count) / count
+        return _pair(self.center, f"{where}, center") + radius * np.stack(
+            [np.cos(angle), np.sin(angle)], axis=1
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Horseshoe:
+    """Straight walls under half a circle, whose chords leave the area of the half circle."""
+
+    center: Any
+    """Middle of the floor, m, shape (2,)."""
+    width: float
+    """Width of the floor, m."""
+    wall_height: float
+    """Height of the walls, m."""
+    chords: int = 16
+    """Straight edges of the roof."""
+
+    def corners(self, where: str) -> Floats:
+        """Return its corners, m, shape (chords + 3, 2)."""
+        count = _chords(self.chords, f"{where}, chords", 2)
+        half = 0.5 * _positive(self.width, f"{where}, width")
+        wall = _positive(self.wall_height, f"{where}, wall_height")
+        angle = math.pi * np.arange(1, count) / count
+        # Springings stay on the walls; the other corners move out until the areas are equal:
+        # the two outer triangles are r R/2 sin a each, the others R^2/2 sin a.
+        turn = math.sin(math.pi / count)
+        a, b, c = 0.5 * (count - 2) * turn, half * turn, -0.5 * math.pi * half**2
+        radius = -c / b if a == 0.0 else (-b + math.sqrt(b * b - 4.0 * a * c)) / (2.0 * a)
+        roof = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1) + [0.0, wall]
+        sides = np.array([[-half, 0.0], [half, 0.0], [half, wall]])
+        return _pair(self.center, f"{where}, center") + np.concatenate(
+            [sides, roof, [[-half, wall]]]
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Box:
+    """A rectangle."""
+
+    corner: Any
+    """Lower left corner, m, shape (2,)."""
+    size: Any
+    """Width and height, m, shape (2,)."""
+
+    def corners(self, where: str) -> Floats:
+        """Return its corners, m, shape (4, 2)."""
+        size = _pair(self.size, f"{where}, size")
+        width, height = (_positive(value, f"{where}, size") for value in size)
+        low = _pair(self.corner, f"{where}, corner")
+        return low + np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Polygon:
+    """Any simple outline."""
+
+    points: Any
+    """Corners, m, shape (k, 2)."""
+
+    def corners(self, where: str) -> Floats:
+        """Return its corners, m, shape (k, 2)."""
+        return points_of(self.points, f"{where}, points", 3)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Opening:
+    """A void from the start, or rock until a stage excavates it."""
+
+    name: str
+    """Name."""
+    shape: Shape
+    """Circle, Horseshoe, Box or Polygon."""
+    excavated: bool = False
+    """True: void from the start; its outline is cut."""
+    construction_joint: bool = True
+    """True: the outline is cut, and welded until it is excavated.  False: it is not cut, and the
+    opening has the blocks that lie in it for the most part."""
+
+    @property
+    def where(self) -> str:
+        """How messages call it."""
+        return f"opening '{self.name}'"
+
+    @property
+    def cut(self) -> bool:
+        """Whether its outline is cut."""
+        return self.excavated or self.construction_joint
+
+    def outline(self) -> Outline:
+        """Return its outline, counter-clockwise; ModelError where it crosses itself."""
+        return outline(self.shape.corners(self.where), self.where)

@@ -1,0 +1,1 @@
+"""Joint sets: distributions, directions, the six models, courses of masonry."""

@@ -1,0 +1,192 @@
+"""Random joints: Baecher's traces, Poisson's lines, Veneziano's broken lines, Voronoi's cells."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from scipy.spatial import Voronoi as Diagram
+
+from clast.model.model import Floats
+from clast.rockmass.joints.distributions import Distribution, Exponential, Fixed
+from clast.rockmass.joints.parallel import ORIENTED
+from clast.rockmass.joints.plan import NONE, Drawn, Plan, along, pieces, until
+
+DENSE = ("intensity", "spacing")
+
+
+@dataclass(frozen=True)
+class Baecher:
+    """Traces whose middles are uniform in the plane, until P21 is reached.
+
+    Lengths from their distribution, directions from theirs, all independent (Baecher, Lanney and
+    Einstein 1977).  Middles are drawn beyond the window, too, so that its rim is like its interior.
+    """
+
+    name: str = "baecher"
+    cells: bool = False
+    takes: frozenset[str] = ORIENTED | {"intensity", "spacing", "trace_length"}
+    needs: tuple[tuple[str, ...], ...] = (DENSE, ("trace_length",))
+
+    def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
+        """Return traces, m."""
+        low, high = plan.window.box
+        trace = plan.trace or Fixed(plan.window.radius)
+        margin = 0.5 * trace.large
+        low, high = low - margin, high + margin
+
+        def draw(count: int) -> Floats:
+            middle = rng.uniform(low, high, (count, 2))
+            half = 0.5 * np.minimum(trace.draw(rng, count), trace.large)
+            return along(middle, plan.direction.ways(rng, count) * half[:, None], 1.0)
+
+        guess = plan.density * float(np.prod(high - low)) / trace.mean
+        return Drawn(ends=until(plan, draw, guess), carriers=NONE)
+
+    def blocks(self, plan: Plan) -> float:
+        """Return about how many traces lie in the window."""
+        return pieces(plan)
+
+
+@dataclass(frozen=True)
+class PoissonLines:
+    """Endless lines whose distances from any point are uniform: P21 for every direction.
+
+    The number that meets a circle of radius R has Poisson's distribution with the mean 2 R P21
+    (Miles 1964, Proc. Natl. Acad. Sci. 52).
+    """
+
+    name: str = "poisson-lines"
+    cells: bool = False
+    takes: frozenset[str] = ORIENTED | {"intensity", "spacing"}
+    needs: tuple[tuple[str, ...], ...] = (DENSE,)
+
+    def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
+        """Return lines, m."""
+        return Drawn(ends=_endless(plan, plan.density, rng), carriers=NONE)
+
+    def blocks(self, plan: Plan) -> float:
+        """Return about how many lines meet the window."""
+        return pieces(plan)
+
+
+@dataclass(frozen=True)
+class Veneziano:
+    """Lines of Poisson that points of Poisson divide into traces and rock bridges.
+
+    Marking the parts of a line as joint or rock at random makes both lengths exponential, with
+    the means ``trace_length`` and ``bridge_length`` (Veneziano 1978; Dershowitz and Einstein
+    1988, Rock Mech. Rock Eng. 21); another distribution may be given for each.  P21 counts traces.
+    """
+
+    name: str = "veneziano"
+    cells: bool = False
+    takes: frozenset[str] = ORIENTED | {"intensity", "spacing", "trace_length", "bridge_length"}
+    needs: tuple[tuple[str, ...], ...] = (DENSE, ("trace_length",), ("bridge_length",))
+
+    def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
+        """Return traces, m."""
+        whole = _endless(plan, plan.density / plan.persistence, rng)
+        trace, bridge = _random(plan.trace), _random(plan.bridge)
+        found = [NONE]
+        for start, end in whole:
+            length = float(np.hypot(*(end - start)))
+            count = int(1.5 * length / (trace.mean + bridge.mean)) + 16
+            at = -rng.uniform(2.0, 3.0) * (trace.mean + bridge.mean)
+            spans = np.zeros((0, 2))
+            while at < length:
+                lengths, gaps = trace.draw(rng, count), bridge.draw(rng, count)
+                begin = at + np.concatenate([[0.0], np.cumsum(lengths + gaps)])
+                spans = np.concatenate(
+                    [spans, np.stack([begin[:-1], begin[:-1] + lengths], axis=1)]
+                )
+                at = float(begin[-1])
+            spans = spans[(spans[:, 1] > 0.0) & (spans[:, 0] < length)]
+            found.append(start + spans[:, :, None] * (end - start) / length)
+        return Drawn(ends=np.concatenate(found), carriers=whole)
+
+    def blocks(self, plan: Plan) -> float:
+        """Return about how many traces lie in the window."""
+        return pieces(plan)
+
+
+@dataclass(frozen=True)
+class Voronoi:
+    """Cells about random points: every place belongs to the nearest of them.
+
+    Area over ``spacing`` squared cells, or ``count`` of them.  With ``rounds`` above 0 the points
+    move to the centroids of their cells, which then become more regular (Lloyd 1982).
+    """
+
+    name: str = "voronoi"
+    cells: bool = True
+    takes: frozenset[str] = frozenset({"spacing"})
+    count: int | None = None
+    """Number of cells; None: from the spacing."""
+    rounds: int = 0
+    """How often points move to the centroids of their cells."""
+
+    @property
+    def needs(self) -> tuple[tuple[str, ...], ...]:
+        """Return the spacing, unless the number of cells is given."""
+        return () if self.count else (("spacing",),)
+
+    def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
+        """Return the edges of the cells, m."""
+        low, high = plan.window.box
+        count = max(round(self.blocks(plan)), 1)
+        points = np.zeros((0, 2))
+        while len(points) < count:
+            more = rng.uniform(low, high, (2 * (count - len(points)) + 16, 2))
+            inside = shapely.contains_xy(plan.window.polygon, more[:, 0], more[:, 1])
+            points = np.concatenate([points, more[inside]])[:count]
+        for _ in range(self.rounds):
+            points = _centroids(points, plan)
+        diagram = _diagram(points, plan)
+        ridges = np.array(diagram.ridge_vertices)
+        return Drawn(ends=diagram.vertices[ridges[(ridges >= 0).all(axis=1)]], carriers=NONE)
+
+    def blocks(self, plan: Plan) -> float:
+        """Return the number of cells."""
+        if self.count:
+            return float(self.count)
+        return plan.window.area / plan.spacing.mean**2 if plan.spacing else 1.0
+
+
+def _random(spread: Distribution | None) -> Distribution:
+    """Return a fixed length as the mean of an exponential one, and others as they are."""
+    if spread is None or isinstance(spread, Fixed):
+        return Exponential(mean=spread.mean if spread else math.inf)
+    return spread
+
+
+def _endless(plan: Plan, density: float, rng: np.random.Generator) -> Floats:
+    """Return lines of Poisson of a density, m/m2, that cross the circle about the window."""
+    window = plan.window
+    count = int(rng.poisson(2.0 * window.radius * density))
+    ways = plan.direction.ways(rng, count)
+    place = rng.uniform(-window.radius, window.radius, count)
+    normal = np.stack([-ways[:, 1], ways[:, 0]], axis=1)
+    return along(window.center + place[:, None] * normal, ways, 1.01 * window.radius)
+
+
+def _diagram(points: Floats, plan: Plan) -> Diagram:
+    """Return the cells of points (n, 2); far points about them close those at the rim."""
+    far = 20.0 * plan.window.radius
+    turn = np.linspace(0.0, 2.0 * math.pi, 8, endpoint=False)
+    ring = plan.window.center + far * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    return Diagram(np.concatenate([points, ring]))
+
+
+def _centroids(points: Floats, plan: Plan) -> Floats:
+    """Return the centroids of the cells of points (n, 2) inside the window; others stay."""
+    diagram = _diagram(points, plan)
+    cells = [diagram.vertices[diagram.regions[diagram.point_region[k]]] for k in range(len(points))]
+    inside = shapely.intersection(
+        np.array([shapely.Polygon(cell).convex_hull for cell in cells]), plan.window.polygon
+    )
+    at = shapely.get_coordinates(shapely.centroid(inside))
+    held = shapely.contains_xy(plan.window.polygon, at[:, 0], at[:, 1])
+    return np.where(held[:, None], at, points)

@@ -1,0 +1,1 @@
+"""From straight lines to blocks: a planar graph on a grid of whole numbers, and its faces."""

@@ -1,0 +1,280 @@
+"""Faces with holes: split by welds through their holes, so that every block is one simple loop.
+
+A hole is an island of blocks inside a face, or an opening inside one block.  A weld runs between
+two nodes that see each other, so that it makes no node and moves nothing; two of them from every
+hole, from different nodes to different nodes, leave simple loops.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from clast.errors import ModelError
+from clast.model.model import Floats, Ints
+from clast.rockmass.network.faces import NOTHING, holders
+from clast.rockmass.network.planar import WELD, Graph, Loops, loops_of, parts_of
+
+MOST_ROUNDS = 100
+"""Every round joins each hole to another loop at least; few rounds are ever needed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ring:
+    """A simple loop of nodes that lies in the interior of a face, or touches its loop."""
+
+    nodes: Ints
+    """Nodes, shape (k,); where it touches the rest of the face, it does so with the first."""
+    touching: bool
+    """Whether it hangs on the rest of the face by one node."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Face:
+    """A face that is more than one simple loop."""
+
+    side: int
+    """What it is: rock or the number of an opening."""
+    edges: Ints
+    """All its edges as pairs of nodes, shape (k, 2)."""
+    closing: Ints
+    """Those that have the face on one side only, shape (k, 2)."""
+    rings: Sequence[Ring]
+    """What must be joined to the rest of it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Whole:
+    """A graph whose faces have no holes, and what was done for it."""
+
+    graph: Graph
+    """The graph with its welds."""
+    islands: Floats
+    """Middle of each small island that was taken out, cells, shape (k, 2)."""
+    island_blocks: int
+    """Blocks that were in them."""
+    split: Floats
+    """A node of each hole or touching loop, cells, shape (k, 2)."""
+
+
+def without_holes(graph: Graph, smallest2: float) -> Whole:
+    """Return the graph with welds; islands of less than ``smallest2`` (2 areas) are taken out."""
+    graph, islands, blocks = _without_small_islands(graph, smallest2)
+    split: list[Ints] = []
+    for _ in range(MOST_ROUNDS):
+        faces = list(_faces_to_split(graph))
+        if not faces:
+            at = graph.xy[np.array(split, np.int64)].astype(float).reshape(-1, 2)
+            return Whole(graph=graph, islands=islands, island_blocks=blocks, split=at)
+        for face in faces:
+            split.extend(ring.nodes[0] for ring in face.rings)
+        graph = _with_welds(graph, faces)
+    where = graph.xy[split[-1]]
+    raise ModelError(
+        f"the ring near cell ({where[0]}, {where[1]}) cannot be split into blocks",
+        where="domain",
+        remedy="this is a fault of clast: a line through the ring gets round it; please report it",
+    )
+
+
+def _without_small_islands(graph: Graph, smallest2: float) -> tuple[Graph, Floats, int]:
+    """Return the graph without small parts inside faces of rock, their middles, their blocks."""
+    loops = loops_of(graph)
+    part = parts_of(graph)
+    hole = (loops.area2 <= 0) & (holders(graph, loops) >= 0) & (-loops.area2 < smallest2)
+    node = loops.nodes(graph)
+    small = part[node[loops.start[:-1]][hole]]
+    outlined = part[graph.edge[graph.barrier, 0]]
+    small = np.setdiff1d(small, outlined)
+    if len(small) == 0:
+        return graph, np.zeros((0, 2)), 0
+    gone = np.isin(part[graph.edge[:, 0]], small)
+    blocks = np.isin(part[node[loops.start[:-1]]], small) & (loops.area2 > 0)
+    middles = [graph.middles[gone & (part[graph.edge[:, 0]] == one)].mean(axis=0) for one in small]
+    return graph.only(~gone), np.array(middles), int(blocks.sum())
+
+
+def _faces_to_split(graph: Graph) -> Iterator[Face]:
+    loops = loops_of(graph)
+    node = loops.nodes(graph)
+    side = graph.side[loops.half >> 1, loops.half & 1][loops.start[:-1]]
+    owner = np.repeat(np.arange(len(side)), np.diff(loops.start))
+    order = np.lexsort((node, owner))
+    again = (np.diff(node[order]) == 0) & (np.diff(owner[order]) == 0)
+    pinched = np.unique(owner[order[1:]][again])
+    holder = holders(graph, loops)
+    hole = np.flatnonzero((loops.area2 <= 0) & (holder >= 0))
+    split = np.union1d(holder[hole], pinched[loops.area2[pinched] > 0])
+    for shell in split[side[split] != NOTHING]:
+        inner = hole[holder[hole] == shell]
+        yield _face(graph, loops, node, shell, inner)
+
+
+def _face(graph: Graph, loops: Loops, node: Ints, shell: int, inner: Ints) -> Face:
+    """Return one face by its outer loop and the loops of its holes."""
+
+    def entries(loop: int) -> Ints:
+        return np.arange(loops.start[loop], loops.start[loop + 1])
+
+    loop = node[entries(shell)]
+    # From its lowest node on, what is left at last is the outer loop, or hangs by its first node.
+    lowest = int(np.lexsort(graph.xy[loop].T)[0])
+    parts = [one for one in _simple(np.roll(loop, -lowest)) if len(one) > 2]
+    rings = [Ring(nodes=one, touching=True) for one in parts]
+    # The outer one of the touching loops has the area; the others hang on it.
+    rings.pop(int(np.argmax([_area2(graph.xy[ring.nodes]) for ring in rings])))
+    for hole in inner:
+        rings.extend(Ring(nodes=one, touching=False) for one in _simple(node[entries(hole)]))
+    half = np.concatenate([loops.half[entries(loop)] for loop in (shell, *inner)])
+    first = loops.half[loops.start[shell]]
+    edge, count = np.unique(half >> 1, return_counts=True)
+    return Face(
+        side=int(graph.side[first >> 1, first & 1]),
+        edges=graph.edge[edge],
+        closing=graph.edge[edge[count == 1]],
+        rings=rings,
+    )
+
+
+def _simple(loop: Ints) -> list[Ints]:
+    """Return the simple loops that a loop of nodes (k,) is made of where it touches itself."""
+    found: list[Ints] = []
+    path: list[int] = []
+    place: dict[int, int] = {}
+    for node in loop.tolist():
+        if node in place:
+            cut = place[node]
+            found.append(np.array(path[cut:], np.int64))
+            for gone in path[cut:]:
+                del place[gone]
+            del path[cut:]
+        place[node] = len(path)
+        path.append(node)
+    found.append(np.array(path, np.int64))
+    return found
+
+
+def _area2(xy: Ints) -> int:
+    after = np.roll(xy, -1, axis=0)
+    return int((xy[:, 0] * after[:, 1] - xy[:, 1] * after[:, 0]).sum())
+
+
+def _with_welds(graph: Graph, faces: Sequence[Face]) -> Graph:
+    """Return the graph with welds from every ring of the faces."""
+    welds: list[tuple[int, int]] = []
+    sides: list[int] = []
+    for face in faces:
+        edges = face.edges
+        for ring in face.rings:
+            for weld in _welds_of(ring, edges, face.closing, graph.xy):
+                welds.append(weld)
+                sides.append(face.side)
+                edges = np.concatenate([edges, [weld]])
+    count = len(welds)
+    return replace(
+        graph,
+        edge=np.concatenate([graph.edge, np.array(welds, np.int64).reshape(-1, 2)]),
+        line=np.concatenate([graph.line, np.full(count, WELD, np.int64)]),
+        joint=np.concatenate([graph.joint, np.full(count, WELD, np.int64)]),
+        barrier=np.concatenate([graph.barrier, np.zeros(count, np.bool_)]),
+        side=np.concatenate([graph.side, np.repeat(np.array(sides, np.int64), 2).reshape(-1, 2)]),
+    )
+
+
+def _welds_of(ring: Ring, edges: Ints, closing: Ints, xy: Ints) -> Iterator[tuple[int, int]]:
+    """Yield the shortest welds from a ring: two of them, in opposite directions if possible.
+
+    A loop that hangs on the rest by a node needs one, from another node to another node.
+    """
+    inner, outer = _sides_of(ring, edges)
+    one, other = (grid.reshape(-1) for grid in np.meshgrid(inner, outer, indexing="ij"))
+    length = np.hypot(*(xy[other] - xy[one]).T.astype(float))
+    order = np.argsort(length, kind="stable")
+    one, other = one[order], other[order]
+    first = _first_seen(one, other, edges, closing, xy)
+    if first is None:
+        return
+    yield first
+    if ring.touching:
+        return
+    apart = (one != first[0]) & (other != first[1])
+    one, other = one[apart], other[apart]
+    away = ((xy[other] - xy[one]) * (xy[first[1]] - xy[first[0]]).astype(float)).sum(axis=1) < 0.0
+    edges = np.concatenate([edges, [first]])
+    for some in (away, ~away):
+        second = _first_seen(one[some], other[some], edges, closing, xy)
+        if second is not None:
+            yield second
+            return
+
+
+def _sides_of(ring: Ring, edges: Ints) -> tuple[Ints, Ints]:
+    """Return the nodes of a face from which a ring may be welded, and those to which.
+
+    What hangs on a loop that touches the rest hangs with it: these are the nodes that the rest is
+    reached from through the common node only.
+    """
+    nodes, index = np.unique(edges, return_inverse=True)
+    if not ring.touching:
+        of_ring = np.isin(nodes, ring.nodes)
+        return nodes[of_ring], nodes[~of_ring]
+    index = index.reshape(-1, 2)
+    shared = np.searchsorted(nodes, ring.nodes[0])
+    index = index[(index != shared).all(axis=1)]
+    ones = np.ones(len(index), np.int8)
+    links = coo_array((ones, (index[:, 0], index[:, 1])), shape=(len(nodes),) * 2)
+    part = connected_components(links, directed=False)[1]
+    of_ring = part == part[np.searchsorted(nodes, ring.nodes[1])]
+    return nodes[of_ring], nodes[~of_ring & (np.arange(len(nodes)) != shared)]
+
+
+def _first_seen(
+    one: Ints, other: Ints, edges: Ints, closing: Ints, xy: Ints
+) -> tuple[int, int] | None:
+    """Return the first pair of nodes (k,) that see each other inside the face of ``edges``."""
+    ends = 2 * xy[closing[:, 0]], 2 * xy[closing[:, 1]]
+    a, b = xy[edges[:, 0]], xy[edges[:, 1]]
+    nodes = np.unique(edges)
+    known = {(int(p), int(q)) for p, q in np.concatenate([edges, edges[:, ::-1]])}
+    for p, q in zip(one.tolist(), other.tolist(), strict=True):
+        if (
+            (p, q) not in known
+            and _inside(xy[p] + xy[q], *ends)
+            and _sees(xy[p], xy[q], a, b, xy[nodes])
+        ):
+            return p, q
+    return None
+
+
+def _sees(p: Ints, q: Ints, a: Ints, b: Ints, nodes: Ints) -> bool:
+    """Return whether a straight line from p to q meets no edge a-b (k, 2) and no node between."""
+    of_a, of_b = _turn(p, q, a), _turn(p, q, b)
+    of_p, of_q = _turn_of(a, b, p), _turn_of(a, b, q)
+    if ((of_a * of_b < 0) & (of_p * of_q < 0)).any():
+        return False
+    on = _turn(p, q, nodes) == 0
+    along = ((nodes[on] - p).astype(float) * (q - p)).sum(axis=1)
+    return not ((along > 0.0) & (along < float(((q - p).astype(float) ** 2).sum()))).any()
+
+
+def _turn(p: Ints, q: Ints, at: Ints) -> Ints:
+    """Return on which side of the line from p to q points (k, 2) lie: 1 left, 0 on it, -1."""
+    return np.sign((q[0] - p[0]) * (at[:, 1] - p[1]) - (q[1] - p[1]) * (at[:, 0] - p[0]))
+
+
+def _turn_of(a: Ints, b: Ints, at: Ints) -> Ints:
+    """Return on which side of lines from a to b (k, 2) a point lies."""
+    return np.sign(
+        (b[:, 0] - a[:, 0]) * (at[1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (at[0] - a[:, 0])
+    )
+
+
+def _inside(at: Ints, a: Ints, b: Ints) -> bool:
+    """Return whether a point lies inside edges a-b (k, 2): a ray crosses an odd number of them."""
+    up = (a[:, 1] > at[1]) != (b[:, 1] > at[1])
+    turn = _turn_of(a[up], b[up], at) * np.sign(b[up, 1] - a[up, 1])
+    return bool((turn > 0).sum() % 2)

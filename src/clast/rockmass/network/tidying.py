@@ -1,0 +1,360 @@
+"""Short edges collapsed and small blocks merged, on shared nodes: neighbours always agree.
+
+Nothing is done that would make a block cross or touch itself: what cannot be tidied stays, and is
+counted.  A node moves only onto a neighbour; nodes of outlines move along their outline only and
+its corners stay, so that the domain keeps its shape.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+Point = tuple[int, int]
+Edge = tuple[int, int]
+
+FREE, ON_OUTLINE, CORNER = 0, 1, 2
+"""What holds a node: nothing, the outline that it moves along, a corner."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tiling:
+    """Blocks as loops of shared nodes; the lists change while it is tidied."""
+
+    xy: list[Point]
+    """Coordinates of the nodes, cells."""
+    held: list[int]
+    """What holds each node: ``FREE``, ``ON_OUTLINE`` or ``CORNER``."""
+    loops: list[list[int]]
+    """Nodes of each block, counter-clockwise; empty where the block is gone."""
+    group: list[int]
+    """What each block is part of: -1 rock, else an opening; only like ones are merged."""
+    line: dict[Edge, int]
+    """Line of each edge, by its nodes in order; later lines have higher numbers."""
+    outline: set[Edge]
+    """Edges along outlines."""
+    around: dict[int, set[int]] = field(default_factory=dict)
+    """Blocks that have each node."""
+    collapsed: list[Point] = field(default_factory=list)
+    """Where edges were collapsed."""
+    merged: list[Point] = field(default_factory=list)
+    """Where blocks were merged, or shrank to nothing with an edge."""
+    changed: set[int] = field(default_factory=set)
+    """Blocks that have changed so far."""
+
+    def __post_init__(self) -> None:
+        around: dict[int, set[int]] = defaultdict(set)
+        for block, loop in enumerate(self.loops):
+            for node in loop:
+                around[node].add(block)
+        self.around.update(around)
+
+    def length(self, edge: Edge) -> float:
+        """Return the length of an edge, cells."""
+        (ax, ay), (bx, by) = self.xy[edge[0]], self.xy[edge[1]]
+        return math.hypot(bx - ax, by - ay)
+
+
+def ordered(a: int, b: int) -> Edge:
+    """Return an edge by its two nodes, the lower first."""
+    return (a, b) if a < b else (b, a)
+
+
+def edges_of(loop: list[int]) -> list[Edge]:
+    """Return the edges of a loop, each with the lower node first."""
+    return [ordered(a, b) for a, b in zip(loop, loop[1:] + loop[:1], strict=True)]
+
+
+def area2(loop: list[int], xy: list[Point]) -> int:
+    """Return twice the area of a loop, cells2: above zero counter-clockwise."""
+    total = 0
+    ax, ay = xy[loop[-1]]
+    for node in loop:
+        bx, by = xy[node]
+        total += ax * by - ay * bx
+        ax, ay = bx, by
+    return total
+
+
+def collapse(tiling: Tiling, edges: Iterable[Edge], shortest: float) -> set[Edge]:
+    """Collapse those of ``edges`` that are shorter, the shortest first; return those that stay.
+
+    ``shortest`` in cells; edges that become short on the way are collapsed, too.
+    """
+    short = [(tiling.length(edge), edge) for edge in edges if edge in tiling.line]
+    short = [one for one in short if one[0] < shortest]
+    heapq.heapify(short)
+    left: set[Edge] = set()
+    while short:
+        length, edge = heapq.heappop(short)
+        if edge not in tiling.line or tiling.length(edge) != length:
+            continue
+        node = _collapsed(tiling, edge)
+        if node is None:
+            left.add(edge)
+            continue
+        for block in tiling.around[node]:
+            for other in edges_of(tiling.loops[block]):
+                size = tiling.length(other)
+                if node in other and size < shortest:
+                    heapq.heappush(short, (size, other))
+    return {edge for edge in left if edge in tiling.line and tiling.length(edge) < shortest}
+
+
+def _collapsed(tiling: Tiling, edge: Edge) -> int | None:
+    """Collapse an edge where that leaves sound blocks; return the node that it becomes, or None."""
+    held = tiling.held
+    a, b = sorted(edge, key=lambda node: (held[node], len(tiling.around[node]), -node))
+    for gone, kept in ((a, b), (b, a)):
+        along = edge in tiling.outline
+        movable = held[gone] == FREE or (held[gone] == ON_OUTLINE and along)
+        if movable and _move_onto(tiling, gone, kept):
+            tiling.collapsed.append(tiling.xy[kept])
+            return kept
+    return None
+
+
+def _move_onto(tiling: Tiling, gone: int, kept: int) -> bool:
+    """Replace a node by another where every block stays simple; return whether it was done."""
+    changed: dict[int, list[int]] = {}
+    for block in tiling.around[gone]:
+        loop = _replaced(tiling.loops[block], gone, kept)
+        if loop and not _sound(loop, tiling.xy, kept):
+            return False
+        changed[block] = loop
+    if not _still_paired(tiling, changed, kept):
+        return False
+    for block in changed:
+        _forget(tiling, block)
+    for block, loop in changed.items():
+        if not loop:
+            tiling.merged.append(tiling.xy[kept])
+        _set(tiling, block, loop)
+    _rename_edges(tiling, gone, kept)
+    return True
+
+
+def _still_paired(tiling: Tiling, changed: dict[int, list[int]], kept: int) -> bool:
+    """Return whether every edge at a node still has at most one block on each side.
+
+    Two blocks with one edge in the same direction would lie on each other.
+    """
+    seen: set[tuple[int, int]] = set()
+    for block in set(changed) | tiling.around[kept]:
+        loop = changed.get(block, tiling.loops[block])
+        for a, b in zip(loop, loop[1:] + loop[:1], strict=True):
+            if kept in (a, b):
+                if (a, b) in seen:
+                    return False
+                seen.add((a, b))
+    return True
+
+
+def _replaced(loop: list[int], gone: int, kept: int) -> list[int]:
+    """Return a loop with a node replaced; empty where fewer than three are left."""
+    if kept not in loop:
+        return [kept if node == gone else node for node in loop]
+    count = len(loop)
+    at = loop.index(gone)
+    if kept not in (loop[at - 1], loop[(at + 1) % count]):
+        return [kept if node == gone else node for node in loop]
+    rest = [node for node in loop if node != gone]
+    return rest if len(rest) > 2 else []
+
+
+def _rename_edges(tiling: Tiling, gone: int, kept: int) -> None:
+    """Give the edges of a node that is gone to the node that it became."""
+    near: set[int] = set()
+    for block in tiling.around[kept]:
+        loop = tiling.loops[block]
+        at = loop.index(kept)
+        near.update((loop[at - 1], loop[(at + 1) % len(loop)]))
+    for other in near | {kept}:
+        old, new = ordered(gone, other), ordered(kept, other)
+        if old not in tiling.line:
+            continue
+        line, outlined = tiling.line.pop(old), old in tiling.outline
+        tiling.outline.discard(old)
+        if other == kept:
+            continue
+        # Where two edges fall together the later line has the joint.
+        tiling.line[new] = max(line, tiling.line.get(new, line))
+        if outlined:
+            tiling.outline.add(new)
+
+
+def _forget(tiling: Tiling, block: int) -> None:
+    for node in tiling.loops[block]:
+        tiling.around[node].discard(block)
+
+
+def _set(tiling: Tiling, block: int, loop: list[int]) -> None:
+    tiling.changed.add(block)
+    tiling.loops[block] = loop
+    for node in loop:
+        tiling.around[node].add(block)
+
+
+def _sound(loop: list[int], xy: list[Point], node: int) -> bool:
+    """Return whether a loop is counter-clockwise, and simple at a node that has come into it."""
+    if len(set(loop)) < len(loop) or area2(loop, xy) <= 0:
+        return False
+    count = len(loop)
+    at = loop.index(node)
+    before, after = loop[at - 1], loop[(at + 1) % count]
+    if turn(xy[before], xy[node], xy[after]) == 0 and not _between(xy[node], xy[before], xy[after]):
+        return False
+    for near in (before, after):
+        for k in range(count):
+            a, b = loop[k - 1], loop[k]
+            if not {a, b} & {node, near} and _touch(xy[node], xy[near], xy[a], xy[b]):
+                return False
+    # The two edges next to those of the node share a corner with them: they must not fold back.
+    beyond, further = loop[at - 2], loop[(at + 2) % count]
+    return not (
+        (beyond != after and _on(xy[beyond], xy[node], xy[before]))
+        or (further != before and _on(xy[further], xy[node], xy[after]))
+        or _on(xy[node], xy[beyond], xy[before])
+        or _on(xy[node], xy[after], xy[further])
+    )
+
+
+def crossing_free(loop: list[int], xy: list[Point], a: int, b: int) -> bool:
+    """Return whether an edge a-b of a loop touches no other but its neighbours, at its ends."""
+    if area2(loop, xy) <= 0:
+        return False
+    for c, d in zip(loop, loop[1:] + loop[:1], strict=True):
+        if {c, d} == {a, b}:
+            continue
+        if {c, d} & {a, b}:
+            far = c if d in (a, b) else d
+            near = d if d in (a, b) else c
+            if _on(xy[far], xy[a], xy[b]) or _on(xy[a if near == b else b], xy[c], xy[d]):
+                return False
+        elif _touch(xy[a], xy[b], xy[c], xy[d]):
+            return False
+    return True
+
+
+def turn(a: Point, b: Point, c: Point) -> int:
+    """Return twice the area of a triangle, cells2: above zero where c lies left of a to b."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _between(at: Point, a: Point, b: Point) -> bool:
+    return min(a[0], b[0]) <= at[0] <= max(a[0], b[0]) and min(a[1], b[1]) <= at[1] <= max(
+        a[1], b[1]
+    )
+
+
+def _on(at: Point, a: Point, b: Point) -> bool:
+    return at not in (a, b) and turn(a, b, at) == 0 and _between(at, a, b)
+
+
+def _touch(a: Point, b: Point, c: Point, d: Point) -> bool:
+    """Return whether two segments have a point in common."""
+    one, other = turn(a, b, c), turn(a, b, d)
+    three, four = turn(c, d, a), turn(c, d, b)
+    if ((one > 0) != (other > 0) and one and other) and (
+        (three > 0) != (four > 0) and three and four
+    ):
+        return True
+    return (
+        (one == 0 and _between(c, a, b))
+        or (other == 0 and _between(d, a, b))
+        or (three == 0 and _between(a, c, d))
+        or (four == 0 and _between(b, c, d))
+    )
+
+
+def merge(tiling: Tiling, blocks: Iterable[int], smallest2: float, narrowest: float) -> set[int]:
+    """Merge those of ``blocks`` that are small, the smallest first; return those that stay.
+
+    Small are blocks of less than ``smallest2`` (twice the area), or narrower than ``narrowest``,
+    the shorter side of the rectangle of the same area and perimeter, in cells.  A small block joins
+    the neighbour with which it shares the longest edge, across welds first.
+    """
+    waiting = [
+        (area2(tiling.loops[block], tiling.xy), block)
+        for block in blocks
+        if tiling.loops[block] and _small(tiling, block, smallest2, narrowest)
+    ]
+    heapq.heapify(waiting)
+    left: set[int] = set()
+    while waiting:
+        size, block = heapq.heappop(waiting)
+        loop = tiling.loops[block]
+        if not loop or area2(loop, tiling.xy) != size:
+            continue
+        joined = _merged(tiling, block)
+        if joined is None:
+            left.add(block)
+            continue
+        left.discard(joined)
+        if _small(tiling, joined, smallest2, narrowest):
+            heapq.heappush(waiting, (area2(tiling.loops[joined], tiling.xy), joined))
+    return {block for block in left if tiling.loops[block]}
+
+
+def _small(tiling: Tiling, block: int, smallest2: float, narrowest: float) -> bool:
+    loop = tiling.loops[block]
+    size = area2(loop, tiling.xy)
+    if size < smallest2:
+        return True
+    half = 0.5 * sum(tiling.length(edge) for edge in edges_of(loop))
+    return 0.5 * (half - math.sqrt(max(0.0, half * half - 2.0 * size))) < narrowest
+
+
+def _merged(tiling: Tiling, block: int) -> int | None:
+    """Join a block to a neighbour, the best that leaves a simple loop; return it, or None."""
+    shared: dict[int, float] = defaultdict(float)
+    welded: set[int] = set()
+    loop = tiling.loops[block]
+    for a, b in zip(loop, loop[1:] + loop[:1], strict=True):
+        for other in tiling.around[a] & tiling.around[b]:
+            if other != block and tiling.group[other] == tiling.group[block]:
+                edge = ordered(a, b)
+                if _has_edge(tiling.loops[other], b, a):
+                    shared[other] += tiling.length(edge)
+                    if tiling.line[edge] < 0:
+                        welded.add(other)
+    for other in sorted(shared, key=lambda one: (one not in welded, -shared[one], one)):
+        joined = _joined(loop, tiling.loops[other])
+        if joined is None:
+            continue
+        tiling.merged.append(tiling.xy[loop[0]])
+        gone = set(edges_of(loop)) & set(edges_of(tiling.loops[other]))
+        _forget(tiling, block)
+        _forget(tiling, other)
+        _set(tiling, block, [])
+        _set(tiling, other, joined)
+        for edge in gone:
+            del tiling.line[edge]
+            tiling.outline.discard(edge)
+        return other
+    return None
+
+
+def _has_edge(loop: list[int], a: int, b: int) -> bool:
+    return loop[(loop.index(a) + 1) % len(loop)] == b
+
+
+def _joined(one: list[int], other: list[int]) -> list[int] | None:
+    """Return the loop of two blocks without what they share; None where that is no simple loop."""
+    back = set(zip(other[1:] + other[:1], other, strict=True))
+    shared = [pair in back for pair in zip(one, one[1:] + one[:1], strict=True)]
+    starts = [k for k in range(len(one)) if shared[k] and not shared[k - 1]]
+    if len(starts) != 1:
+        return None
+    # One chain: one's loop from its end on to its start, then the other's the same way.
+    begin = starts[0]
+    count = sum(shared)
+    end = (begin + count) % len(one)
+    first = [one[(end + k) % len(one)] for k in range(len(one) - count)]
+    at = other.index(one[begin])
+    second = [other[(at + k) % len(other)] for k in range(len(other) - count)]
+    joined = first + second
+    return joined if len(set(joined)) == len(joined) else None

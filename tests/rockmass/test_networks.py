@@ -1,0 +1,127 @@
+"""Any network tiles its domain with sound blocks: C3, by random boundaries, sets and openings."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from clast.rockmass import Baecher, Domain, Exponential, JointSet, Voronoi, cut
+from clast.rockmass.network.noding import noded
+from clast.rockmass.network.planar import Graph, loops_of, parts_of
+from scenes.cuttings import assert_tiles, built, random_network
+
+
+@settings(max_examples=40)
+@given(st.integers(100_000, 200_000), st.sampled_from([10, 60, 250]))
+def test_blocks_tile_the_domain(seed, blocks):
+    domain, tables = random_network(seed, blocks)
+    found = cut(domain, **tables)
+    boundary = shapely.Polygon(domain.boundary)
+    void = [shapely.Polygon(o.outline().corners) for o in tables["openings"] if o.excavated]
+    middle = np.array(boundary.bounds[:2])
+
+    def local(polygon):
+        return shapely.transform(polygon, lambda xy: xy - middle)
+
+    area = local(boundary).area
+    if void:
+        area -= local(boundary).intersection(local(shapely.union_all(void))).area
+    assert_tiles(found, area)
+    built(found)
+
+
+def bytes_of(found) -> tuple[bytes, ...]:
+    arrays = (found.vertices, found.block_start, found.edge_joint, found.rock, found.opening)
+    return tuple(array.tobytes() for array in arrays)
+
+
+@settings(max_examples=8)
+@given(st.integers(0, 10_000))
+def test_the_same_seed_gives_the_same_bytes(seed):
+    domain, tables = random_network(seed, 80)
+    assert bytes_of(cut(domain, **tables)) == bytes_of(cut(domain, **tables))
+
+
+SQUARE = Domain(boundary=[(0, 0), (10, 0), (10, 10), (0, 10)])
+RANDOM = JointSet(
+    name="A", model=Baecher(), angle=30.0, intensity=2.0, trace_length=Exponential(mean=4.0)
+)
+OTHER = JointSet(name="B", angle=100.0, spacing=Exponential(mean=1.0))
+
+
+def test_another_set_leaves_the_lines_of_the_others():
+    from clast.rockmass.sources import set_lines, site
+
+    at = site(SQUARE, [], [])
+    alone = set_lines(at, [RANDOM, OTHER], [], 4)
+    with_more = set_lines(at, [RANDOM, OTHER, replace(RANDOM, name="C", angle=None)], [], 4)
+    for one, same in zip(alone, with_more, strict=False):
+        assert one.ends.tobytes() == same.ends.tobytes()
+    elsewhere = set_lines(at, [RANDOM, OTHER], [], 5)
+    assert alone[0].ends.tobytes() != elsewhere[0].ends.tobytes()
+
+
+def test_a_seed_of_its_own_is_not_that_of_the_case():
+    own = replace(RANDOM, seed=1)
+    same = [cut(SQUARE, [own, OTHER], seed=seed).report.sets[0].length for seed in (1, 2)]
+    assert same[0] == same[1]
+    other = [cut(SQUARE, [RANDOM, OTHER], seed=seed).report.sets[0].length for seed in (1, 2)]
+    assert other[0] != other[1]
+
+
+@settings(max_examples=30)
+@given(st.integers(0, 10_000), st.integers(2, 60))
+def test_faces_edges_nodes_and_parts_obey_euler(seed, count):
+    # F = E - V + C, the outside not counted
+    rng = np.random.default_rng(seed)
+    net = noded(rng.uniform(0, 300, (count, 2, 2)))
+    blank = np.zeros(len(net.edge), np.int64)
+    graph = Graph(
+        xy=net.xy,
+        edge=net.edge,
+        line=blank,
+        joint=blank,
+        barrier=blank > 0,
+        side=np.zeros((len(net.edge), 2), np.int64),
+    )
+    loops = loops_of(graph)
+    parts = parts_of(graph).max() + 1
+    assert (loops.area2 > 0).sum() == len(net.edge) - len(net.xy) + parts
+    assert (loops.area2 <= 0).sum() == parts
+    assert loops.area2.sum() == 0
+    # GEOS finds the same faces; theirs are without holes, as ours are.
+    faces = shapely.get_parts(
+        shapely.polygonize(shapely.linestrings(net.xy[net.edge].astype(float)))
+    )
+    shells = [shapely.Polygon(face.exterior).area for face in faces]
+    simple = np.sort(loops.area2[loops.area2 > 0]) / 2
+    assert simple.sum() == pytest.approx(sum(shells))
+
+
+@settings(max_examples=30)
+@given(st.integers(0, 10_000), st.integers(2, 40))
+def test_pieces_meet_in_nodes_only_and_lie_on_their_lines(seed, count):
+    rng = np.random.default_rng(seed)
+    ends = rng.uniform(0, 100, (count, 2, 2))
+    net = noded(ends)
+    pieces = shapely.linestrings(net.xy[net.edge].astype(float))
+    first, _ = shapely.STRtree(pieces).query(pieces, predicate="crosses")
+    assert len(first) == 0
+    for piece, line in net.of:
+        whole = shapely.LineString(np.rint(ends[line]))
+        for node in net.edge[piece]:
+            assert shapely.distance(shapely.Point(net.xy[node]), whole) <= 0.7072
+    assert set(net.of[:, 0]) == set(range(len(net.edge)))
+
+
+def test_cells_limited_to_a_triangle_become_an_island():
+    one = JointSet(name="v", model=Voronoi(), spacing=0.5, within=[(3, 3), (6, 3), (6, 6)])
+    found = cut(SQUARE, [one])
+    assert_tiles(found, 100.0)
+    assert found.report.dangling.count > 0
+    assert found.report.rings.count == 1

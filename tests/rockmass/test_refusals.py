@@ -1,0 +1,269 @@
+"""What cannot be meant is refused: where, what, and what would do."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from clast.errors import ModelError
+from clast.rockmass import (
+    Baecher,
+    BlockPattern,
+    Box,
+    Circle,
+    CrossJointed,
+    Domain,
+    Exponential,
+    Fisher,
+    JointSet,
+    Lognormal,
+    Normal,
+    Opening,
+    PoissonLines,
+    Polygon,
+    Region,
+    RunningBond,
+    StackBond,
+    Trace,
+    Uniform,
+    Values,
+    VonMises,
+    Voronoi,
+    cut,
+)
+
+SQUARE = Domain(boundary=[(0, 0), (10, 0), (10, 10), (0, 10)])
+BEDDING = JointSet(name="bedding", angle=30.0, spacing=1.0)
+
+
+def refused(where: str, *words: str, domain: Domain = SQUARE, **tables) -> ModelError:
+    """Cut, and check that the message names the place and has the words."""
+    with pytest.raises(ModelError) as caught:
+        cut(domain, **tables)
+    fault = caught.value
+    assert fault.where == where
+    for word in words:
+        assert word in str(fault), str(fault)
+    assert fault.remedy
+    return fault
+
+
+SPACING = "joint_set 'bedding', spacing"
+FAULTS = [
+    ({"spacing": 0.0}, SPACING, "above 0"),
+    ({"spacing": -2.0}, SPACING, "above 0"),
+    ({"spacing": math.nan}, SPACING, "above 0"),
+    ({"spacing": None}, SPACING, "needs spacing"),
+    ({"spacing": Normal(mean=1.0, std=-0.1)}, f"{SPACING}, std", "0 or more"),
+    ({"spacing": Lognormal(mean=1.0, std=math.nan)}, f"{SPACING}, std", "standard deviation"),
+    ({"spacing": Lognormal(mean=0.0, std=1.0)}, f"{SPACING}, mean", "above 0"),
+    ({"spacing": Exponential(mean=-1.0)}, f"{SPACING}, mean", "above 0"),
+    ({"spacing": Uniform(low=2.0, high=1.0)}, SPACING, "below low"),
+    ({"spacing": Uniform(low=0.0, high=1.0)}, f"{SPACING}, low", "above 0"),
+    ({"spacing": Values(values=[])}, SPACING, "empty"),
+    ({"spacing": Values(values=[1.0, -1.0])}, f"{SPACING}, value 2", "above 0"),
+    ({"angle": None}, "joint_set 'bedding', angle", "needs angle or dip"),
+    ({"angle": math.nan}, "joint_set 'bedding', angle", "finite"),
+    (
+        {"dip": 40.0, "dip_direction": 90.0, "spacing_is": "true"},
+        "joint_set 'bedding', angle",
+        "angle and dip are both given",
+    ),
+    ({"angle": None, "dip": 40.0}, "joint_set 'bedding', dip", "belong together"),
+    (
+        {"angle": None, "dip": 40.0, "dip_direction": 90.0},
+        "joint_set 'bedding', spacing_is",
+        'spacing_is = "true"',
+    ),
+    (
+        {"angle": None, "dip": 40.0, "dip_direction": 90.0, "spacing_is": "true"},
+        "joint_set 'bedding', dip",
+        "domain.section_azimuth",
+    ),
+    (
+        {"angle": None, "dip": 95.0, "dip_direction": 90.0, "spacing_is": "true"},
+        "joint_set 'bedding', dip",
+        "0 to 90",
+    ),
+    ({"spacing_is": "true"}, "joint_set 'bedding', spacing_is", "dip and dip_direction"),
+    ({"spacing_is": "roughly"}, "joint_set 'bedding', spacing_is", "unknown"),
+    ({"intensity": 1.0}, "joint_set 'bedding', intensity", "not used by the model parallel"),
+    ({"bridge_length": 1.0}, "joint_set 'bedding', bridge_length", "trace_length"),
+    ({"terminates_at": ["x"]}, "joint_set 'bedding', terminates_at", "not used"),
+    ({"origin": (0.0, math.nan)}, "joint_set 'bedding', origin", "no point"),
+    ({"within": "shale"}, "joint_set 'bedding', within", "no region 'shale'"),
+    ({"within": [(20, 20), (21, 20), (21, 21)]}, "joint_set 'bedding', within", "outside"),
+    ({"angle_spread": VonMises(kappa=0.0)}, "joint_set 'bedding', angle_spread, kappa", "above 0"),
+    ({"angle_spread": Fisher(kappa=50.0)}, "joint_set 'bedding', angle_spread", "dip_direction"),
+    (
+        {"model": Baecher(), "spacing": None, "intensity": 1.0},
+        "joint_set 'bedding', trace_length",
+        "needs trace_length",
+    ),
+    ({"model": PoissonLines(), "stagger": 0.5}, "joint_set 'bedding', stagger", "not used"),
+    (
+        {"model": PoissonLines(), "intensity": 1.0},
+        "joint_set 'bedding', intensity",
+        "both given",
+    ),
+    (
+        {"model": PoissonLines(), "spacing": None, "intensity": -1.0},
+        "joint_set 'bedding', intensity",
+        "above 0",
+    ),
+    ({"model": Voronoi()}, "joint_set 'bedding', angle", "not used by the model voronoi"),
+    (
+        {"model": CrossJointed(), "terminates_at": ["beding"]},
+        "joint_set 'bedding', terminates_at",
+        "did you mean 'bedding'",
+    ),
+    (
+        {"model": CrossJointed(), "terminates_at": ["bedding"]},
+        "joint_set 'bedding', terminates_at",
+        "end at each other",
+    ),
+]
+
+
+@pytest.mark.parametrize(("changes", "where", "word"), FAULTS)
+def test_sets_that_cannot_be_meant(changes, where, word):
+    refused(where, word, sets=[replace(BEDDING, **changes)])
+
+
+def test_a_section_nearly_parallel_to_a_set():
+    domain = replace(SQUARE, section_azimuth=0.5)
+    one = JointSet(name="bedding", dip=90.0, dip_direction=90.0, spacing=1.0, spacing_is="true")
+    fault = refused("joint_set 'bedding', dip", "115", "section_azimuth", domain=domain, sets=[one])
+    assert "nearly parallel" in fault.what
+
+
+def test_a_set_that_passes_beside_the_domain_says_how_far():
+    one = JointSet(name="bedding", angle=0.0, spacing=100.0, origin=(0.0, 12.0))
+    refused("joint_set 'bedding'", "cuts nothing", "2 m beside", sets=[one])
+    along = JointSet(name="bedding", angle=0.0, spacing=10.0, origin=(0.0, 0.0))
+    refused("joint_set 'bedding'", "along the boundary", sets=[along])
+
+
+def test_traces_outside_and_traces_that_are_none():
+    away = [Trace(points=[(13, 0), (13, 5)]), Trace(points=[(12, 0), (12, 5)])]
+    refused("trace 1", "3 m beside", "units", traces=away[:1])
+    refused("trace 1", "no trace of the set 'traces'", "2 m beside", traces=away)
+    # Where others of the set do cut, those outside are said and left out.
+    found = cut(SQUARE, traces=[Trace(points=[(0, 1), (10, 5)]), *away])
+    assert found.report.blocks == 2
+    assert found.report.notes == (
+        "outside of the domain, and cutting nothing: trace 2 (3 m), trace 3 (2 m)",
+    )
+    refused("trace 1", "at least 2 points", traces=[Trace(points=[(1, 1)])])
+    refused("trace 1", "not finite", traces=[Trace(points=[(1, 1), (math.nan, 2)])])
+
+
+@pytest.mark.parametrize("kind", ["persistent", "traces", "lines"])
+def test_too_many_blocks_are_refused_at_once(kind):
+    made = {
+        "persistent": [replace(BEDDING, spacing=1e-5), replace(BEDDING, name="b", angle=90.0)],
+        "traces": [JointSet(name="bedding", model=Baecher(), intensity=1e4, trace_length=1.0)],
+        "lines": [JointSet(name="bedding", model=PoissonLines(), intensity=1e5)],
+    }
+    start = time.perf_counter()
+    with pytest.raises(ModelError, match="blocks are expected, and 200000 are allowed") as caught:
+        cut(SQUARE, made[kind])
+    assert time.perf_counter() - start < 5.0
+    assert "would do" in caught.value.remedy
+    assert "most_blocks" in caught.value.remedy
+
+
+def test_the_spacing_that_would_do_does():
+    sets = [BEDDING, JointSet(name="cross", angle=120.0, spacing=1.0)]
+    domain = replace(SQUARE, most_blocks=40)
+    with pytest.raises(ModelError) as caught:
+        cut(domain, sets)
+    times = float(caught.value.remedy.split("spacings ")[1].split(" times")[0])
+    assert 1.5 < times < 3.0
+    wider = [replace(one, spacing=times * 1.15) for one in sets]
+    assert cut(domain, wider).report.blocks <= 40
+    count = cut(SQUARE, sets).report.estimate
+    assert cut(replace(SQUARE, most_blocks=count), sets).report.estimate == count
+    with pytest.raises(ModelError):
+        cut(replace(SQUARE, most_blocks=count - 1), sets)
+
+
+def test_boundaries():
+    bow = Domain(boundary=[(0, 0), (10, 10), (10, 0), (0, 10)])
+    refused("domain, boundary", "crosses or touches itself at (5, 5)", domain=bow)
+    far = Domain(boundary=[(5e5, 0), (5e5 + 10, 10), (5e5 + 10, 0), (5e5, 10)])
+    refused("domain, boundary", "(500005, 5)", domain=far)
+    refused("domain, boundary", "at least 3", domain=Domain(boundary=[(0, 0), (1, 1)]))
+    refused(
+        "domain, boundary", "not finite", domain=Domain(boundary=[(0, 0), (1, math.inf), (2, 0)])
+    )
+    refused("domain, boundary", "", domain=Domain(boundary=[(0, 0), (1, 1), (2, 2)]))
+    refused("domain, boundary", "no list", domain=Domain(boundary="site.dxf"))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "word"),
+    [
+        ("tolerance", 1.0, "times the diagonal"),
+        ("tolerance", 1e-12, "times the diagonal"),
+        ("tolerance", math.nan, "finite"),
+        ("smallest_edge", -1.0, "below 0"),
+        ("smallest_block", math.nan, "finite"),
+        ("most_blocks", 0, "1 or more"),
+        ("section_azimuth", math.inf, "finite"),
+    ],
+)
+def test_numbers_of_the_domain(key, value, word):
+    refused(f"domain, {key}", word, domain=replace(SQUARE, **{key: value}), sets=[BEDDING])
+
+
+def test_openings_and_regions():
+    def opening(shape):
+        return [Opening(name="heading", shape=shape)]
+
+    where = "opening 'heading'"
+    refused(where, "outside", "2 m away", openings=opening(Box(corner=(12, 0), size=(1, 1))))
+    refused(where, "touches it", openings=opening(Box(corner=(10, 0), size=(1, 1))))
+    bow = Polygon(points=[(1, 1), (3, 3), (3, 1), (1, 3)])
+    refused(where, "crosses or touches itself at (2, 2)", openings=opening(bow))
+    refused(f"{where}, radius", "above 0", openings=opening(Circle(center=(5, 5), radius=0.0)))
+    refused(
+        f"{where}, chords",
+        "at least 3",
+        openings=opening(Circle(center=(5, 5), radius=1.0, chords=2)),
+    )
+    refused(f"{where}, center", "no list", openings=opening(Circle(center=5.0, radius=1.0)))
+    box = Box(corner=(1, 1), size=(1, 1))
+    refused("opening 'heading'", "two openings", openings=[*opening(box), *opening(box)])
+    away = Region(name="bed", polygon=[(20, 20), (21, 20), (21, 21)], rock="shale")
+    refused("region 'bed'", "outside", regions=[away])
+    refused("joint_set 'bedding'", "two joint_sets", sets=[BEDDING, BEDDING])
+
+
+def test_patterns():
+    wall = BlockPattern(corner=(0, 0), size=(8, 3), brick=(0.4, 0.2))
+    for changes, where in (
+        ({"brick": (0.4, 0.0)}, "block_pattern 'masonry', brick, size"),
+        ({"joint_offset": 1.5}, "block_pattern 'masonry', joint_offset"),
+        ({"joint_offset": 0.5, "pattern": StackBond()}, "block_pattern 'masonry', joint_offset"),
+        ({"joint_offset": 0.0, "pattern": RunningBond()}, "block_pattern 'masonry', joint_offset"),
+        ({"corner": (100, 100)}, "block_pattern 'masonry'"),
+    ):
+        with pytest.raises(ModelError) as caught:
+            cut(SQUARE, patterns=[replace(wall, **changes)])
+        assert caught.value.where == where
+
+
+@pytest.mark.parametrize("name", ["welded", "construction-joint:heading"])
+def test_names_of_joints_that_stand_for_welds(name):
+    refused("joint_set 'bedding', joint", "welded", sets=[replace(BEDDING, joint=name)])
+    refused("trace 1, joint", "welded", traces=[Trace(points=[(0, 5), (10, 5)], joint=name)])
+
+
+def test_numbers_of_numpy_are_numbers():
+    one = replace(BEDDING, angle=np.float64(30.0), spacing=np.float64(1.0))
+    assert cut(SQUARE, [one]).report.blocks == cut(SQUARE, [BEDDING]).report.blocks
