@@ -24,7 +24,7 @@ from clast.rockmass.network.tidying import (
     merge,
 )
 
-SHORT = 2.0
+SHORT = 4.0
 """Edges shorter than this many cells are collapsed whatever is asked for: they are rounding."""
 THIN = 4.0
 """Blocks thinner than this many cells are merged whatever is asked for: they are rounding."""
@@ -56,9 +56,9 @@ def anchors(found: Noded, used: Ints, outline: Bools, ends: Floats, grid: Floats
     share = ((grid[node] - start) * way).sum(axis=1) / (way**2).sum(axis=1)
     foot = start + np.clip(share, 0.0, 1.0)[:, None] * way
     exact[node] = foot
-    held = np.minimum(np.bincount(node, minlength=count), 2)
-    held = np.array([FREE, ON_OUTLINE, CORNER])[held]
-    _cross(exact, node, line, ends)
+    held = np.where(np.bincount(node, minlength=count) > 0, ON_OUTLINE, FREE)
+    # Of the nodes that two outlines share one is their crossing; the others may move onto it.
+    held[_cross(exact, node, line, ends)] = CORNER
     # A node next to an end of an outline's line is its corner.
     for end in (0, 1):
         corner = ends[line, end]
@@ -74,8 +74,8 @@ def _cell(found: Noded, grid: Floats) -> float:
     return float(np.ptp(grid, axis=0).max() / cells) if cells else 1.0
 
 
-def _cross(exact: Floats, node: Ints, line: Ints, ends: Floats) -> None:
-    """Put the nodes next to where two outlines cross onto the crossing."""
+def _cross(exact: Floats, node: Ints, line: Ints, ends: Floats) -> Ints:
+    """Put the nodes next to where two outlines cross onto the crossing; return them, (k,)."""
     order = np.argsort(node, kind="stable")
     node, line = node[order], line[order]
     twice = np.flatnonzero(np.r_[node[1:] == node[:-1], False])
@@ -92,6 +92,7 @@ def _cross(exact: Floats, node: Ints, line: Ints, ends: Floats) -> None:
             nearest[pair] = min(nearest.get(pair, (np.inf, 0, crossing)), (gap, node[k], crossing))
     for _, where, crossing in nearest.values():
         exact[where] = crossing
+    return np.array([where for _, where, _ in nearest.values()], np.int64)
 
 
 @dataclass(frozen=True, kw_only=True)
