@@ -25,7 +25,7 @@ from clast.rockmass.network.tidying import (
 )
 
 SHORT = 4.0
-"""Edges shorter than this many cells are collapsed whatever is asked for: they are rounding."""
+"""Edges shorter than this many cells are collapsed whatever is asked for: rounding."""
 THIN = 4.0
 """Blocks thinner than this many cells are merged whatever is asked for: they are rounding."""
 
@@ -44,8 +44,8 @@ def anchors(found: Noded, used: Ints, outline: Bools, ends: Floats, grid: Floats
     """Return which nodes outlines hold, and where these are exactly.
 
     ``used`` are the nodes that edges have left: where an outline is sharp, its corner and the first
-    node beside it may have fallen together.  ``outline`` (n,) marks the lines that are outlines, ``ends`` (n, 2, 2) are all lines and
-    ``grid`` (nn, 2) the nodes on the grid, in m.
+    node beside it may have fallen together.  ``outline`` (n,) marks the lines that are outlines,
+    ``ends`` (n, 2, 2) are all lines and ``grid`` (nn, 2) the nodes on the grid, in m.
     """
     count = len(found.xy)
     piece, line = found.of[outline[found.of[:, 1]]].T
