@@ -10,7 +10,18 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from clast.rockmass import Baecher, Domain, Exponential, JointSet, Voronoi, cut
+from clast.rockmass import (
+    Baecher,
+    Box,
+    Circle,
+    Domain,
+    Exponential,
+    JointSet,
+    Opening,
+    Trace,
+    Voronoi,
+    cut,
+)
 from clast.rockmass.network.noding import noded
 from clast.rockmass.network.planar import Graph, loops_of, parts_of
 from scenes.cuttings import assert_tiles, built, random_network
@@ -125,3 +136,66 @@ def test_cells_limited_to_a_triangle_become_an_island():
     assert_tiles(found, 100.0)
     assert found.report.dangling.count > 0
     assert found.report.rings.count == 1
+
+
+def lattice_traces(rng: np.random.Generator, size: int) -> list[Trace]:
+    """Return polylines between points of a lattice, some of them a little beside it."""
+    found = []
+    for _ in range(int(rng.integers(1, 40))):
+        points = rng.integers(0, size + 1, (int(rng.integers(2, 5)), 2)).astype(float)
+        if rng.random() < 0.3:
+            points += rng.normal(0.0, rng.choice([1e-7, 1e-5, 1e-3]), points.shape)
+        found.append(Trace(points=points, joint=str(rng.choice(["a", "b"]))))
+    middle = 0.25 * size
+    return [*found, Trace(points=[(0, middle), (size, middle)], joint="c")]
+
+
+SHARP = (
+    [(0, 0), (8, 0), (8, 8), (0, 8)],
+    [(0, 0), (8, 0), (8, 4), (4, 4), (4, 8), (0, 8)],
+    [(0, 0), (8, 0), (4, 2), (8, 8), (0, 8), (2, 4)],
+)
+"""Boundaries whose corners and edges meet the lattice."""
+
+
+@settings(max_examples=40)
+@given(
+    st.integers(0, 100_000),
+    st.sampled_from(SHARP),
+    st.sampled_from([{}, {"smallest_edge": 0.0, "smallest_block": 0.0}, {"smallest_edge": 0.3}]),
+)
+def test_lines_that_meet_in_corners_and_run_along_each_other(seed, boundary, limits):
+    rng = np.random.default_rng(seed)
+    opening = Opening(
+        name="o",
+        shape=Box(corner=rng.integers(1, 3, 2), size=rng.integers(1, 4, 2)),
+        excavated=bool(rng.random() < 0.5),
+    )
+    diagonal = JointSet(name="s", angle=45.0, spacing=float(np.sqrt(0.5)), origin=(0, 0))
+    found = cut(
+        Domain(boundary=boundary, **limits),
+        [diagonal] if rng.random() < 0.4 else [],
+        lattice_traces(rng, 8),
+        openings=[opening] if rng.random() < 0.5 else [],
+    )
+    assert_tiles(found)
+    built(found)
+
+
+@settings(max_examples=25)
+@given(st.integers(0, 100_000))
+def test_many_openings_inside_each_other(seed):
+    rng = np.random.default_rng(seed)
+    openings = []
+    for k in range(int(rng.integers(2, 30))):
+        at = rng.uniform(0.0, 8.4, 2)
+        size = float(rng.choice([0.1, 0.3, 0.5, 1.0, 1.5]))
+        shapes = Circle(center=at, radius=size, chords=9), Box(corner=at, size=(size, size))
+        openings.append(
+            Opening(
+                name=f"o{k}", shape=shapes[int(rng.integers(2))], excavated=bool(rng.random() < 0.4)
+            )
+        )
+    found = cut(SQUARE, openings=openings)
+    assert_tiles(found)
+    built(found)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from clast.model.checks import SAME_POINT
 from clast.model.model import Bools, Floats, Ints
 from clast.rockmass.network.faces import NOTHING
 from clast.rockmass.network.noding import Noded
@@ -23,6 +24,8 @@ from clast.rockmass.network.tidying import (
     merge,
 )
 
+SHORT = 4.0
+"""Edges shorter than this many cells are collapsed whatever is asked for: rounding."""
 THIN = 4.0
 """Blocks thinner than this many cells are merged whatever is asked for: they are rounding."""
 
@@ -37,24 +40,25 @@ class Anchors:
     """Coordinates of each node, m: exact on outlines, on the grid elsewhere, shape (nn, 2)."""
 
 
-def anchors(found: Noded, outline: Bools, ends: Floats, grid: Floats) -> Anchors:
+def anchors(found: Noded, used: Ints, outline: Bools, ends: Floats, grid: Floats) -> Anchors:
     """Return which nodes outlines hold, and where these are exactly.
 
-    ``outline`` (n,) marks the lines that are outlines, ``ends`` (n, 2, 2) are all lines and
-    ``grid`` (nn, 2) the nodes on the grid, in m.
+    ``used`` are the nodes that edges have left: where an outline is sharp, its corner and the first
+    node beside it may have fallen together.  ``outline`` (n,) marks the lines that are outlines,
+    ``ends`` (n, 2, 2) are all lines and ``grid`` (nn, 2) the nodes on the grid, in m.
     """
     count = len(found.xy)
     piece, line = found.of[outline[found.of[:, 1]]].T
     node = np.unique(np.stack([found.edge[piece].reshape(-1), np.repeat(line, 2)], axis=1), axis=0)
-    node, line = node.T
+    node, line = node[np.isin(node[:, 0], used)].T
     exact = grid.copy()
     start, way = ends[line, 0], ends[line, 1] - ends[line, 0]
     share = ((grid[node] - start) * way).sum(axis=1) / (way**2).sum(axis=1)
     foot = start + np.clip(share, 0.0, 1.0)[:, None] * way
     exact[node] = foot
-    held = np.minimum(np.bincount(node, minlength=count), 2)
-    held = np.array([FREE, ON_OUTLINE, CORNER])[held]
-    _cross(exact, node, line, ends)
+    held = np.where(np.bincount(node, minlength=count) > 0, ON_OUTLINE, FREE)
+    # Of the nodes that two outlines share one is their crossing; the others may move onto it.
+    held[_cross(exact, node, line, ends)] = CORNER
     # A node next to an end of an outline's line is its corner.
     for end in (0, 1):
         corner = ends[line, end]
@@ -70,8 +74,8 @@ def _cell(found: Noded, grid: Floats) -> float:
     return float(np.ptp(grid, axis=0).max() / cells) if cells else 1.0
 
 
-def _cross(exact: Floats, node: Ints, line: Ints, ends: Floats) -> None:
-    """Put the nodes next to where two outlines cross onto the crossing."""
+def _cross(exact: Floats, node: Ints, line: Ints, ends: Floats) -> Ints:
+    """Put the nodes next to where two outlines cross onto the crossing; return them, (k,)."""
     order = np.argsort(node, kind="stable")
     node, line = node[order], line[order]
     twice = np.flatnonzero(np.r_[node[1:] == node[:-1], False])
@@ -88,6 +92,7 @@ def _cross(exact: Floats, node: Ints, line: Ints, ends: Floats) -> None:
             nearest[pair] = min(nearest.get(pair, (np.inf, 0, crossing)), (gap, node[k], crossing))
     for _, where, crossing in nearest.values():
         exact[where] = crossing
+    return np.array([where for _, where, _ in nearest.values()], np.int64)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,6 +123,7 @@ def tidied(graph: Graph, held: Ints, joint: Ints, shortest: float, smallest2: fl
     ``held`` (nn,) says what holds each node, ``joint`` (n,) the joint of each line.
     """
     tiling, size2, half = _tiling(graph, held)
+    shortest = max(shortest, SHORT)
     thin = max(0.5 * shortest, THIN)
     smallest2 = max(smallest2, 1.0)
     short = np.sort(graph.edge[graph.lengths < shortest], axis=1)
@@ -173,7 +179,7 @@ def sound(vertices: Floats, start: Ints) -> Bools:
     longest = np.maximum.reduceat(apart, start[:-1])
     apart = np.minimum.reduceat(apart, start[:-1])
     valid = shapely.is_valid(polygons) & (areas(vertices, start) > 0.0)
-    return np.asarray(valid & (apart > 1e-6 * longest))
+    return np.asarray(valid & (apart > 2.0 * SAME_POINT * longest))
 
 
 def areas(vertices: Floats, start: Ints) -> Floats:

@@ -132,7 +132,7 @@ def _cut(at: Site, found: Sequence[Table], before: Before) -> Cut:
     graph = _graph(net, joint[table], outline)
     whole, dangling = _faces(at, graph, before.limits)
     grid = on_grid(net.xy, at)
-    held = block_loops.anchors(net, outline, ends + at.origin, grid)
+    held = block_loops.anchors(net, np.unique(whole.graph.edge), outline, ends + at.origin, grid)
     blocks = block_loops.tidied(
         whole.graph,
         held.held,

@@ -116,6 +116,9 @@ def _apart(piece: Floats, middle: Floats, line: Floats) -> Floats:
     length = np.hypot(*way.T)
     way = way / length[:, None]
     to = piece - start[:, None]
-    aside = np.abs(to[:, :, 0] * way[:, None, 1] - to[:, :, 1] * way[:, None, 0]).max(axis=1)
-    along = ((middle - start) * way).sum(axis=1)
-    return np.where((along > 0.0) & (along < length), aside, np.inf)
+    aside = to[:, :, 0] * way[:, None, 1] - to[:, :, 1] * way[:, None, 0]
+    along = (to * way[:, None]).sum(axis=2)
+    beyond = np.maximum(np.maximum(-along, along - length[:, None]), 0.0)
+    apart = np.hypot(aside, beyond).max(axis=1)
+    half = ((middle - start) * way).sum(axis=1)
+    return np.where((half > 0.0) & (half < length), apart, np.inf)
