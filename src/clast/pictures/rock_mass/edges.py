@@ -85,7 +85,7 @@ class Sorted:
 
 def edges_of(cut: Cut) -> Sorted:
     """Return the edges of a cut by what they are, those inside once."""
-    after = _following(cut.block_start)
+    after = following(cut.block_start)
     ends = np.stack([cut.vertices, cut.vertices[after]], axis=1)
     rim, once = _sides(cut.vertices, after)
     number = np.where(rim, len(cut.joint_names), cut.edge_joint)
@@ -129,7 +129,7 @@ def label(name: str) -> str:
     )
 
 
-def _following(start: Ints) -> Ints:
+def following(start: Ints) -> Ints:
     """Return the index of the vertex after each one in its block, shape (nv,)."""
     after = np.arange(1, start[-1] + 1)
     after[start[1:] - 1] = start[:-1]

@@ -12,7 +12,7 @@ from clast.model.model import Floats
 from clast.pictures import blocks, canvas
 from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
 from clast.pictures.fields import round_below
-from clast.pictures.rock_mass.edges import DASHES, Edges, edges_of
+from clast.pictures.rock_mass.edges import DASHES, Edges, edges_of, following
 from clast.pictures.rock_mass.section import counted
 from clast.rockmass import Cut
 
@@ -192,9 +192,8 @@ def _emptiest(length: Floats) -> float:
 
 
 def _lengths(cut: Cut) -> Floats:
-    start = cut.block_start
-    after = np.arange(1, start[-1] + 1)
-    after[start[1:] - 1] = start[:-1]
+    """Return the lengths of the edges of all blocks, m, shape (nv,)."""
+    after = following(cut.block_start)
     return np.asarray(np.hypot(*(cut.vertices[after] - cut.vertices).T))
 
 
