@@ -36,13 +36,17 @@ KIND_COLOURS = (
 """Muted colours for rocks and blocks, told apart by most eyes."""
 
 
-class Outlined(Protocol):
-    """Blocks whose outlines can be drawn: results, and whatever else knows them."""
+class Divided(Protocol):
+    """Vertices that are divided into blocks: results, cuts, and whatever else knows them."""
 
     @property
     def block_start(self) -> Ints:
         """Index of each block's first vertex; the last entry is the vertex count, (n + 1,)."""
         ...
+
+
+class Outlined(Divided, Protocol):
+    """Blocks whose outlines can be drawn as those of a run."""
 
     @property
     def fixed(self) -> Bools:
@@ -50,7 +54,7 @@ class Outlined(Protocol):
         ...
 
 
-def outlines_of(results: Outlined, vertices: Floats) -> list[Floats]:
+def outlines_of(results: Divided, vertices: Floats) -> list[Floats]:
     """Return the outline of each block, (k, 2), from the vertices of a frame."""
     return np.split(vertices, results.block_start[1:-1])
 
@@ -155,7 +159,7 @@ def _beyond(values: Floats, unit: str, scale: Scale) -> str:
     return f"{scale.beyond} beyond, to {' and '.join(ends)}"
 
 
-def areas_of(results: Outlined, vertices: Floats) -> Floats:
+def areas_of(results: Divided, vertices: Floats) -> Floats:
     """Return the area of each block, m2, shape (n,)."""
     start = results.block_start
     onwards = np.arange(1, len(vertices) + 1)
@@ -167,7 +171,7 @@ def areas_of(results: Outlined, vertices: Floats) -> Floats:
     return area
 
 
-def within(results: Outlined, vertices: Floats, low: Floats, high: Floats) -> Bools:
+def within(results: Divided, vertices: Floats, low: Floats, high: Floats) -> Bools:
     """Return which blocks may be seen in the box (low, high), m, shape (n,)."""
     first = results.block_start[:-1]
     left, right = np.minimum.reduceat(vertices, first), np.maximum.reduceat(vertices, first)

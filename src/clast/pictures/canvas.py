@@ -6,12 +6,13 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from clast.errors import CaseError
 from clast.model.model import Floats
+from clast.pictures.look import Look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,6 +66,26 @@ def axes_size(extent: Floats) -> tuple[float, float]:
     scale = min(longest / width, 6.8 / height)
     # Slender things keep room for their labels; the rest of the axes stays empty.
     return max(2.4, scale * width), max(1.3, scale * height)
+
+
+Part = tuple[Floats, Floats]
+"""Lower left and upper right corner of what is shown, m, (2,) each."""
+
+
+def sizes(
+    part: Part, look: Look, title: str, handles: list[Any], bars: int, keys_below: int = 0
+) -> tuple[tuple[float, float], Keys, float]:
+    """Return the size of the axes, inches, the legend, and what axes and bars have at least.
+
+    Below the legend there is room for so many lines of other keys.
+    """
+    extent = part[1] - part[0]
+    extent = np.maximum(extent, 1e-3 * extent.max())
+    if look.inches is None:
+        size = axes_size(extent)
+        return size, Keys(handles, max(size[0], 4.0)), 4.2
+    keys = Keys(handles, look.inches[0] - LEFT - RIGHT)
+    return axes_in(look.inches, extent, title, keys.lines + keys_below, bars), keys, 0.0
 
 
 def axes_in(
@@ -133,6 +154,44 @@ def sheet_for(
         upright=upright,
         legend=0.12 + LINE * max(0, legend_lines - 1),
     )
+
+
+def empty_part(low: Floats, high: Floats) -> CaseError:
+    """Return the error for a part that shows none of what lies between two corners (2,), m."""
+    return CaseError(
+        "there is no block in this part",
+        where="zoom",
+        remedy=f"the blocks lie between ({low[0]:.6g}, {low[1]:.6g}) and "
+        f"({high[0]:.6g}, {high[1]:.6g}) m",
+    )
+
+
+class Keys:
+    """The legend, in as many lines as it needs below axes that are ``width`` inches wide."""
+
+    def __init__(self, handles: list[Any], width: float) -> None:
+        longest = max((len(handle.get_label()) for handle in handles), default=0)
+        self._handles = handles
+        self._columns = max(1, int(width / (0.45 + 0.075 * longest)))
+        self.lines = -(-len(handles) // self._columns)
+
+    def draw(self, figure: Figure, sheet: Sheet) -> None:
+        """Draw it at the lower end of a sheet."""
+        width, height = sheet.size
+        figure.legend(
+            handles=self._handles,
+            loc="upper left",
+            bbox_to_anchor=(sheet.axes[0] / width, (sheet.legend + 0.2) / height),
+            ncols=self._columns,
+            frameon=False,
+            fontsize=SMALL_SIZE,
+            labelcolor=INK,
+            borderpad=0.0,
+            borderaxespad=0.0,
+            handlelength=2.0,
+            columnspacing=1.6,
+            labelspacing=0.5,
+        )
 
 
 def new_figure(size: tuple[float, float], dots: float) -> Figure:

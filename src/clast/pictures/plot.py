@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from clast.errors import CaseError
 from clast.model.model import Floats
 from clast.pictures import blocks, canvas
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
@@ -19,7 +18,6 @@ from clast.results import Recording
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 __all__ = ["Look", "plot_history", "plot_results"]
 
@@ -53,7 +51,9 @@ def plot_results(
     part = _part(results, here, start, look)
     bars = int(field in SCALARS)
     title = results.title or results.name
-    size, keys, narrowest = _sizes(part, look, title, _legend_handles(results, field), bars)
+    size, keys, narrowest = canvas.sizes(
+        part, look, title, _legend_handles(results, field), bars, 1
+    )
     arrows = None
     zoomed = look.zoom is not None
     whole = canvas.seen(*part, size)
@@ -82,11 +82,7 @@ def plot_results(
     return canvas.save(figure, Path(path))
 
 
-Part = tuple[Floats, Floats]
-"""Lower left and upper right corner of what is shown, m, (2,) each."""
-
-
-def _part(results: Recording, here: Floats, start: Floats, look: Look) -> Part:
+def _part(results: Recording, here: Floats, start: Floats, look: Look) -> canvas.Part:
     """Return what is shown: all blocks, now and at the start, or the part asked for."""
     low = np.minimum(here.min(axis=0), start.min(axis=0))
     high = np.maximum(here.max(axis=0), start.max(axis=0))
@@ -94,29 +90,11 @@ def _part(results: Recording, here: Floats, start: Floats, look: Look) -> Part:
         return low, high
     part = np.array(look.zoom[:2]), np.array(look.zoom[2:])
     if not blocks.within(results, here, *part).any():
-        raise CaseError(
-            "there is no block in this part",
-            where="zoom",
-            remedy=f"the blocks lie between ({low[0]:.6g}, {low[1]:.6g}) and "
-            f"({high[0]:.6g}, {high[1]:.6g}) m",
-        )
+        raise canvas.empty_part(low, high)
     return part
 
 
-def _sizes(
-    part: Part, look: Look, title: str, handles: list[Any], bars: int
-) -> tuple[tuple[float, float], _Keys, float]:
-    """Return the size of the axes, inches, the legend, and what axes and bars have at least."""
-    extent = part[1] - part[0]
-    extent = np.maximum(extent, 1e-3 * extent.max())
-    if look.inches is None:
-        size = canvas.axes_size(extent)
-        return size, _Keys(handles, max(size[0], 4.0)), 4.2
-    keys = _Keys(handles, look.inches[0] - canvas.LEFT - canvas.RIGHT)
-    return canvas.axes_in(look.inches, extent, title, keys.lines + 1, bars), keys, 0.0
-
-
-def _with_ends(part: Part, ends: Floats, per_inch: float) -> Part:
+def _with_ends(part: canvas.Part, ends: Floats, per_inch: float) -> canvas.Part:
     """Return what is shown, made so large that no arrow is cut off."""
     slack = HEAD * per_inch
     low = np.minimum(part[0], ends.min(axis=0) - slack)
@@ -160,30 +138,3 @@ def _legend_handles(results: Recording, field: str) -> list[Any]:
             for rock, name in enumerate(results.rock_name)
         ]
     return handles
-
-
-class _Keys:
-    """The legend, in as many lines as it needs below axes that are ``width`` inches wide."""
-
-    def __init__(self, handles: list[Any], width: float) -> None:
-        longest = max(len(handle.get_label()) for handle in handles)
-        self._handles = handles
-        self._columns = max(1, int(width / (0.45 + 0.075 * longest)))
-        self.lines = -(-len(handles) // self._columns)
-
-    def draw(self, figure: Figure, sheet: canvas.Sheet) -> None:
-        width, height = sheet.size
-        figure.legend(
-            handles=self._handles,
-            loc="upper left",
-            bbox_to_anchor=(sheet.axes[0] / width, (sheet.legend + 0.2) / height),
-            ncols=self._columns,
-            frameon=False,
-            fontsize=SMALL_SIZE,
-            labelcolor=INK,
-            borderpad=0.0,
-            borderaxespad=0.0,
-            handlelength=1.6,
-            columnspacing=1.6,
-            labelspacing=0.5,
-        )

@@ -1,0 +1,283 @@
+"""The section: blocks by their rocks, edges by their joints, openings and voids hatched."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+
+from clast import spelling
+from clast.errors import CaseError
+from clast.model.model import Bools, Floats
+from clast.pictures import blocks, canvas
+from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
+from clast.pictures.look import NO_WISHES, Look
+from clast.pictures.rock_mass.edges import Edges, Sorted, edges_of, label
+from clast.rockmass import Cut
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+GROUND = "#f3efe6"
+"""Fill of blocks where their edges have the colours."""
+OPENING_HATCH, VOID_HATCH = "....", "\\\\\\\\"
+"""Hatching of rock that a stage excavates, and of what is void."""
+THINNEST, THICKEST = 0.15, 1.3
+"""Widths of edges, points."""
+LEAST_ABOVE = 0.5
+"""Least width of what lies above the joints, points."""
+SHARE = 0.1
+"""Width of an edge as a share of the median length of the edges."""
+FEW_BLOCKS = 500
+"""Blocks up to which a picture needs no finer dots."""
+MANY_BLOCKS = 5000
+"""Blocks above which pdf and svg hold them as dots: thousands of lines make viewers slow."""
+MOST_NAMES = 12
+"""Openings that get their names written into them, at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Paint:
+    """What is coloured by what."""
+
+    fills: tuple[str, ...]
+    """Colour of each rock."""
+    rocks: bool
+    """Whether the legend names the rocks."""
+    edges: tuple[Edges, ...]
+    """Edges with their looks."""
+    about: str
+    """What the picture says of its colours."""
+
+
+def _by_set(cut: Cut, found: Sorted) -> _Paint:
+    return _Paint(
+        fills=(GROUND,) * len(cut.rock_names),
+        rocks=False,
+        edges=(*found.joints, *found.others),
+        about="edges by joint",
+    )
+
+
+def _by_rock(cut: Cut, found: Sorted) -> _Paint:
+    return _Paint(
+        fills=tuple(blocks.kind_colour(k) for k in range(len(cut.rock_names))),
+        rocks=True,
+        edges=(*found.plain, *found.others),
+        about="blocks by rock",
+    )
+
+
+BY: dict[str, Callable[[Cut, Sorted], _Paint]] = {"set": _by_set, "rock": _by_rock}
+"""What the colours tell."""
+
+
+def plot_cut(
+    cut: Cut, path: Path | str, *, by: str = "set", title: str = "", look: Look = NO_WISHES
+) -> Path:
+    """Draw the blocks of a cut coloured by ``by`` and return the picture's path.
+
+    ``by`` is "set" (edges in the colours of their joints) or "rock" (blocks in those of their
+    rocks).  Construction joints are dashed, welds dotted, rock of openings and voids hatched.
+    ``look`` has size, resolution and the part that is shown.  The format follows from the ending of
+    ``path``.  Raises CaseError for what is not there or cannot be drawn or written.
+    """
+    return canvas.save(cut_figure(cut, by=by, title=title, look=look), Path(path))
+
+
+def cut_figure(cut: Cut, *, by: str, title: str, look: Look) -> Figure:
+    """Return the picture of ``plot_cut``."""
+    if by not in BY:
+        raise CaseError(
+            f"there is no picture of a cut by '{by}'",
+            where="by",
+            remedy=spelling.advice(by, BY, kind="choice"),
+        )
+    if look.limits is not None:
+        raise CaseError(
+            "the colours of a cut are names, which have no limits",
+            where="limits",
+            remedy="leave them out",
+        )
+    found = edges_of(cut)
+    paint = BY[by](cut, found)
+    part = _part(cut, look)
+    shown = blocks.within(cut, cut.vertices, *part)
+    voids = _voids(found.rim)
+    count = counted(cut)
+    head, below = (title, f"{count}, {paint.about}") if title else (count, paint.about)
+    handles = _handles(cut, paint, shown, part, voids)
+    size, keys, narrowest = canvas.sizes(part, look, head, handles, 0)
+    part = canvas.seen(*part, size)
+    sheet = canvas.sheet_for(size, head, keys.lines, 0, narrowest)
+    number = int(shown.sum())
+    figure = canvas.new_figure(sheet.size, look.dpi or (160 if number <= FEW_BLOCKS else 220))
+    axes = figure.add_axes(sheet.share(sheet.axes))
+    canvas.view(axes, *part, size)
+    canvas.head(figure, sheet.axes[0], sheet.title, below)
+    shown = blocks.within(cut, cut.vertices, *part)
+    _draw_blocks(axes, cut, paint, shown)
+    _draw_voids(axes, voids)
+    _draw_edges(axes, paint, part, size[0], number > MANY_BLOCKS)
+    _draw_names(axes, cut, part)
+    keys.draw(figure, sheet)
+    return figure
+
+
+def counted(cut: Cut) -> str:
+    """Return how many blocks there are, in words."""
+    return f"{cut.block_count:,} block{'s' if cut.block_count > 1 else ''}"
+
+
+def _part(cut: Cut, look: Look) -> canvas.Part:
+    """Return what is shown: all blocks, or the part asked for."""
+    low, high = cut.vertices.min(axis=0), cut.vertices.max(axis=0)
+    if look.zoom is None:
+        return low, high
+    part = np.array(look.zoom[:2]), np.array(look.zoom[2:])
+    if not blocks.within(cut, cut.vertices, *part).any():
+        raise canvas.empty_part(low, high)
+    return part
+
+
+def _voids(rim: Floats) -> list[shapely.Polygon]:
+    """Return what the rim (n, 2, 2) encloses with no rock in it; rock lies on its left."""
+    rock = {(*first, *last) for first, last in rim.tolist()}
+    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(rim)))
+    found = []
+    for face in faces:
+        corners = shapely.get_coordinates(shapely.orient_polygons(face).exterior)
+        if (*corners[0], *corners[1]) not in rock:
+            found.append(face)
+    return found
+
+
+def _handles(
+    cut: Cut, paint: _Paint, shown: Bools, part: canvas.Part, voids: Sequence[shapely.Polygon]
+) -> list[Any]:
+    """Return what the legend explains: of all that there is, what the part shows."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Any] = [
+        Patch(fc=paint.fills[rock], ec=INK, lw=0.5, label=label(cut.rock_names[rock]))
+        for rock in np.unique(cut.rock[shown])
+        if paint.rocks
+    ]
+    handles += [
+        Line2D([], [], color=s.colour, ls=s.dashes, lw=1.3 * max(1.0, s.width), label=s.label)
+        for s in (one.stroke for one in paint.edges if _visible(one.ends, part).any())
+    ]
+    if (cut.opening[shown] >= 0).any():
+        name = "opening, not excavated yet"
+        handles.append(Patch(fc="none", ec=FAINT, hatch=OPENING_HATCH, lw=0.5, label=name))
+    if any(shapely.box(*part[0], *part[1]).intersects(one) for one in voids):
+        handles.append(Patch(fc="white", ec=FAINT, hatch=VOID_HATCH, lw=0.5, label="void"))
+    return handles
+
+
+def _visible(ends: Floats, part: canvas.Part) -> Bools:
+    """Return which edges (n, 2, 2) may be seen, shape (n,)."""
+    low, high = part
+    seen: Bools = ((ends.max(axis=1) >= low) & (ends.min(axis=1) <= high)).all(axis=1)
+    return seen
+
+
+def _draw_blocks(axes: Axes, cut: Cut, paint: _Paint, shown: Bools) -> None:
+    """Fill the rocks and hatch the openings, each as one area: blocks one by one take long."""
+    for rock in np.unique(cut.rock[shown]):
+        area = _area(cut, shown & (cut.rock == rock))
+        name = f"rock: {cut.rock_names[rock]}"
+        _fill(axes, area, facecolor=paint.fills[rock], linewidth=0.0, zorder=2, label=name)
+    for opening in np.unique(cut.opening[shown & (cut.opening >= 0)]):
+        area = _area(cut, shown & (cut.opening == opening))
+        name = f"opening: {cut.opening_names[opening]}"
+        _hatch(axes, area, OPENING_HATCH, zorder=3, label=name)
+
+
+def _area(cut: Cut, some: Bools) -> Any:
+    """Return what blocks cover together: they share their nodes to the last digit."""
+    owner = np.repeat(np.arange(cut.block_count), np.diff(cut.block_start))
+    own = some[owner]
+    number = np.cumsum(some) - 1
+    rings = shapely.linearrings(cut.vertices[own], indices=number[owner[own]])
+    return shapely.coverage_union_all(shapely.polygons(rings))
+
+
+def _draw_voids(axes: Axes, voids: Sequence[shapely.Polygon]) -> None:
+    for void in voids:
+        _hatch(axes, void, VOID_HATCH, zorder=1, label="void")
+
+
+def _hatch(axes: Axes, area: Any, hatch: str, **words: Any) -> None:
+    _fill(axes, area, facecolor="none", edgecolor=FAINT, hatch=hatch, linewidth=0.0, **words)
+
+
+def _fill(axes: Axes, area: Any, **words: Any) -> None:
+    """Draw a polygon or several, with their holes."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    rings = shapely.get_rings(shapely.orient_polygons(shapely.get_parts(area)))
+    outlines = [Outline(shapely.get_coordinates(ring), closed=True) for ring in rings]
+    axes.add_patch(PathPatch(Outline.make_compound_path(*outlines), **words))
+
+
+def _draw_edges(axes: Axes, paint: _Paint, part: canvas.Part, inches: float, dots: bool) -> None:
+    """Draw the edges of each kind as one collection."""
+    from matplotlib.collections import LineCollection
+
+    seen = [(one, one.ends[_visible(one.ends, part)]) for one in paint.edges]
+    seen = [(one, ends) for one, ends in seen if len(ends)]
+    if not seen:
+        return  # a part inside one block
+    every = np.concatenate([ends for _, ends in seen])
+    points = 72.0 * inches / float(part[1][0] - part[0][0])
+    median = float(np.median(np.hypot(*(every[:, 1] - every[:, 0]).T)))
+    width = float(np.clip(SHARE * points * median, THINNEST, THICKEST))
+    for one, ends in seen:
+        stroke = one.stroke
+        axes.add_collection(
+            LineCollection(
+                _lines(ends),
+                colors=stroke.colour,
+                linestyles=[stroke.dashes],
+                linewidths=max(width, LEAST_ABOVE * (stroke.above > 0)) * stroke.width,
+                capstyle="round" if stroke.dashes == "-" else "butt",
+                joinstyle="round",
+                rasterized=dots and stroke.above == 0,
+                zorder=4 + stroke.above,
+                label=stroke.label,
+            )
+        )
+
+
+def _lines(ends: Floats) -> list[Floats]:
+    """Return edges (n, 2, 2) strung together, each line (k, 2): fewer lines, and dashes run on."""
+    merged = shapely.line_merge(shapely.multilinestrings(shapely.linestrings(ends)))
+    return [shapely.get_coordinates(one) for one in shapely.get_parts(merged)]
+
+
+def _draw_names(axes: Axes, cut: Cut, part: canvas.Part) -> None:
+    """Write the names of openings into their rock, where they are few."""
+    owner = np.repeat(cut.opening, np.diff(cut.block_start))
+    some = np.unique(cut.opening[cut.opening >= 0])
+    for opening in some[: MOST_NAMES * (len(some) <= MOST_NAMES)]:
+        own = cut.vertices[owner == opening]
+        middle = 0.5 * (own.min(axis=0) + own.max(axis=0))
+        if ((middle >= part[0]) & (middle <= part[1])).all():
+            axes.annotate(
+                label(cut.opening_names[opening]),
+                middle,
+                fontsize=SMALL_SIZE,
+                color=INK,
+                ha="center",
+                va="center",
+                bbox=NAME_BOX,
+                zorder=9,
+            )
