@@ -21,6 +21,15 @@ from clast.errors import CaseError, shortened
 Place = tuple[str | int, ...]
 """Keys and list positions (from 0) that lead to a value."""
 
+PLAIN, TABLE = "<value>", "<table>"
+"""Tags of the two things that a key may be given as (:func:`kind_of`), for pydantic alone."""
+
+
+def kind_of(value: Any) -> str:
+    """Return the tag of a value, for a key that takes a table or something else."""
+    return TABLE if isinstance(value, dict | BaseModel) else PLAIN
+
+
 SHOWN = 10
 """Most faults that one message lists."""
 
@@ -46,7 +55,7 @@ def faults_of(error: ValidationError, table: type[BaseModel]) -> list[Fault]:
     """Return the faults that pydantic found in a table, in our words."""
     found: list[Fault] = []
     for item in error.errors(include_url=False):
-        place = tuple(item["loc"])
+        place = tuple(part for part in item["loc"] if part not in (PLAIN, TABLE))
         context = item.get("ctx", {})
         if item["type"] == "faults":
             for fault in context["faults"]:
