@@ -115,7 +115,7 @@ class RockMass:
         names = {one.joint for one in traces} | {name for _, name in self._named_joints()}
         return CutCase(
             cut=found,
-            notes=(*notes, *said, *_findings(found.report)),
+            notes=(*notes, *said),
             fixed=_fixed(found, sides, self.domain.fixed_sides),
             line_joints=tuple(sorted(name for name in names if name not in (None, DEFAULT))),
         )
@@ -206,7 +206,7 @@ class CutCase:
     cut: Cut
     """The blocks."""
     notes: tuple[str, ...]
-    """What was changed of the input, and what was done to lines and blocks."""
+    """What was taken otherwise than given, or left out."""
     fixed: Bools
     """True for blocks on a fixed side of the domain, shape (nb,)."""
     line_joints: tuple[str, ...]
@@ -232,7 +232,7 @@ class CutCase:
             if name == WELDED or name.startswith(CONSTRUCTION):
                 builder.add_weld(name)
         builder.line_joints += self.line_joints
-        builder.notes += self.notes
+        builder.notes += [*self.notes, *_findings(self.cut.report)]
         builder.blocks(
             vertices=self.cut.vertices,
             start=self.cut.block_start,
