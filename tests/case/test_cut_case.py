@@ -9,12 +9,16 @@ import ezdxf
 import numpy as np
 import pytest
 
+from clast.block.inertia import block_frames
 from clast.case.case_file import Case
 from clast.case.drawn_case import TO_BE_GIVEN, case_text
+from clast.contact.detection import detect
 from clast.errors import CaseError, ModelError
 from clast.model.model import WELD_STRENGTH, Model
+from clast.model.state import initial_state
 from clast.rockmass import Domain, JointSet, Lognormal, cut
 from clast.rockmass.reading import read_drawing
+from clast.step.modified import search_of_modified
 from scenes.cut_cases import TUNNEL, TWO_SETS, WALL
 
 
@@ -306,3 +310,21 @@ def test_the_case_of_a_drawing_is_one_once_its_numbers_are_given(tmp_path: Path)
     assert set(edges(model)) >= {"bedding"}
     assert model.area.sum() == pytest.approx(200.0 - np.pi, rel=1e-3)
     assert len(model.fixed_points.at) == 1
+
+
+def test_contacts_have_the_friction_of_their_sets():
+    case = Case.from_toml(TWO_SETS)
+    model = case.model()
+    method = case.method(model)
+    state = initial_state(model)
+    centroid = block_frames(model, state).centroid
+    found = detect(model, method.corner_rule, state, centroid, search_of_modified(method))
+    after = np.arange(1, len(model.vertices) + 1)
+    after[model.block_start[1:] - 1] = model.block_start[:-1]
+    way = model.vertices[after] - model.vertices
+    angle = np.degrees(np.arctan2(way[:, 1], way[:, 0])) % 180.0
+    inner = model.edge_joint[found.edge] > 0
+    flat = np.abs(angle[found.edge] - 10.0) < 1.0
+    assert inner.sum() > 50 and 0 < (flat & inner).sum() < inner.sum()
+    due = np.where(flat, np.tan(np.radians(20.0)), np.tan(np.radians(35.0)))
+    np.testing.assert_allclose(found.friction[inner], due[inner], rtol=1e-12)

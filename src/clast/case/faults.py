@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -227,9 +227,18 @@ def _not_a_table(kind: str, place: Place, given: Any, table: type[BaseModel]) ->
 
 def _not_a_choice(place: Place, given: Any, known: FieldInfo | None) -> Fault:
     """Return the fault of a value that is none of the allowed ones."""
-    choices = [str(choice) for choice in get_args(known.annotation)] if known else []
+    choices = list(_choices(known.annotation)) if known else []
     remedy = spelling.advice(str(given), choices, kind="choice")
     return Fault(place=place, what=f"{_shown(given)} is not known here", remedy=remedy)
+
+
+def _choices(annotation: Any) -> Iterator[str]:
+    """Give the values that an annotation allows, those inside of lists and unions too."""
+    for inner in get_args(annotation):
+        if get_origin(annotation) is Literal:
+            yield str(inner)
+        else:
+            yield from _choices(inner)
 
 
 def _known_keys(place: Place, table: type[BaseModel]) -> str:
