@@ -83,11 +83,14 @@ def _section(table: Schema, tables: Schema) -> str:
     if table["title"] == "MethodTable":
         text += METHOD_HEAD
     text += _table(keys, required)
+    inside: dict[str, list[str]] = {}
     for key, value in keys.items():
+        text += _alternatives(key, value)
         inner = _reference(value)
         if inner is not None:
-            text += f"\n### Each of `{key}`\n\n{_section(tables[inner], tables)}"
-        text += _alternatives(key, value)
+            inside.setdefault(inner, []).append(f"`{key}`")
+    for inner, names in inside.items():
+        text += f"\n### Each of {', '.join(names)}\n\n{_section(tables[inner], tables)}"
     return text
 
 
@@ -143,7 +146,7 @@ def _default(value: Schema) -> str:
 
 def _type(value: Schema) -> str:
     """Return the type of a value in words, with its limits."""
-    options = [one for one in value.get("anyOf", []) if one.get("type") != "null"]
+    options = [one for one in _options(value) if one.get("type") != "null"]
     if options:
         return " or ".join(dict.fromkeys(_type(one) for one in options if not _is_chosen(one)))
     if "$ref" in value:
@@ -180,11 +183,16 @@ def _reference(value: Schema) -> str | None:
         value,
         value.get("items"),
         value.get("additionalProperties"),
-        *value.get("anyOf", []),
     ):
         if isinstance(one, dict) and "$ref" in one:
             return str(one["$ref"]).rsplit("/", 1)[-1]
-    return None
+    inner = (_reference(one) for one in _options(value))
+    return next((name for name in inner if name is not None), None)
+
+
+def _options(value: Schema) -> list[Schema]:
+    """Return the forms that a value may have, none where it has only one."""
+    return [*value.get("anyOf", []), *value.get("oneOf", [])]
 
 
 def _plain(text: str) -> str:

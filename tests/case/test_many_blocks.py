@@ -7,6 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
+from clast.case.case_file import Case
+from clast.case.script import ModelBuilder as ScriptBuilder
 from clast.errors import ModelError
 from clast.model.builder import ModelBuilder
 from clast.model.model import Model
@@ -124,3 +126,36 @@ def test_clockwise_loops_are_turned_round_and_said():
         assert model.polygon(block).tolist() == [loop[0].tolist(), *loop[:0:-1].tolist()]
     (note,) = model.notes
     assert note == "3 loops run clockwise and were turned round: block 1, block 2, block 3"
+
+
+def test_every_block_may_have_a_rock_of_its_own():
+    builder = ScriptBuilder()
+    for rock in ("granite", "marl"):
+        builder.add_rock(rock, young=1e9, poisson=0.2, density=2500.0)
+    weld = builder.add_weld("weld")
+    builder.line_joints.append(builder.add_joint("line", friction_angle=20.0))
+    rocks = ["marl", "granite"]
+    squares = np.array([box(0.0, 0.0), box(1.0, 0.0)])
+    edges = ["", weld, "", "", "", "", "", weld]
+    builder.blocks(vertices=squares, rock=rocks, edge_joint=edges)
+    model = builder.build()
+    assert [model.rocks[k].name for k in model.block_rock] == rocks
+    again = Case.from_toml(builder.to_toml(end=1.0, step=1e-3)).model()
+    assert [again.rocks[k].name for k in again.block_rock] == rocks
+    assert [one.name for one in again.joint_table.joints] == ["default", "weld"]
+
+
+@pytest.mark.parametrize(
+    ("rocks", "words"),
+    [
+        (["granite"], "1 rocks are given for 2 blocks"),
+        (["granite", "marble"], "no rock 'marble'"),
+        (["granite", 3], "3 is no name of a rock"),
+    ],
+)
+def test_rocks_of_blocks_that_are_none(rocks, words):
+    builder = ModelBuilder()
+    builder.add_rock("granite", young=1e9, poisson=0.2, density=2500.0)
+    builder.blocks(vertices=np.array([box(0.0, 0.0), box(1.0, 0.0)]), rock=rocks)
+    with pytest.raises(ModelError, match=words):
+        builder.build()

@@ -21,13 +21,22 @@ from pydantic import BaseModel, Field, PrivateAttr, StrictStr, ValidationError, 
 from clast import spelling
 from clast.case import text as case_text
 from clast.case import writing as case_writing
+from clast.case.cutting import CutCase, RockMass
 from clast.case.faults import Fault, case_error, faults_of, refusal
 from clast.case.meanings import explain
 from clast.case.tables.blocks import BlockTable, GeometryTable
 from clast.case.tables.ground_motion import GroundMotionTable
+from clast.case.tables.joint_sets import JointSetTable
 from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.measurements import MeasuredPointTable, ReferenceTable
 from clast.case.tables.method import MethodTable
+from clast.case.tables.rock_mass import (
+    BlockPatternTable,
+    DomainTable,
+    OpeningTable,
+    RegionTable,
+    TraceTable,
+)
 from clast.case.tables.supports_and_loads import FixedPointTable, LineLoadTable, PointLoadTable
 from clast.case.tables.table import Acceleration, Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
@@ -72,6 +81,18 @@ class Case(BaseModel):
     """Blocks by numbered vertices."""
     block: list[BlockTable] = []
     """Blocks by their coordinates."""
+    domain: DomainTable | None = None
+    """Rock mass that is cut into blocks."""
+    joint_set: list[JointSetTable] = []
+    """Joints that cut the domain, by statistics."""
+    trace: list[TraceTable] = []
+    """Joints that cut the domain, as they were drawn."""
+    opening: list[OpeningTable] = []
+    """Openings in the domain."""
+    region: list[RegionTable] = []
+    """Rocks of the domain by place."""
+    block_pattern: list[BlockPatternTable] = []
+    """Masonry in the domain."""
     fixed_point: list[FixedPointTable] = []
     """Points held in place."""
     point_load: list[PointLoadTable] = []
@@ -91,6 +112,7 @@ class Case(BaseModel):
 
     _file: str = PrivateAttr("case")
     _text: str | None = PrivateAttr(None)
+    _cut: CutCase | None = PrivateAttr(None)
 
     @model_validator(mode="after")
     def _references_have_points(self) -> Self:
@@ -104,6 +126,26 @@ class Case(BaseModel):
             for number, reference in enumerate(self.reference)
             if reference.point not in names
         ]
+        if faults:
+            raise refusal(*faults)
+        return self
+
+    @model_validator(mode="after")
+    def _rock_mass_is_whole(self) -> Self:
+        rock_mass = self._rock_mass
+        if rock_mass is not None:
+            faults = list(rock_mass.faults())
+        else:
+            tables = ("joint_set", "trace", "opening", "region", "block_pattern")
+            faults = [
+                Fault(
+                    place=(name, 0),
+                    what="there is no [domain] to cut",
+                    remedy="give [domain] with its boundary",
+                )
+                for name in tables
+                if getattr(self, name)
+            ]
         if faults:
             raise refusal(*faults)
         return self
@@ -150,7 +192,9 @@ class Case(BaseModel):
         """
         content = self.model_dump(by_alias=True, exclude_unset=True)
         content["method"] = {**content.get("method", {}), **choices}
-        return self.validated(content, self._file)
+        changed = self.validated(content, self._file)
+        changed._cut = self._cut
+        return changed
 
     @property
     def name(self) -> str:
@@ -182,7 +226,42 @@ class Case(BaseModel):
             folder = self._folder
             for name, table in self._tables():
                 table.add_to(builder, name, folder)
+            if self.domain is not None:
+                self.cut().add_to(builder)
             return builder.build()
+
+    def cut(self) -> CutCase:
+        """Return the blocks that [domain] is cut into, the same ones every time.
+
+        Raises ModelError naming table, key and remedy.
+        """
+        if self._cut is None:
+            with self._located():
+                rock_mass = self._rock_mass
+                if rock_mass is None:
+                    raise ModelError(
+                        "is missing, so there is nothing to cut",
+                        where="[domain]",
+                        remedy="give it with a boundary, and [[joint_set]] that cut it",
+                    )
+                self._cut = rock_mass.cut(self._folder)
+        return self._cut
+
+    @property
+    def _rock_mass(self) -> RockMass | None:
+        """What is cut, and by what; None where the case has all its blocks."""
+        if self.domain is None:
+            return None
+        return RockMass(
+            domain=self.domain,
+            joint_sets=self.joint_set,
+            traces=self.trace,
+            openings=self.opening,
+            regions=self.region,
+            patterns=self.block_pattern,
+            rocks=list(self.rock),
+            joints=list(self.joint),
+        )
 
     def _tables(self) -> Iterator[tuple[str, Table]]:
         """Give all tables in the order of the keys above, with their names or those of the keys."""
@@ -237,6 +316,8 @@ class Case(BaseModel):
         try:
             yield
         except ModelError as error:
+            if error.where.startswith(f"{self._file}: "):
+                raise
             where = f"{self._file}: {error.where}"
             raise ModelError(error.what, where=where, remedy=error.remedy) from None
 
@@ -293,7 +374,8 @@ class Case(BaseModel):
         numbered = len(self.geometry.blocks) if self.geometry else 0
         chosen = self.method_.chosen
         return (
-            f"Case('{self.title or self.name}', {numbered + len(self.block)} blocks, "
+            f"Case('{self.title or self.name}', {numbered + len(self.block)} blocks"
+            f"{', and those of a domain' if self.domain else ''}, "
             f"{chosen('process').name} with {chosen('contact_law').name}, "
             f"step {self.time.step:g} s to {self.time.end:g} s)"
         )

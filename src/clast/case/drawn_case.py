@@ -7,12 +7,16 @@ so that the case is refused, key by key, until a number is there: nothing is mad
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from clast import spelling
+from clast.case.cutting import CutCase, RockMass
+from clast.case.tables.rock_mass import DomainTable, OpeningTable, RegionTable, TraceTable
 from clast.case.text import to_toml
+from clast.errors import ModelError
 from clast.rockmass.drawings.drawing import (
     Analysis,
     Drawing,
@@ -52,6 +56,34 @@ def case_text(drawing: Drawing) -> str:
     return "\n\n".join(part.strip("\n") for part in parts if part.strip()) + "\n"
 
 
+def cut_of(drawing: Drawing) -> CutCase:
+    """Return the blocks of a drawing, which needs no moduli and no strengths for them.
+
+    Raises ModelError where it has no outline of the domain, or cannot be cut.
+    """
+    tables = "".join([_domain(drawing), *_tables(drawing)])
+    content = tomllib.loads(tables)
+    if "domain" not in content:
+        raise ModelError(
+            "has no outline of the domain, and so no blocks",
+            where=drawing.file,
+            remedy="draw it, or write [domain] and [[joint_set]] into the case",
+        )
+    lists: dict[str, Any] = {
+        "joint_sets": [],
+        "traces": [TraceTable(**one) for one in content.get("trace", [])],
+        "openings": [OpeningTable(**one) for one in content.get("opening", [])],
+        "regions": [RegionTable(**one) for one in content.get("region", [])],
+        "patterns": [],
+    }
+    return RockMass(
+        domain=DomainTable(**content["domain"]),
+        rocks=list(_rocks(drawing)),
+        joints=_named_joints(drawing),
+        **lists,
+    ).cut(Path(drawing.file).parent)
+
+
 # Comments ----------------------------------------------------------------------------------------
 
 
@@ -63,9 +95,19 @@ def _head(drawing: Drawing) -> str:
     unknown += [TO_BE_GIVEN] if analysis.step is None else []
     if unknown:
         lines += _comment(f'Keys with "{TO_BE_GIVEN}" need a number before the case can run.')
-    lines += _listed("Taken otherwise than given:", [*drawing.notes, *analysis.notes])
-    left = [*drawing.left_out, *analysis.left_out, *_unsaid(drawing)]
+    lines += _listed("Taken otherwise than given:", notes_of(drawing))
+    left = left_out_of(drawing)
     return "\n".join([*lines, *_listed("Not taken over:", [str(one) for one in left])])
+
+
+def notes_of(drawing: Drawing) -> list[str]:
+    """Return what was taken otherwise than it was given."""
+    return [*drawing.notes, *drawing.analysis.notes]
+
+
+def left_out_of(drawing: Drawing) -> list[LeftOut]:
+    """Return what was not taken over: what no drawing says, and what no case file says."""
+    return [*drawing.left_out, *drawing.analysis.left_out, *_unsaid(drawing)]
 
 
 def _comment(text: str, indent: str = "") -> list[str]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -20,6 +20,15 @@ from clast.errors import CaseError, shortened
 
 Place = tuple[str | int, ...]
 """Keys and list positions (from 0) that lead to a value."""
+
+PLAIN, TABLE = "<value>", "<table>"
+"""Tags of the two things that a key may be given as (:func:`kind_of`), for pydantic alone."""
+
+
+def kind_of(value: Any) -> str:
+    """Return the tag of a value, for a key that takes a table or something else."""
+    return TABLE if isinstance(value, dict | BaseModel) else PLAIN
+
 
 SHOWN = 10
 """Most faults that one message lists."""
@@ -46,7 +55,7 @@ def faults_of(error: ValidationError, table: type[BaseModel]) -> list[Fault]:
     """Return the faults that pydantic found in a table, in our words."""
     found: list[Fault] = []
     for item in error.errors(include_url=False):
-        place = tuple(item["loc"])
+        place = tuple(part for part in item["loc"] if part not in (PLAIN, TABLE))
         context = item.get("ctx", {})
         if item["type"] == "faults":
             for fault in context["faults"]:
@@ -218,9 +227,18 @@ def _not_a_table(kind: str, place: Place, given: Any, table: type[BaseModel]) ->
 
 def _not_a_choice(place: Place, given: Any, known: FieldInfo | None) -> Fault:
     """Return the fault of a value that is none of the allowed ones."""
-    choices = [str(choice) for choice in get_args(known.annotation)] if known else []
+    choices = list(_choices(known.annotation)) if known else []
     remedy = spelling.advice(str(given), choices, kind="choice")
     return Fault(place=place, what=f"{_shown(given)} is not known here", remedy=remedy)
+
+
+def _choices(annotation: Any) -> Iterator[str]:
+    """Give the values that an annotation allows, those inside of lists and unions too."""
+    for inner in get_args(annotation):
+        if get_origin(annotation) is Literal:
+            yield str(inner)
+        else:
+            yield from _choices(inner)
 
 
 def _known_keys(place: Place, table: type[BaseModel]) -> str:

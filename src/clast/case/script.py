@@ -43,6 +43,7 @@ from clast.results import Run, RunRecorder
 
 if TYPE_CHECKING:
     from clast.model.block_input import Entry, Label
+    from clast.model.joint_input import JointEntry
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 
@@ -129,7 +130,7 @@ class ModelBuilder(model_builder.ModelBuilder):
             "plane": _plane_name(self.plane),
             "gravity": as_plain(np.asarray(self.gravity, np.float64)),
             "rock": rocks,
-            "joint": {entry.joint.name: self._joint(entry) for entry in self._joints},
+            "joint": {entry.joint.name: self._joint(entry) for entry in self._placed_joints()},
             "block": list(self._blocks()),
             "fixed_point": [
                 table_of(FixedPointTable, {"at": p.at, "block": p.block})
@@ -154,7 +155,16 @@ class ModelBuilder(model_builder.ModelBuilder):
         }
         return {key: value for key, value in content.items() if value}
 
-    def _joint(self, entry: Any) -> dict[str, Any]:
+    def _placed_joints(self) -> list[JointEntry]:
+        """Return the joints without those of lines that became no edges, which a file refuses."""
+        along = {"default", *np.unique(self._edge_joint_names(self._unnumbered())).tolist()}
+        return [
+            entry
+            for entry in self._joints
+            if entry.between or entry.between_rocks or entry.joint.name in along
+        ]
+
+    def _joint(self, entry: JointEntry) -> dict[str, Any]:
         """Return the table of a joint strength."""
         where = {
             "between": entry.between,
@@ -163,12 +173,15 @@ class ModelBuilder(model_builder.ModelBuilder):
         }
         return table_of(JointTable, {**_unnamed(entry.joint), **where})
 
+    def _unnumbered(self) -> Outlines:
+        """Return what messages need to know of the blocks: their names."""
+        names = tuple(self._names())
+        return Outlines(names, np.zeros(1, np.int64), np.zeros((0, 2)), np.zeros(2))
+
     def _blocks(self) -> Iterator[dict[str, Any]]:
         """Give the table of every block, in their order."""
-        names = tuple(self._names())
-        unknown = Outlines(names, np.zeros(1, np.int64), np.zeros((0, 2)), np.zeros(2))
         number = 0
-        for entry, label in self._labelled(unknown):
+        for entry, label in self._labelled(self._unnumbered()):
             for name, values in zip(entry.names, _values(entry, label), strict=True):
                 number += 1
                 named = {} if name == str(number) else {"name": name}
@@ -181,11 +194,13 @@ def _values(entry: Entry, label: Label) -> Iterator[dict[str, Any]]:
     past = np.cumsum(counts)
     velocity, stress = entry.velocities(label), entry.stresses(label)
     joints = entry.edge_joints(label)
+    alike = entry.rock is None or isinstance(entry.rock, str)
+    rocks = [entry.rock] * len(counts) if alike else list(entry.rock or ())
     for k, fixed in enumerate(entry.held(label)):
         own = slice(past[k] - counts[k], past[k])
         yield {
             "vertices": vertices[own],
-            "rock": entry.rock,
+            "rock": rocks[k],
             "fixed": bool(fixed),
             "velocity": velocity[k],
             "initial_stress": None if stress is None else stress[k],

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from clast.cli import cases, files, studies
+from clast.cli import cases, files, rock_masses, studies
 from clast.cli.exit_codes import BAD_INPUT, STOPPED, interrupted_by
 from clast.cli.terminal import say
 from clast.errors import ClastError, RunStopped, shortened
@@ -91,6 +91,8 @@ def _main(
 COMMANDS = (
     cases.run,
     cases.check,
+    rock_masses.cut,
+    rock_masses.import_,
     files.info,
     files.plot,
     cases.new,
@@ -102,7 +104,7 @@ COMMANDS = (
 )
 """All commands, in the order in which they are listed."""
 for command in COMMANDS:
-    app.command()(command)
+    app.command(command.__name__.rstrip("_"))(command)  # import is a word of Python
 
 
 def main() -> None:

@@ -35,8 +35,8 @@ class Entry(Protocol):
         ...
 
     @property
-    def rock(self) -> str | None:
-        """Rock that all of them are made of, None for the only one."""
+    def rock(self) -> str | Sequence[str] | None:
+        """Rock that all of them are made of, or that of each; None for the only one."""
         ...
 
     def loops(self, label: Label) -> tuple[Ints, Floats]:
@@ -116,7 +116,7 @@ class ManyBlocks:
     first: int
     """Number of the first of them among all blocks, from 0."""
     given_names: Sequence[str] | None
-    rock: str | None
+    rock: str | Sequence[str] | None
     vertices: Any
     start: Any
     fixed: Any

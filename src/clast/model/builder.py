@@ -32,6 +32,7 @@ from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.joint_input import JointEntry, joint_table, joints_of_edges, pairs_of_names
 from clast.model.model import (
+    WELD_STRENGTH,
     Bools,
     Floats,
     Ints,
@@ -59,6 +60,8 @@ class ModelBuilder:
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
     yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
     that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
+    ``line_joints`` are joints that lines have whether or not they become edges of blocks;
+    ``notes`` say what was done to the blocks before they came here.
     """
 
     title: str = ""
@@ -66,6 +69,8 @@ class ModelBuilder:
     gravity: Vector = (0.0, -9.8)
     ground_motion: GroundMotion = field(default_factory=Still)
     actions: list[Any] = field(default_factory=list)
+    line_joints: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
     _rocks: list[Rock] = field(default_factory=list, init=False)
     _joints: list[JointEntry] = field(default_factory=list, init=False)
     _entries: list[Entry] = field(default_factory=list, init=False)
@@ -141,6 +146,13 @@ class ModelBuilder:
         )
         return name
 
+    def add_weld(self, name: str) -> str:
+        """Add a joint that no load opens or shears, and return its name.
+
+        Cohesion and tensile strength are WELD_STRENGTH, Pa: the springs of its contacts are linear.
+        """
+        return self.add_joint(name, cohesion=WELD_STRENGTH, tensile_strength=WELD_STRENGTH)
+
     def block(
         self,
         *,
@@ -172,7 +184,7 @@ class ModelBuilder:
         vertices: Floats,
         start: Ints | Sequence[int] | None = None,
         names: Sequence[str] | None = None,
-        rock: str | None = None,
+        rock: str | Sequence[str] | None = None,
         fixed: bool | Bools = False,
         velocity: Vector = (0.0, 0.0, 0.0),
         initial_stress: Vector | None = None,
@@ -181,9 +193,10 @@ class ModelBuilder:
         """Add k blocks at once, as arrays; return their names.  A wall of a million takes 13 s.
 
         ``vertices`` in m are (k, s, 2) where every block has s corners, or (nv, 2) with the index
-        of each block's first vertex, and nv, in ``start`` (k + 1,).  ``fixed`` is one truth value
-        or (k,); ``velocity`` and ``initial_stress`` are three numbers or (k, 3); ``edge_joint`` is
-        (nv,).  Everything else, and every check, is that of ``block``.
+        of each block's first vertex, and nv, in ``start`` (k + 1,).  ``rock`` is one name or
+        (k,), ``fixed`` one truth value or (k,); ``velocity`` and ``initial_stress`` are three
+        numbers or (k, 3); ``edge_joint`` is (nv,).  Everything else, and every check, is that of
+        ``block``.
 
         A run is gone on from with another load, joint or method by making its last state a model;
         the contact penetration in it is no bad geometry (what contacts of the stiffness that is
@@ -197,9 +210,8 @@ class ModelBuilder:
                 fixed=model.fixed,
                 velocity=state.velocity[:, :3],
                 initial_stress=state.stress,
+                rock=[model.rocks[k].name for k in model.block_rock],
             )
-
-        Blocks of several rocks are added one by one: ``model.block_rock`` says which is whose.
         """
         entry = ManyBlocks(
             self._count, names, rock, vertices, start, fixed, velocity, initial_stress, edge_joint
@@ -253,7 +265,8 @@ class ModelBuilder:
         block_rock = self._block_rocks(outlines)
         block_number = {name: number for number, name in enumerate(outlines.names)}
         rock_number = {rock.name: index for index, rock in enumerate(self._rocks)}
-        table = joint_table(self._joints, rock_number, block_number, edge_joint)
+        along = {*np.unique(edge_joint).tolist(), *self.line_joints}
+        table = joint_table(self._joints, rock_number, block_number, along)
         overlaps = model_checks.check_overlaps(outlines, polygons)
 
         def places(entries: list[Place]) -> Places:
@@ -290,7 +303,7 @@ class ModelBuilder:
             ground_motion=self.ground_motion,
             actions=tuple(self.actions),
             overlaps=overlaps,
-            notes=model_checks.turned_note(outlines, clockwise),
+            notes=(*self.notes, *model_checks.turned_note(outlines, clockwise)),
         )
 
     def _check_names(self) -> None:
@@ -334,15 +347,25 @@ class ModelBuilder:
         only = self._rocks[0].name if len(self._rocks) == 1 else None
         found = []
         for entry, label in self._labelled(outlines):
-            name = only if entry.rock is None else entry.rock
-            if name is None:
+            given = only if entry.rock is None else entry.rock
+            if given is None:
                 raise ModelError(
                     "does not say which rock it is made of",
                     where=label(0),
                     remedy=spelling.advice("", number, kind="rock"),
                 )
-            index = number_of(name, number, "rock", label(0))
-            found.append(np.full(len(entry.names), index, np.int64))
+            if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray):
+                index = number_of(given, number, "rock", label(0))
+                found.append(np.full(len(entry.names), index, np.int64))
+                continue
+            if len(given) != len(entry.names):
+                raise ModelError(
+                    f"{len(given)} rocks are given for {len(entry.names)} blocks",
+                    where=f"{label(0)}, rock",
+                    remedy="give one name, or one for each block",
+                )
+            numbers = [number_of(name, number, "rock", label(k)) for k, name in enumerate(given)]
+            found.append(np.array(numbers, np.int64))
         return np.concatenate(found)
 
     def _edge_joint_names(self, outlines: Outlines) -> Names:

@@ -44,13 +44,12 @@ def joint_table(
     entries: Sequence[JointEntry],
     rock_number: dict[str, int],
     block_number: dict[str, int],
-    edge_joint: Names,
+    along_edges: set[str],
 ) -> JointTable:
     """Return the joints, the default first, and the pairs that they belong to.
 
-    ``edge_joint`` (nv,) names those of edges.
+    ``along_edges`` are the names of those that edges have, or lines that may become edges.
     """
-    along_edges = set(np.unique(edge_joint).tolist())
     ordered = sorted(entries, key=lambda entry: entry.joint.name != "default")
     if not ordered or ordered[0].joint.name != "default":
         ordered.insert(0, JointEntry(Joint(), (), (), allow_small_friction_angle=False))

@@ -22,6 +22,12 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
+WELD_STRENGTH = 1e18
+"""Strength of welded edges, Pa: above every load of a body that strains by less than its size.
+
+A finite number, for a contact may stand for no length of joint, and infinity times 0 is none.
+"""
+
 
 class Plane(Protocol):
     """The plane assumption: gives the elasticity matrix of a rock."""

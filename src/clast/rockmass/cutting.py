@@ -49,7 +49,7 @@ from clast.rockmass.sources import (
 MOST_REVERTS = 20
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Cut:
     """Blocks that tile the domain without its voids; frozen arrays, ragged ones flat.
 

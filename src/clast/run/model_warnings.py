@@ -8,7 +8,7 @@ import numpy as np
 
 from clast.errors import shortened
 from clast.model.ground_motion import InertialForce, MovingBase
-from clast.model.model import Floats, Ints, Model
+from clast.model.model import WELD_STRENGTH, Floats, Ints, Model
 
 SOFTEST, HARDEST = 1e8, 2e12
 """Young's moduli outside look like kPa, MPa or GPa, Pa."""
@@ -204,7 +204,7 @@ def _strength_warnings(model: Model) -> Iterator[str]:
                     f"{where}: {key} is {value:g} Pa, next to nothing; it is meant in Pa: "
                     f"{value:g} kPa are {1e3 * value:g}"
                 )
-            if value > STRONGEST:
+            if STRONGEST < value != WELD_STRENGTH:
                 yield f"{where}: {key} is {value:g} Pa, stronger than any rock; it is meant in Pa"
         if joint.friction_angle > STEEPEST:
             yield (

@@ -142,6 +142,13 @@ def outline_of_layer(path: str | Path, layer: str, reading: DxfReading | None = 
     return rings[0].points
 
 
+def notes_of_layer(
+    path: str | Path, layer: str, reading: DxfReading | None = None
+) -> tuple[str, ...]:
+    """Return what is taken otherwise than it is given where that layer is read: units, heights."""
+    return tuple(_one_layer(Path(path), layer, reading or DxfReading()).notes)
+
+
 def read_dda_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing:
     """Return what a DXF file of DDA for Windows draws.
 

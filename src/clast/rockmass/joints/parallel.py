@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import shapely
@@ -26,10 +26,10 @@ class Parallel:
     line moved by ``stagger`` of their sum; else from a random place.  P21 = t/((t + g) s).
     """
 
-    name: str = "parallel"
-    cells: bool = False
-    takes: frozenset[str] = ORIENTED | TRACED
-    needs: tuple[tuple[str, ...], ...] = (DIRECTION, ("spacing",))
+    name: ClassVar[str] = "parallel"
+    cells: ClassVar[bool] = False
+    takes: ClassVar[frozenset[str]] = ORIENTED | TRACED
+    needs: ClassVar[tuple[tuple[str, ...], ...]] = (DIRECTION, ("spacing",))
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return lines, m."""
@@ -48,10 +48,10 @@ class CrossJointed:
     ones, every second layer is moved by ``stagger`` of the spacing: 0.5 is a running bond.
     """
 
-    name: str = "cross-jointed"
-    cells: bool = False
-    takes: frozenset[str] = ORIENTED | TRACED | {"terminates_at"}
-    needs: tuple[tuple[str, ...], ...] = (DIRECTION, ("spacing",), ("terminates_at",))
+    name: ClassVar[str] = "cross-jointed"
+    cells: ClassVar[bool] = False
+    takes: ClassVar[frozenset[str]] = ORIENTED | TRACED | {"terminates_at"}
+    needs: ClassVar[tuple[tuple[str, ...], ...]] = (DIRECTION, ("spacing",), ("terminates_at",))
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return lines that end at the bounds, m."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import shapely
@@ -25,10 +26,10 @@ class Baecher:
     Einstein 1977).  Middles are drawn beyond the window, too, so that its rim is like its interior.
     """
 
-    name: str = "baecher"
-    cells: bool = False
-    takes: frozenset[str] = ORIENTED | {"intensity", "spacing", "trace_length"}
-    needs: tuple[tuple[str, ...], ...] = (DENSE, ("trace_length",))
+    name: ClassVar[str] = "baecher"
+    cells: ClassVar[bool] = False
+    takes: ClassVar[frozenset[str]] = ORIENTED | {"intensity", "spacing", "trace_length"}
+    needs: ClassVar[tuple[tuple[str, ...], ...]] = (DENSE, ("trace_length",))
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return traces, m."""
@@ -58,10 +59,10 @@ class PoissonLines:
     (Miles 1964, Proc. Natl. Acad. Sci. 52).
     """
 
-    name: str = "poisson-lines"
-    cells: bool = False
-    takes: frozenset[str] = ORIENTED | {"intensity", "spacing"}
-    needs: tuple[tuple[str, ...], ...] = (DENSE,)
+    name: ClassVar[str] = "poisson-lines"
+    cells: ClassVar[bool] = False
+    takes: ClassVar[frozenset[str]] = ORIENTED | {"intensity", "spacing"}
+    needs: ClassVar[tuple[tuple[str, ...], ...]] = (DENSE,)
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return lines, m."""
@@ -81,10 +82,15 @@ class Veneziano:
     1988, Rock Mech. Rock Eng. 21); another distribution may be given for each.  P21 counts traces.
     """
 
-    name: str = "veneziano"
-    cells: bool = False
-    takes: frozenset[str] = ORIENTED | {"intensity", "spacing", "trace_length", "bridge_length"}
-    needs: tuple[tuple[str, ...], ...] = (DENSE, ("trace_length",), ("bridge_length",))
+    name: ClassVar[str] = "veneziano"
+    cells: ClassVar[bool] = False
+    takes: ClassVar[frozenset[str]] = ORIENTED | {
+        "intensity",
+        "spacing",
+        "trace_length",
+        "bridge_length",
+    }
+    needs: ClassVar[tuple[tuple[str, ...], ...]] = (DENSE, ("trace_length",), ("bridge_length",))
 
     def lines(self, plan: Plan, rng: np.random.Generator) -> Drawn:
         """Return traces, m."""
@@ -120,11 +126,11 @@ class Voronoi:
     move to the centroids of their cells, which then become more regular (Lloyd 1982).
     """
 
-    name: str = "voronoi"
-    cells: bool = True
-    takes: frozenset[str] = frozenset({"spacing"})
+    name: ClassVar[str] = "voronoi"
+    cells: ClassVar[bool] = True
+    takes: ClassVar[frozenset[str]] = frozenset({"spacing"})
     count: int | None = None
-    """Number of cells; None: from the spacing."""
+    """Number of cells; from the spacing if absent."""
     rounds: int = 0
     """How often points move to the centroids of their cells."""
 

@@ -1,0 +1,161 @@
+"""[[joint_set]]: joints of one kind, by the model that places them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import Discriminator, Field, StrictStr, Tag, model_validator
+
+from clast.case.choices import Alternatives, Choice, Number
+from clast.case.faults import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.case.tables.rock_mass import Seed, check_keys
+from clast.case.tables.table import Loop, Point, Table
+
+if TYPE_CHECKING:
+    from clast.rockmass.joints.joint_set import JointSet
+
+MODELS = {
+    "parallel": "clast.rockmass.joints.parallel:Parallel",
+    "cross-jointed": "clast.rockmass.joints.parallel:CrossJointed",
+    "baecher": "clast.rockmass.joints.random_lines:Baecher",
+    "veneziano": "clast.rockmass.joints.random_lines:Veneziano",
+    "poisson-lines": "clast.rockmass.joints.random_lines:PoissonLines",
+    "voronoi": "clast.rockmass.joints.random_lines:Voronoi",
+}
+ALTERNATIVES = Alternatives(
+    classes={"model": MODELS},
+    limits={"count": (Field(ge=1, le=10_000_000),), "rounds": (Field(ge=0, le=1000),)},
+    needs={"model": ("lines", "takes", "needs", "cells", "blocks")},
+)
+DISTRIBUTIONS: dict[str, tuple[str, ...]] = {
+    "uniform": ("low", "high"),
+    "normal": ("mean", "std"),
+    "lognormal": ("mean", "std"),
+    "exponential": ("mean",),
+    "values": ("values",),
+}
+"""Distribution -> its numbers; its class has its name."""
+
+
+class SpreadTable(Table):
+    """A distribution of spacings or lengths: all values are above 0."""
+
+    distribution: Literal["uniform", "normal", "lognormal", "exponential", "values"]
+    """uniform (low, high), normal (mean, std), lognormal (mean, std), exponential (mean) or values
+    (given one by one, again and again)."""
+    mean: Number | None = None
+    """Mean of the values, m."""
+    std: Number | None = None
+    """Standard deviation of the values, m."""
+    low: Number | None = None
+    """Smallest value, m."""
+    high: Number | None = None
+    """Largest value, m."""
+    values: list[Number] | None = None
+    """Values in their order, m."""
+
+    @model_validator(mode="after")
+    def _has_its_numbers(self) -> Self:
+        given = [
+            k for k in ("mean", "std", "low", "high", "values") if getattr(self, k) is not None
+        ]
+        check_keys(given, DISTRIBUTIONS[self.distribution], (), f"{self.distribution} distribution")
+        return self
+
+    def build(self) -> Any:
+        """Return the distribution."""
+        from clast.rockmass.joints import distributions
+
+        kind = getattr(distributions, self.distribution.capitalize())
+        return kind(**{key: getattr(self, key) for key in DISTRIBUTIONS[self.distribution]})
+
+
+class ScatterTable(Table):
+    """Scatter of directions in the section about that of the set."""
+
+    distribution: Literal["von-mises"]
+    """von-mises (kappa)."""
+    kappa: Number
+    """Concentration, -: the standard deviation is about 1/sqrt(kappa) radians, 7.4 degrees for
+    60."""
+
+
+Spread = Annotated[
+    Annotated[Number, Tag(PLAIN)] | Annotated[SpreadTable, Tag(TABLE)], Discriminator(kind_of)
+]
+
+
+def _kind_of_place(value: Any) -> str:
+    """Return the tag of a name or of corners."""
+    return TABLE if isinstance(value, str) else PLAIN
+
+
+class JointSetTable(Table):
+    """Joints of one kind: direction, spacing, lengths, and the model that places them."""
+
+    name: StrictStr
+    """Name, to which terminates_at of other sets refers."""
+    model: Annotated[Any, Choice("model", ALTERNATIVES)] = "parallel"
+    """How lines are placed."""
+    joint: StrictStr | None = None
+    """Joint of its edges: [joint.NAME]; that of the pair of rocks, or the default, if absent."""
+    angle: Number | None = None
+    """Angle of the lines counter-clockwise from +x, degrees."""
+    dip: Number | None = None
+    """Dip of the planes, degrees; with dip_direction and the domain's section_azimuth in place of
+    angle."""
+    dip_direction: Number | None = None
+    """Direction of dip clockwise from north, degrees."""
+    spacing: Spread | None = None
+    """Distance between lines, m; a number or a distribution."""
+    spacing_is: Literal["true", "apparent"] | None = None
+    """"true": spacing in space; "apparent": as seen in the section. Must be said where dip is
+    given."""
+    trace_length: Spread | None = None
+    """Length of traces, m; a number or a distribution; lines do not end if absent."""
+    bridge_length: Spread | None = None
+    """Rock bridge between traces on one line, m; a number or a distribution."""
+    origin: Point | None = None
+    """A line of the set passes here [x, y], m; the lower left of the domain if absent."""
+    stagger: Number = 0.0
+    """Share of trace and bridge by which every second line is moved: 0.5 for a running bond."""
+    within: (
+        Annotated[
+            Annotated[StrictStr, Tag(TABLE)] | Annotated[Loop, Tag(PLAIN)],
+            Discriminator(_kind_of_place),
+        ]
+        | None
+    ) = None
+    """Name of a region, or corners [x, y], m, within which the set is; everywhere if absent."""
+    terminates_at: list[StrictStr] | None = None
+    """Sets, also of traces, at whose lines those of a cross-jointed set end."""
+    intensity: Number | None = None
+    """Length of joints per area P21 in m/m2, in place of a spacing."""
+    angle_spread: ScatterTable | None = None
+    """Scatter of directions in the section: {distribution = "von-mises", kappa = 60}."""
+    fisher_kappa: Number | None = None
+    """Concentration of directions in space (Fisher), -; in place of angle_spread, with dip."""
+    seed: Seed | None = None
+    """Seed of its own; the domain's and the number of the set if absent."""
+
+    @model_validator(mode="after")
+    def _has_one_scatter(self) -> Self:
+        if self.angle_spread is not None and self.fisher_kappa is not None:
+            what = "angle_spread and fisher_kappa are both given"
+            raise refusal(Fault(place=("fisher_kappa",), what=what, remedy="give one of them"))
+        return self
+
+    def build(self) -> JointSet:
+        """Return the joint set as it is cut."""
+        from clast.rockmass import Fisher, JointSet, VonMises
+
+        values = {key: value for key, value in self if key not in ("model", "fisher_kappa")}
+        for key in ("spacing", "trace_length", "bridge_length"):
+            if isinstance(values[key], SpreadTable):
+                values[key] = values[key].build()
+        if self.angle_spread is not None:
+            values["angle_spread"] = VonMises(kappa=self.angle_spread.kappa)
+        if self.fisher_kappa is not None:
+            values["angle_spread"] = Fisher(kappa=self.fisher_kappa)
+        model = Choice("model", ALTERNATIVES).validate(self.model)
+        return JointSet(model=model.build(), **values)

@@ -1,0 +1,214 @@
+"""[domain], [[trace]], [[opening]], [[region]], [[block_pattern]]: what is cut, and by what.
+
+They add nothing to the system of blocks by themselves: clast.case.cutting cuts them all at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Annotated, Literal, Self
+
+from pydantic import Discriminator, Field, StrictBool, StrictInt, StrictStr, Tag, model_validator
+
+from clast import spelling
+from clast.case.choices import Number
+from clast.case.faults import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.case.tables.table import Length, Loop, Point, Positive, Table
+
+Side = Literal["bottom", "left", "right", "top"]
+Seed = Annotated[StrictInt, Field(ge=0)]
+
+
+class FileTable(Table):
+    """A closed outline in a file beside the case file."""
+
+    file: StrictStr
+    """Drawing (.dxf) or table with the columns x, y (.csv), beside the case file."""
+    layer: StrictStr | None = None
+    """Layer of a DXF drawing that has this outline alone; needed there."""
+    unit: StrictStr | None = None
+    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its heading if absent."""
+
+
+Boundary = Annotated[
+    Annotated[Loop, Tag(PLAIN)] | Annotated[FileTable, Tag(TABLE)], Discriminator(kind_of)
+]
+
+
+class DomainTable(Table):
+    """The rock mass that [[joint_set]], [[trace]], [[opening]] and [[block_pattern]] cut."""
+
+    boundary: Boundary
+    """Corners [x, y] of its outline, m; or {file = "site.dxf", layer = "BOUNDARY"}."""
+    rock: StrictStr | None = None
+    """Rock of all blocks that lie in no region; may be left out where there is only one."""
+    section_azimuth: Number | None = None
+    """Direction of +x clockwise from north, degrees; needed by dip and dip_direction alone."""
+    tolerance: Positive | None = None
+    """Grid to which all lines are rounded, m; the power of ten below 1e-6 of the diagonal if
+    absent."""
+    smallest_edge: Annotated[Number, Field(ge=0.0)] | None = None
+    """Shorter edges are collapsed, m; 0.01 of the median spacing of the sets if absent."""
+    smallest_block: Annotated[Number, Field(ge=0.0)] | None = None
+    """Smaller blocks join the neighbour with the longest shared edge, m2; (2 smallest_edge)^2 if
+    absent."""
+    most_blocks: Annotated[StrictInt, Field(ge=1)] = 200_000
+    """A domain that would fall into more blocks is refused before it is cut."""
+    seed: Seed = 0
+    """Seed of the random numbers of all sets that have none of their own."""
+    fixed_sides: list[Side] = Field([])
+    """Sides of the smallest rectangle about the boundary: blocks with a vertex on one of them
+    cannot move at all."""
+
+
+class TraceTable(Table):
+    """Joints as they were drawn: one polyline, or those of a file."""
+
+    points: Loop | None = None
+    """Points [x, y] of a polyline in order, m."""
+    file: StrictStr | None = None
+    """Traces in a file beside the case file: .csv (x1, y1, x2, y2 or id, x, y, with joint and set)
+    or .dxf; instead of points."""
+    layer: StrictStr | None = None
+    """Layer of a DXF drawing; needed there."""
+    unit: StrictStr | None = None
+    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its heading if absent."""
+    joint: StrictStr | None = None
+    """Joint along them: [joint.NAME]; that of the pair of rocks, or the default, if absent."""
+    set: StrictStr = "traces"
+    """Set that they are counted with, and at which cross-jointed sets may end."""
+
+    @model_validator(mode="after")
+    def _is_one_thing(self) -> Self:
+        check_source(self, "points", 'give points = [[x, y], ...] or file = "traces.csv"')
+        return self
+
+
+def check_source(table: TraceTable | OpeningTable, key: str, remedy: str) -> None:
+    """Refuse tables with both or none of a file and ``key``, and layers without a file."""
+    here, file = getattr(table, key), table.file
+    if (here is None) == (file is None):
+        what = f"{key} and file are both given" if file else f"has neither {key} nor file"
+        raise refusal(Fault(what=what, remedy=remedy))
+    for name in ("layer", "unit"):
+        if file is None and getattr(table, name) is not None:
+            raise refusal(Fault(place=(name,), what="there is no file", remedy="name the drawing"))
+
+
+SHAPES: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
+    "circle": ("Circle", ("center", "radius"), ("chords",)),
+    "horseshoe": ("Horseshoe", ("center", "width", "wall_height"), ("chords",)),
+    "box": ("Box", ("corner", "size"), ()),
+    "polygon": ("Polygon", ("points",), ()),
+}
+"""Shape -> its class, the keys that it needs, those that it may have."""
+SHAPE_KEYS = ("center", "radius", "width", "wall_height", "chords", "corner", "size", "points")
+
+
+class OpeningTable(Table):
+    """An opening: void from the start, or rock with a welded outline that can be excavated."""
+
+    name: StrictStr
+    """Name."""
+    shape: Literal["circle", "horseshoe", "box", "polygon"] | None = None
+    """circle (center, radius, chords), horseshoe (center, width, wall_height, chords), box (corner,
+    size) or polygon (points)."""
+    center: Point | None = None
+    """Centre of a circle, middle of the floor of a horseshoe [x, y], m."""
+    radius: Length | None = None
+    """Radius of the circle that has the area of the opening, m."""
+    width: Length | None = None
+    """Width of a horseshoe, m."""
+    wall_height: Length | None = None
+    """Height of the walls below the half circle of a horseshoe, m."""
+    chords: StrictInt | None = None
+    """Straight edges of a circle, 32 if absent, or of the roof of a horseshoe, 16 if absent."""
+    corner: Point | None = None
+    """Lower left corner of a box [x, y], m."""
+    size: tuple[Length, Length] | None = None
+    """Width and height of a box, m."""
+    points: Loop | None = None
+    """Corners [x, y] of a polygon, m."""
+    file: StrictStr | None = None
+    """Outline in a file beside the case file, .dxf or .csv; instead of a shape."""
+    layer: StrictStr | None = None
+    """Layer of a DXF drawing that has this outline alone; needed there."""
+    unit: StrictStr | None = None
+    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its heading if absent."""
+    excavated: StrictBool = False
+    """True for a void from the start; else it is rock."""
+    construction_joint: StrictBool = True
+    """True where the outline of an opening that is rock is cut, and welded; else it is not cut."""
+
+    @model_validator(mode="after")
+    def _is_one_shape(self) -> Self:
+        check_source(self, "shape", 'give shape = "circle" (or another), or a file')
+        given = [key for key in SHAPE_KEYS if getattr(self, key) is not None]
+        if self.shape is None:
+            check_keys(given, (), (), "opening of a file")
+        else:
+            _, needed, allowed = SHAPES[self.shape]
+            check_keys(given, needed, allowed, self.shape)
+        return self
+
+
+def check_keys(
+    given: Iterable[str], needed: tuple[str, ...], allowed: tuple[str, ...], kind: str
+) -> None:
+    """Refuse keys that a kind of thing does not have, and the absence of those that it needs."""
+    have = list(given)
+    keys = ", ".join((*needed, *allowed)) or "none of these keys"
+    faults = [
+        Fault(place=(key,), what=f"a {kind} has no such key", remedy=f"a {kind} has {keys}")
+        for key in have
+        if key not in (*needed, *allowed)
+    ]
+    faults += [
+        Fault(place=(key,), what="is missing", remedy=f"a {kind} has {keys}")
+        for key in needed
+        if key not in have
+    ]
+    if faults:
+        raise refusal(*faults)
+
+
+class RegionTable(Table):
+    """Rock by place: a block is of the region in which most of it lies, of the last if of more."""
+
+    name: StrictStr
+    """Name, to which within of joint sets may refer."""
+    polygon: Boundary
+    """Corners [x, y], m; or {file = "site.dxf", layer = "REGIONS_shale"}."""
+    rock: StrictStr | None = None
+    """Rock of its blocks; that of the domain if absent."""
+    joint: StrictStr | None = None
+    """Joint along its outline, which is then cut; it is not cut if absent."""
+
+
+class BlockPatternTable(Table):
+    """Masonry: courses of equal blocks from the lower left corner of a rectangle."""
+
+    name: StrictStr = "masonry"
+    """Name, for the report."""
+    pattern: Literal["running-bond", "stack-bond"] = "running-bond"
+    """How the head joints of courses lie to each other: moved or in line."""
+    corner: Point
+    """Lower left corner of the rectangle [x, y], m."""
+    size: tuple[Length, Length]
+    """Width and height of the rectangle, m."""
+    brick: tuple[Length, Length]
+    """Width and height of a block, m."""
+    joint_offset: Number | None = None
+    """Share of a block by which every second course of a running bond is moved; 0.5 if absent."""
+    joint: StrictStr | None = None
+    """Joint of bed and head joints: [joint.NAME]; that of the pair of rocks, or the default, if
+    absent."""
+    head_joint: StrictStr | None = None
+    """Joint of the head joints where it is another."""
+
+
+def unknown(name: str, known: Iterable[str], kind: str, place: tuple[str | int, ...]) -> Fault:
+    """Return the fault of a name that nothing has."""
+    names = list(known)
+    remedy = spelling.advice(name, names, kind=kind)
+    return Fault(place=place, what=f"there is no {kind} '{name}'", remedy=remedy)

@@ -1,0 +1,172 @@
+"""clast cut and clast import: what they print and write."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from clast.case.case_file import Case
+from clast.cli.commands import app
+from clast.results import read_results
+from clast.rockmass.drawings.blocks_out import read_blocks_npz
+from scenes import legacy_files
+from scenes.cut_cases import TUNNEL, TWO_SETS
+
+
+def done(*words: str) -> str:
+    result = CliRunner().invoke(app, list(words))
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def refused(*words: str) -> str:
+    result = CliRunner().invoke(app, list(words))
+    assert result.exit_code == 2 and result.stdout == "", result.output
+    return result.stderr
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    path = tmp_path / "tunnel.toml"
+    path.write_text(TUNNEL, encoding="utf-8")
+    return path
+
+
+def test_cut_says_what_was_cut(case: Path):
+    text = done("cut", str(case))
+    cut = Case.from_toml(case).cut().cut
+    assert f"{cut.block_count} (" in text and "400 m2" in text
+    assert "bedding" in text and "cross" in text and "shale" in text
+
+
+def test_cut_as_json(case: Path):
+    content = json.loads(done("cut", str(case), "--json", "--set", "domain.seed=3"))
+    assert content["area"] == pytest.approx(400.0, rel=1e-9)
+    assert [one["name"] for one in content["sets"]] == ["bedding", "cross"]
+    assert sum(content["rocks"].values()) == content["blocks"]
+    assert 0 < content["fixed_blocks"] < content["blocks"] and content["output"] is None
+
+
+def test_blocks_go_out_by_the_ending(case: Path, tmp_path: Path):
+    found = Case.from_toml(case).cut()
+    done("cut", str(case), "-o", str(tmp_path / "b.npz"))
+    blocks = read_blocks_npz(tmp_path / "b.npz")
+    np.testing.assert_array_equal(blocks.vertices, found.cut.vertices)
+    assert "construction-joint:heading" in blocks.edge_joint and "shale" in blocks.rock
+    done("cut", str(case), "-o", str(tmp_path / "b.csv"))
+    assert (tmp_path / "b.csv").read_text().count("\n") == 1 + len(found.cut.vertices)
+    done("cut", str(case), "-o", str(tmp_path / "b.dxf"))
+    space = ezdxf.readfile(tmp_path / "b.dxf").modelspace()
+    assert len(space.query("LWPOLYLINE")) == found.cut.block_count
+    assert "JOINTS_construction-joint-heading" in {line.dxf.layer for line in space.query("LINE")}
+
+
+@pytest.mark.parametrize(
+    ("output", "words"),
+    [("b.txt", ".dxf, .csv, .npz"), ("b", "nothing"), ("none/b.csv", "its folder does not exist")],
+)
+def test_blocks_that_go_nowhere(case: Path, tmp_path: Path, output: str, words: str):
+    assert words in refused("cut", str(case), "-o", str(tmp_path / output))
+
+
+def test_check_looks_at_a_case_that_is_cut(case: Path):
+    text = done("check", str(case))
+    assert f"{Case.from_toml(case).cut().cut.block_count} (" in text
+    assert "construction-joint:heading" in text
+
+
+def test_import_of_a_drawing(tmp_path: Path):
+    document = ezdxf.new("R2010", units=0)
+    space = document.modelspace()
+    corners = [(0, 0), (2000, 0), (2000, 1000), (0, 1000)]
+    space.add_lwpolyline(corners, close=True, dxfattribs={"layer": "BOUNDARY"})
+    space.add_line((0, 300), (2000, 300), dxfattribs={"layer": "JOINTS_bedding"})
+    space.add_text("Section", dxfattribs={"layer": "TITLE"})
+    document.saveas(tmp_path / "site.dxf")
+    target, blocks = tmp_path / "site.toml", tmp_path / "b.npz"
+    words = ("import", str(tmp_path / "site.dxf"), "-o", str(target), "--unit", "cm")
+    text = done(*words, "--blocks", str(blocks))
+    assert "outline of the domain 1, traces 1" in text and "cm" in text
+    assert "left out: " in text and "TITLE" in text
+    assert 'give the numbers that are "to be given" there' in text
+    content = tomllib.loads(target.read_text("utf-8"))
+    assert content["domain"]["boundary"][2] == [20.0, 10.0]
+    assert read_blocks_npz(blocks).count == 2
+    assert "exists already" in refused(*words)
+
+
+def test_import_of_legacy_files_with_their_analysis(tmp_path: Path):
+    (tmp_path / "slope.geo").write_text(legacy_files.GEOMETRY)
+    (tmp_path / "slope.ana").write_text(legacy_files.ANALYSIS)
+    target = tmp_path / "slope.toml"
+    text = done(
+        *("import", str(tmp_path / "slope.geo"), "-o", str(target)),
+        *("--analysis", str(tmp_path / "slope.ana"), "--mass-unit", "1000"),
+    )
+    assert "left out: " in text and "fixed line" in text
+    assert f"next: clast check {target}" in text
+    case = Case.from_toml(target)
+    assert case.rock["rock-1"].density == 2700.0
+    assert case.cut().cut.block_count >= 2
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("none.dxf", "-o", "a.toml"), "no such file"),
+        (("site.csv", "-o", "a.txt"), "let it end in .toml"),
+        (("site.csv", "-o", "none/a.toml"), "its folder does not exist"),
+        (("site.csv", "-o", "a.toml", "--blocks", "b.svg"), ".dxf, .csv, .npz"),
+        (("site.csv", "-o", "a.toml", "--blocks", "b.npz"), "no outline of the domain"),
+        (("site.geo", "-o", "a.toml", "--mass-unit", "-1"), "mass"),
+        (("site.dxf", "-o", "a.toml", "--unit", "furlong"), "no unit"),
+    ],
+)
+def test_what_cannot_be_imported(words, said, tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("site.csv").write_text("x1,y1,x2,y2\n0,0,1,1\n")
+    Path("site.geo").write_text(legacy_files.GEOMETRY)
+    document = ezdxf.new("R2010", units=6)
+    document.modelspace().add_circle((0, 0), 1, dxfattribs={"layer": "BOUNDARY"})
+    document.saveas("site.dxf")
+    assert said in refused("import", *words)
+    assert not Path("a.toml").exists()
+
+
+def test_run_of_a_case_that_is_cut(tmp_path: Path):
+    """Contacts have the friction of the set that their entrance edge belongs to."""
+    path = tmp_path / "sets.toml"
+    path.write_text(TWO_SETS, encoding="utf-8")
+    output = tmp_path / "sets.vtkhdf"
+    sides = 'domain.fixed_sides=["bottom"]'
+    content = json.loads(done("run", str(path), "-o", str(output), "--set", sides, "--json"))
+    assert content["steps"] == 5
+    results = read_results(output)
+    contacts = results.contacts()
+    case = Case.from_toml(path)
+    model = case.model()
+    start, end = model.vertices, model.vertices[following(model.block_start)]
+    angle = np.degrees(np.arctan2(*(end - start).T[::-1])) % 180.0
+    edge = contacts["edge"]
+    flat = np.abs(angle[edge] - 10.0) < 1.0
+    normal, shear = contacts["normal_force"], np.abs(contacts["shear_force"])
+    bears = normal > 1e-6 * normal.max()
+    bound = np.tan(np.radians(np.where(flat, 20.0, 35.0)))
+    ratio = shear[bears] / (normal[bears] * bound[bears])
+    # friction follows the normal force of the step before, which still changes after five steps;
+    # the friction of the other set would reach 1.92 on the flat edges
+    slides = ratio[flat[bears]]
+    assert 0.9 < slides.max() < 1.4 and ratio.max() < 1.4
+
+
+def following(start: np.ndarray) -> np.ndarray:
+    """Return the vertex after each vertex in its block, shape (nv,)."""
+    after = np.arange(1, start[-1] + 1)
+    after[start[1:] - 1] = start[:-1]
+    return after
