@@ -67,6 +67,21 @@ def test_blocks_go_out_by_the_ending(case: Path, tmp_path: Path):
     assert "JOINTS_construction-joint-heading" in {line.dxf.layer for line in space.query("LINE")}
 
 
+@pytest.mark.parametrize(("name", "begins"), [("a.png", b"\x89PNG"), ("a.svg", b"<?xml")])
+@pytest.mark.parametrize("by", ["set", "rock"])
+def test_pictures_go_out_by_the_ending(
+    case: Path, tmp_path: Path, name: str, begins: bytes, by: str
+):
+    done("cut", str(case), "-o", str(tmp_path / name), "--by", by)
+    assert (tmp_path / name).read_bytes().startswith(begins)
+
+
+def test_a_report_has_pictures_and_tables(case: Path, tmp_path: Path):
+    done("cut", str(case), "-o", str(tmp_path / "a.html"))
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert page.count("data:image/png;base64,") >= 2 and "bedding" in page and "tunnel" in page
+
+
 @pytest.mark.parametrize(
     ("output", "words"),
     [("b.txt", ".dxf, .csv, .npz"), ("b", "nothing"), ("none/b.csv", "its folder does not exist")],

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -21,15 +21,23 @@ def cut(
     case: CaseFile,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Write the blocks to a .dxf, .csv or .npz file."),
+        typer.Option(
+            "-o",
+            "--output",
+            help="Write the blocks (.dxf, .csv, .npz), a picture (.png, .svg, .pdf) or a report "
+            "with pictures (.html).",
+        ),
     ] = None,
+    by: Annotated[
+        Literal["set", "rock"], typer.Option(help="What colours say in a picture.")
+    ] = "set",
     settings: Settings = None,
     as_json: AsJson = False,
 ) -> None:
     """Cut the domain of a case into blocks, and say what was cut and what was changed."""
     from clast.case.case_file import Case
 
-    write = None if output is None else writer(output)
+    write = None if output is None else writer(output, {**WRITERS, **pictures(by, case.stem)})
     with status() as show:
         show("cutting")
         found = Case.from_toml(case, settings or ()).cut()
@@ -44,7 +52,7 @@ def cut(
     for note in found.notes:
         tell(f"note: {note}")
     if output is not None:
-        tell(f"blocks: {output}")
+        tell(f"wrote {output}")
 
 
 def import_(
@@ -168,15 +176,31 @@ WRITERS: dict[str, Writer] = {".dxf": _dxf, ".csv": _csv, ".npz": _npz}
 """Ending of a file's name -> who writes blocks to it."""
 
 
-def writer(path: Path) -> Writer:
-    """Return who writes blocks to a file of that name; CaseError where nobody does."""
-    found = WRITERS.get(path.suffix.casefold())
+def pictures(by: Literal["set", "rock"], title: str) -> dict[str, Writer]:
+    """Return who draws a cut: ending of a file's name -> function."""
+
+    def picture(path: Path, found: CutCase) -> None:
+        from clast.pictures.rock_mass import plot_cut
+
+        plot_cut(found.cut, path, by=by, title=title)
+
+    def report(path: Path, found: CutCase) -> None:
+        from clast.pictures.rock_mass import write_cut_report
+
+        write_cut_report(found.cut, path, title=title)
+
+    return {".png": picture, ".svg": picture, ".pdf": picture, ".html": report}
+
+
+def writer(path: Path, writers: Mapping[str, Writer] = WRITERS) -> Writer:
+    """Return who writes a cut to a file of that name; CaseError where nobody does."""
+    found = writers.get(path.suffix.casefold())
     if found is None:
         ending = shortened(path.suffix) or "nothing"
         raise CaseError(
-            f"ends in {ending}, for which there is no form of blocks",
+            f"ends in {ending}, for which there is no form",
             where=str(path),
-            remedy=f"let it end in {', '.join(WRITERS)}",
+            remedy=f"let it end in {', '.join(writers)}",
         )
     if not path.absolute().parent.is_dir():
         raise CaseError("its folder does not exist", where=str(path), remedy="make it first")
