@@ -184,6 +184,10 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
         ["joint_set 'cross', intensity", "both given"],
     ),
     "intensity 0": (cross(BAECHER + "intensity = 0\ntrace_length = 1\n"), ["intensity", "above 0"]),
+    "std beyond all means": (
+        spacing('{distribution = "lognormal", mean = 1.0, std = 1000.0}'),
+        ["joint_set 'bedding', spacing, std", "100 times the mean"],
+    ),
     "traces without end": (
         cross(BAECHER + "intensity = 1\ntrace_length = 1e12\n"),
         ["joint_set 'cross', trace_length", "200 times", "poisson-lines"],
