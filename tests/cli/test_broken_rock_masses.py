@@ -184,6 +184,22 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
         ["joint_set 'cross', intensity", "both given"],
     ),
     "intensity 0": (cross(BAECHER + "intensity = 0\ntrace_length = 1\n"), ["intensity", "above 0"]),
+    "std beyond all means": (
+        spacing('{distribution = "lognormal", mean = 1.0, std = 1000.0}'),
+        ["joint_set 'bedding', spacing, std", "100 times the mean"],
+    ),
+    "traces without end": (
+        cross(BAECHER + "intensity = 1\ntrace_length = 1e12\n"),
+        ["joint_set 'cross', trace_length", "200 times", "poisson-lines"],
+    ),
+    "edge of a galaxy": (
+        sets("seed = 7", "smallest_edge = 1e300"),
+        ["[domain] smallest_edge", "too large"],
+    ),
+    "many chords": (
+        tunnel(CIRCLE, CIRCLE + "chords = 100000000000000000000\n"),
+        ["opening 'heading', chords", "3 to 10000"],
+    ),
     "unknown set to end at": (
         cross(CROSS + 'model = "cross-jointed"\nterminates_at = ["beding"]\n'),
         ["joint_set 'cross', terminates_at", "no set 'beding'", "'bedding'"],

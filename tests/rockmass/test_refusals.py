@@ -233,7 +233,7 @@ def test_openings_and_regions():
     refused(f"{where}, radius", "above 0", openings=opening(Circle(center=(5, 5), radius=0.0)))
     refused(
         f"{where}, chords",
-        "at least 3",
+        "3 to 10000",
         openings=opening(Circle(center=(5, 5), radius=1.0, chords=2)),
     )
     refused(f"{where}, center", "no list", openings=opening(Circle(center=5.0, radius=1.0)))

@@ -18,6 +18,9 @@ FINEST = 1e-8
 COARSEST = 1e-3
 """Largest tolerance as a share of the domain's diagonal."""
 
+MOST_CHORDS = 10_000
+"""Most straight edges of a circle."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Domain:
@@ -151,9 +154,11 @@ def _positive(value: Any, where: str) -> float:
 
 
 def _chords(value: int, where: str, least: int) -> int:
-    if not isinstance(value, int | np.integer) or value < least:
+    if not isinstance(value, int | np.integer) or not least <= value <= MOST_CHORDS:
         raise ModelError(
-            f"{value!r} is no number of chords", where=where, remedy=f"give at least {least}"
+            f"{value!r} is no number of chords",
+            where=where,
+            remedy=f"give {least} to {MOST_CHORDS}",
         )
     return int(value)
 

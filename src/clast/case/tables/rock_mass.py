@@ -11,11 +11,13 @@ from typing import Annotated, Literal, Self
 from pydantic import Discriminator, Field, StrictBool, StrictInt, StrictStr, Tag, model_validator
 
 from clast import spelling
-from clast.case.choices import Number
+from clast.case.choices import Number, within
 from clast.case.faults import PLAIN, TABLE, Fault, kind_of, refusal
 from clast.case.tables.table import Length, Loop, Point, Positive, Table
+from clast.model import ranges
 
 Side = Literal["bottom", "left", "right", "top"]
+Least = Annotated[Number, Field(ge=0.0), within(ranges.COORDINATE)]
 Seed = Annotated[StrictInt, Field(ge=0)]
 
 
@@ -47,9 +49,9 @@ class DomainTable(Table):
     tolerance: Positive | None = None
     """Grid to which all lines are rounded, m; the power of ten below 1e-6 of the diagonal if
     absent."""
-    smallest_edge: Annotated[Number, Field(ge=0.0)] | None = None
+    smallest_edge: Least | None = None
     """Shorter edges are collapsed, m; 0.01 of the median spacing of the sets if absent."""
-    smallest_block: Annotated[Number, Field(ge=0.0)] | None = None
+    smallest_block: Least | None = None
     """Smaller blocks join the neighbour with the longest shared edge, m2; (2 smallest_edge)^2 if
     absent."""
     most_blocks: Annotated[StrictInt, Field(ge=1)] = 200_000

@@ -15,6 +15,8 @@ from clast.model.model import Floats
 
 FAR = 4.0
 """Values further than this many standard deviations above the mean are not counted on."""
+WIDEST = 100.0
+"""Largest standard deviation of a lognormal distribution, as a multiple of its mean."""
 
 
 class Distribution(Protocol):
@@ -181,6 +183,13 @@ class Lognormal:
         """Refuse means that are not above 0 and deviations below 0."""
         _positive(self.mean, f"{where}, mean")
         _deviation(self.std, where)
+        _refuse(
+            self.std > WIDEST * self.mean,
+            f"{self.std:g} is more than {WIDEST:g} times the mean: nearly all values would be next "
+            "to nothing",
+            f"{where}, std",
+            "give the standard deviation of the values, not of their logarithms, in m",
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

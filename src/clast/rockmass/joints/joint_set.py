@@ -32,6 +32,9 @@ KEYS = (
 )
 """Keys that not every model takes, and whose absence is None."""
 
+LONGEST = 200.0
+"""Longest traces, as multiples of the radius of the window: nearly all lie outside of it."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class JointSet:
@@ -191,6 +194,14 @@ class JointSet:
         if spacing is not None and self.spacing_is == "true":
             spacing = Scaled(spread=spacing, factor=direction.factor)
         trace, bridge = number_or(self.trace_length), number_or(self.bridge_length)
+        if trace is not None and trace.large > LONGEST * window.radius:
+            self._refuse(
+                "trace_length",
+                f"traces of up to {trace.large:.3g} m are more than {LONGEST:g} times as long as "
+                f"the place is wide, {window.radius:.3g} m about its middle",
+                "for lines without end choose the model parallel without trace_length, or "
+                "poisson-lines",
+            )
         return Plan(
             direction=direction,
             spacing=spacing,
