@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
+from clast.case.rock_templates import KEY_BLOCK, SLOPE, TUNNEL
+
 INCLINE = """\
 schema = 1
 title = "Block on an incline (the paper, Fig. 1)"
@@ -194,5 +196,12 @@ def _measured(name: str, at: tuple[float, float], block: str) -> str:
     return f'[[measured_point]]\nname = "{name}"\nat = [{at[0]:g}, {at[1]:g}]\nblock = "{block}"\n'
 
 
-TEMPLATES: dict[str, Callable[[], str]] = {"incline": incline, "wall": wall, "heap": heap}
+TEMPLATES: dict[str, Callable[[], str]] = {
+    "incline": incline,
+    "wall": wall,
+    "heap": heap,
+    "slope": lambda: SLOPE,
+    "tunnel": lambda: TUNNEL,
+    "key-block": lambda: KEY_BLOCK,
+}
 """What ``clast new --template`` offers."""

@@ -91,7 +91,9 @@ def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) ->
 
 def new(
     name: Annotated[str, typer.Argument(help="Name of the case; .toml is added.")],
-    template: Annotated[str, typer.Option(help="incline, wall or heap.")] = "incline",
+    template: Annotated[
+        str, typer.Option(help="incline, wall, heap, slope, tunnel or key-block.")
+    ] = "incline",
 ) -> None:
     """Write a case file to begin with."""
     from clast import spelling

@@ -3,6 +3,9 @@
 Every frame is searched, independently of candidates and corner rules, for outlines that cross
 deeper than the contacts of the two blocks account for, and for blocks inside others.  A polygon
 clipper then finds the overlap of the few pairs that are left.
+
+Where corners of four blocks meet, those across from each other overlap as far as each gives way to
+the two beside it.  No contact of the pair says so, and none needs to: that much is left out.
 """
 
 from __future__ import annotations
@@ -42,10 +45,12 @@ def unseen_overlaps(
     inside = crossings.swallowed(vertices, block_start, box, pairs)
     deepest = np.zeros(len(pairs))
     np.maximum.at(deepest, pair, -contacts[2])
+    give = np.zeros(model.block_count)
+    np.maximum.at(give, pairs, deepest[:, None])
     result = []
     for q in np.unique(np.concatenate((found[3], np.flatnonzero(inside)))):
         depth, area = _overlap(model, vertices, pairs[q])
-        if depth > max(KNOWN * deepest[q], NOTABLE * critdis):
+        if depth > max(KNOWN * deepest[q], give[pairs[q]].sum(), NOTABLE * critdis):
             names = model.block_name[pairs[q, 0]], model.block_name[pairs[q, 1]]
             result.append(
                 Overlap(
