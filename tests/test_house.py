@@ -6,7 +6,7 @@ list may only shrink: more than is listed fails, and so does a line that is no l
 
 import ast
 import tomllib
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
@@ -383,3 +383,9 @@ def test_the_rules_see_what_offends_them(tmp_path, monkeypatch):
         {"step/much.py": ["look is not annotated", "plain is not annotated"]},
         {"step/much.py": ["numba is imported; only compute/ may"]},
     ]
+
+
+def test_no_two_files_of_tests_have_one_name():
+    """Python would take one for the other."""
+    counts = Counter(path.name for path in Path(__file__).parent.rglob("test_*.py"))
+    assert [name for name, count in counts.items() if count > 1] == []
