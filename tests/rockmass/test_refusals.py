@@ -93,6 +93,11 @@ FAULTS = [
     ({"spacing_is": "roughly"}, "joint_set 'bedding', spacing_is", "unknown"),
     ({"intensity": 1.0}, "joint_set 'bedding', intensity", "not used by the model parallel"),
     ({"bridge_length": 1.0}, "joint_set 'bedding', bridge_length", "trace_length"),
+    (
+        {"trace_length": 3.0, "bridge_length": 1e6},
+        "joint_set 'bedding', bridge_length",
+        "traces are only 3e-06 of their lines",
+    ),
     ({"terminates_at": ["x"]}, "joint_set 'bedding', terminates_at", "not used"),
     ({"origin": (0.0, math.nan)}, "joint_set 'bedding', origin", "no point"),
     ({"within": "shale"}, "joint_set 'bedding', within", "no region 'shale'"),

@@ -34,6 +34,8 @@ KEYS = (
 
 LONGEST = 200.0
 """Longest traces, as multiples of the radius of the window: nearly all lie outside of it."""
+LEAST_PERSISTENCE = 1e-3
+"""Least share of their lines that traces may be: others would be drawn for hours."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,6 +117,15 @@ class JointSet:
             spread = number_or(getattr(self, key))
             if spread is not None:
                 spread.check(f"{self.where}, {key}")
+        trace, bridge = number_or(self.trace_length), number_or(self.bridge_length)
+        if trace is not None and bridge is not None:
+            share = trace.mean / (trace.mean + bridge.mean)
+            if share < LEAST_PERSISTENCE:
+                self._refuse(
+                    "bridge_length",
+                    f"traces are only {share:.2g} of their lines",
+                    f"give bridges up to {1.0 / LEAST_PERSISTENCE:g} times as long as traces",
+                )
         for key in ("angle", "dip", "dip_direction", "stagger", "intensity"):
             value = getattr(self, key)
             number = value if isinstance(value, int | float | np.number) else math.nan
