@@ -17,24 +17,21 @@ from clast.compute.stopwatch import Stages
 from clast.run.progress import Line, compilation_text, compilation_told
 
 
-def slowly(x):
-    """Stand for what takes long to compile; see the overload."""
-    return x
-
-
-@overload(slowly)
-def _slowly(x):
-    time.sleep(0.05)  # runs while whoever calls it is compiled
-    return lambda x: x
-
-
 def kernel_of(module: str):
-    """Return a kernel that is not compiled yet, as if ``module`` had it."""
+    """Return a kernel not compiled yet, as if ``module`` had it, which takes 0.05 s and more."""
+
+    def slowly(x):
+        return x
+
+    @overload(slowly)
+    def _slowly(x):
+        time.sleep(0.05)  # runs while whoever calls it is compiled, the first time
+        return lambda x: x
 
     def function(x):
         return slowly(x) + 1
 
-    own = FunctionType(function.__code__, {"slowly": slowly})
+    own = FunctionType(function.__code__, {}, closure=function.__closure__)
     own.__module__ = module
     return njit(own)
 
