@@ -32,6 +32,11 @@ def dda(tmp_path: Path) -> Drawing:
     return read_drawing(tmp_path / "slope.xml", reading=Reading(mass_unit=1000.0))
 
 
+def unbroken(text: str) -> str:
+    """Return the words of a text: where its comments break depends on the name of the file."""
+    return " ".join(text.replace("#", " ").split())
+
+
 def without_cutting(content: dict[str, Any]) -> dict[str, Any]:
     """Return what is left for a case of one block, the outline of the domain."""
     tables = {key: value for key, value in content.items() if key not in ("trace", "opening")}
@@ -64,8 +69,8 @@ def test_what_only_the_xml_says(dda):
     content = tomllib.loads(text)
     assert content["plane"] == "strain" and content["output"]["every"] == 0.01
     assert content["point_load"] == [{"at": [10.0, 9.0], "force": [0.0, -5000.0]}]
-    assert "t fx fy 0 0 0; 1 0 -7000" in " ".join(text.replace("#", " ").split())
-    assert "linear rotation" in text
+    assert "t fx fy 0 0 0; 1 0 -7000" in unbroken(text)
+    assert "linear rotation" in unbroken(text)
 
 
 @pytest.mark.parametrize(
@@ -95,7 +100,7 @@ def test_weights_that_no_one_gravity_gives_are_named(tmp_path):
     (tmp_path / "g.dat").write_text(legacy_files.GEOMETRY)
     (tmp_path / "a.dat").write_text(legacy_files.ANALYSIS.replace("24.50", "30"))
     text = case_text(read_drawing(tmp_path / "g.dat", tmp_path / "a.dat"))
-    assert "weight 30 N/m3 of rock-2: a case has one gravity, 9.8 m/s2" in text
+    assert "weight 30 N/m3 of rock-2: a case has one gravity, 9.8 m/s2" in unbroken(text)
 
 
 def test_a_drawing_asks_for_what_it_cannot_know(tmp_path):
@@ -144,10 +149,11 @@ def test_no_name_breaks_the_text():
 def test_a_table_of_traces_has_no_domain_and_says_so(tmp_path):
     (tmp_path / "t.csv").write_text("x1,y1,x2,y2,set\n0,0,1,1,J1\n")
     text = case_text(read_drawing(tmp_path / "t.csv"))
-    assert "[domain] needs a boundary" in text and "sets J1" in text
+    assert "[domain] needs a boundary" in unbroken(text) and "sets J1" in unbroken(text)
     assert tomllib.loads(text)["trace"] == [{"points": [[0, 0], [1, 1]], "joint": "default"}]
 
 
 def test_a_survey_is_named(tmp_path):
     (tmp_path / "t.csv").write_text("dip,dip_direction\n30,120\n40,130\n")
-    assert "2 orientations in space" in case_text(read_drawing(tmp_path / "t.csv"))
+    text = case_text(read_drawing(tmp_path / "t.csv"))
+    assert "2 orientations in space" in unbroken(text)
