@@ -15,6 +15,7 @@ from scenes.systems import (
     at_start,
     box,
     by_convex,
+    contacts_of,
     finish,
     march,
     regular,
@@ -183,3 +184,33 @@ def test_soft_wheel_gains_nothing_from_vertex_to_vertex():
     model = system([floor, wheel], fixed=[0], velocity={1: (2.0, -1.0, -6.0)}, friction_angle=40.0)
     done = finish(model, by_convex(2e5, max_displacement=0.05), 2e-3, 0.8)
     assert done.created < 1e-6
+
+
+@pytest.mark.parametrize(("share", "told"), [(1.0, False), (0.6, False), (0.4, True)])
+def test_blocks_across_a_corner_may_give_way_to_their_neighbours(share, told):
+    """Four boxes are pressed towards the corner that they share; contacts know a share of it."""
+    give = 1e-3
+    model = system([box(x, y) for y in (0, 1) for x in (0, 1)])
+    corner = np.array([1.0, 1.0]) - model.origin
+    centre = np.array([one.mean(axis=0) for one in np.split(model.vertices, 4)])
+    inwards = 0.5 * give * np.sign(corner - centre)
+    state = at_start(model, model.vertices + np.repeat(inwards, 4, axis=0))
+    found = contacts_of(model, state)
+    beside = found.vertex_block + found.edge_block != 3  # 0 and 3, 1 and 2 are across
+    rows = np.flatnonzero(beside & (found.gap < 0.0))
+    rows = rows[np.lexsort((found.edge[rows], found.edge_block[rows], found.vertex[rows]))]
+    none = np.zeros(len(rows))
+    memory = ContactMemory(
+        vertex=found.vertex[rows],
+        block=found.edge_block[rows],
+        edge=found.edge[rows],
+        gap=share * found.gap[rows],
+        normal_force=none,
+        shear_force=none,
+        multiplier=none,
+        mode=np.zeros(len(rows), np.int64),
+        bonded=np.zeros(len(rows), np.bool_),
+    )
+    overlaps = unseen_overlaps(model, replace(state, memory=memory), 1e8, 0.005)
+    across = {("1", "4"), ("2", "3")}
+    assert across & {one.blocks for one in overlaps} == (across if told else set())
