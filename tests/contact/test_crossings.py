@@ -89,7 +89,7 @@ def test_wedge_through_a_corner_has_no_vertex_inside():
     assert not any(other.contains(shapely.Point(p)) for p in SLAB)
     model = system([SLAB, WEDGE + 5.0], fixed=[0])
     state = at_start(model, np.concatenate([SLAB, WEDGE]) - model.origin)
-    assert len(unseen_overlaps(model, state, 1e8, 0.005)) == 1
+    assert len(unseen_overlaps(model, state, 0.005)) == 1
 
 
 def unseen_while_it_comes():
@@ -100,7 +100,7 @@ def unseen_while_it_comes():
     how = by_convex(1e5, max_displacement=0.02)
     found = []
     for result in march(model, how, 5e-3, 0.6):
-        found += unseen_overlaps(model, result.state, 1e5, how.critdis)
+        found += unseen_overlaps(model, result.state, how.critdis)
     return found
 
 
@@ -129,7 +129,7 @@ def test_joints_of_a_wall_ask_for_nothing(monkeypatch, angle, bonded):
     last = march(model, by_convex(5e9), 1e-3, 0.02)[-1]
     assert len(added) >= 20
     assert not any(added)
-    assert not unseen_overlaps(model, last.state, 5e9, 0.005)
+    assert not unseen_overlaps(model, last.state, 0.005)
 
 
 def sunk(depth):
@@ -140,7 +140,7 @@ def sunk(depth):
 
 def test_overlap_that_no_contact_knows_is_found():
     model, state = sunk(0.1)
-    (found,) = unseen_overlaps(model, state, 1e8, 0.005)
+    (found,) = unseen_overlaps(model, state, 0.005)
     assert found.blocks == ("1", "2")
     assert found.depth == pytest.approx(0.1, rel=0.01)
     assert found.area == pytest.approx(0.1)
@@ -161,11 +161,11 @@ def test_overlap_that_contacts_know_is_not_told(known, seen):
         mode=np.ones(2, np.int64),
         bonded=np.zeros(2, np.bool_),
     )
-    found = unseen_overlaps(model, replace(state, memory=memory), 1e8, 0.005)
+    found = unseen_overlaps(model, replace(state, memory=memory), 0.005)
     assert (not found) == seen
     # a spring that rests where it is knows nothing
     resting = replace(memory, multiplier=np.full(2, -1e8 * known))
-    assert unseen_overlaps(model, replace(state, memory=resting), 1e8, 0.005)
+    assert unseen_overlaps(model, replace(state, memory=resting), 0.005)
 
 
 def test_block_inside_another_is_found():
@@ -173,7 +173,7 @@ def test_block_inside_another_is_found():
     model = system([box(0, 0, 3.0, 3.0), box(3.0, 0.0)], gravity=(0.0, 0.0))
     vertices = model.vertices.copy()
     vertices[4:] -= [2.0, -1.0]
-    (found,) = unseen_overlaps(model, at_start(model, vertices), 1e8, 0.005)
+    (found,) = unseen_overlaps(model, at_start(model, vertices), 0.005)
     assert found.area == pytest.approx(1.0)
 
 
@@ -211,6 +211,6 @@ def test_blocks_across_a_corner_may_give_way_to_their_neighbours(share, told):
         mode=np.zeros(len(rows), np.int64),
         bonded=np.zeros(len(rows), np.bool_),
     )
-    overlaps = unseen_overlaps(model, replace(state, memory=memory), 1e8, 0.005)
+    overlaps = unseen_overlaps(model, replace(state, memory=memory), 0.005)
     across = {("1", "4"), ("2", "3")}
     assert across & {one.blocks for one in overlaps} == (across if told else set())

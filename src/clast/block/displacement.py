@@ -53,7 +53,7 @@ def powers_at(x, y):
 def weighted_squares(xx, xy, yy):
     """Return the six lines (vec6) of sum T^T C T, from the moments of symmetric matrices C (2, 2).
 
-    ``xx``, ``xy`` and ``yy`` are the sums of the components of C times :func:`powers_at` (vec6).
+    ``xx``, ``xy`` and ``yy`` are the sums of the components of C times ``powers_at`` (vec6).
     With C = I dm this is the mass matrix, with C the stiffness of a contact its share of K_ii.
     """
     a1, ax, ay, axx, axy, ayy = numbers(xx)
@@ -116,7 +116,7 @@ def _movements(first, last, offset, unknowns, gradient, block, result):
 def movements(rotation: RotationRule, offset: Floats, unknowns: Floats, block: Ints) -> Floats:
     """Return how far d (n, 6) moves points at offsets (k, 2), m, of blocks (k,), m, (k, 2).
 
-    Other than :func:`displacements` not to first order: u(x) = (u0, v0) + G x, with the gradient G
+    Other than ``displacements`` not to first order: u(x) = (u0, v0) + G x, with the gradient G
     of the rotation rule.
     """
     result = np.empty_like(offset)

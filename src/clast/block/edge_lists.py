@@ -71,7 +71,7 @@ def edges_around(window, reach, vertices, first, last):
 def edges_near(point, reach, listed, vertices, first, last, found):
     """Write the edges whose boxes come within ``reach``, m, of a point, in order; return how many.
 
-    ``listed`` are edges as :func:`left_to_right` gives them.
+    ``listed`` are edges as ``left_to_right`` gives them.
     """
     (px, py), (left, edges, widest) = point, listed
     count = 0

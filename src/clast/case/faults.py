@@ -22,7 +22,7 @@ Place = tuple[str | int, ...]
 """Keys and list positions (from 0) that lead to a value."""
 
 PLAIN, TABLE = "<value>", "<table>"
-"""Tags of the two things that a key may be given as (:func:`kind_of`), for pydantic alone."""
+"""Tags of the two things that a key may be given as (``kind_of``), for pydantic alone."""
 
 
 def kind_of(value: Any) -> str:

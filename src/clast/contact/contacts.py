@@ -43,6 +43,10 @@ class Contacts:
     """Normal (nx, ny), and offsets of P and Q from the centroids of i and j, m, shape (m, 6)."""
     joint: Ints
     """Joint that the contact lies along: index into those of the model, shape (m,)."""
+    normal_stiffness: Floats
+    """Normal stiffness that the joint gives, N/m per m; nan: the law has its own, shape (m,)."""
+    shear_stiffness: Floats
+    """Shear stiffness that the joint gives, N/m per m; nan: the law has its own, shape (m,)."""
     friction: Floats
     """tan(friction angle) of the joint, shape (m,)."""
     cohesion: Floats
@@ -116,10 +120,10 @@ class SpringLimits:
     N = max(-tension, multiplier - p gap), T = shear_force - k slip within +-strength.
     """
 
-    normal_stiffness: float
-    """p, N/m per m."""
-    shear_stiffness: float
-    """k, N/m per m."""
+    normal_stiffness: Floats
+    """p, N/m per m, shape (m,)."""
+    shear_stiffness: Floats
+    """k, N/m per m, shape (m,)."""
     tension: Floats
     """Tension that the contact bears, N/m, >= 0, shape (m,)."""
     strength: Floats

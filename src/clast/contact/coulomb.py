@@ -66,7 +66,7 @@ def resist(slip, k, strengths, memory, normal, bears, counts):
     """Return T, its stiffness and coupling to N, mode, bond, energy and loss of one contact.
 
     ``strengths`` are tan(phi), c, sigma_t and the length, ``memory`` the bond, T_old and the N that
-    bounds friction, numbers of one contact (:func:`strengths_of`, :func:`memory_of`).  ``normal``
+    bounds friction, numbers of one contact (``strengths_of``, ``memory_of``).  ``normal``
     is its N, N/m; ``bears``: whether it is pressed together; ``counts``: whether it may bear shear.
     What the spring does not take up of a slip is lost.  Without any strength there is nothing to
     stick to, even at rest.
@@ -99,12 +99,20 @@ def resist(slip, k, strengths, memory, normal, bears, counts):
     )
 
 
+@kernel(forceinline=True)
+def of_joint_or_law(of_joint, of_law):
+    """Return the stiffness that a joint gives, else that of the law."""
+    return of_law if np.isnan(of_joint) else of_joint
+
+
 @shared(CONTACTS, error_model="numpy")
 def answer_with_friction(first, last, slip, k, strengths, memory, found):
     """Write what contacts ``first`` to ``last`` - 1 answer to slips under a given N.
 
     N (m,) stands in ``found``, in N/m; energies become those of the shear spring alone.
+    ``k`` are the stiffness of the law and those that joints give (m,), N/m per m.
     """
+    k_of_law, k_of_joint = k
     friction, cohesion, tensile_strength, length = strengths
     bonded, shear_force, _, friction_base = memory
     normal, shear, _, ks, coupling, mode, intact, energy, loss = found
@@ -114,7 +122,7 @@ def answer_with_friction(first, last, slip, k, strengths, memory, found):
         counts = bears | given | (tension_of(tensile_strength[c], length[c]) != 0.0)
         shear[c], ks[c], coupling[c], mode[c], intact[c], energy[c], loss[c] = resist(
             slip[c],
-            k,
+            of_joint_or_law(k_of_joint[c], k_of_law),
             (friction[c], cohesion[c], tensile_strength[c], length[c]),
             (bonded[c], shear_force[c], friction_base[c]),
             normal[c],

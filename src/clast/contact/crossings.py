@@ -415,7 +415,7 @@ def _best_remembered(crossing, pair, remembered, share, outlines):
 def _ways_out(crossings, pairs, remembered, limit, share, outlines):
     """Return vertex, edge and pair of contacts that account for crossings, (k, 3), and gaps, m.
 
-    ``crossings`` as :func:`unseen` gives them; ``remembered`` are vertex, edge and pair (m,) of
+    ``crossings`` as ``unseen`` gives them; ``remembered`` are vertex, edge and pair (m,) of
     the contacts that were closed at the end of the last step, and the block of each vertex.  The
     one of these that ends the crossing goes on; where none does it is the shorter way out, for
     crossings that are deeper than the first and less deep than the second ``limit`` (k, 2), m.

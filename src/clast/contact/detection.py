@@ -20,9 +20,8 @@ from clast.contact.candidates import Candidates, SearchDistance, find_candidates
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.crossings import Chosen, with_crossings
-from clast.contact.joints import joints_of
+from clast.contact.joints import contact_lengths, joints_of, springs_of_joints
 from clast.contact.memory import pair_penetration, recall
-from clast.contact.narrow_phase import contact_lengths
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.model.model import Floats, Ints, JointTable, Model
 from clast.model.state import ContactMemory, State
@@ -93,6 +92,8 @@ def _contacts(
     joint = joints_of(model, ends, touching, found.direction)
     carried = _carried(row, gap, bond_reach, state.memory, joint, model.joint_table)
     of_edges = state.vertices, model.block_start, found.direction, found.length
+    length, of_springs = contact_lengths(ends, of_edges, reach.critdis)
+    normal, shear = springs_of_joints(model.joint_table, joint, of_springs)
     return Contacts(
         joint=joint,
         vertex=vertex,
@@ -104,7 +105,9 @@ def _contacts(
         gap=gap,
         normal=levers[:, :2],
         foot=foot,
-        length=contact_lengths(ends, of_edges, reach.critdis),
+        length=length,
+        normal_stiffness=normal,
+        shear_stiffness=shear,
         levers=levers,
         friction_base=np.full(len(gap), np.nan),
         **carried,

@@ -1,4 +1,4 @@
-"""Which joint a contact lies along.
+"""Which joint a contact lies along, how much of it, and the springs that this gives it.
 
 A pair of blocks that a joint names goes before what edges say for themselves, and that before a
 pair of rocks and the default.  Two blocks can touch along several joints, at a step in a fault for
@@ -9,10 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.block.polygon import vertex_before
+from clast.block import polygon
+from clast.block.polygon import SMALL_ANGLE, turn_at, vertex_after, vertex_before
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.model.model import Bools, Floats, Ints, JointTable, Model
+
+LEAST = 1e-3
+"""Least length of joint that springs stand for, in units of critdis: corners that only coincide."""
 
 
 def joints_of(
@@ -70,3 +74,126 @@ def _more_parallel(one, other, edge, direction):
     sine_one = direction[one, 0] * direction[edge, 1] - direction[one, 1] * direction[edge, 0]
     sine_other = direction[other, 0] * direction[edge, 1] - direction[other, 1] * direction[edge, 0]
     return one if abs(sine_one) < abs(sine_other) else other
+
+
+# how much of it ----------------------------------------------------------------------------------
+
+
+@kernel(inline="always")
+def _overlap(p, w, e, others, outlines, critdis):
+    """Return the length that own edge from p to w shares with edge e, m, as seen by vertex p.
+
+    Each shared piece has two ends, and each end is a vertex of one block, or a vertex of both
+    (coinciding corners, which then count half each where both are among the contacts of the two
+    blocks, ``others``); every end stands for half of the piece.
+    """
+    vertices, block_start, direction, length = outlines
+    vertex, start, stop, j = others
+    first, last = block_start[j], block_start[j + 1]
+    tx, ty = direction[e, 0], direction[e, 1]
+    here = (vertices[p, 0] - vertices[e, 0]) * tx + (vertices[p, 1] - vertices[e, 1]) * ty
+    there = (vertices[w, 0] - vertices[e, 0]) * tx + (vertices[w, 1] - vertices[e, 1]) * ty
+    low, high = max(0.0, min(here, there)), min(length[e], max(here, there))
+    if high <= low:
+        return 0.0
+    at_end = here > there
+    coincide = abs(here - (length[e] if at_end else 0.0)) <= critdis
+    if coincide:
+        corner = vertex_after(e, first, last) if at_end else e
+        for c in range(start, stop):
+            if vertex[c] == corner:
+                return 0.25 * (high - low)
+    return 0.5 * (high - low)
+
+
+@kernel(inline="always")
+def _edge_along(p, w, e, j, outlines, critdis):
+    """Return the edge that own edge from p to w runs along: e, or the next one at a flat corner."""
+    vertices, block_start, direction, length = outlines
+    first, last = block_start[j], block_start[j + 1]
+    tx, ty = direction[e, 0], direction[e, 1]
+    here = (vertices[p, 0] - vertices[e, 0]) * tx + (vertices[p, 1] - vertices[e, 1]) * ty
+    at_end = (vertices[w, 0] - vertices[p, 0]) * tx + (vertices[w, 1] - vertices[p, 1]) * ty > 0.0
+    left = length[e] - here if at_end else here
+    if left > critdis or abs(turn_at(e, at_end, direction, first, last)) > SMALL_ANGLE:
+        return e
+    return vertex_after(e, first, last) if at_end else vertex_before(e, first, last)
+
+
+@shared(CONTACTS)
+def _lengths(low, high, contacts, outlines, critdis, result, bearing):
+    """Write the lengths of joint, and of their springs, of contacts ``low`` to ``high`` - 1."""
+    vertex, edge, vertex_block, edge_block, pair = contacts
+    _, block_start, direction, _ = outlines
+    start = low
+    while start > 0 and start < len(pair) and pair[start - 1] == pair[start]:
+        start -= 1
+    stop = start
+    for c in range(low, high):
+        while stop <= c:  # the contacts of the next pair of blocks
+            start = stop
+            while stop < len(vertex) and pair[stop] == pair[start]:
+                stop += 1
+        result[c], tip, is_flush = 0.0, 0.0, False
+        p, e, i, j = vertex[c], edge[c], vertex_block[c], edge_block[c]
+        before = vertex_before(p, block_start[i], block_start[i + 1])
+        after = vertex_after(p, block_start[i], block_start[i + 1])
+        nx, ny = direction[e, 1], -direction[e, 0]
+        for side in range(2):
+            own, w = (before, before) if side == 0 else (p, after)
+            others = vertex, start, stop, j
+            sine = direction[own, 0] * nx + direction[own, 1] * ny
+            if abs(sine) > SMALL_ANGLE:
+                tip += (1.0 - sine * sine) * _overlap(p, w, e, others, outlines, critdis)
+                continue
+            along, is_flush = _edge_along(p, w, e, j, outlines, critdis), True
+            result[c] += _overlap(p, w, along, others, outlines, critdis)
+        bearing[c] = max(result[c] if is_flush else tip, LEAST * critdis)
+
+
+def contact_lengths(
+    contacts: tuple[Ints, Ints, Ints, Ints, Ints],
+    outlines: tuple[Floats, Ints, Floats, Floats],
+    critdis: float,
+) -> tuple[Floats, Floats]:
+    """Return the length of joint that each contact stands for, and that of its springs, m, (m,).
+
+    Where a vertex's own edge lies along the entrance edge (within 3 degrees) the two share a
+    piece of joint, and each of its ends takes half; the sum over the contacts of two faces is
+    their common length.  A vertex that touches with its tip alone stands for none; its springs
+    do for as much as its own edges have in front of the entrance edge, times the squared cosine of
+    the angle between them, so that a block that tilts keeps the springs that it tilts about.
+    No spring stands for less than a thousandth of critdis.
+    ``contacts`` are vertex, edge, their blocks and pair (m,) each; ``outlines`` the vertices, first
+    vertex of each block, direction and length of edges; corners within ``critdis``, m, coincide.
+    """
+    result, bearing = np.empty(len(contacts[0])), np.empty(len(contacts[0]))
+    _lengths(len(result), contacts, outlines, critdis, result, bearing)
+    return result, bearing
+
+
+# its springs -----------------------------------------------------------------------------------
+
+
+def springs_of_joints(table: JointTable, joint: Ints, length: Floats) -> tuple[Floats, Floats]:
+    """Return k_n L and k_s L of contacts, N/m per m, nan where their joint leaves them to the law.
+
+    ``joint`` (m,) are their joints, ``length`` (m,) those of their springs, m.
+    """
+    normal, shear = table.stiffnesses
+    return normal.take(joint) * length, shear.take(joint) * length
+
+
+def range_of_springs(model: Model, stiffness: float) -> tuple[float, float]:
+    """Return the softest and the stiffest normal spring that contacts may have, N/m per m.
+
+    ``stiffness`` is that of the contact law.  Those of joints are k_n L with L between half the
+    size of the smallest block and the longest edge.
+    """
+    normal = model.joint_table.stiffnesses[0]
+    own = normal[~np.isnan(normal)]
+    if not len(own):
+        return stiffness, stiffness
+    longest = float(polygon.edges(model.vertices, model.block_start)[1].max())
+    shortest = 0.5 * float(np.sqrt(model.area.min()))
+    return min(stiffness, float(own.min()) * shortest), max(stiffness, float(own.max()) * longest)

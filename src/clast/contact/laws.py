@@ -15,6 +15,7 @@ from clast.contact.coulomb import (
     largest_forces,
     memory_of,
     nothing_found,
+    of_joint_or_law,
     resist,
     strengths_of,
     tension_of,
@@ -28,17 +29,19 @@ if TYPE_CHECKING:
 
 @shared(CONTACTS, error_model="numpy")
 def answer_of_springs(first, last, gap, slip, stiffnesses, strengths, memory, found):
-    """Write what contacts ``first`` to ``last`` - 1 answer to gaps and slips: see :func:`springs`.
+    """Write what contacts ``first`` to ``last`` - 1 answer to gaps and slips: see ``springs``.
 
     In a minimisation (friction bound given) a contact that just touches counts with its stiffness:
     at the kink either is a derivative, and it is about to close.
     """
-    p, k = stiffnesses
+    p_of_law, k_of_law, p_of_joint, k_of_joint = stiffnesses
     friction, cohesion, tensile_strength, length = strengths
     bonded, shear_force, multiplier, friction_base = memory
     normal, shear, kn, ks, coupling, mode, intact, energy, loss = found
     for c in range(first, last):
         given = not np.isnan(friction_base[c])
+        p = of_joint_or_law(p_of_joint[c], p_of_law)
+        k = of_joint_or_law(k_of_joint[c], k_of_law)
         trial = multiplier[c] - p * gap[c]
         tension = tension_of(tensile_strength[c], length[c])
         bears = (trial > -tension) | (given & (trial == -tension))
@@ -72,11 +75,10 @@ def springs(
 
     N = max(-sigma_t L, lambda - p d_n), sigma_t being 0 where no bond is left; friction is that of
     contact/coulomb.py.  Gaps and slips (m,) at the end of the step, m; stiffnesses p and k in N/m
-    per m.
+    per m, of contacts whose joint gives none.
     """
     found = nothing_found(len(gap))
-    k = normal_stiffness if shear_stiffness is None else shear_stiffness
-    stiffnesses = float(normal_stiffness), float(k)
+    stiffnesses = _stiffnesses(contacts, normal_stiffness, shear_stiffness)
     answer_of_springs(
         len(gap), gap, slip, stiffnesses, strengths_of(contacts), memory_of(contacts), found
     )
@@ -97,14 +99,29 @@ def with_friction(
     The shear force is that of ``springs``, bounded by |T| <= N tan(phi) + c L with N the
     ``normal_force`` (m,), N/m, or what ``contacts.friction_base`` gives.  ``normal_stiffness`` (m,)
     is -dN/dgap, N/m per m, ``energy`` (m,) the work that N has stored, J/m; that of the shear
-    spring is added.  ``slip`` (m,) in m, ``shear_stiffness`` in N/m per m.
+    spring is added.  ``slip`` (m,) in m, ``shear_stiffness`` in N/m per m, where the joint of a
+    contact gives none.
     """
     found = nothing_found(len(slip))
     found[0][:] = normal_force
-    k = float(shear_stiffness)
+    k = float(shear_stiffness), contacts.shear_stiffness
     answer_with_friction(len(slip), slip, k, strengths_of(contacts), memory_of(contacts), found)
     response = _response(found)
     return replace(response, normal_stiffness=normal_stiffness, energy=energy + response.energy)
+
+
+def normal_stiffness_of(contacts: Contacts, law: ContactLaw) -> Floats:
+    """Return p of each contact, N/m per m, shape (m,): that of its joint, else the law's."""
+    of_joint = contacts.normal_stiffness
+    return np.where(np.isnan(of_joint), law.normal_stiffness, of_joint)
+
+
+def _stiffnesses(
+    contacts: Contacts, normal: float, shear: float | None
+) -> tuple[float, float, Floats, Floats]:
+    """Return p and k of a law, and those (m,) that joints give, N/m per m, as kernels take them."""
+    k = normal if shear is None else shear
+    return float(normal), float(k), contacts.normal_stiffness, contacts.shear_stiffness
 
 
 def _response(found: Found) -> ContactResponse:
@@ -128,9 +145,10 @@ def limits_of_springs(
 ) -> SpringLimits:
     """Return the bounds of ``springs`` for contacts whose friction bound is given."""
     tension, strength = largest_forces(contacts, contacts.friction_base)
+    p, k, p_of_joint, k_of_joint = _stiffnesses(contacts, normal_stiffness, shear_stiffness)
     return SpringLimits(
-        normal_stiffness=normal_stiffness,
-        shear_stiffness=normal_stiffness if shear_stiffness is None else shear_stiffness,
+        normal_stiffness=np.where(np.isnan(p_of_joint), p, p_of_joint),
+        shear_stiffness=np.where(np.isnan(k_of_joint), k, k_of_joint),
         tension=tension,
         strength=strength,
     )
@@ -208,7 +226,8 @@ class AugmentedLagrangian:
     """N = max(0, lambda - p d_n), solved several times a step with lambda <- N between solves.
 
     Reset at each step, n solves leave beta/((1 + beta)^n - 1) of the penalty law's penetration,
-    beta = p h2/(2 m) with m the mass per contact: 1/n for a soft spring.
+    beta = p h2/(2 m) with m the mass per contact: 1/n for a soft spring.  A joint with a normal
+    stiffness of its own gives way by what that says: its contacts have no multipliers.
     """
 
     normal_stiffness: float = 1e9
@@ -251,11 +270,14 @@ class AugmentedLagrangian:
 
     def begin(self, contacts: Contacts) -> Contacts:
         """Return the contacts with the multipliers of the first solve."""
-        return replace(contacts, multiplier=self.multipliers.first(contacts.multiplier))
+        own = np.isnan(contacts.normal_stiffness)
+        first = np.where(own, self.multipliers.first(contacts.multiplier), 0.0)
+        return replace(contacts, multiplier=first)
 
     def renew(self, contacts: Contacts, response: ContactResponse) -> Contacts:
-        """Return the contacts with lambda <- N."""
-        return replace(contacts, multiplier=response.normal_force)
+        """Return the contacts with lambda <- N, where their joint has no stiffness of its own."""
+        own = np.isnan(contacts.normal_stiffness)
+        return replace(contacts, multiplier=np.where(own, response.normal_force, 0.0))
 
 
 class ContactLaw(Protocol):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.laws import ContactLaw, MultiplierLaw
 from clast.model.model import Floats, Model
@@ -49,8 +51,12 @@ def advice(law: ContactLaw, model: Model, step: float) -> tuple[str, ...]:
     )
 
 
-def enough(law: ContactLaw, solves: int, gap: Floats) -> bool:
-    """Return True where no further multiplier solve is due after ``solves``; gap (m,) in m."""
-    if not has_multipliers(law):
+def enough(law: ContactLaw, solves: int, contacts: Contacts, gap: Floats) -> bool:
+    """Return True where no further multiplier solve is due after ``solves``; gap (m,) in m.
+
+    Joints with a stiffness of their own are to give way.
+    """
+    if not has_multipliers(law) or solves >= law.solves:
         return True
-    return solves >= law.solves or -gap.min(initial=0.0) <= law.penetration_tolerance
+    gap = np.where(np.isnan(contacts.normal_stiffness), gap, 0.0)
+    return bool(-gap.min(initial=0.0) <= law.penetration_tolerance)

@@ -1,4 +1,4 @@
-"""Vertices against edges: which edges a vertex could be in contact with, and how much joint it has.
+"""Vertices against edges: which edges a vertex could be in contact with.
 
 The signed gap of a vertex to an edge's line is (P - A) . n with n the outward normal; with
 counter-clockwise polygons and edge direction t = (tx, ty), n = (ty, -tx).
@@ -20,7 +20,6 @@ from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, v
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, EACH, shared
 from clast.contact.seams import is_covered
-from clast.model.model import Floats, Ints
 
 PART = CONTACTS.part
 """Pairs of blocks that a thread takes at a time."""
@@ -332,93 +331,3 @@ def join_parts(first, last, most, found, room, joined):
             joined[3][at + k] = room[3][begin + k]
             joined[4][at + k] = room[4][begin + k]
             joined[5][at + k] = room[5][begin + k]
-
-
-# length of joint -------------------------------------------------------------------------------
-
-
-@kernel(inline="always")
-def _overlap(p, w, e, others, outlines, critdis):
-    """Return the length that own edge from p to w shares with edge e, m, as seen by vertex p.
-
-    Each shared piece has two ends, and each end is a vertex of one block, or a vertex of both
-    (coinciding corners, which then count half each where both are among the contacts of the two
-    blocks, ``others``); every end stands for half of the piece.
-    """
-    vertices, block_start, direction, length = outlines
-    vertex, start, stop, j = others
-    first, last = block_start[j], block_start[j + 1]
-    tx, ty = direction[e, 0], direction[e, 1]
-    here = (vertices[p, 0] - vertices[e, 0]) * tx + (vertices[p, 1] - vertices[e, 1]) * ty
-    there = (vertices[w, 0] - vertices[e, 0]) * tx + (vertices[w, 1] - vertices[e, 1]) * ty
-    low, high = max(0.0, min(here, there)), min(length[e], max(here, there))
-    if high <= low:
-        return 0.0
-    at_end = here > there
-    coincide = abs(here - (length[e] if at_end else 0.0)) <= critdis
-    if coincide:
-        corner = vertex_after(e, first, last) if at_end else e
-        for c in range(start, stop):
-            if vertex[c] == corner:
-                return 0.25 * (high - low)
-    return 0.5 * (high - low)
-
-
-@kernel(inline="always")
-def _edge_along(p, w, e, j, outlines, critdis):
-    """Return the edge that own edge from p to w runs along: e, or the next one at a flat corner."""
-    vertices, block_start, direction, length = outlines
-    first, last = block_start[j], block_start[j + 1]
-    tx, ty = direction[e, 0], direction[e, 1]
-    here = (vertices[p, 0] - vertices[e, 0]) * tx + (vertices[p, 1] - vertices[e, 1]) * ty
-    at_end = (vertices[w, 0] - vertices[p, 0]) * tx + (vertices[w, 1] - vertices[p, 1]) * ty > 0.0
-    left = length[e] - here if at_end else here
-    if left > critdis or abs(turn_at(e, at_end, direction, first, last)) > SMALL_ANGLE:
-        return e
-    return vertex_after(e, first, last) if at_end else vertex_before(e, first, last)
-
-
-@shared(CONTACTS)
-def _lengths(low, high, contacts, outlines, critdis, result):
-    """Write the lengths of joint of contacts ``low`` to ``high`` - 1."""
-    vertex, edge, vertex_block, edge_block, pair = contacts
-    _, block_start, direction, _ = outlines
-    start = low
-    while start > 0 and start < len(pair) and pair[start - 1] == pair[start]:
-        start -= 1
-    stop = start
-    for c in range(low, high):
-        while stop <= c:  # the contacts of the next pair of blocks
-            start = stop
-            while stop < len(vertex) and pair[stop] == pair[start]:
-                stop += 1
-        result[c] = 0.0
-        p, e, i, j = vertex[c], edge[c], vertex_block[c], edge_block[c]
-        before = vertex_before(p, block_start[i], block_start[i + 1])
-        after = vertex_after(p, block_start[i], block_start[i + 1])
-        nx, ny = direction[e, 1], -direction[e, 0]
-        for side in range(2):
-            own, w = (before, before) if side == 0 else (p, after)
-            if abs(direction[own, 0] * nx + direction[own, 1] * ny) > SMALL_ANGLE:
-                continue
-            along = _edge_along(p, w, e, j, outlines, critdis)
-            others = vertex, start, stop, j
-            result[c] += _overlap(p, w, along, others, outlines, critdis)
-
-
-def contact_lengths(
-    contacts: tuple[Ints, Ints, Ints, Ints, Ints],
-    outlines: tuple[Floats, Ints, Floats, Floats],
-    critdis: float,
-) -> Floats:
-    """Return the length of joint that each contact stands for, m, shape (m,).
-
-    Where a vertex's own edge lies along the entrance edge (within 3 degrees) the two share a
-    piece of joint, and each of its ends takes half; the sum over the contacts of two faces is
-    their common length.  A vertex that touches with its tip alone stands for none.
-    ``contacts`` are vertex, edge, their blocks and pair (m,) each; ``outlines`` the vertices, first
-    vertex of each block, direction and length of edges; corners within ``critdis``, m, coincide.
-    """
-    result = np.empty(len(contacts[0]))
-    _lengths(len(result), contacts, outlines, critdis, result)
-    return result

@@ -138,7 +138,7 @@ def is_covered(v, e, at_end, own, outlines, bearing):
     ``own`` (ax, ay, bx, by) are the vertex's two edges, pointing away from it.  ``outlines`` are
     the vertices, direction and length of the edges that start there, block of each vertex, first
     vertex of each block; ``bearing`` are the first row of the memory of each block and these rows
-    (:func:`rows_by_block`), the memory's vertex, block, edge and gap (k,), and the strain (n, 3)
+    (``rows_by_block``), the memory's vertex, block, edge and gap (k,), and the strain (n, 3)
     of the blocks.
     """
     _, direction, length, vertex_block, block_start = outlines

@@ -217,7 +217,7 @@ def inertia_shares(diagonal, upper, rows, coupled):
     """Return which share of their stiffness against translation couplings leave to the blocks.
 
     Of all coupled blocks together and the least of any, in its weakest direction; 1 where none is
-    coupled.  ``rows`` are right, left and listed of the pairs (:func:`row_pointers`), ``coupled``
+    coupled.  ``rows`` are right, left and listed of the pairs (``row_pointers``), ``coupled``
     (q,) says which are coupled at all.
     """
     found = np.empty((len(diagonal), 3))

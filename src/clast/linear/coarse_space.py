@@ -351,7 +351,7 @@ def factor(fine, matrix, aggregates):
     """Return the coarse system made ready, and whether it is positive definite.
 
     ``fine`` is the pattern of a factor without fill and ``matrix`` K in its order (linear/ldlt.py);
-    ``aggregates`` is what :func:`aggregates_of` returns.  Made ready, it is (aggregate, start,
+    ``aggregates`` is what ``aggregates_of`` returns.  Made ready, it is (aggregate, start,
     members, offset, factor), the first four in the order of the pattern, the last one in single
     precision.
     """

@@ -80,7 +80,7 @@ def _balance_some(first, last, blocks, system, graph, contacts, at, found):
 
 @kernel()
 def balance_again(blocks, system, graph, contacts, d, normal, shear, found):
-    """Write what :func:`unbalanced` returns where some ``blocks`` (k,) have changed, in place."""
+    """Write what ``unbalanced`` returns where some ``blocks`` (k,) have changed, in place."""
     _balance_some(len(blocks), blocks, system, graph, contacts, (d, normal, shear), found)
 
 
@@ -105,7 +105,7 @@ def _left_rows(first, last, system, graph, contacts, starts, forces, left):
 
 @kernel()
 def left_at(system, graph, contacts, starts, normal, shear):
-    """Return r.B^-1 r of each block (k, n), as :func:`unbalanced` does, at k starts at once.
+    """Return r.B^-1 r of each block (k, n), as ``unbalanced`` does, at k starts at once.
 
     ``starts`` (k, n, 6) are the unknowns, ``normal`` and ``shear`` (k, m) N and T there.
     """

@@ -428,7 +428,7 @@ def _minimise(first, last, which, problem, springs, point, limits, found):
 def minimise_each(wanted, listing, problem, point, limits, left):
     """Minimise the islands ``wanted`` (k,) in place; return the most iterations and evaluations.
 
-    ``listing`` is that of :class:`Islands`, ``limits`` (2,) are the tolerance, J/m, of each island
+    ``listing`` is that of ``Islands``, ``limits`` (2,) are the tolerance, J/m, of each island
     and the iterations that it may take.  What islands have ``left`` (r,), J/m, is written for those
     wanted: at most the tolerance, unless an island takes more iterations, or its system is
     singular.

@@ -51,7 +51,7 @@ def whole_pieces(island, size):
 def sums(terms, island, only, size, count):
     """Return the sums of terms (k,) over ``count`` islands (count,), piece by piece.
 
-    ``island`` (k,) is that of each term, ``only`` the :func:`whole_pieces` of ``size`` terms.
+    ``island`` (k,) is that of each term, ``only`` the ``whole_pieces`` of ``size`` terms.
     """
     result = np.zeros(count)
     for piece in range(len(only)):

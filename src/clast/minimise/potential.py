@@ -220,7 +220,7 @@ class Potential:
         return np.asarray(island_sums(point.distances, at.of_blocks, at.count))
 
     def distances_at(self, starts: Floats) -> Floats:
-        """Return the :meth:`island_distances` (k, islands.count), J/m, at ``starts`` (k, n, 6)."""
+        """Return the ``island_distances`` (k, islands.count), J/m, at ``starts`` (k, n, 6)."""
         bear = [self.forces.at(*self.stretches(unknowns)) for unknowns in starts]
         normal = np.stack([one.normal_force for one in bear])
         shear = np.stack([one.shear_force for one in bear])

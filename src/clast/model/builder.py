@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -48,6 +48,11 @@ from clast.model.model import (
 )
 from clast.model.point_input import Place, Places, located
 from clast.model.value_checks import check_number, check_numbers, number_of
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from clast.model.joint_input import JointNumbers
 
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""
@@ -110,37 +115,37 @@ class ModelBuilder:
         self,
         name: str = "default",
         *,
-        friction_angle: float = 0.0,
-        cohesion: float = 0.0,
-        tensile_strength: float = 0.0,
-        restitution: float | None = None,
         between: Iterable[tuple[str, str]] = (),
         between_rocks: Iterable[tuple[str, str]] = (),
         allow_small_friction_angle: bool = False,
+        **numbers: Unpack[JointNumbers],
     ) -> str:
-        """Add a joint strength and return its name: friction in degrees, the others in Pa.
+        """Add a joint and return its name: ``friction_angle`` in degrees, strengths in Pa.
+
+        ``cohesion`` and ``tensile_strength`` are lost where the joint has slipped or opened;
+        ``normal_stiffness`` and ``shear_stiffness``, Pa/m, go before those of the contact law, and
+        ``restitution``, 0 to 1, before that of the process.
 
         The joint called "default" serves every contact that no other joint names with
         ``between`` (pairs of blocks) or ``between_rocks`` (pairs of rocks, equal ones allowed);
         a pair of blocks goes before what edges say for themselves (``edge_joint`` of blocks), and
         that before a pair of rocks.  Without any default, contacts are frictionless.
-        ``restitution``, 0 to 1, goes before that of the process.
         ``allow_small_friction_angle`` confirms an angle that looks like radians.
         """
-        joint = Joint(
-            name=name,
-            friction_angle=check_number(friction_angle, f"joint '{name}', friction_angle"),
-            cohesion=check_number(cohesion, f"joint '{name}', cohesion"),
-            tensile_strength=check_number(tensile_strength, f"joint '{name}', tensile_strength"),
-            restitution=None
-            if restitution is None
-            else check_number(restitution, f"joint '{name}', restitution"),
-        )
+        where = f"joint '{name}'"
+        checked: Any = {
+            # None is a value where it stands in the joint itself
+            key: check_number(value, f"{where}, {key}")
+            if value is not None or getattr(Joint, key, None) is not None
+            else None
+            for key, value in numbers.items()
+        }
+        joint = Joint(name=name, **checked)
         self._joints.append(
             JointEntry(
                 joint,
-                pairs_of_names(between, f"joint '{name}', between"),
-                pairs_of_names(between_rocks, f"joint '{name}', between_rocks"),
+                pairs_of_names(between, f"{where}, between"),
+                pairs_of_names(between_rocks, f"{where}, between_rocks"),
                 allow_small_friction_angle,
             )
         )

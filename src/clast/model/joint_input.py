@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypedDict
 
 import numpy as np
 
@@ -11,6 +12,17 @@ from clast.errors import ModelError, shortened
 from clast.model.block_input import Names
 from clast.model.model import Ints, Joint, JointTable
 from clast.model.value_checks import number_of
+
+
+class JointNumbers(TypedDict, total=False):
+    """What a joint is made of (model.model.Joint); what is left out is as a joint has it."""
+
+    friction_angle: float
+    cohesion: float
+    tensile_strength: float
+    restitution: float | None
+    normal_stiffness: float | None
+    shear_stiffness: float | None
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx, yy,
 xy), angles in degrees at this boundary. Polygons are counter-clockwise. Coordinates inside a
-:class:`Model` are relative to ``origin``, so that a case surveyed at coordinates near 1e6 m loses
+``Model`` are relative to ``origin``, so that a case surveyed at coordinates near 1e6 m loses
 no digits.
 """
 
@@ -92,7 +92,7 @@ class Rock:
 
 @dataclass(frozen=True, kw_only=True)
 class Joint:
-    """Strength of the contacts along a joint."""
+    """Strength and stiffness of the contacts along a joint."""
 
     name: str = "default"
     """Name by which contacts refer to it."""
@@ -104,6 +104,10 @@ class Joint:
     """Tension cut-off, Pa; lost where the joint has slipped or opened."""
     restitution: float | None = None
     """Share of the closing velocity with which impacts rebound, 0 to 1; None: the process' own."""
+    normal_stiffness: float | None = None
+    """k_n, normal stress by closure, Pa/m; None: contacts have the springs of the contact law."""
+    shear_stiffness: float | None = None
+    """k_s, shear stress by slip, Pa/m; None: that of the contact law."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,6 +181,14 @@ class JointTable:
             np.tan(np.radians([one.friction_angle for one in self.joints])),
             np.array([one.cohesion for one in self.joints], float),
             np.array([one.tensile_strength for one in self.joints], float),
+        )
+
+    @cached_property
+    def stiffnesses(self) -> tuple[Floats, Floats]:
+        """k_n and k_s of all joints, Pa/m, nan where the contact law has it, (joints,) each."""
+        return (
+            np.array([one.normal_stiffness for one in self.joints], float),
+            np.array([one.shear_stiffness for one in self.joints], float),
         )
 
 

@@ -128,7 +128,7 @@ class State:
     ledger: Ledger
     """Energy ledger."""
     actions: tuple[Any, ...] = ()
-    """Own state of each action, in the order of :func:`clast.actions.acting.actions_of`."""
+    """Own state of each action, in the order of ``clast.actions.acting.actions_of``."""
 
     def __repr__(self) -> str:
         speed = np.hypot(*self.velocity[:, :2].T).max(initial=0.0)

@@ -47,7 +47,7 @@ def check_rock(rock: Rock, plane: Plane) -> None:
 
 
 def check_joint(joint: Joint, *, allow_small_friction_angle: bool) -> None:
-    """Refuse strengths that no joint has, and friction angles that look like radians."""
+    """Refuse numbers that no joint has, and friction angles that look like radians."""
     where = f"joint '{shortened(joint.name)}'"
     angle = joint.friction_angle
     if not 0.0 <= angle < 90.0:
@@ -77,6 +77,11 @@ def check_joint(joint: Joint, *, allow_small_friction_angle: bool) -> None:
             where=f"{where}, restitution",
             remedy="give the share of the closing velocity that rebounds, from 0 to 1",
         )
+    for key in ("normal_stiffness", "shear_stiffness"):
+        stiffness = getattr(joint, key)
+        if stiffness is not None:
+            remedy = "give it in Pa/m, or leave it out: the contact law has its own"
+            _positive(stiffness, ranges.JOINT_STIFFNESS, f"{where}, {key}", remedy)
 
 
 def _positive(value: float, limits: ranges.Range, where: str, remedy: str) -> None:

@@ -2,8 +2,8 @@
 
 HDF5 overwrites its indexes and headers piece by piece, and a kill between two pieces, or in the
 middle of one (Linux stops a write at a page of 4096 bytes), leaves a file that nothing reads.
-:class:`JournalledFile` lies between HDF5 and the disk.  What HDF5 appends is written at once:
-nothing refers to it yet.  What it overwrites is kept in memory until :meth:`JournalledFile.commit`
+``JournalledFile`` lies between HDF5 and the disk.  What HDF5 appends is written at once:
+nothing refers to it yet.  What it overwrites is kept in memory until ``JournalledFile.commit``
 
 1. writes all of it behind the end of the file, as a journal that ends with its length and checksum;
 2. overwrites the old bytes;
@@ -11,7 +11,7 @@ nothing refers to it yet.  What it overwrites is kept in memory until :meth:`Jou
 
 Killed before the journal is whole, the file is as it was, with unused bytes behind its end, which
 HDF5 passes over.  Killed later, readers of clast look at the journal in place of the old bytes;
-they never write.  The checksums behind the end (:mod:`clast.results.pages`) change with the rest.
+they never write.  The checksums behind the end (``clast.results.pages``) change with the rest.
 
     journal:  record, record, ..., trailer
     record:   place and length of the bytes (2 x u64, little-endian), the bytes
@@ -48,7 +48,7 @@ MARK = b"clastjnl"
 
 
 class JournalledFile(FileObject):
-    """A file object for h5py to write into; only :meth:`commit` changes what was there before.
+    """A file object for h5py to write into; only ``commit`` changes what was there before.
 
     ``file`` is open and empty.  It never fails while HDF5 writes, which HDF5 would not recover
     from: what finds no room on the disk stays in memory, and ``commit`` raises OSError; it may be

@@ -15,8 +15,8 @@
 
 A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after its data have
 reached the file; a process killed at any moment leaves all frames before readable.  Behind the
-end of HDF5's part there are checksums of it (:mod:`clast.results.pages`), and after a kill there
-may be a journal (:mod:`clast.results.journal`), which clast reads in place of what it changes.
+end of HDF5's part there are checksums of it (``clast.results.pages``), and after a kill there
+may be a journal (``clast.results.journal``), which clast reads in place of what it changes.
 Arrays and tables are compressed and have HDF5's own checksums for viewers.  In names of points that
 name a dataset "%" and "/" stand as %25 and %2F.
 Tables are HDF5 compound datasets: ``file["energy"]["kinetic"]``.

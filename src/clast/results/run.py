@@ -91,7 +91,7 @@ class Report:
 
 
 def report_from_dict(plain: Mapping[str, Any]) -> Report:
-    """Return the report that :meth:`Report.as_dict` gave."""
+    """Return the report that ``Report.as_dict`` gave."""
     known = {f.name for f in dataclasses.fields(Report)}
     entries = {name: value for name, value in plain.items() if name in known}
     ledger = {f.name for f in dataclasses.fields(Ledger)}

@@ -46,7 +46,7 @@ def held_back() -> Iterator[Callable[[], None]]:
 
     The second signal is not held back.  Where somebody else handles it, or outside the main
     thread, nothing changes.  A signal that would have ended the process, and was not
-    :func:`heard`, ends it after the block.
+    ``heard``, ends it after the block.
     """
     came: list[int] = []
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
+from clast.contact.joints import range_of_springs
 from clast.errors import ModelError
 from clast.model.model import Model
 from clast.run.model_warnings import load_on, named, size_of_smallest, weight_of
@@ -21,6 +22,8 @@ SMALL_SHARE = 1e-6
 """max_displacement and critdis below this share of the smallest block's size find nothing."""
 SINKING = 0.01
 """Blocks that sink into others by more than this share of the smallest block sink too far."""
+JOINT_RATIO = 1e4
+"""Stiffnesses of joints, and of blocks by their size, are within this factor as a rule."""
 STIFFNESS_RATIO = 1e3
 """Normal stiffness by E, and shear by normal stiffness, are within this factor as a rule."""
 HOLDING = 10.0
@@ -39,6 +42,7 @@ def method_warnings(model: Model, method: Method, schedule: Schedule) -> list[st
         *_length_warnings(model, method),
         *_overlap_warnings(model, method),
         *_stiffness_warnings(model, method),
+        *_joint_stiffness_warnings(model, method),
         *_static_warnings(model, method),
         *_schedule_warnings(model, schedule),
     ]
@@ -69,7 +73,7 @@ def check_overlaps(model: Model, method: Method) -> None:
     """
     if len(model.overlaps.depth) == 0:
         return
-    stiffness = method.contact_law.normal_stiffness
+    stiffness = range_of_springs(model, method.contact_law.normal_stiffness)[0]
     weight = weight_of(model)
     load = load_on(model) + _stress_force(model)
     mass = np.where(model.fixed, np.inf, model.mass)[model.overlaps.pair].min(axis=1)
@@ -152,6 +156,27 @@ def _stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
             )
 
 
+def _joint_stiffness_warnings(model: Model, method: Method) -> Iterator[str]:
+    """Warn of joints whose stiffness is out of proportion, or of one direction only."""
+    size = float(np.sqrt(np.median(model.area)))
+    usual = model.stiffest / size
+    for joint in model.joint_table.joints:
+        normal, shear = joint.normal_stiffness, joint.shear_stiffness
+        for key, value in (("normal_stiffness", normal), ("shear_stiffness", shear)):
+            ratio = 1.0 if value is None else value / usual
+            if not 1.0 / JOINT_RATIO <= ratio <= JOINT_RATIO:
+                yield (
+                    f"{key} of joint '{joint.name}' is {value:.3g} Pa/m, {ratio:.2g} times that of "
+                    f"a block of {size:.3g} m, young by its size: is it in Pa/m (1 MPa/mm is 1e9)?"
+                )
+        if (normal is None) != (shear is None):
+            key, other = ("normal", "shear") if shear is None else ("shear", "normal")
+            yield (
+                f"joint '{joint.name}' has a {key}_stiffness only: its {other} springs are those "
+                f"of method.contact_law. Give {other}_stiffness, too, in Pa/m"
+            )
+
+
 def _static_warnings(model: Model, method: Method) -> Iterator[str]:
     """Warn of velocities in a static run, and of fixed points that give way."""
     if method.dynamic_ratio == 0.0 and model.velocity.any():
@@ -159,7 +184,8 @@ def _static_warnings(model: Model, method: Method) -> Iterator[str]:
             "blocks have a velocity at the start, but dynamic_ratio = 0 forgets velocities at "
             "every step: raise it to 1 for a dynamic run"
         )
-    stiffest = max(method.contact_law.normal_stiffness, model.stiffest)
+    hardest = range_of_springs(model, method.contact_law.normal_stiffness)[1]
+    stiffest = max(hardest, model.stiffest)
     if len(model.fixed_points.block) and method.fixed_point_stiffness < HOLDING * stiffest:
         yield (
             f"fixed_point_stiffness is {method.fixed_point_stiffness:.3g} N/m per m, "

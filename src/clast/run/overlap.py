@@ -27,17 +27,15 @@ NOTABLE = 0.02
 """And deeper than this, in units of critdis."""
 
 
-def unseen_overlaps(
-    model: Model, state: State, normal_stiffness: float, critdis: float
-) -> list[Overlap]:
+def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]:
     """Return the overlaps that contacts do not account for, in the order of the pairs of blocks.
 
-    A contact accounts for its penetration as far as its spring, of ``normal_stiffness`` in N/m per
-    m, is compressed by it; overlaps less deep than a fiftieth of ``critdis``, m, are not reported.
+    A contact accounts for its penetration as far as its spring is compressed by it; overlaps less
+    deep than a fiftieth of ``critdis``, m, are not reported.
     """
     vertices, block_start = state.vertices, model.block_start
     pairs = near_pairs(VerletList(), vertices, block_start, model.fixed, 0.0)
-    contacts, pair = _closed(model, state.memory, pairs, normal_stiffness)
+    contacts, pair = _closed(model, state.memory, pairs)
     direction, _ = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
     outlines = (vertices, direction, block_start)
@@ -65,7 +63,7 @@ def unseen_overlaps(
 
 
 def _closed(
-    model: Model, memory: ContactMemory, pairs: Ints, normal_stiffness: float
+    model: Model, memory: ContactMemory, pairs: Ints
 ) -> tuple[tuple[Ints, Ints, Floats, Ints], Ints]:
     """Return vertex, edge and stretch of closed contacts (m,), block of each vertex; their pairs.
 
@@ -76,7 +74,11 @@ def _closed(
     key = np.minimum(own, other) * width + np.maximum(own, other)
     keys = pairs[:, 0] * width + pairs[:, 1]
     at = np.searchsorted(keys, key)
-    stretch = memory.gap - np.minimum(memory.multiplier, 0.0) / normal_stiffness
+    # of a spring that rests behind its edge, N = lambda - p gap with lambda < 0, this is gap - rest
+    force, multiplier = np.maximum(memory.normal_force, 0.0), np.minimum(memory.multiplier, 0.0)
+    rests = multiplier < 0.0
+    share = force / np.where(rests, force - multiplier, 1.0)
+    stretch = np.where(rests, share, 1.0) * memory.gap
     near = at < len(keys)
     near[near] = keys[at[near]] == key[near]
     rows = np.flatnonzero(near & (stretch < 0.0))

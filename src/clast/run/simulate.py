@@ -1,6 +1,6 @@
 """A run: step after step from its start to its end, each accepted, cut or grown (the paper's (15)).
 
-All that a run carries from one step to the next is its :class:`RunState`.  Whoever has that of any
+All that a run carries from one step to the next is its ``RunState``.  Whoever has that of any
 step goes on as the run did, to the bit: ``simulate(..., begin=...)``.
 """
 
@@ -160,7 +160,7 @@ def simulate(
     rejected or a frame cannot be written.  The interrupt key, SIGTERM and SIGHUP end the run early,
     with its results kept; the latter two then end the process.  ``warnings`` are put into the
     report beside what the process itself has to say; a contact law of one's own is tried on the
-    run's contacts (see :func:`clast.check_law`), and its faults are warnings too.  Raises
+    run's contacts (see ``clast.check_law``), and its faults are warnings too.  Raises
     ModelError where blocks overlap by more than contacts of this stiffness explain.
 
     ``keep`` is handed what the run carries after each step; a run of the same model, method and
@@ -288,7 +288,7 @@ def _reject_created_energy(model: Model, method: Method, state: State, first: Le
     """Raise StepRejected where the blocks hold far more energy than they can have."""
     created = energy_balance.created(state.ledger, first)
     allowed = energy_balance.tolerated(model, state.ledger, first)
-    allowed += energy_balance.round_off(method, state, len(state.memory))
+    allowed += energy_balance.round_off(model, method, state, len(state.memory))
     if created > allowed:
         raise StepRejected(
             StepOutcome.ENERGY_CREATED,

@@ -17,6 +17,7 @@ from clast.model.model import Floats, Model
 from clast.model.state import Ledger, Overlap, State
 from clast.run.overlap import unseen_overlaps
 from clast.step.method import Method, StepResult
+from clast.step.remedies import stiffnesses_named
 
 DEEP = 0.05
 """Penetration, as a share of the thinner block, above which it is warned of."""
@@ -37,7 +38,7 @@ class Watched:
     """What was seen of a run so far; a part of what it carries from step to step."""
 
     lowest: Floats
-    """Least value of each of the energies of :func:`_held`, J/m, shape (7,)."""
+    """Least value of each of the energies of ``_held``, J/m, shape (7,)."""
     highest: Floats
     """Largest, likewise."""
     deepest: tuple[float, str] = (DEEP, "")
@@ -81,9 +82,8 @@ class Watch:
 
     def with_frame(self, seen: Watched, state: State) -> Watched:
         """Return what is seen after a look at the outlines of a frame."""
-        stiffness = self.method.contact_law.normal_stiffness
         overlaps = dict(seen.overlaps)
-        for one in unseen_overlaps(self.model, state, stiffness, self.method.critdis):
+        for one in unseen_overlaps(self.model, state, self.method.critdis):
             before = overlaps.get(one.blocks)
             if before is None or one.depth > before.depth:
                 overlaps[one.blocks] = one
@@ -121,7 +121,7 @@ class Watch:
             f"block '{names[0]}' was {-memory.gap[at]:.3g} m inside '{names[1]}' at t = "
             f"{result.state.time:.4g} s, {100.0 * share[at]:.3g} % of the thinner of the two: the "
             "contacts are too soft for what presses on them. Raise "
-            f"method.contact_law.normal_stiffness ({self.method.contact_law.normal_stiffness:.3g})",
+            f"{stiffnesses_named(model, self.method)}",
         )
 
     def _of_overlaps(self, seen: Watched) -> list[str]:

@@ -150,7 +150,7 @@ class Convex:
             )
         tolerance = max(
             self.tolerance**2 * potential.reference_energy(),
-            round_off(method, begun.state, len(contacts)),
+            round_off(model, method, begun.state, len(contacts)),
         )
         largest = potential.sum_of_forces()
         contacts = replace(contacts, friction_base=first_friction_base(begun, contacts, largest))
@@ -260,7 +260,7 @@ class Search:
                 gap, slip = point.gap[self.rows], point.slip[self.rows]
                 response = law.respond(contacts, gap, slip)
             solves += 1
-            if not multipliers.enough(law, solves, gap):
+            if not multipliers.enough(law, solves, contacts, gap):
                 contacts = multipliers.renew(law, contacts, response)
             else:
                 # only the last solve has the forces by which bonds are judged
@@ -337,13 +337,13 @@ def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
     limits, count = law.limits(contacts), len(contacts)
     normal = Clipped(
         at_zero=contacts.multiplier,
-        stiffness=np.full(count, limits.normal_stiffness),
+        stiffness=limits.normal_stiffness,
         low=-limits.tension,
         high=np.full(count, np.inf),
     )
     shear = Clipped(
         at_zero=contacts.shear_force,
-        stiffness=np.full(count, limits.shear_stiffness),
+        stiffness=limits.shear_stiffness,
         low=-limits.strength,
         high=limits.strength,
     )

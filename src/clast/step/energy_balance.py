@@ -20,6 +20,8 @@ from clast.compute.mat6 import times
 from clast.compute.parallel import Sharing, shared
 from clast.compute.vec6 import plus_product, row, total, zeros
 from clast.contact.contacts import Contacts
+from clast.contact.joints import range_of_springs
+from clast.contact.laws import normal_stiffness_of
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger, State
 from clast.step.method import Method, Solved
@@ -47,13 +49,14 @@ def created(ledger: Ledger, first: Ledger) -> float:
     return ledger.stored - ledger.loads - first.stored
 
 
-def round_off(method: Method, state: State, contacts: int) -> float:
+def round_off(model: Model, method: Method, state: State, contacts: int) -> float:
     """Return the energy, J/m, of so many contacts that penetrate by the rounding of coordinates.
 
     Where nothing acts at all there is no other energy to compare with.
     """
     finest = 4.0 * float(np.finfo(float).eps) * float(np.abs(state.vertices).max())
-    return contacts * method.contact_law.normal_stiffness * finest**2
+    stiffest = range_of_springs(model, method.contact_law.normal_stiffness)[1]
+    return contacts * stiffest * finest**2
 
 
 def with_overlap(ledger: Ledger, method: Method, contacts: Contacts) -> Ledger:
@@ -64,7 +67,8 @@ def with_overlap(ledger: Ledger, method: Method, contacts: Contacts) -> Ledger:
     """
     stretched = contacts.bonded & (contacts.tensile_strength > 0.0)
     held_by = np.where(stretched, contacts.gap, np.minimum(contacts.gap, 0.0))
-    held = 0.5 * method.contact_law.normal_stiffness * float(held_by @ held_by)
+    stiffness = normal_stiffness_of(contacts, method.contact_law)
+    held = 0.5 * float(stiffness @ held_by**2)
     return replace(ledger, contact=ledger.contact + held)
 
 

@@ -30,6 +30,7 @@ import numpy as np
 from clast.block.inertia import BlockFrames
 from clast.compute.jit import kernel
 from clast.contact.contacts import Contacts
+from clast.contact.joints import range_of_springs
 from clast.contact.laws import ContactLaw
 from clast.contact.multipliers import has_multipliers
 from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_forces
@@ -40,7 +41,7 @@ from clast.step.integration import Scheme
 from clast.step.start import Begun
 
 IMPACT = 1.0
-"""Closing velocity that counts as an impact, in units of the speeds of :func:`slowest_impact`."""
+"""Closing velocity that counts as an impact, in units of the speeds of ``slowest_impact``."""
 NOISE = 1e-4
 """The same in units of the fastest approach, which is all there is without weight."""
 EVEN = 1e-5
@@ -125,7 +126,8 @@ def slowest_impact(model: Model, law: ContactLaw, step: float) -> float:
     by less than it sags, and its springs answer that.
     """
     mass = float(model.mass[~model.fixed].min(initial=np.inf))
-    swings = np.sqrt(mass / (2.0 * law.normal_stiffness)) if np.isfinite(mass) else 0.0
+    softest = range_of_springs(model, law.normal_stiffness)[0]
+    swings = np.sqrt(mass / (2.0 * softest)) if np.isfinite(mass) else 0.0
     return IMPACT * float(np.hypot(*model.gravity)) * max(step, float(swings))
 
 

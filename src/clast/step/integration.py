@@ -17,7 +17,7 @@ and in place of h v stands how far the block would go, its ``drift``.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -69,11 +69,11 @@ class Integrator(Protocol):
 class ConstantAcceleration:
     """(2/h2) M d = (2/h) M v + F at the end of the step; v+ = (2/h) d - v (Shi 1988)."""
 
-    theta: float = 0.5
+    theta: ClassVar[float] = 0.5
 
 
 @dataclass(frozen=True)
 class BackwardEuler:
     """(1/h2) M d = (1/h) M v + F at the end of the step; v+ = d/h; dissipative."""
 
-    theta: float = 1.0
+    theta: ClassVar[float] = 1.0

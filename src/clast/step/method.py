@@ -1,7 +1,7 @@
 """What a step is done with, the process of a step, and what a step leaves.
 
 Algorithms are frozen dataclasses of their own numbers.  Nothing needs to be inherited or
-registered: an object with these methods can be put into a :class:`Method` from a script.
+registered: an object with these methods can be put into a ``Method`` from a script.
 """
 
 from __future__ import annotations

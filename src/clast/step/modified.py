@@ -1,7 +1,7 @@
 """The modified process of Yu & Yin (2015): one solve per step, springs only after invasion.
 
 The numbers in brackets are the paper's steps; (1)-(3), reading and preparing, belong to the case
-and the model; (15) and (17), the step size and the next step, to :mod:`clast.run.simulate`.
+and the model; (15) and (17), the step size and the next step, to ``clast.run.simulate``.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from clast.contact import multipliers
 from clast.contact.candidates import SearchDistance
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.detection import detect
-from clast.contact.laws import ContactLaw
+from clast.contact.laws import ContactLaw, normal_stiffness_of
 from clast.errors import StepOutcome
 from clast.linear.reuse import FactorOfStep
 from clast.linear.system import DiagonalTerms, contact_motions, slip_in_step
@@ -189,7 +189,7 @@ class Modified:
                     unknowns = factor.solve(system, bearing)
                 found = pass_result(law, contacts, entered, seen, unknowns)
                 solves += 1
-                if multipliers.enough(law, solves, found.gap):
+                if multipliers.enough(law, solves, contacts, found.gap):
                     break
                 contacts = found.contacts
             settled = np.array_equal(found.response.mode, entered.mode)
@@ -277,8 +277,13 @@ def stability_number(model: Model, method: Method, state: State, step: float) ->
     )
     sides = np.concatenate([contacts.vertex_block, contacts.edge_block])
     per_block = np.maximum(1, np.bincount(sides, minlength=model.block_count))
-    mass = (model.mass / per_block)[~model.fixed]
-    return float(method.contact_law.normal_stiffness * step**2 / mass.min(initial=np.inf))
+    stiffness = np.full(model.block_count, method.contact_law.normal_stiffness)
+    if len(contacts):
+        own = normal_stiffness_of(contacts, method.contact_law)
+        stiffness[sides] = 0.0
+        np.maximum.at(stiffness, sides, np.concatenate([own, own]))
+    number = stiffness * per_block / model.mass
+    return float(step**2 * number[~model.fixed].max(initial=0.0))
 
 
 __all__ = [

@@ -154,7 +154,7 @@ class OpenClose:
             if tried >= least and settled and are_settled(springs, at, unknowns):
                 # each set of multipliers has its own open-close iteration
                 solves, tried = solves + 1, 0
-                if multipliers.enough(law, solves, found.gap):
+                if multipliers.enough(law, solves, contacts, found.gap):
                     counts = counts_of(passes, factor)
                     return replace(found, linearised_at=at, counts=counts)
                 contacts = found.contacts

@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from clast.contact.contacts import Contacts
+from clast.contact.laws import normal_stiffness_of
 from clast.contact.multipliers import has_multipliers
 from clast.model.model import Floats, Model
 from clast.model.state import State
@@ -34,7 +35,7 @@ def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> 
     law = method.contact_law
     if has_multipliers(law) or state.time == 0.0 or not len(contacts):
         return contacts
-    stiffness = law.normal_stiffness
+    stiffness = normal_stiffness_of(contacts, law)
     slack = stiffness * SLACK * method.critdis
     held, before = np.maximum(contacts.normal_force, 0.0), contacts.multiplier
     rest = held + stiffness * contacts.gap

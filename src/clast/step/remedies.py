@@ -82,7 +82,15 @@ def _too_soft(model: Model, method: Method, state: State, smallest: float) -> st
     depth = float(max(0.0, -state.memory.gap.min(initial=0.0)))
     if depth < SOFT * float(thicknesses(model.vertices, model.block_start).min()):
         return ""
-    return (
-        f"Contacts are {depth:.2g} m deep: raise method.contact_law.normal_stiffness "
-        f"({method.contact_law.normal_stiffness:.3g})"
-    )
+    return f"Contacts are {depth:.2g} m deep: raise {stiffnesses_named(model, method)}"
+
+
+def stiffnesses_named(model: Model, method: Method) -> str:
+    """Return which normal stiffnesses contacts have, by their keys."""
+    law = f"method.contact_law.normal_stiffness ({method.contact_law.normal_stiffness:.3g})"
+    own = [
+        f"'{joint.name}' ({joint.normal_stiffness:.3g})"
+        for joint in model.joint_table.joints
+        if joint.normal_stiffness is not None
+    ]
+    return f"{law}, or normal_stiffness of joint {', '.join(own)}" if own else law

@@ -2,7 +2,7 @@
 
 The equations K d = F of a step without contacts are block diagonal: inertia, elasticity, stress and
 weight (block/equations.py), and the shares of all actions (actions/).  Contacts, which couple
-blocks, are added in :mod:`clast.linear.system`.  Blocks keep their start area in the elastic terms,
+blocks, are added in ``clast.linear.system``.  Blocks keep their start area in the elastic terms,
 as they keep their mass: the strain energy 1/2 A sigma.C.sigma is then the same before and after a
 rotation.
 """
@@ -88,7 +88,7 @@ class Begun:
         return acceleration_of(self.shares)
 
     def contacts(self, reach: SearchDistance, drift: Floats | None = None) -> Contacts:
-        """Return the contacts within ``reach``; ``drift`` (n, 6) as :func:`detect` has it."""
+        """Return the contacts within ``reach``; ``drift`` (n, 6) as ``detect`` has it."""
         rule, centroid = self.method.corner_rule, self.frames.centroid
         return detect(self.model, rule, self.state, centroid, reach, drift, self.workspace.near)
 

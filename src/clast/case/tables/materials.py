@@ -1,4 +1,4 @@
-"""[rock.NAME] and [joint.NAME]: what blocks are made of, and the strength of their contacts."""
+"""[rock.NAME] and [joint.NAME]: what blocks are made of, and what their contacts bear."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class RockTable(Table):
 
 
 class JointTable(Table):
-    """Strength of the contacts along a joint; the joint called default serves all others."""
+    """Strength and stiffness of contacts along a joint; the joint called default serves others."""
 
     friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] = 0.0
     """Coulomb friction angle, degrees."""
@@ -41,6 +41,10 @@ class JointTable(Table):
     """Tension cut-off, Pa; lost where the joint has slipped or opened."""
     restitution: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
     """Share of the closing velocity with which impacts rebound, 0 to 1; else the process' own."""
+    normal_stiffness: Annotated[Positive, within(ranges.JOINT_STIFFNESS)] | None = None
+    """Normal stress by closure, Pa/m; else contacts have the spring of method.contact_law."""
+    shear_stiffness: Annotated[Positive, within(ranges.JOINT_STIFFNESS)] | None = None
+    """Shear stress by slip, Pa/m; else contacts have the spring of method.contact_law."""
     between: list[tuple[StrictStr, StrictStr]] = Field([])
     """Pairs of blocks with this joint between them: [["a", "b"], ...]."""
     between_rocks: list[tuple[StrictStr, StrictStr]] = Field([])

@@ -136,6 +136,7 @@ class MethodTable(Table):
         self, model: Model, *, step: float, max_displacement: float, dynamic_ratio: float = 1.0
     ) -> Method:
         """Return how to simulate; what the table leaves open follows from the model."""
+        from clast.contact.joints import range_of_springs
         from clast.step.method import Method
 
         process = self.build("process")
@@ -146,7 +147,7 @@ class MethodTable(Table):
             provided["normal_stiffness"] = stiffness
             notes = (f"normal_stiffness = {stiffness:.4g} N/m per m: {reason}",)
         contact_law = self.build("contact_law", **provided)
-        stiffest = max(contact_law.normal_stiffness, model.stiffest)
+        stiffest = max(range_of_springs(model, contact_law.normal_stiffness)[1], model.stiffest)
         return Method(
             process=process,
             contact_law=contact_law,

@@ -1,6 +1,6 @@
 """What all tables of the case file have in common: the kinds of numbers, and what a table can do.
 
-A group of tables is a file here and a line in :class:`clast.case.case_file.Case`: the name of the
+A group of tables is a file here and a line in ``clast.case.case_file.Case``: the name of the
 table in the file.  What it says of the system of blocks it adds to the builder by itself.
 """
 

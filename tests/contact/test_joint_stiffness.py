@@ -1,0 +1,214 @@
+"""Joints with a stiffness per area: the springs of their contacts, and what blocks do on them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import clast
+from clast.contact.laws import Penalty, normal_stiffness_of
+from clast.errors import ModelError
+from scenes.systems import box, contacts_of, turned
+
+NORMAL, SHEAR = 4e9, 1e9
+"""Stiffness of the joint, Pa/m."""
+YOUNG = 1e14
+"""So stiff that only the joint gives way, Pa."""
+LAW = 3e7
+"""Normal stiffness of the contact law, N/m per m: unlike that of every contact of the joint."""
+LAWS = {
+    "penalty": {"name": "penalty", "normal_stiffness": LAW},
+    "augmented Lagrangian": {"name": "augmented-lagrangian", "normal_stiffness": LAW},
+    "carried multipliers": {
+        "name": "augmented-lagrangian",
+        "normal_stiffness": LAW,
+        "multipliers": "carried",
+    },
+}
+PROCESSES = ["modified", "open-close", "convex"]
+
+
+def builder_of(young: float = YOUNG, **joint: float) -> clast.ModelBuilder:
+    """Return a builder without gravity whose joint has the stiffnesses above."""
+    builder = clast.ModelBuilder(gravity=(0.0, 0.0))
+    builder.add_rock("rock", young=young, poisson=0.0, density=2500.0)
+    builder.add_joint("default", **{"friction_angle": 30.0, **joint})
+    return builder
+
+
+def springs(outlines, **joint) -> tuple[np.ndarray, np.ndarray]:
+    """Return the stiffnesses of all contacts of some blocks, N/m per m."""
+    builder = builder_of(**(joint or {"normal_stiffness": NORMAL, "shear_stiffness": SHEAR}))
+    builder.blocks(vertices=outlines)
+    contacts = contacts_of(builder.build())
+    return contacts.normal_stiffness, contacts.shear_stiffness
+
+
+FACES = {
+    "corners coincide": (box(0, 0), box(0, 1), 1.0),
+    "offset": (box(0, 0), box(0.3, 1), 0.7),
+    "short on long": (box(0, 0, 3.0), box(1, 1), 1.0),
+    "one end in common": (box(0, 0, 3.0), box(2, 1), 1.0),
+    "upright": (box(0, 0, 1.0, 2.0), box(1, 0.5), 1.0),
+}
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 3.0])
+@pytest.mark.parametrize("faces", FACES)
+def test_springs_of_a_face_add_up_to_stiffness_by_length(faces, angle):
+    one, other, length = FACES[faces]
+    normal, shear = springs([turned(one, angle), turned(other, angle)])
+    assert normal.sum() == pytest.approx(NORMAL * length, rel=1e-12)
+    assert shear.sum() == pytest.approx(SHEAR * length, rel=1e-12)
+
+
+def test_joints_without_a_stiffness_leave_it_to_the_law():
+    normal, shear = springs([box(0, 0), box(0, 1)], friction_angle=30.0)
+    assert np.isnan(normal).all()
+    assert np.isnan(shear).all()
+
+
+def test_each_contact_has_the_springs_of_its_own_joint():
+    builder = builder_of(normal_stiffness=NORMAL)
+    builder.add_joint("soft", normal_stiffness=1e7, between=[("below", "left")])
+    builder.block(name="below", vertices=box(0, 0, 4.0))
+    builder.block(name="left", vertices=box(0.5, 1.0))
+    builder.block(name="right", vertices=box(2.5, 1.0))
+    contacts = contacts_of(builder.build())
+    on_left = (contacts.vertex_block == 1) | (contacts.edge_block == 1)
+    assert contacts.normal_stiffness[on_left].sum() == pytest.approx(1e7, rel=1e-12)
+    assert contacts.normal_stiffness[~on_left].sum() == pytest.approx(NORMAL, rel=1e-12)
+    assert np.isnan(contacts.shear_stiffness).all()
+    assert (normal_stiffness_of(contacts, Penalty(LAW)) == contacts.normal_stiffness).all()
+
+
+@pytest.mark.parametrize("height", [0.3, 1.0, 2.0])
+def test_springs_change_little_where_a_block_tilts(height):
+    """A corner on which a block has tilted keeps the springs that it had, times cos^3."""
+    found = []
+    for tilt in np.radians([0.0, 2.9, 3.1, 10.0, 30.0, 60.0, 80.0, 90.0]):
+        above = np.array([[1.0, 1.0], [2.0, 1.0], [2.0, 1.0 + height], [1.0, 1.0 + height]])
+        pivot = above[1]
+        c, s = np.cos(-tilt), np.sin(-tilt)
+        above = (above - pivot) @ np.array([[c, s], [-s, c]]) + pivot
+        builder = builder_of(normal_stiffness=1.0)
+        builder.blocks(vertices=[box(0, 0, 8.0), above])
+        contacts = contacts_of(builder.build())
+        at_pivot = np.abs(contacts.foot - (pivot - builder.build().origin)).max(axis=1) < 1e-9
+        assert at_pivot.sum() == 1
+        found.append(contacts.normal_stiffness[at_pivot][0])
+        own = 0.5 * np.cos(tilt) ** 3 + 0.5 * height * np.sin(tilt) ** 3
+        assert found[-1] == pytest.approx(own, rel=3e-3 * (1.0 + height))
+    assert found[0] == 0.5
+    assert found[-1] == pytest.approx(0.5 * height, rel=1e-12)
+
+
+def squeezed(process, law, force=(0.0, -2e6), end=0.2):
+    """Return the run of a block that is pushed on another one, at rest."""
+    builder = builder_of(normal_stiffness=NORMAL, shear_stiffness=SHEAR)
+    builder.block(name="below", vertices=box(-1, 0, 3.0), fixed=True)
+    builder.block(name="above", vertices=box(0, 1))
+    builder.point_load((0.5, 1.5), force, block="above")
+    builder.measured_point("A", (0.5, 1.5), block="above")
+    case = builder.case(
+        step=1e-3,
+        end=end,
+        dynamic_ratio=0.0,
+        max_displacement=0.05,
+        process=process,
+        contact_law=law,
+    )
+    return case.run(progress=False)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("process", PROCESSES)
+def test_a_joint_closes_by_stress_over_stiffness(process, law):
+    """Whatever the process and the law: multipliers are not to take away what a joint gives."""
+    closure = -squeezed(process, LAWS[law]).history("A").displacement[-1, 1]
+    # the block itself, pushed at its middle, gives half of its lower half: F/(4 E)
+    assert closure == pytest.approx(2e6 / NORMAL + 2e6 / (4.0 * YOUNG), rel=1e-7)
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+def test_a_joint_slips_by_shear_stress_over_stiffness(process):
+    run = squeezed(process, LAWS["penalty"], force=(5e5, -2e6))
+    along, across = run.history("A").displacement[-1]
+    assert across == pytest.approx(-2e6 / NORMAL, rel=1e-4)
+    # the push acts above the joint, which it turns the block on: half a block up
+    lever = run.history("A").rotation[-1] * 0.5
+    assert along + lever == pytest.approx(5e5 / SHEAR, rel=1e-3)
+
+
+def test_forces_by_closure_are_stiffness_by_length_to_round_off():
+    memory = squeezed("convex", LAWS["penalty"]).state.memory
+    closure = -memory.gap[memory.normal_force > 0.0]
+    assert np.ptp(closure) < 1e-12 * closure.mean()
+    assert memory.normal_force.sum() / closure.mean() == pytest.approx(NORMAL, rel=1e-12)
+
+
+@pytest.mark.parametrize("process", PROCESSES)
+def test_the_ledger_stays_closed_where_lengths_of_contact_change(process):
+    """A block slides off a ledge, tilts over its edge and falls: its springs keep changing."""
+    builder = clast.ModelBuilder(gravity=(0.0, -9.8))
+    builder.add_rock("rock", young=1e9, poisson=0.2, density=2500.0)
+    builder.add_joint("default", friction_angle=5.0, normal_stiffness=1e8, shear_stiffness=1e8)
+    builder.block(name="ledge", vertices=box(0, 0, 2.0, 2.0), fixed=True)
+    builder.block(name="floor", vertices=box(-2, -1, 12.0), fixed=True)
+    builder.block(name="block", vertices=box(1.0, 2.0, 1.0, 0.5), velocity=(1.5, 0.0, 0.0))
+    case = builder.case(
+        step=5e-4,
+        end=1.5,
+        max_displacement=0.05,
+        process=process,
+        contact_law=LAWS["penalty"],
+    )
+    ledger = case.run(progress=False).state.ledger
+    turned_over = 2500.0 * 0.5 * 9.8 * 2.0
+    assert abs(ledger.unaccounted) < 1e-6 * turned_over
+    # what comes and goes with the length of springs is a small part of what is turned over
+    assert (
+        abs(ledger.stored + ledger.friction + ledger.impacts + ledger.numerical) < 2.0 * turned_over
+    )
+    assert ledger.numerical > -0.01 * turned_over
+
+
+def test_a_run_with_joint_stiffness_reads_back_from_its_text(tmp_path):
+    builder = builder_of(normal_stiffness=NORMAL, shear_stiffness=SHEAR)
+    builder.blocks(vertices=[box(0, 0), box(0, 1)])
+    path = tmp_path / "case.toml"
+    path.write_text(builder.case(step=1e-3, end=1e-3).to_toml())
+    joint = clast.load(path).model().joint_table.joints[0]
+    assert (joint.normal_stiffness, joint.shear_stiffness) == (NORMAL, SHEAR)
+
+
+@pytest.mark.parametrize("key", ["normal_stiffness", "shear_stiffness"])
+@pytest.mark.parametrize("value", [0.0, -1.0, 1e40, float("nan"), "stiff"])
+def test_what_is_no_stiffness_is_refused(key, value):
+    with pytest.raises(ModelError, match=key):
+        builder = builder_of(**{key: value})
+        builder.blocks(vertices=[box(0, 0)])
+        builder.build()
+
+
+def test_warnings_tell_of_units_and_of_half_a_stiffness():
+    builder = builder_of(young=5e10, normal_stiffness=20.0)
+    builder.blocks(vertices=[box(0, 0), box(0, 1)])
+    case = builder.case(step=1e-3, end=1e-3)
+    texts = "\n".join(case.examine().warnings)
+    assert "normal_stiffness of joint 'default' is 20 Pa/m" in texts
+    assert "Give shear_stiffness" in texts
+
+
+def test_a_joint_and_a_law_of_the_same_springs_do_the_same():
+    """A face of 1 m whose two ends carry it: k_n L/2 each, as a law of that stiffness has."""
+    found = []
+    for joint, stiffness in (({"normal_stiffness": 2e9, "shear_stiffness": 2e9}, 1e7), ({}, 1e9)):
+        builder = builder_of(young=1e9, **joint)
+        builder.gravity = (0.0, -9.8)
+        builder.block(name="below", vertices=box(-1, 0, 3.0), fixed=True)
+        builder.block(name="above", vertices=box(0, 1), velocity=(0.5, 0.0, 0.0))
+        law = {"name": "penalty", "normal_stiffness": stiffness}
+        case = builder.case(step=1e-3, end=0.1, contact_law=law)
+        found.append(case.run(progress=False).state.vertices)
+    assert np.allclose(*found, rtol=0.0, atol=1e-8)
