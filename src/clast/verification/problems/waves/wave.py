@@ -86,13 +86,9 @@ def bar(soft: Mapping[int, float], rock: Rock = GRANITE) -> Model:
     builder = ModelBuilder(title="P-wave", gravity=(0.0, 0.0))
     builder.add_rock(rock.name, young=rock.young, poisson=rock.poisson, density=rock.density)
     builder.add_joint("default", **BOND)
-    for place, stiffness in soft.items():
-        builder.add_joint(
-            f"soft {place}",
-            **BOND,
-            normal_stiffness=stiffness,
-            between=[(str(place - 1), str(place))],
-        )
+    for joint, stiffness in soft.items():
+        numbers: JointNumbers = {**BOND, "normal_stiffness": stiffness}
+        builder.add_joint(f"soft {joint}", between=[(str(joint - 1), str(joint))], **numbers)
     for k in range(BLOCKS):
         corners = [(k, 0), (k + 1, 0), (k + 1, 1), (k, 1)]
         builder.block(name=str(k), vertices=corners, velocity=(bell(k + 0.5), 0.0, 0.0))
