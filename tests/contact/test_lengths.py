@@ -5,7 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from clast.contact.candidates import SearchDistance
+from clast.rockmass import Domain, Exponential, JointSet, cut
 from scenes.systems import box, bricks, contacts_of, system, turned, voussoirs
+
+NEAR = SearchDistance(front=1e-6, depth=1e-6, critdis=1e-6)
+"""So near that no two corners of a cut rock mass coincide which are not one."""
 
 
 def shared_length(contacts, one, other):
@@ -46,6 +51,11 @@ FACES = {
         np.array([[0, 0], [3, 0], [3, 2], [2, 2], [2, 1], [0, 1]], float),
         box(1, 1, 1.0, 3.0),
         2.0,
+    ),
+    "thinner than the angle of a face": (
+        np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.04]]),
+        np.array([[0.0, 0.0], [1.0, 0.04], [1.0, 1.0], [0.0, 1.0]]),
+        float(np.hypot(1.0, 0.04)),
     ),
     "a corner in common": (box(0, 0), box(1, 1), 0.0),
     "a tip": (box(0, 0), np.array([[0.5, 1.0], [0.6, 2.0], [0.4, 2.0]]), 0.0),
@@ -92,3 +102,32 @@ def test_bed_joints_of_a_wall():
 def test_joints_of_an_arch():
     contacts = contacts_of(system(voussoirs(11)))
     assert [shared_length(contacts, k, k + 1) for k in range(10)] == pytest.approx([0.6] * 10)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_contacts_of_a_cut_rock_mass_stand_for_its_joints(seed):
+    """Four blocks meet at each crossing: of each pair the contacts have just what they share."""
+    rng = np.random.default_rng(seed)
+    boundary = np.array([[0, 0], [30, 0], [30, 20], [0, 20]])
+    angle = rng.uniform(0.0, 180.0)
+    sets = [
+        JointSet(name="a", angle=angle, spacing=rng.uniform(1.5, 3.0)),
+        JointSet(name="b", angle=angle + rng.uniform(30.0, 150.0), spacing=Exponential(mean=2.5)),
+    ]
+    found = cut(Domain(boundary=boundary), sets=sets, seed=seed)
+    parts = np.split(found.vertices, found.block_start[1:-1])
+    contacts = contacts_of(system(parts), reach=NEAR)
+    blocks = np.sort(np.stack([contacts.vertex_block, contacts.edge_block], axis=1), axis=1)
+    count = len(parts)
+    has = np.bincount(blocks @ [count, 1], contacts.length, minlength=count**2)
+    shared = np.zeros(count**2)
+    sides = {}
+    for b, part in enumerate(parts):
+        for p, q in zip(part.tolist(), np.roll(part, -1, axis=0).tolist(), strict=True):
+            other = sides.pop((*q, *p), None)
+            if other is None:
+                sides[*p, *q] = b
+            else:
+                shared[other * count + b] += np.hypot(q[0] - p[0], q[1] - p[1])
+    assert np.count_nonzero(shared) > 50
+    assert np.abs(has - shared).max() < 1e-9

@@ -139,10 +139,19 @@ def _lengths(low, high, contacts, outlines, critdis, result, bearing):
         before = vertex_before(p, block_start[i], block_start[i + 1])
         after = vertex_after(p, block_start[i], block_start[i + 1])
         nx, ny = direction[e, 1], -direction[e, 0]
+        sines = (
+            direction[before, 0] * nx + direction[before, 1] * ny,
+            direction[p, 0] * nx + direction[p, 1] * ny,
+        )
+        # the two edges of a thin wedge run the same way: only one of them lies along e
+        ways = direction[before, 1] * nx - direction[before, 0] * ny
+        is_wedge = ways * (direction[p, 1] * nx - direction[p, 0] * ny) < 0.0
         for side in range(2):
-            own, w = (before, before) if side == 0 else (p, after)
+            w = before if side == 0 else after
             others = vertex, start, stop, j
-            sine = direction[own, 0] * nx + direction[own, 1] * ny
+            sine = sines[side]
+            if is_wedge and abs(sine) > abs(sines[1 - side]):
+                continue
             if abs(sine) > SMALL_ANGLE:
                 tip += (1.0 - sine * sine) * _overlap(p, w, e, others, outlines, critdis)
                 continue
