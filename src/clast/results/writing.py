@@ -222,7 +222,8 @@ def _let_go(storage: JournalledFile, part: Path) -> None:
 def _check_texts(model: Model) -> None:
     """Raise CaseError where a title or name holds what no text of HDF5 can hold."""
     texts = [model.title, *model.block_name, *model.measured_points.name]
-    texts += [one.name for one in (*model.rocks, *model.joint_table.joints)]
+    rocks, joints = model.rocks, model.joint_table.joints
+    texts += [*(rock.name for rock in rocks), *(joint.name for joint in joints)]
     for text in texts:
         if "\0" in text or text.encode(errors="replace").decode() != text:
             raise CaseError(
