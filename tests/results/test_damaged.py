@@ -14,13 +14,13 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from numpy.lib import recfunctions
 from typer.testing import CliRunner
 
 from clast.cli.commands import app
 from clast.errors import CaseError
 from clast.results import opening, read_results, summary
 from clast.results.provenance import texts
+from scenes.first_version import crafted, of_the_first_version, replaced
 from scenes.recorded_run import record, three_blocks
 
 
@@ -128,23 +128,6 @@ def test_files_without_their_end(good: Path, tmp_path: Path):
 
 
 # --- made up: of the first layout, which has no checksums ----------------------------------------
-
-
-def crafted(good: Path, path: Path, change: Callable[[Any], None]) -> None:
-    """Write a result file of the first layout and change it."""
-    shutil.copy(good, path)
-    with h5py.File(path, "r+") as file:
-        file["model"].attrs["format"] = 1
-        file["history"].move("left%2Fright", "left∕right")
-        change(file)
-
-
-def replaced(place: str, values: Any) -> Callable[[Any], None]:
-    def change(file: Any) -> None:
-        del file[place]
-        file[place] = values
-
-    return change
 
 
 def cell(place: str, column: str | None, row: int, value: float) -> Callable[[Any], None]:
@@ -255,14 +238,6 @@ def test_files_that_are_made_up(good: Path, tmp_path: Path, change: Callable[[An
     assert result.exit_code == 2
     assert result.stderr.startswith(f"error: {path}: ")
     assert len(result.stderr) < 500
-
-
-def of_the_first_version(file: Any) -> None:
-    """Leave out what later versions added: how the run was made, and the joints."""
-    for name in ("about", "joint_name", "edge_joint"):
-        del file["model"][name]
-    columns = [name for name in file["contacts"].dtype.names if name != "joint"]
-    replaced("contacts", recfunctions.repack_fields(file["contacts"][...][columns]))(file)
 
 
 def test_joints_of_a_file_without_them_are_asked_for_in_vain(good: Path, tmp_path: Path):

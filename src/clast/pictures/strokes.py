@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import shapely
 
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures import canvas
 from clast.pictures.canvas import FAINT, INK
-from clast.rockmass import CONSTRUCTION, WELDED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -79,6 +77,8 @@ def strokes_of(names: Mapping[int, str]) -> dict[int, Stroke]:
 
     Joints have their colours in the order of ``names``; welds and construction joints have none.
     """
+    from clast.rockmass import CONSTRUCTION, WELDED  # slow to import: only who draws joints waits
+
     welds = {
         number: CONSTRUCTED if name.startswith(CONSTRUCTION) else WELD
         for number, name in names.items()
@@ -195,5 +195,7 @@ def draw_edges(
 
 def _lines(ends: Floats) -> list[Floats]:
     """Return edges (n, 2, 2) strung together, each line (k, 2): fewer lines, and dashes run on."""
+    import shapely
+
     merged = shapely.line_merge(shapely.multilinestrings(shapely.linestrings(ends)))
     return [shapely.get_coordinates(one) for one in shapely.get_parts(merged)]
