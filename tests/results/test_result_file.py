@@ -253,6 +253,7 @@ def test_summary_is_json(recorded: Recorded):
     assert rows["finished"] is True
     assert rows["blocks"] == 3
     assert rows["fixed_blocks"] == 1
+    assert rows["joints"] == ["default", "bed", "foot"]
     tip = recorded.run.history("tip")
     assert rows["measured_points"]["tip"]["displacement"] == tip.displacement[-1].tolist()
 

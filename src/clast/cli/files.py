@@ -31,6 +31,7 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
         "blocks": f"{content['blocks']} ({content['fixed_blocks']} fixed)",
         "vertices": f"{content['vertices']}",
         "rocks": ", ".join(content["rocks"]),
+        **({"joints": ", ".join(content["joints"])} if content["joints"] else {}),
         **texts(results.about),
         "largest displacement": f"{content['largest_displacement']:.6g} m",
         "contacts at the end": f"{content['contacts']}",

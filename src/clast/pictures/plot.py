@@ -43,7 +43,7 @@ def plot_results(
     contacts: bool = True,
     look: Look = NO_WISHES,
 ) -> Path:
-    """Draw the blocks of a frame coloured by ``field`` and return the picture's path.
+    """Draw the blocks of a frame coloured by ``field``, their edges by "joint"; return the path.
 
     ``results`` are a run, or what a result file holds: ``clast.plot_results(run, "run.png")``.
     The start is outlined behind; ``contacts`` draws the contact forces as arrows, on both blocks

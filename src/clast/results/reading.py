@@ -295,6 +295,7 @@ def summary(results: Results) -> dict[str, Any]:
         "fixed_blocks": int(results.fixed.sum()),
         "vertices": int(results.block_start[-1]),
         "rocks": list(results.rock_name),
+        "joints": list(results.joints.name) if results.joints else [],
         "fields": list(results.field_names),
         "largest_displacement": float(moved.max()),
         "contacts": len(results.contacts(-1)),
