@@ -17,14 +17,23 @@ from clast.results import Report, Results, RunRecorder, read_results
 
 
 def grid_model(rows: int, columns: int, title: str = "A wall") -> Model:
-    """Rows of squares of 1 m on fixed feet, of two rocks, with a measured point at the top."""
+    """Rows of squares of 1 m on fixed feet, of two rocks, with a measured point at the top.
+
+    Edges inside have joints, bed and head; those outside have none.
+    """
     builder = ModelBuilder(title=title)
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_rock("marl", young=5e9, poisson=0.3, density=2300.0)
+    builder.line_joints += ["bed", "head"]
+    for name in ("bed", "head"):
+        builder.add_joint(name, friction_angle=30.0)
     square = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     for row in range(rows):
         for column in range(columns):
+            inside = (row > 0, column < columns - 1, row < rows - 1, column > 0)
+            names = zip(("bed", "head", "bed", "head"), inside, strict=True)
             builder.block(
+                edge_joint=[name if within else "" for name, within in names],
                 vertices=square + np.array([column, row]),
                 rock="marl" if (row // 2 + column // 3) % 2 else "granite",
                 fixed=row == 0,

@@ -12,9 +12,10 @@ import pytest
 from clast.errors import CaseError
 from clast.pictures.look import NO_WISHES, Look
 from clast.pictures.rock_mass import plot_cut, plot_cut_statistics, write_cut_report
-from clast.pictures.rock_mass.edges import JOINT_COLOURS, edges_of
+from clast.pictures.rock_mass.edges import edges_of
 from clast.pictures.rock_mass.section import cut_figure
 from clast.pictures.rock_mass.statistics import SECTOR, sectors, statistics_figure
+from clast.pictures.strokes import JOINT_COLOURS
 from clast.rockmass import (
     BlockPattern,
     Circle,

@@ -20,6 +20,7 @@ from clast.cli.commands import app
 from clast.errors import CaseError
 from clast.results import opening, read_results, summary
 from clast.results.provenance import texts
+from scenes.first_version import crafted, of_the_first_version, replaced
 from scenes.recorded_run import record, three_blocks
 
 
@@ -35,6 +36,8 @@ def everything(path: Path) -> None:
     """Read all that can be asked of a result file."""
     results = read_results(path)
     summary(results)
+    if results.joints is not None:
+        assert results.edge_joint.max() < len(results.joint_name)
     for frame in range(len(results.times)):
         results.vertices(frame)
         results.contacts(frame)
@@ -127,23 +130,6 @@ def test_files_without_their_end(good: Path, tmp_path: Path):
 # --- made up: of the first layout, which has no checksums ----------------------------------------
 
 
-def crafted(good: Path, path: Path, change: Callable[[Any], None]) -> None:
-    """Write a result file of the first layout and change it."""
-    shutil.copy(good, path)
-    with h5py.File(path, "r+") as file:
-        file["model"].attrs["format"] = 1
-        file["history"].move("left%2Fright", "left∕right")
-        change(file)
-
-
-def replaced(place: str, values: Any) -> Callable[[Any], None]:
-    def change(file: Any) -> None:
-        del file[place]
-        file[place] = values
-
-    return change
-
-
 def cell(place: str, column: str | None, row: int, value: float) -> Callable[[Any], None]:
     def change(file: Any) -> None:
         values = file[place][...]
@@ -181,6 +167,18 @@ MADE_UP = {
     "no start": replaced("model/block_start", np.zeros(0, int)),
     "rocks that are not": replaced("model/block_rock", np.array([0, 0, 9])),
     "one rock too few": replaced("model/block_rock", np.array([0, 0])),
+    "joints that are not": cell("model/edge_joint", None, 2, 3),
+    "joints below none": cell("model/edge_joint", None, 2, -2),
+    "joints in halves": replaced("model/edge_joint", np.zeros(13)),
+    "one joint too few": replaced("model/edge_joint", np.zeros(12, int)),
+    "joints in a table": replaced("model/edge_joint", np.zeros((13, 1), int)),
+    "joint names that are numbers": replaced("model/joint_name", np.zeros(3)),
+    "no joint names": replaced("model/joint_name", np.zeros(0, h5py.string_dtype())),
+    "contacts along joints that are not": cell("contacts", "joint", -1, 3),
+    "contacts along no joint": cell("contacts", "joint", -1, -1),
+    "contacts with joints, and a model without": lambda file: [
+        file["model"].__delitem__(name) for name in ("joint_name", "edge_joint")
+    ],
     "names that are numbers": replaced("model/block_name", np.zeros(3)),
     "a case that is a number": replaced("model/case", 1.0),
     "a point without a place": replaced("model/point_start", np.zeros((1, 2))),
@@ -223,6 +221,7 @@ MADE_UP = {
         f"without {place}": lambda file, place=place: file.__delitem__(place)
         for place in (
             *("frames", "contacts", "energy", "steps", "history", "history/tip", "model/case"),
+            *("model/joint_name", "model/edge_joint"),
             *("model/fixed", "VTKHDF/Points", "VTKHDF/CellData/stress", "VTKHDF/CellData/rock"),
             *("VTKHDF/Steps", "VTKHDF/Steps/PointOffsets", "VTKHDF/Connectivity", "report/json"),
         )
@@ -241,9 +240,27 @@ def test_files_that_are_made_up(good: Path, tmp_path: Path, change: Callable[[An
     assert len(result.stderr) < 500
 
 
+def test_joints_of_a_file_without_them_are_asked_for_in_vain(good: Path, tmp_path: Path):
+    path = tmp_path / "out.vtkhdf"
+    crafted(good, path, of_the_first_version)
+    results = read_results(path)
+    contacts = results.contacts(1)
+    assert len(contacts) == 2
+    assert "joint" not in contacts
+    questions = (
+        lambda: results.joint_name,
+        lambda: results.edge_joint,
+        lambda: contacts.joint,
+    )
+    for question in questions:
+        with pytest.raises(CaseError, match="without the joints") as caught:
+            question()
+        assert caught.value.remedy == "run the case again"
+
+
 def test_a_file_of_the_first_layout_is_read(good: Path, tmp_path: Path):
     path = tmp_path / "out.vtkhdf"
-    crafted(good, path, lambda file: file.__delitem__("model/about"))
+    crafted(good, path, of_the_first_version)
     everything(path)
     assert texts(read_results(path).about) == {}
     np.testing.assert_array_equal(

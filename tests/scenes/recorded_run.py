@@ -31,12 +31,16 @@ def three_blocks(shift: float = 0.0) -> Model:
         "wedge": [(1, 1), (4, 1), (1, 3)],
         "corner": [(6, 1), (9, 1), (9, 2), (7, 2), (7, 4), (6, 4)],
     }
+    builder.add_joint("bed", friction_angle=30.0)
+    builder.add_joint("foot", friction_angle=20.0)
+    along = {"base": ["", "", "bed", ""], "wedge": None, "corner": ["foot", *5 * [""]]}
     for name, loop in outlines.items():
         builder.block(
             name=name,
             vertices=np.array(loop, float) + shift,
             rock="marl" if name == "corner" else "granite",
             fixed=name == "base",
+            edge_joint=along[name],
         )
     builder.fixed_point((shift, shift), block="base")
     builder.measured_point("tip", (1 + shift, 3 + shift), block="wedge")
@@ -85,6 +89,7 @@ def contacts_at(model: Model, vertices: list[int]) -> tuple[Contacts, ContactRes
         edge=np.full(count, 2),
         normal=np.tile([0.0, 1.0], (count, 1)),
         foot=model.vertices[vertex],
+        joint=1 + np.arange(count) % 2,
     )
     response = filled(
         ContactResponse,

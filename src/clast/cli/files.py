@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from clast.cli.options import AsJson, ResultFile, numbers
+from clast.cli.options import AsJson, FrameNumber, FrameTime, ResultFile, frame_asked, numbers
 from clast.cli.tables import print_points, two_columns
 from clast.cli.terminal import print_json, print_table, tell
 
@@ -31,6 +31,7 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
         "blocks": f"{content['blocks']} ({content['fixed_blocks']} fixed)",
         "vertices": f"{content['vertices']}",
         "rocks": ", ".join(content["rocks"]),
+        **({"joints": ", ".join(content["joints"])} if content["joints"] else {}),
         **texts(results.about),
         "largest displacement": f"{content['largest_displacement']:.6g} m",
         "contacts at the end": f"{content['contacts']}",
@@ -50,8 +51,11 @@ def plot(
         Path | None,
         typer.Option("-o", "--output", help="Picture; the file's name with .png if absent."),
     ] = None,
-    frame: Annotated[int, typer.Option(help="Number of the frame, from 0; -1 is the last.")] = -1,
-    field: Annotated[str, typer.Option(help="What colours the blocks.")] = "displacement",
+    frame: FrameNumber = None,
+    time: FrameTime = None,
+    field: Annotated[
+        str, typer.Option(help="What colours the blocks; joint: their edges.")
+    ] = "displacement",
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
     limits: Annotated[
         str,
@@ -75,5 +79,6 @@ def plot(
     )
     target = output or file.with_suffix(".png")
     results = read_results(file)
-    plot_results(results, target, frame=frame, field=field, contacts=contacts, look=look)
+    number = frame_asked(results, frame, time)
+    plot_results(results, target, frame=number, field=field, contacts=contacts, look=look)
     tell(f"picture: {target}")

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from clast.errors import CaseError
+
+if TYPE_CHECKING:
+    from clast.results import Results
 
 CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="Case file (TOML).")]
 ResultFile = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
@@ -17,6 +20,12 @@ Settings = Annotated[
     typer.Option(
         "--set", metavar="KEY=VALUE", help="Replace a value of the case, e.g. time.end=2."
     ),
+]
+FrameNumber = Annotated[
+    int | None, typer.Option("--frame", help="Number of the frame, from 0; -1 is the last.")
+]
+FrameTime = Annotated[
+    float | None, typer.Option("--time", metavar="T", help="Time, s: the frame nearest to it.")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for a program to read.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
@@ -59,6 +68,15 @@ def numbers(option: str, listed: str, *counts: int) -> Any:
             + ",".join(str(number) for number in range(counts[-1])),
         )
     return numbers
+
+
+def frame_asked(results: Results, frame: int | None, time: float | None) -> int:
+    """Return the number of the frame that --frame or --time asks for, the last for neither."""
+    if frame is not None and time is not None:
+        raise CaseError(
+            "a frame has one number and one time", where="--time", remedy="leave one of them out"
+        )
+    return results.frame(-1 if frame is None else frame, at=time).number
 
 
 def words(listed: str) -> list[str]:

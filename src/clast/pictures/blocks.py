@@ -10,6 +10,7 @@ from clast.model.model import Bools, Floats, Ints
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE, TEXT_SIZE, Sheet, literal
 from clast.pictures.fields import KINDS, SCALARS, prefixed
 from clast.pictures.scale import Scale, scale_of
+from clast.pictures.strokes import GROUND
 from clast.results import Recording
 
 if TYPE_CHECKING:
@@ -80,12 +81,17 @@ def draw_start(axes: Axes, results: Outlined, start: Floats) -> None:
     )
 
 
-def draw_blocks(axes: Axes, results: Outlined, vertices: Floats) -> PolyCollection:
-    """Draw all blocks, the fixed ones hatched, and return those that are to be coloured."""
+def draw_blocks(
+    axes: Axes, results: Outlined, vertices: Floats, share: float = 1.0
+) -> PolyCollection:
+    """Draw all blocks, the fixed ones hatched, and return those that are to be coloured.
+
+    Outlines have a ``share`` of their width, 0 where something else draws them.
+    """
     from matplotlib.collections import PolyCollection
 
     outlines = outlines_of(results, vertices)
-    width = _line_width(len(outlines))
+    width = share * _line_width(len(outlines))
     fixed, free = np.flatnonzero(results.fixed), np.flatnonzero(~results.fixed)
     axes.add_collection(
         PolyCollection(
@@ -118,6 +124,9 @@ def colour(
     """
     free = ~results.fixed
     if not free.any():
+        return
+    if field == "joint":
+        blocks.set_facecolor(GROUND)
         return
     if field in KINDS:
         kinds = results.field(field, frame)[free]

@@ -61,6 +61,7 @@ SCALARS = {
 KINDS = {
     "rock": "Rock",
     "block": "Blocks",
+    "joint": "Edges by joint",
 }
 """Fields that tell kinds apart."""
 

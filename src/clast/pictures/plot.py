@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,9 @@ from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.fields import KINDS, SCALARS, check_field
 from clast.pictures.forces import HEAD, arrows_of, draw_arrows
 from clast.pictures.history import plot_history
+from clast.pictures.joints import edges_by_joint
 from clast.pictures.look import NO_WISHES, Look
+from clast.pictures.strokes import Edges, draw_edges, handles_of
 from clast.results import Recording
 
 if TYPE_CHECKING:
@@ -23,6 +26,9 @@ __all__ = ["Look", "plot_history", "plot_results"]
 
 FEW_BLOCKS = 500
 """Blocks up to which a picture needs no finer dots."""
+
+TOGETHER = 1e-3
+"""Edges of two blocks are drawn as one up to this distance, as a share of what is shown."""
 
 MOST_NAMES = 12
 """Measured points drawn at most with their names."""
@@ -37,7 +43,7 @@ def plot_results(
     contacts: bool = True,
     look: Look = NO_WISHES,
 ) -> Path:
-    """Draw the blocks of a frame coloured by ``field`` and return the picture's path.
+    """Draw the blocks of a frame coloured by ``field``, their edges by "joint"; return the path.
 
     ``results`` are a run, or what a result file holds: ``clast.plot_results(run, "run.png")``.
     The start is outlined behind; ``contacts`` draws the contact forces as arrows, on both blocks
@@ -51,9 +57,9 @@ def plot_results(
     part = _part(results, here, start, look)
     bars = int(field in SCALARS)
     title = results.title or results.name
-    size, keys, narrowest = canvas.sizes(
-        part, look, title, _legend_handles(results, field), bars, 1
-    )
+    edges = _edges(results, field, here, start, part)
+    handles = [*_legend_handles(results, field), *handles_of(edges, part)]
+    size, keys, narrowest = canvas.sizes(part, look, title, handles, bars, 1)
     arrows = None
     zoomed = look.zoom is not None
     whole = canvas.seen(*part, size)
@@ -70,9 +76,10 @@ def plot_results(
     time = f"$t$ = {results.times[number]:.4g} s"
     canvas.head(figure, sheet.axes[0], sheet.title, f"{_label(field)} at {time}")
     blocks.draw_start(axes, results, start)
-    free = blocks.draw_blocks(axes, results, here)
+    free = blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0)
     shown = blocks.within(results, here, *whole)
     blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
+    draw_edges(axes, edges, whole, size[0], int(shown.sum()))
     if arrows is not None:
         draw_arrows(figure, sheet, axes, arrows)
     if field == "block":
@@ -92,6 +99,15 @@ def _part(results: Recording, here: Floats, start: Floats, look: Look) -> canvas
     if not blocks.within(results, here, *part).any():
         raise canvas.empty_part(low, high)
     return part
+
+
+def _edges(
+    results: Recording, field: str, here: Floats, start: Floats, part: canvas.Part
+) -> Sequence[Edges]:
+    """Return the edges that are drawn in the colours of their joints, if they are asked for."""
+    if field != "joint":
+        return ()
+    return edges_by_joint(results, here, start, TOGETHER * float((part[1] - part[0]).max()))
 
 
 def _with_ends(part: canvas.Part, ends: Floats, per_inch: float) -> canvas.Part:

@@ -10,7 +10,7 @@
     /energy        table, a row per instant: time and the entries of the energy ledger
     /steps         table, a row per step: time, size, passes, contacts, penetration, travel
     /model         the case file's text, how it is simulated (about, JSON), versions, names and
-                   numbers of the blocks
+                   numbers of the blocks, names of the joints and the joint of each edge
     /report        how the run went; only in a file that was finished
 
 A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after its data have
@@ -97,7 +97,7 @@ POINT_ROW = np.dtype(
 )
 """One measured point at one instant."""
 
-CONTACT_ROW = np.dtype(
+FIRST_CONTACT_ROW = np.dtype(
     [
         ("position", "f8", 2),
         ("normal", "f8", 2),
@@ -108,6 +108,9 @@ CONTACT_ROW = np.dtype(
         ("mode", "i8"),
     ]
 )
+"""One contact of one frame, as the first versions wrote it: without its joint."""
+
+CONTACT_ROW = np.dtype([*FIRST_CONTACT_ROW.descr, ("joint", "i8")])
 """One contact of one frame."""
 
 

@@ -28,7 +28,14 @@ from clast.results.layout import FORMAT, PLANE_VECTORS, history_path
 from clast.results.opening import AGAIN, ask, check_ours
 from clast.results.provenance import main_parameters
 from clast.results.run import Report
-from clast.results.tables import BlockHistory, Columns, FrameContacts, PointHistory
+from clast.results.structure import EdgeJoints
+from clast.results.tables import (
+    BlockHistory,
+    Columns,
+    FrameContacts,
+    PointHistory,
+    no_joints,
+)
 
 LARGEST = 1e150
 """No place and no force is that large."""
@@ -75,6 +82,8 @@ class Results:
     """Where each measured point was at the start, m, shape (k, 2)."""
     report: Report | None
     """How the run went; None where it never came to write one."""
+    joints: EdgeJoints | None = field(default=None, repr=False)
+    """The joints; None where an earlier clast wrote the file."""
     layout: int = FORMAT
     """Version of the file's layout."""
     frame_rows: NDArray[Any] = field(repr=False)
@@ -84,6 +93,26 @@ class Results:
     def name(self) -> str:
         """Name of the file."""
         return self.path.name
+
+    @property
+    def joint_name(self) -> tuple[str, ...]:
+        """Name of each joint.  Raises CaseError where an earlier clast wrote the file."""
+        return self._known_joints.name
+
+    @property
+    def edge_joint(self) -> Ints:
+        """Joint index of the edge from each vertex to the next, shape (nv,).
+
+        -1: none of its own; its contacts take that of their blocks or rocks, or the default.
+        Raises CaseError where an earlier clast wrote the file.
+        """
+        return self._known_joints.edge
+
+    @property
+    def _known_joints(self) -> EdgeJoints:
+        if self.joints is None:
+            raise no_joints(str(self.path))
+        return self.joints
 
     def field(self, name: str, frame: int | None = None) -> NDArray[Any]:
         """Return a field of the blocks, of all frames or of one.
@@ -144,7 +173,19 @@ class Results:
         rows: NDArray[Any] = ask(self.path, lambda file: file["contacts"][first : ends[frame]])
         for name, what in SOUND.items():
             self._check_sound(rows[name][None], what, [frame])
+        self._check_joints(rows, frame)
         return rows
+
+    def _check_joints(self, rows: NDArray[Any], frame: int) -> None:
+        """Raise CaseError where contacts lie along joints that do not exist."""
+        if self.joints is None or not len(rows) or "joint" not in (rows.dtype.names or ()):
+            return
+        if rows["joint"].min() < 0 or rows["joint"].max() >= len(self.joints.name):
+            raise CaseError(
+                f"is damaged: frame {frame} has contacts along joints that do not exist",
+                where=str(self.path),
+                remedy=AGAIN,
+            )
 
     def history(self, name: str) -> PointHistory:
         """Return the history of the measured point ``name``, a row per instant, as a table.
@@ -226,6 +267,7 @@ def _results(path: Path, file: Any) -> Results:
         block_rock=blocks.rock,
         fixed=blocks.fixed,
         rock_name=blocks.rock_name,
+        joints=structure.joints_of(file, blocks),
         point_name=points[0],
         point_start=points[1],
         report=structure.report_of(file),
@@ -253,6 +295,7 @@ def summary(results: Results) -> dict[str, Any]:
         "fixed_blocks": int(results.fixed.sum()),
         "vertices": int(results.block_start[-1]),
         "rocks": list(results.rock_name),
+        "joints": list(results.joints.name) if results.joints else [],
         "fields": list(results.field_names),
         "largest_displacement": float(moved.max()),
         "contacts": len(results.contacts(-1)),

@@ -197,6 +197,19 @@ class Run:
         return tuple(rock.name for rock in self.model.rocks)
 
     @property
+    def joint_name(self) -> tuple[str, ...]:
+        """Name of each joint."""
+        return tuple(joint.name for joint in self.model.joint_table.joints)
+
+    @property
+    def edge_joint(self) -> Ints:
+        """Joint index of the edge from each vertex to the next, shape (nv,).
+
+        -1: none of its own; its contacts take that of their blocks or rocks, or the default.
+        """
+        return self.model.edge_joint
+
+    @property
     def point_name(self) -> tuple[str, ...]:
         """Name of each measured point."""
         return self.model.measured_points.name

@@ -49,6 +49,7 @@ class FrameFields:
         rows["vertex"] = contacts.vertex[loaded]
         rows["edge"] = contacts.edge[loaded]
         rows["mode"] = response.mode[loaded]
+        rows["joint"] = contacts.joint[loaded]
         return rows
 
 

@@ -19,6 +19,7 @@ from clast.model.state import Ledger
 from clast.results.layout import (
     CELL_ARRAYS,
     CONTACT_ROW,
+    FIRST_CONTACT_ROW,
     FRAME_ROW,
     POINT_ARRAYS,
     POINT_ROW,
@@ -69,6 +70,29 @@ def blocks_of(file: Any) -> Blocks:
     )
 
 
+@dataclass(frozen=True, kw_only=True)
+class EdgeJoints:
+    """What a result file says of the joints; nv edges, each from a vertex to the next."""
+
+    name: tuple[str, ...]
+    """Name of each joint."""
+    edge: Ints
+    """Joint index of each edge; -1: by its pair of blocks or rocks, or the default, (nv,)."""
+
+
+def joints_of(file: Any, blocks: Blocks) -> EdgeJoints | None:
+    """Return the joints of a file, None where it is of before; raises MalformedError."""
+    if not {"joint_name", "edge_joint"} & set(file["model"]) and not _contacts_have_joints(file):
+        return None
+    name = names(file, "model/joint_name")
+    edge = _whole(file, "model/edge_joint", "i")
+    if len(edge) != blocks.start[-1]:
+        raise MalformedError("/model/edge_joint has not one joint for each edge")
+    if edge.min() < -1 or edge.max() >= len(name):
+        raise MalformedError("/model/edge_joint names joints that do not exist")
+    return EdgeJoints(name=name, edge=edge.astype(np.int64))
+
+
 def frames_of(file: Any) -> NDArray[Any]:
     """Return the table of the frames that count; raises MalformedError."""
     frames = _rows_of(file, "frames", FRAME_ROW)
@@ -111,7 +135,12 @@ def check_arrays(file: Any, frames: NDArray[Any], blocks: Blocks) -> None:
         raise MalformedError("/energy is no table of energies")
     _check_length(energy, frames["instants"][-1])
     _check_length(_rows_of(file, "steps", STEP_ROW), frames["steps"][-1])
-    _check_length(_rows_of(file, "contacts", CONTACT_ROW), frames["contacts"][-1])
+    row = CONTACT_ROW if _contacts_have_joints(file) else FIRST_CONTACT_ROW
+    _check_length(_rows_of(file, "contacts", row), frames["contacts"][-1])
+
+
+def _contacts_have_joints(file: Any) -> bool:
+    return "joint" in (_dataset(file, "contacts").dtype.names or ())
 
 
 def check_grid(file: Any, frames: NDArray[Any], blocks: Blocks) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from clast.errors import CaseError
 from clast.model.model import Floats, Ints
 from clast.results.layout import CONTACT_ROW, POINT_ROW
 
@@ -124,7 +125,7 @@ class FrameContacts(Columns):
     """The contacts of one frame that carry a force, a row each; m rows.
 
     Columns: position_x, position_y, normal_x, normal_y, normal_force, shear_force, vertex, edge,
-    mode, vertex_block, edge_block.
+    mode, joint, vertex_block, edge_block.
     """
 
     def __init__(self, rows: NDArray[Any], block_start: Ints) -> None:
@@ -168,6 +169,16 @@ class FrameContacts(Columns):
         return self.rows["mode"]
 
     @property
+    def joint(self) -> Ints:
+        """Joint that the contact lies along: index into ``joint_name`` of the run, shape (m,).
+
+        Raises CaseError where an earlier clast recorded the contacts, which did not keep it.
+        """
+        if "joint" not in self:
+            raise no_joints()
+        return self.rows["joint"]
+
+    @property
     def vertex_block(self) -> Ints:
         """Block of the vertex: its index, shape (m,)."""
         return self["vertex_block"]
@@ -190,6 +201,15 @@ class FrameContacts(Columns):
     def __repr__(self) -> str:
         total = float(self.normal_force.sum()) if len(self) else 0.0
         return f"FrameContacts({len(self)} rows, normal forces {total:.4g} N/m: {', '.join(self)})"
+
+
+def no_joints(where: str = "") -> CaseError:
+    """Return the error for results without the joints of edges and contacts."""
+    return CaseError(
+        "an earlier clast wrote these results, without the joints of edges and contacts",
+        where=where,
+        remedy="run the case again",
+    )
 
 
 def points_row(count: int) -> np.dtype[Any]:

@@ -222,7 +222,9 @@ def _let_go(storage: JournalledFile, part: Path) -> None:
 def _check_texts(model: Model) -> None:
     """Raise CaseError where a title or name holds what no text of HDF5 can hold."""
     texts = [model.title, *model.block_name, *model.measured_points.name]
-    for text in (*texts, *(rock.name for rock in model.rocks)):
+    rocks, joints = model.rocks, model.joint_table.joints
+    texts += [*(rock.name for rock in rocks), *(joint.name for joint in joints)]
+    for text in texts:
         if "\0" in text or text.encode(errors="replace").decode() != text:
             raise CaseError(
                 f"{text!r} holds a character that a result file cannot hold",
@@ -313,11 +315,14 @@ def _write_model(group: Any, model: Model, case_text: str, about: Mapping[str, A
     group["about"] = json.dumps({**about, **about_model(model)}, ensure_ascii=False, default=float)
     group.create_dataset("block_name", data=list(model.block_name), dtype=text)
     group.create_dataset("rock_name", data=[rock.name for rock in model.rocks], dtype=text)
+    joints = [joint.name for joint in model.joint_table.joints]
+    group.create_dataset("joint_name", data=joints, dtype=text)
     group.create_dataset("point_name", data=list(model.measured_points.name), dtype=text)
     group["point_start"] = model.measured_points.at + model.origin
     _fixed(group, "block_start", model.block_start)
     _fixed(group, "block_rock", model.block_rock)
     _fixed(group, "fixed", model.fixed)
+    _fixed(group, "edge_joint", model.edge_joint)
 
 
 def _versions() -> dict[str, str]:

@@ -16,27 +16,18 @@ from clast.model.model import Bools, Floats
 from clast.pictures import blocks, canvas
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.look import NO_WISHES, Look
-from clast.pictures.rock_mass.edges import Edges, Sorted, edges_of, label
+from clast.pictures.rock_mass.edges import Sorted, edges_of
+from clast.pictures.strokes import GROUND, Edges, draw_edges, handles_of, label
 from clast.rockmass import Cut
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-GROUND = "#f3efe6"
-"""Fill of blocks where their edges have the colours."""
 OPENING_HATCH, VOID_HATCH = "....", "\\\\\\\\"
 """Hatching of rock that a stage excavates, and of what is void."""
-THINNEST, THICKEST = 0.15, 1.3
-"""Widths of edges, points."""
-LEAST_ABOVE = 0.5
-"""Least width of what lies above the joints, points."""
-SHARE = 0.1
-"""Width of an edge as a share of the median length of the edges."""
 FEW_BLOCKS = 500
 """Blocks up to which a picture needs no finer dots."""
-MANY_BLOCKS = 5000
-"""Blocks above which pdf and svg hold them as dots: thousands of lines make viewers slow."""
 MOST_NAMES = 12
 """Openings that get their names written into them, at most."""
 
@@ -123,7 +114,7 @@ def cut_figure(cut: Cut, *, by: str, title: str, look: Look) -> Figure:
     shown = blocks.within(cut, cut.vertices, *part)
     _draw_blocks(axes, cut, paint, shown)
     _draw_voids(axes, voids)
-    _draw_edges(axes, paint, part, size[0], number > MANY_BLOCKS)
+    draw_edges(axes, paint.edges, part, size[0], number)
     _draw_names(axes, cut, part)
     keys.draw(figure, sheet)
     return figure
@@ -161,7 +152,6 @@ def _handles(
     cut: Cut, paint: _Paint, shown: Bools, part: canvas.Part, voids: Sequence[shapely.Polygon]
 ) -> list[Any]:
     """Return what the legend explains: of all that there is, what the part shows."""
-    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles: list[Any] = [
@@ -169,23 +159,13 @@ def _handles(
         for rock in np.unique(cut.rock[shown])
         if paint.rocks
     ]
-    handles += [
-        Line2D([], [], color=s.colour, ls=s.dashes, lw=1.3 * max(1.0, s.width), label=s.label)
-        for s in (one.stroke for one in paint.edges if _visible(one.ends, part).any())
-    ]
+    handles += handles_of(paint.edges, part)
     if (cut.opening[shown] >= 0).any():
         name = "opening, not excavated yet"
         handles.append(Patch(fc="none", ec=FAINT, hatch=OPENING_HATCH, lw=0.5, label=name))
     if any(shapely.box(*part[0], *part[1]).intersects(one) for one in voids):
         handles.append(Patch(fc="white", ec=FAINT, hatch=VOID_HATCH, lw=0.5, label="void"))
     return handles
-
-
-def _visible(ends: Floats, part: canvas.Part) -> Bools:
-    """Return which edges (n, 2, 2) may be seen, shape (n,)."""
-    low, high = part
-    seen: Bools = ((ends.max(axis=1) >= low) & (ends.min(axis=1) <= high)).all(axis=1)
-    return seen
 
 
 def _draw_blocks(axes: Axes, cut: Cut, paint: _Paint, shown: Bools) -> None:
@@ -226,41 +206,6 @@ def _fill(axes: Axes, area: Any, **words: Any) -> None:
     rings = shapely.get_rings(shapely.orient_polygons(shapely.get_parts(area)))
     outlines = [Outline(shapely.get_coordinates(ring), closed=True) for ring in rings]
     axes.add_patch(PathPatch(Outline.make_compound_path(*outlines), **words))
-
-
-def _draw_edges(axes: Axes, paint: _Paint, part: canvas.Part, inches: float, dots: bool) -> None:
-    """Draw the edges of each kind as one collection."""
-    from matplotlib.collections import LineCollection
-
-    seen = [(one, one.ends[_visible(one.ends, part)]) for one in paint.edges]
-    seen = [(one, ends) for one, ends in seen if len(ends)]
-    if not seen:
-        return  # a part inside one block
-    every = np.concatenate([ends for _, ends in seen])
-    points = 72.0 * inches / float(part[1][0] - part[0][0])
-    median = float(np.median(np.hypot(*(every[:, 1] - every[:, 0]).T)))
-    width = float(np.clip(SHARE * points * median, THINNEST, THICKEST))
-    for one, ends in seen:
-        stroke = one.stroke
-        axes.add_collection(
-            LineCollection(
-                _lines(ends),
-                colors=stroke.colour,
-                linestyles=[stroke.dashes],
-                linewidths=max(width, LEAST_ABOVE * (stroke.above > 0)) * stroke.width,
-                capstyle="round" if stroke.dashes == "-" else "butt",
-                joinstyle="round",
-                rasterized=dots and stroke.above == 0,
-                zorder=4 + stroke.above,
-                label=stroke.label,
-            )
-        )
-
-
-def _lines(ends: Floats) -> list[Floats]:
-    """Return edges (n, 2, 2) strung together, each line (k, 2): fewer lines, and dashes run on."""
-    merged = shapely.line_merge(shapely.multilinestrings(shapely.linestrings(ends)))
-    return [shapely.get_coordinates(one) for one in shapely.get_parts(merged)]
 
 
 def _draw_names(axes: Axes, cut: Cut, part: canvas.Part) -> None:

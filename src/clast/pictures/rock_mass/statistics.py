@@ -12,8 +12,9 @@ from clast.model.model import Floats
 from clast.pictures import blocks, canvas
 from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
 from clast.pictures.fields import round_below
-from clast.pictures.rock_mass.edges import DASHES, Edges, edges_of, following
+from clast.pictures.rock_mass.edges import edges_of
 from clast.pictures.rock_mass.section import counted
+from clast.pictures.strokes import DASHES, Edges, following
 from clast.rockmass import Cut
 
 if TYPE_CHECKING:

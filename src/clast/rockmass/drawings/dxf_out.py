@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from clast.errors import CaseError, shortened
 from clast.rockmass.drawings.blocks import Blocks, blocks_of
-from clast.rockmass.drawings.drawing import DEFAULT_JOINT
+from clast.rockmass.drawings.drawing import DEFAULT_JOINT, Floats
 from clast.rockmass.drawings.files import replaced
 
 FORBIDDEN = set('<>/\\":;?*|=`,')
@@ -24,26 +25,42 @@ COLOURS = (7, 1, 3, 5, 2, 6, 4, 30, 94, 200)
 """AutoCAD colours of the layers, one after the other."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Extras:
+    """Lines on a layer of their own, beside the blocks."""
+
+    layer: str
+    """Name of the layer."""
+    about: str
+    """What the layer's description says."""
+    lines: Floats
+    """Ends of the lines, m, shape (n, 2, 2)."""
+
+
 def write_blocks_dxf(
     path: str | Path,
     vertices: Any,
     block_start: Any,
     rock: Sequence[str],
     edge_joint: Sequence[str] | None = None,
+    extras: Extras | None = None,
 ) -> None:
     """Write blocks to a DXF file, and their joints as lines on layers JOINTS_name if given.
 
     ``vertices`` (nv, 2), m, of the blocks that begin at ``block_start`` (nb + 1,), their rocks
     (nb,) and the joints (nv,) of the edges from each vertex to the next, empty where there is none.
-    Lines that two blocks share are drawn once.  Raises CaseError where the arrays do not belong
-    together, a name cannot be that of a layer, or nothing can be written at ``path``.
+    Lines that two blocks share are drawn once; ``extras`` are lines beside them.  Raises CaseError
+    where the arrays do not belong together, a name cannot be that of a layer, or nothing can be
+    written at ``path``.
     """
     blocks = blocks_of(vertices, block_start, rock, edge_joint)
     document = _document(path)
     layers = {name: name for name in dict.fromkeys(blocks.rock)}
     joints = {name: _joint_layer(name) for name in dict.fromkeys(blocks.edge_joint) if name}
-    _check_layers([*layers.values(), *joints.values()])
-    for number, layer in enumerate([*layers.values(), *joints.values()]):
+    more = [] if extras is None else [extras]
+    named = [*layers.values(), *joints.values(), *(one.layer for one in more)]
+    _check_layers(named)
+    for number, layer in enumerate(named):
         if not document.layers.has_entry(layer):
             document.layers.add(layer, color=COLOURS[number % len(COLOURS)])
     entities = [
@@ -51,6 +68,9 @@ def write_blocks_dxf(
         for block, name in enumerate(blocks.rock)
     ]
     entities += [_line(start, end, joints[name]) for start, end, name in _joint_lines(blocks)]
+    for one in more:
+        document.layers.get(one.layer).description = one.about
+        entities += [_line(start, end, one.layer) for start, end in one.lines.tolist()]
     text = _with_entities(document, entities)
     with replaced(Path(path)) as file:
         file.write(document.encode(text))
@@ -124,11 +144,12 @@ def _check_layers(names: Sequence[str]) -> None:
                 + (f": it has {listed}" if bad else ""),
                 remedy="rename the rock or the joint, or write .csv or .npz",
             )
-        other = seen.setdefault(name.casefold(), name)
-        if other != name:
+        other = seen.get(name.casefold())
+        seen[name.casefold()] = name
+        if other is not None:
             raise CaseError(
                 f"'{shortened(other)}' and '{shortened(name)}' would be one layer",
-                remedy="rename one of them: layers do not tell capitals",
+                remedy="rename the rock or the joint: layers do not tell capitals",
             )
 
 

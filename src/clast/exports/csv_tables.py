@@ -1,0 +1,164 @@
+"""Results as tables that spreadsheets and other programs read: a folder of CSV files."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clast import spelling
+from clast.errors import CaseError, shortened
+from clast.exports.choices import edge_joints, frames_in
+from clast.exports.targets import check_free
+from clast.results import Recording
+from clast.results.frames import KIND_FIELDS
+from clast.results.tables import PARTS, Columns
+from clast.rockmass.drawings.files import replaced
+
+Rows = Iterator[Sequence[Any]]
+"""The heading of a table and its rows."""
+
+
+def write_csv(
+    results: Recording,
+    folder: Path | str,
+    frames: Sequence[int] | None = None,
+    tables: Sequence[str] | None = None,
+) -> list[Path]:
+    """Write tables to CSV files in a folder and return their paths; all frames and all if absent.
+
+    ``blocks``, ``vertices`` and ``contacts`` have a row for each of them in each of the ``frames``;
+    ``histories`` one for each measured point and instant; ``energy`` and ``steps`` one for each
+    instant or step of the run.  Units are SI, numbers have every digit.  The folder is made if
+    it does not exist.  Tables of which the results hold nothing are left out, or refused where they
+    are named: raises CaseError then, and for what exists already or cannot be written.
+    """
+    folder = Path(folder)
+    if folder.suffix.casefold() == ".csv":
+        raise CaseError("is no name of a folder", where=str(folder), remedy="leave out the .csv")
+    chosen = frames_in(results, frames)
+    for name in tables or ():
+        if name not in TABLES:
+            raise CaseError(
+                f"there is no table '{shortened(name)}'",
+                where="tables",
+                remedy=spelling.advice(name, TABLES, kind="table"),
+            )
+    lacking = {name: said for name, said in _lacking(results) if name in (tables or TABLES)}
+    for name, said in lacking.items():
+        if tables:
+            raise CaseError(said, where=results.name, remedy=f"leave the table {name} out")
+    paths = {name: folder / f"{name}.csv" for name in tables or TABLES if name not in lacking}
+    _check_folder(folder, paths.values())
+    for name, path in paths.items():
+        with replaced(path) as file:
+            text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=True)
+            csv.writer(text, lineterminator="\n").writerows(TABLES[name](results, chosen))
+            text.detach()
+    return list(paths.values())
+
+
+def _check_folder(folder: Path, paths: Iterable[Path]) -> None:
+    """Make the folder; raise CaseError where that cannot be, or where a file exists already."""
+    check_free(path for path in paths if folder.is_dir())
+    try:
+        folder.mkdir(exist_ok=True)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise CaseError(
+            f"cannot be the folder of tables: {reason}",
+            where=str(folder),
+            remedy="name a folder; it is made in one that exists and may be written",
+        ) from error
+
+
+def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
+    """Give the tables of which results hold nothing, and what is to be said of them."""
+    if not any(len(results.contacts(frame)) for frame in range(len(results.times))):
+        yield "contacts", "no contacts are recorded: none bore a force, or they were left out"
+    if not results.point_name:
+        yield "histories", "no measured points are recorded"
+
+
+# Tables -------------------------------------------------------------------------------------------
+
+
+def _blocks(results: Recording, frames: Sequence[int]) -> Rows:
+    fields = [name for name in results.field_names if name not in KIND_FIELDS]
+    heads = []
+    for name in fields:
+        shape = results.field(name, 0).shape
+        heads += [name] if len(shape) == 1 else [f"{name}_{part}" for part in PARTS[shape[1]]]
+    yield ("frame", "time", "block", "name", "rock", "fixed", *heads)
+    rocks = [results.rock_name[k] for k in results.field("rock", 0)]
+    names, fixed = results.block_name, results.fixed.astype(int).tolist()
+    for frame in frames:
+        time = float(results.times[frame])
+        values = np.column_stack([results.field(name, frame) for name in fields]).tolist()
+        for block, row in enumerate(values):
+            yield (frame, time, block, names[block], rocks[block], fixed[block], *row)
+
+
+def _vertices(results: Recording, frames: Sequence[int]) -> Rows:
+    joint = edge_joints(results)
+    joints = [] if joint is None else [joint]
+    yield ("frame", "time", "block", "vertex", "x", "y", *("joint" for _ in joints))
+    start = results.block_start
+    owner = np.repeat(np.arange(len(start) - 1), np.diff(start)).tolist()
+    for frame in frames:
+        time = float(results.times[frame])
+        for vertex, (x, y) in enumerate(results.vertices(frame).tolist()):
+            edge = (names[vertex] for names in joints)
+            yield (frame, time, owner[vertex], vertex, x, y, *edge)
+
+
+def _contacts(results: Recording, frames: Sequence[int]) -> Rows:
+    yield ("frame", "time", *results.contacts(frames[0]))
+    for frame in frames:
+        columns = {name: values.tolist() for name, values in results.contacts(frame).items()}
+        if "joint" in columns:
+            names = results.joint_name
+            columns["joint"] = [names[k] for k in columns["joint"]]
+        yield from _with(columns.values(), frame, float(results.times[frame]))
+
+
+def _histories(results: Recording, frames: Sequence[int]) -> Rows:
+    for number, name in enumerate(results.point_name):
+        history = results.history(name)
+        if number == 0:
+            yield ("point", *history)
+        yield from _with([values.tolist() for values in history.values()], name)
+
+
+def _energy(results: Recording, frames: Sequence[int]) -> Rows:
+    return _plain(results.energy)
+
+
+def _steps(results: Recording, frames: Sequence[int]) -> Rows:
+    return _plain(results.steps)
+
+
+def _plain(table: Columns) -> Rows:
+    yield tuple(table)
+    yield from _with([values.tolist() for values in table.values()])
+
+
+def _with(columns: Iterable[Sequence[Any]], *before: Any) -> Rows:
+    """Give the rows of columns of equal length, behind something that all of them have."""
+    for row in zip(*columns, strict=True):
+        yield (*before, *row)
+
+
+TABLES: dict[str, Callable[[Recording, Sequence[int]], Rows]] = {
+    "blocks": _blocks,
+    "vertices": _vertices,
+    "contacts": _contacts,
+    "histories": _histories,
+    "energy": _energy,
+    "steps": _steps,
+}
+"""Name of a table, and of its file -> who gives its rows."""

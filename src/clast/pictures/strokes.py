@@ -1,0 +1,201 @@
+"""Edges in the colours of their joints: how they look, which are drawn once, how they are drawn."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from clast.model.model import Bools, Floats, Ints
+from clast.pictures import canvas
+from clast.pictures.canvas import FAINT, INK
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+GROUND = "#f3efe6"
+"""Fill of blocks where their edges have the colours."""
+JOINT_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#aa4499", "#e69f00", "#56b4e9", "#882255")
+"""Colours of joints, told apart by most eyes (after Okabe and Ito, and Tol)."""
+DASHES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1.5, 1)))
+"""Lines of the first seven joints, of the next seven, and of all others."""
+LONGEST = 40
+"""Letters of a name in a legend, at most."""
+THINNEST, THICKEST = 0.15, 1.3
+"""Widths of edges, points."""
+LEAST_ABOVE = 0.5
+"""Least width of what lies above the joints, points."""
+SHARE = 0.1
+"""Width of an edge as a share of the median length of the edges."""
+MANY_BLOCKS = 5000
+"""Blocks above which pdf and svg hold edges as dots: thousands of lines make viewers slow."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stroke:
+    """How a group of edges is drawn."""
+
+    label: str
+    """What the legend says."""
+    colour: str
+    """Colour."""
+    dashes: Any = "-"
+    """Line style, as matplotlib has it."""
+    width: float = 1.0
+    """Width as a share of that of joints."""
+    above: int = 0
+    """Place in the order of drawing: higher ones lie above."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Edges:
+    """Edges that are drawn alike."""
+
+    ends: Floats
+    """Their ends, m, shape (n, 2, 2)."""
+    stroke: Stroke
+    """How they are drawn."""
+
+    @property
+    def lengths(self) -> Floats:
+        """Their lengths, m, shape (n,)."""
+        return np.asarray(np.hypot(*(self.ends[:, 1] - self.ends[:, 0]).T))
+
+
+UNNAMED = Stroke(label="no joint named", colour="#6b6b6b", width=0.8)
+CONSTRUCTED = Stroke(
+    label="construction joint", colour=INK, dashes=(0, (2.2, 1.0)), width=1.8, above=2
+)
+WELD = Stroke(label="welded: no joint", colour=FAINT, dashes=(0, (1, 1.5)), width=0.8, above=1)
+
+
+def strokes_of(names: Mapping[int, str]) -> dict[int, Stroke]:
+    """Return how the edges of each joint are drawn, and under -1 those of none: number -> stroke.
+
+    Joints have their colours in the order of ``names``; welds and construction joints have none.
+    """
+    from clast.rockmass import CONSTRUCTION, WELDED  # slow to import: only who draws joints waits
+
+    welds = {
+        number: CONSTRUCTED if name.startswith(CONSTRUCTION) else WELD
+        for number, name in names.items()
+        if name.startswith(CONSTRUCTION) or name == WELDED
+    }
+    joints = [number for number in names if number not in welds]
+    found = {number: _stroke(place, names[number]) for place, number in enumerate(joints)}
+    return {**found, -1: UNNAMED, **welds}
+
+
+def _stroke(place: int, name: str) -> Stroke:
+    row = min(place // len(JOINT_COLOURS), len(DASHES) - 1)
+    return Stroke(
+        label=label(name), colour=JOINT_COLOURS[place % len(JOINT_COLOURS)], dashes=DASHES[row]
+    )
+
+
+def label(name: str) -> str:
+    """Return a name of the user's as a legend has it: short, and no formula."""
+    whole = " ".join(name.split())
+    return canvas.literal(
+        whole if len(whole) <= LONGEST else textwrap.wrap(whole, LONGEST - 1)[0] + "…"
+    )
+
+
+def groups(strokes: Mapping[int, Stroke], number: Ints, ends: Floats) -> tuple[Edges, ...]:
+    """Return the edges of each stroke that has some, from their numbers (n,) and ends (n, 2, 2)."""
+    found = []
+    for stroke in dict.fromkeys(strokes.values()):
+        own = np.isin(number, [k for k, one in strokes.items() if one is stroke])
+        if own.any():
+            found.append(Edges(ends=ends[own], stroke=stroke))
+    return tuple(found)
+
+
+# Which edges there are ----------------------------------------------------------------------------
+
+
+def following(start: Ints) -> Ints:
+    """Return the index of the vertex after each one in its block, shape (nv,)."""
+    after = np.arange(1, start[-1] + 1)
+    after[start[1:] - 1] = start[:-1]
+    return after
+
+
+def partners(vertices: Floats, after: Ints) -> Ints:
+    """Return the edge that runs along each one the other way, -1 where there is none, (nv,).
+
+    Neighbours share their nodes to the last digit, as ``rockmass.cut`` makes them.
+    """
+    node = np.unique(vertices[:, 0] + 1j * vertices[:, 1], return_inverse=True)[1]
+    here, there = node.astype(np.int64), node[after].astype(np.int64)
+    count = np.int64(len(vertices))
+    key, wanted = here * count + there, there * count + here
+    order = np.argsort(key)
+    at = np.minimum(np.searchsorted(key, wanted, sorter=order), len(key) - 1)
+    found = order[at]
+    return np.where(key[found] == wanted, found, -1)
+
+
+def visible(ends: Floats, part: canvas.Part) -> Bools:
+    """Return which edges (n, 2, 2) may be seen, shape (n,)."""
+    low, high = part
+    seen: Bools = ((ends.max(axis=1) >= low) & (ends.min(axis=1) <= high)).all(axis=1)
+    return seen
+
+
+# Drawing ------------------------------------------------------------------------------------------
+
+
+def handles_of(edges: Sequence[Edges], part: canvas.Part) -> list[Any]:
+    """Return what the legend explains of the edges that a part shows."""
+    from matplotlib.lines import Line2D
+
+    return [
+        Line2D([], [], color=s.colour, ls=s.dashes, lw=1.3 * max(1.0, s.width), label=s.label)
+        for s in (one.stroke for one in edges if visible(one.ends, part).any())
+    ]
+
+
+def draw_edges(
+    axes: Axes, edges: Sequence[Edges], part: canvas.Part, inches: float, blocks: int
+) -> None:
+    """Draw the edges of each kind as one collection; the part is so many ``inches`` wide.
+
+    How many ``blocks`` there are decides whether they are lines or dots in pdf and svg.
+    """
+    from matplotlib.collections import LineCollection
+
+    seen = [(one, one.ends[visible(one.ends, part)]) for one in edges]
+    seen = [(one, ends) for one, ends in seen if len(ends)]
+    if not seen:
+        return  # a part inside one block
+    every = np.concatenate([ends for _, ends in seen])
+    points = 72.0 * inches / float(part[1][0] - part[0][0])
+    median = float(np.median(np.hypot(*(every[:, 1] - every[:, 0]).T)))
+    width = float(np.clip(SHARE * points * median, THINNEST, THICKEST))
+    for one, ends in seen:
+        stroke = one.stroke
+        axes.add_collection(
+            LineCollection(
+                _lines(ends),
+                colors=stroke.colour,
+                linestyles=[stroke.dashes],
+                linewidths=max(width, LEAST_ABOVE * (stroke.above > 0)) * stroke.width,
+                capstyle="round" if stroke.dashes == "-" else "butt",
+                joinstyle="round",
+                rasterized=blocks > MANY_BLOCKS and stroke.above == 0,
+                zorder=4 + stroke.above,
+                label=stroke.label,
+            )
+        )
+
+
+def _lines(ends: Floats) -> list[Floats]:
+    """Return edges (n, 2, 2) strung together, each line (k, 2): fewer lines, and dashes run on."""
+    import shapely
+
+    merged = shapely.line_merge(shapely.multilinestrings(shapely.linestrings(ends)))
+    return [shapely.get_coordinates(one) for one in shapely.get_parts(merged)]

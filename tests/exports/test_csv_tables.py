@@ -1,0 +1,149 @@
+"""Tables of results: every row and every digit, and what is left out."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from clast.errors import CaseError
+from clast.exports import TABLES, write_csv
+from clast.model.builder import ModelBuilder
+from clast.model.state import initial_state
+from clast.results import Results, Run, RunRecorder
+from scenes.recorded_run import record, report, three_blocks
+
+
+def rows_of(folder: Path, name: str) -> list[dict[str, str]]:
+    with (folder / f"{name}.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def numbers(rows: list[dict[str, str]], *columns: str) -> np.ndarray:
+    return np.array([[float(row[column]) for column in columns] for row in rows])
+
+
+@pytest.fixture(scope="module")
+def folder(written: Results, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """All tables of all frames."""
+    path = tmp_path_factory.mktemp("tables") / "three"
+    assert write_csv(written, path) == [path / f"{name}.csv" for name in TABLES]
+    return path
+
+
+def test_blocks_have_a_row_in_each_frame(written: Results, folder: Path):
+    rows = rows_of(folder, "blocks")
+    assert len(rows) == 5 * 3
+    assert [row["name"] for row in rows[3:6]] == ["base", "wedge", "corner"]
+    assert [row["rock"] for row in rows[3:6]] == ["granite", "granite", "marl"]
+    assert [row["fixed"] for row in rows[3:6]] == ["1", "0", "0"]
+    for frame in range(5):
+        own = [row for row in rows if row["frame"] == str(frame)]
+        assert [float(row["time"]) for row in own] == [written.times[frame]] * 3
+        for field, parts in (
+            ("displacement", ("x", "y")),
+            ("velocity", ("x", "y")),
+            ("stress", ("xx", "yy", "xy")),
+        ):
+            found = numbers(own, *(f"{field}_{part}" for part in parts))
+            np.testing.assert_array_equal(found, written.field(field, frame))
+        for field in ("rotation", "sigma_1", "sigma_3", "max_shear"):
+            np.testing.assert_array_equal(numbers(own, field)[:, 0], written.field(field, frame))
+
+
+def test_vertices_have_the_joint_of_the_edge_behind_them(written: Results, folder: Path):
+    rows = rows_of(folder, "vertices")
+    assert len(rows) == 5 * 13
+    at = np.concatenate([written.vertices(frame) for frame in range(5)])
+    np.testing.assert_array_equal(numbers(rows, "x", "y"), at)
+    assert [row["block"] for row in rows[:13]] == [*"0000", *"111", *"222222"]
+    assert {row["vertex"]: row["joint"] for row in rows if row["joint"]} == {
+        "2": "bed",
+        "7": "foot",
+    }
+
+
+def test_contacts_name_their_joints(written: Results, folder: Path):
+    rows = rows_of(folder, "contacts")
+    contacts = [written.contacts(frame) for frame in range(5)]
+    assert len(rows) == sum(map(len, contacts)) == 8
+    assert [row["joint"] for row in rows[:2]] == ["foot", "bed"]
+    for column in set(contacts[1]) - {"joint"}:
+        expected = np.concatenate([one[column] for one in contacts])
+        np.testing.assert_array_equal(numbers(rows, column)[:, 0], expected)
+    assert [row["frame"] for row in rows] == [*"11223344"]
+
+
+def test_histories_energy_and_steps_are_complete(written: Results, folder: Path):
+    histories = rows_of(folder, "histories")
+    assert len(histories) == 2 * 21
+    for name in ("tip", "left/right"):
+        own = [row for row in histories if row["point"] == name]
+        for column, values in written.history(name).items():
+            np.testing.assert_array_equal(numbers(own, column)[:, 0], values)
+    for name, table in {"energy": written.energy, "steps": written.steps}.items():
+        rows = rows_of(folder, name)
+        for column, values in table.items():
+            np.testing.assert_array_equal(numbers(rows, column)[:, 0], values)
+
+
+def test_some_tables_of_some_frames(written: Results, tmp_path: Path):
+    paths = write_csv(written, tmp_path, [3, -1, 4], ["blocks", "contacts"])
+    assert [path.name for path in paths] == ["blocks.csv", "contacts.csv"]
+    assert [row["frame"] for row in rows_of(tmp_path, "blocks")] == [*"333444"]
+
+
+def test_a_run_in_memory_gives_the_same_tables(folder: Path, tmp_path: Path):
+    write_csv(record(three_blocks()).run, tmp_path / "kept")
+    for name in TABLES:
+        file = f"{name}.csv"
+        assert (tmp_path / "kept" / file).read_bytes() == (folder / file).read_bytes()
+
+
+def test_results_without_joints_have_tables_without_them(old: Results, tmp_path: Path):
+    write_csv(old, tmp_path / "old", [1])
+    for name in ("vertices", "contacts"):
+        rows = rows_of(tmp_path / "old", name)
+        assert len(rows) > 0
+        assert "joint" not in rows[0]
+
+
+def alone() -> Run:
+    """A block whose name needs quotes, without contacts and measured points."""
+    builder = ModelBuilder(title="alone")
+    builder.add_rock("tuff", young=5e9, poisson=0.2, density=2000.0)
+    builder.block(vertices=[(0, 0), (1, 0), (1, 1)], rock="tuff", name='"Köln", left')
+    model = builder.build()
+    recorder = RunRecorder(model)
+    recorder.start(initial_state(model))
+    return recorder.finish(report(initial_state(model)))
+
+
+def test_tables_of_what_is_not_there_are_left_out_or_refused_by_name(tmp_path: Path):
+    paths = write_csv(alone(), tmp_path / "all")
+    assert [path.stem for path in paths] == ["blocks", "vertices", "energy", "steps"]
+    assert [row["name"] for row in rows_of(tmp_path / "all", "blocks")] == ['"Köln", left']
+    for name, said in (("contacts", "no contacts are"), ("histories", "no measured points are")):
+        with pytest.raises(CaseError, match=said) as caught:
+            write_csv(alone(), tmp_path / "some", tables=["blocks", name])
+        assert name in caught.value.remedy
+    assert not (tmp_path / "some").exists()
+
+
+def test_what_cannot_be_written_is_refused(written: Results, tmp_path: Path):
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "blocks.csv").write_text("mine")
+    for path, tables, said in (
+        (tmp_path, None, "blocks.csv: exists already"),
+        (tmp_path / "file", None, "cannot be the folder of tables"),
+        (tmp_path / "missing" / "a", None, "cannot be the folder of tables"),
+        (tmp_path / "a.csv", None, "is no name of a folder"),
+        (tmp_path / "a", ["vertex"], "there is no table 'vertex'"),
+    ):
+        with pytest.raises(CaseError, match=said) as caught:
+            write_csv(written, path, tables=tables)
+        assert caught.value.remedy
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["blocks.csv", "file"]
+    assert (tmp_path / "blocks.csv").read_text() == "mine"
