@@ -35,6 +35,7 @@ from clast.rockmass.network.planar import Graph, bordering, straightened
 from clast.rockmass.report import Report
 from clast.rockmass.sizes import Limits, limits_of
 from clast.rockmass.sources import (
+    TOGETHER,
     WELDED,
     Site,
     Table,
@@ -130,6 +131,7 @@ def _cut(at: Site, found: Sequence[Table], before: Before) -> Cut:
     outline = _outlines(at, found)[table]
     net = noded(ends / at.grid)
     graph = _graph(net, joint[table], outline)
+    graph = graph.only(~_in_one_block(at, graph))
     whole, dangling = _faces(at, graph, before.limits)
     grid = on_grid(net.xy, at)
     held = block_loops.anchors(net, np.unique(whole.graph.edge), outline, ends + at.origin, grid)
@@ -177,6 +179,17 @@ def _graph(net: Noded, joint: Ints, outline: Bools) -> Graph:
         barrier=barrier,
         side=np.full((count, 2), NOTHING, np.int64),
     )
+
+
+def _in_one_block(at: Site, graph: Graph) -> Bools:
+    """Return which edges lie inside of regions that are one block, outlines left out, (ne,)."""
+    inside = np.zeros(len(graph.edge), np.bool_)
+    x, y = graph.middles.T
+    for one, polygon in zip(at.regions, at.polygons(at.region_outlines), strict=True):
+        if one.one_block:
+            # What is nearer to the outline than its own pieces may be is one of them.
+            inside |= shapely.contains_xy(_in_cells(at, polygon).buffer(-TOGETHER), x, y)
+    return inside & ~graph.barrier
 
 
 def _faces(at: Site, graph: Graph, limits: Limits) -> tuple[Whole, Graph]:
