@@ -454,3 +454,13 @@ def test_two_regions_of_one_block_cannot_overlap():
     beside = Region(name="sill", polygon=[(1, 0.8), (2, 0.8), (2, 1), (1, 1)], one_block=True)
     found = cut(Domain(boundary=WALL.outline()), regions=[lintel(), beside], patterns=[WALL])
     assert_tiles(found, 2.0)
+
+
+def test_lines_that_end_at_an_inner_corner_do_not_dangle():
+    """They are cut a little beyond the boundary, which there is rock."""
+    ground = [(-1, -1), (3, -1), (3, 0), (2, 0), (2, 1), (0, 1), (0, 0), (-1, 0)]
+    found = cut(Domain(boundary=ground), patterns=[WALL])
+    assert found.report.dangling.count == 0
+    assert_tiles(found, 2.0 + 4.0)
+    trace = Trace(points=[(-0.5, -0.5), (0.3, -0.5)])
+    assert cut(Domain(boundary=ground), traces=[trace]).report.dangling.length == pytest.approx(0.8)

@@ -35,6 +35,7 @@ from clast.rockmass.network.planar import Graph, bordering, straightened
 from clast.rockmass.report import Report
 from clast.rockmass.sizes import Limits, limits_of
 from clast.rockmass.sources import (
+    OVER,
     TOGETHER,
     WELDED,
     Site,
@@ -217,9 +218,13 @@ def _in_cells(at: Site, polygon: shapely.Polygon) -> shapely.Polygon:
 
 
 def _inside(at: Site, dangling: Graph) -> Graph:
-    """Return those edges whose middles lie in rock: lines are cut a little beyond the boundary."""
+    """Return those edges whose middles lie in rock.
+
+    Lines are cut a little beyond the boundary, and where this turns in they end in rock: what is as
+    short as that is of clast's own making.
+    """
     x, y = (dangling.middles * at.grid).T
-    inside = shapely.contains_xy(at.window.polygon, x, y)
+    inside = shapely.contains_xy(at.window.polygon, x, y) & (dangling.lengths > OVER + 2.0)
     for one, polygon in zip(at.openings, at.polygons(at.opening_outlines), strict=True):
         if one.excavated:
             inside &= ~shapely.contains_xy(polygon, x, y)
