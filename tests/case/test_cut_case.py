@@ -328,3 +328,49 @@ def test_contacts_have_the_friction_of_their_sets():
     assert inner.sum() > 50 and 0 < (flat & inner).sum() < inner.sum()
     due = np.where(flat, np.tan(np.radians(20.0)), np.tan(np.radians(35.0)))
     np.testing.assert_allclose(found.friction[inner], due[inner], rtol=1e-12)
+
+
+# Lintels -----------------------------------------------------------------------------------------
+
+LINTEL = """[[block]]
+name = "lintel"
+vertices = [[1.2, 1.4], [2.8, 1.4], [2.8, 1.6], [1.2, 1.6]]
+rock = "brick"
+"""
+
+
+def test_a_region_may_be_one_block():
+    region = """[[region]]
+name = "lintel"
+polygon = [[1.2, 1.4], [2.8, 1.4], [2.8, 1.6], [1.2, 1.6]]
+joint = "bed"
+one_block = true
+"""
+    case = Case.from_toml(WALL + region)
+    model = case.model()
+    assert model.area.max() == pytest.approx(1.6 * 0.2, rel=1e-9)
+    assert model.area.sum() == pytest.approx(7.2, rel=1e-9)
+    pieces = Case.from_toml(WALL + region, ["region.1.one_block=false"]).model()
+    assert pieces.block_count == model.block_count + 4
+
+
+def test_a_block_by_hand_in_rock_that_is_cut_is_told_to_make_room():
+    with pytest.raises(ModelError) as caught:
+        Case.from_toml(WALL + LINTEL).model()
+    message = str(caught.value)
+    assert "block 1 'lintel'" in message and "0.32 m2" in message
+    assert "[[opening]] with excavated = true" in message and "one_block = true" in message
+
+
+def test_a_block_by_hand_fits_into_an_opening():
+    room = """[[opening]]
+name = "room"
+shape = "box"
+corner = [1.2, 1.4]
+size = [1.6, 0.2]
+excavated = true
+"""
+    model = Case.from_toml(WALL + room + LINTEL).model()
+    assert model.block_name[0] == "lintel"
+    assert model.area.sum() == pytest.approx(7.2, rel=1e-9)
+    assert len(model.overlaps.pair) == 0

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from clast.case.case_file import Case
-from clast.case.drawn_case import TO_BE_GIVEN, case_text
+from clast.case.drawn_case import TO_BE_GIVEN, case_text, cut_of
 from clast.errors import CaseError
 from clast.rockmass.drawings.drawing import Drawing, Outline, Polyline, Spot
 from clast.rockmass.reading import Reading, read_drawing
@@ -149,8 +149,26 @@ def test_no_name_breaks_the_text():
 def test_a_table_of_traces_has_no_domain_and_says_so(tmp_path):
     (tmp_path / "t.csv").write_text("x1,y1,x2,y2,set\n0,0,1,1,J1\n")
     text = case_text(read_drawing(tmp_path / "t.csv"))
-    assert "[domain] needs a boundary" in unbroken(text) and "sets J1" in unbroken(text)
-    assert tomllib.loads(text)["trace"] == [{"points": [[0, 0], [1, 1]], "joint": "default"}]
+    assert "[domain] needs a boundary" in unbroken(text)
+    expected = {"points": [[0, 0], [1, 1]], "joint": "default", "set": "J1"}
+    assert tomllib.loads(text)["trace"] == [expected]
+
+
+def test_a_trace_keeps_its_set():
+    """So that a cross-jointed set which is added to the case can end at it."""
+    square = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)])
+    line = np.array([(0.0, 2.0), (4.0, 2.0)])
+    drawing = Drawing(
+        file="site.dxf",
+        boundary=square,
+        traces=(
+            Polyline(points=line, joint="bed", joint_set="J1"),
+            Polyline(points=line + np.array([0.0, 1.0]), joint="bed"),
+        ),
+    )
+    text = case_text(drawing)
+    assert [one.get("set") for one in tomllib.loads(text)["trace"]] == ["J1", None]
+    assert [one.name for one in cut_of(drawing).cut.report.sets] == ["J1", "traces"]
 
 
 def test_a_survey_is_named(tmp_path):

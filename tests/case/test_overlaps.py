@@ -10,11 +10,12 @@ import pytest
 from scipy.spatial import Voronoi
 
 from clast.case.case_file import Case
-from clast.case.templates import heap, wall
+from clast.case.templates import heap
 from clast.errors import ModelError
 from clast.model.builder import ModelBuilder
 from clast.run.preflight import examine
 from clast.run.simulate import simulate
+from scenes.brick_wall import listed_wall
 
 # GEOS without a grid says that these two have the whole second block in common
 TOUCHING_TO_ROUND_OFF = (
@@ -254,7 +255,7 @@ def continued(run, **rock):
 @pytest.mark.parametrize("stiffness", ["5e9", "5e7", "1e7"])
 def test_the_last_state_of_a_run_is_a_model(stiffness):
     settings = ["time.end=0.1", f"method.contact_law.normal_stiffness={stiffness}"]
-    case = Case.from_toml(wall(3, 3), settings)
+    case = Case.from_toml(listed_wall(3, 3), settings)
     model = continued(case.run(), young=5e9, poisson=0.2, density=2000.0)
     assert len(model.overlaps.pair) > 5
     method = case.method(model)
@@ -269,7 +270,9 @@ def test_the_last_state_of_a_run_is_a_model(stiffness):
 
 
 def test_an_overlap_that_no_contact_leaves_is_refused_by_the_run():
-    text = wall(3, 3).replace("[[0, 0], [1, 0], [1, 0.5]", "[[0, 0], [1.01, 0], [1.01, 0.5]", 1)
+    text = listed_wall(3, 3).replace(
+        "[[0, 0], [1, 0], [1, 0.5]", "[[0, 0], [1.01, 0], [1.01, 0.5]", 1
+    )
     soft = Case.from_toml(text, ["method.contact_law.normal_stiffness=1e6"])
     assert any("overlap by 0.01 m at the start" in text for text in soft.examine().warnings)
     stiff = Case.from_toml(text)

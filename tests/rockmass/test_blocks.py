@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
+from clast.errors import ModelError
 from clast.rockmass import (
     CONSTRUCTION,
     WELDED,
@@ -373,3 +374,93 @@ def test_a_stack_bond_with_a_window_and_a_lintel():
     # The lintel is a block by hand: it fits to the bit.
     ends = {tuple(at) for at in found.vertices.tolist()}
     assert {(0.6, 0.6), (0.6, 0.8), (1.4, 0.6), (1.4, 0.8)} <= ends
+
+
+# Regions of one block ----------------------------------------------------------------------------
+
+
+def lintel(low: float = 0.6, high: float = 1.4, **more: object) -> Region:
+    corners = [(low, 0.6), (high, 0.6), (high, 0.8), (low, 0.8)]
+    return Region(name="lintel", polygon=corners, rock="concrete", one_block=True, **more)
+
+
+WALL = BlockPattern(corner=(0, 0), size=(2.0, 1.0), brick=(0.4, 0.2), joint="mortar")
+
+
+def test_a_lintel_is_one_block_of_a_wall():
+    """Its ends are at head joints of its course, which are at 0.2, 0.6, 1, 1.4 and 1.8 m."""
+    window = Opening(name="window", shape=Box(corner=(0.8, 0.2), size=(0.4, 0.4)), excavated=True)
+    domain = Domain(boundary=WALL.outline(), rock="brick")
+    found = cut(
+        domain, openings=[window], regions=[lintel(joint="mortar")], patterns=[WALL], seed=1
+    )
+    assert_tiles(found, 2.0 - 0.16)
+    concrete = np.flatnonzero(found.rock == found.rock_names.index("concrete"))
+    assert len(concrete) == 1
+    corners = found.polygon(concrete[0])
+    assert corners.min(axis=0).tolist() == [0.6, 0.6]
+    assert corners.max(axis=0).tolist() == [1.4, 0.8]
+    assert found.report.dangling.length == 0.0
+    assert set(joints_between(found)) == {"mortar", "none"}
+    # The same without the key: as many pieces as bricks that the region lies in.
+    plain = Region(name="lintel", polygon=lintel().polygon, rock="concrete", joint="mortar")
+    pieces = cut(domain, openings=[window], regions=[plain], patterns=[WALL], seed=1)
+    assert pieces.report.blocks - found.report.blocks == 1
+    built(found)
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.5, 1.5), (0.61234567, 1.3987654), (0.0, 2.0)])
+def test_the_ends_of_a_lintel_need_not_be_at_joints(low, high):
+    found = cut(Domain(boundary=WALL.outline()), regions=[lintel(low, high)], patterns=[WALL])
+    assert_tiles(found, 2.0)
+    middle = [found.polygon(k) for k in range(found.block_count)]
+    area = [shapely.Polygon(one).area for one in middle]
+    assert max(area) == pytest.approx(0.2 * (high - low), rel=1e-5)
+    assert "concrete" in found.rock_names
+    built(found)
+
+
+def test_a_boulder_that_traces_do_not_cross():
+    angle = np.linspace(0.0, 2.0 * np.pi, 20, endpoint=False)
+    corners = np.stack([5.0 + 1.5 * np.cos(angle), 5.0 + 1.2 * np.sin(angle)], axis=1)
+    boulder = Region(name="boulder", polygon=corners, one_block=True)
+    sets = [
+        JointSet(name="A", angle=20.0, spacing=0.4, joint="a"),
+        JointSet(name="B", angle=100.0, spacing=0.5, trace_length=2.0, bridge_length=0.3),
+    ]
+    found = cut(SQUARE, sets, regions=[boulder], seed=2)
+    assert_tiles(found, 100.0)
+    inside = shapely.Polygon(corners).buffer(-1e-4)
+    assert not shapely.contains_xy(inside, *found.vertices.T).any()
+    area = [shapely.Polygon(found.polygon(k)).area for k in range(found.block_count)]
+    assert max(area) == pytest.approx(shapely.Polygon(corners).area, rel=1e-3)
+    built(found)
+
+
+def test_an_opening_is_cut_out_of_a_region_of_one_block():
+    slit = Opening(name="slit", shape=Box(corner=(0.9, 0.5), size=(0.2, 0.2)), excavated=True)
+    found = cut(
+        Domain(boundary=WALL.outline()), openings=[slit], regions=[lintel()], patterns=[WALL]
+    )
+    assert_tiles(found, 2.0 - 0.04)
+    area = [shapely.Polygon(found.polygon(k)).area for k in range(found.block_count)]
+    assert max(area) == pytest.approx(0.8 * 0.2 - 0.2 * 0.1, rel=1e-9)
+
+
+def test_two_regions_of_one_block_cannot_overlap():
+    other = Region(name="sill", polygon=[(1, 0.7), (2, 0.7), (2, 0.9), (1, 0.9)], one_block=True)
+    with pytest.raises(ModelError, match="overlaps region 'sill', and both are one block"):
+        cut(Domain(boundary=WALL.outline()), regions=[lintel(), other], patterns=[WALL])
+    beside = Region(name="sill", polygon=[(1, 0.8), (2, 0.8), (2, 1), (1, 1)], one_block=True)
+    found = cut(Domain(boundary=WALL.outline()), regions=[lintel(), beside], patterns=[WALL])
+    assert_tiles(found, 2.0)
+
+
+def test_lines_that_end_at_an_inner_corner_do_not_dangle():
+    """They are cut a little beyond the boundary, which there is rock."""
+    ground = [(-1, -1), (3, -1), (3, 0), (2, 0), (2, 1), (0, 1), (0, 0), (-1, 0)]
+    found = cut(Domain(boundary=ground), patterns=[WALL])
+    assert found.report.dangling.count == 0
+    assert_tiles(found, 2.0 + 4.0)
+    trace = Trace(points=[(-0.5, -0.5), (0.3, -0.5)])
+    assert cut(Domain(boundary=ground), traces=[trace]).report.dangling.length == pytest.approx(0.8)

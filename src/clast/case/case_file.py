@@ -227,7 +227,9 @@ class Case(BaseModel):
             for name, table in self._tables():
                 table.add_to(builder, name, folder)
             if self.domain is not None:
-                self.cut().add_to(builder)
+                found = self.cut()
+                found.check_room(self.block)
+                found.add_to(builder)
             return builder.build()
 
     def cut(self) -> CutCase:

@@ -15,9 +15,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import shapely
 
 from clast import spelling
 from clast.case.faults import Fault
+from clast.case.tables.blocks import BlockTable
 from clast.case.tables.joint_sets import JointSetTable
 from clast.case.tables.rock_mass import (
     SHAPES,
@@ -46,6 +48,8 @@ SIDES: dict[str, tuple[int, Callable[[Floats], Any]]] = {
 """Side of a rectangle -> the coordinate that it has, and whether it is the least or the largest."""
 ON = 1.5
 """Vertices nearer to a side than this many cells of the grid are on it."""
+OVERLAP = 0.01
+"""Blocks by hand of which more than this share lies in blocks that were cut are in their place."""
 DEFAULT = "default"
 
 
@@ -162,9 +166,8 @@ class RockMass:
         for table in self.regions:
             where = f"region '{table.name}', polygon"
             polygon = _outline(table.polygon, folder, where, notes)
-            found.append(
-                Region(name=table.name, polygon=polygon, rock=table.rock, joint=table.joint)
-            )
+            values = {**dict(table), "polygon": polygon}
+            found.append(Region(**values))
         return found
 
     def _traces(self, folder: Path, notes: list[str]) -> tuple[list[Trace], list[str]]:
@@ -222,6 +225,24 @@ class CutCase:
         """Joint of the edge from each vertex to the next, "" for none of its own."""
         names = (*self.cut.joint_names, "")  # the index -1 is the last
         return [names[k] for k in self.cut.edge_joint]
+
+    def check_room(self, blocks: Sequence[BlockTable]) -> None:
+        """Refuse blocks by hand that lie where the domain has blocks of its own."""
+        vertex = self.cut.vertices
+        owner = np.repeat(np.arange(self.cut.block_count), np.diff(self.cut.block_start))
+        tree = shapely.STRtree(shapely.polygons(shapely.linearrings(vertex, indices=owner)))
+        for number, one in enumerate(blocks, 1):
+            if len(one.vertices) < 3 or not (shape := shapely.Polygon(one.vertices)).is_valid:
+                continue  # what is wrong with it the builder says
+            near = tree.geometries[tree.query(shape)]
+            common = float(shapely.area(shapely.intersection(shape, near)).sum())
+            if common > OVERLAP * shape.area:
+                raise ModelError(
+                    f"{common:.3g} m2 of it lie in rock that is cut into blocks",
+                    where=f"block {number}" + (f" '{one.name}'" if one.name else ""),
+                    remedy="make room by an [[opening]] with excavated = true; or give the part as "
+                    "a [[region]] with one_block = true in its place",
+                )
 
     def add_to(self, builder: ModelBuilder) -> None:
         """Add the blocks, with joints that hold where edges are welded."""

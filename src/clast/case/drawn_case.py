@@ -24,6 +24,7 @@ from clast.rockmass.drawings.drawing import (
     Floats,
     LeftOut,
     PointForce,
+    Polyline,
     Segment,
 )
 
@@ -145,10 +146,6 @@ def _unsaid(drawing: Drawing) -> Iterator[LeftOut]:
             yield LeftOut(what=what, place=joint.place, reason="no trace has it")
     yield from _unsaid_loads(drawing)
     yield from _unsaid_of_rocks(drawing.analysis)
-    sets = sorted({trace.joint_set for trace in drawing.traces if trace.joint_set})
-    if sets:
-        reason = "a trace has a joint, and no set"
-        yield LeftOut(what=f"sets {', '.join(sets)}", place="column set", reason=reason)
     if drawing.orientations is not None:
         what = f"{len(drawing.orientations.dip)} orientations in space"
         reason = "they are no lines: describe them by [[joint_set]] with dip and dip_direction"
@@ -309,8 +306,12 @@ def _tables(drawing: Drawing) -> Iterator[str]:
     )
     if openings:
         yield "# excavated = false: rock until a stage excavates it\n" + openings.strip("\n")
-    traces = ({"points": _list(one.points), "joint": one.joint} for one in drawing.traces)
-    yield _list_of("trace", traces)
+    yield _list_of("trace", map(_trace, drawing.traces))
+
+
+def _trace(one: Polyline) -> dict[str, Any]:
+    table = {"points": _list(one.points), "joint": one.joint}
+    return {**table, "set": one.joint_set} if one.joint_set else table
 
 
 def _points(drawing: Drawing) -> Iterator[str]:

@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from itertools import pairwise
+from collections.abc import Callable
 
+from clast.case.masonry_templates import (
+    COLUMN,
+    WALL,
+    arch,
+    block_text,
+    dominoes,
+    point_text,
+)
 from clast.case.rock_templates import KEY_BLOCK, SLOPE, TUNNEL
 
 INCLINE = """\
@@ -68,35 +75,6 @@ every = 0.01                           # s between frames; measured points are k
 contacts = true
 """
 
-WALL_HEAD = """\
-schema = 1
-title = "Brick wall in running bond on a fixed base"
-plane = "stress"
-gravity = [0.0, -9.8]
-
-[time]
-step = 1e-3
-end = 0.5
-max_displacement = 0.005
-dynamic_ratio = 1.0
-
-[rock.brick]
-young = 5e9
-poisson = 0.2
-density = 2000.0
-
-[joint.default]
-friction_angle = 30.0
-
-[method]
-process = "convex"                     # the default; "modified" and "open-close" are the others
-contact_law = {name="penalty", normal_stiffness="auto"}
-critdis = 0.002
-
-[output]
-every = 0.01
-"""
-
 HEAP_HEAD = """\
 schema = 1
 title = "Squares falling into a trough"
@@ -127,28 +105,12 @@ every = 0.02
 """
 
 
+HELD = "fixed = true\n"
+
+
 def incline() -> str:
     """Return the paper's block on an incline."""
     return INCLINE
-
-
-def wall(rows: int = 10, columns: int = 10) -> str:
-    """Return a wall of bricks of 1 m x 0.5 m in running bond, with straight ends, on a base."""
-    lines = [WALL_HEAD]
-    lines.append(_block("base", _rectangle(-1.0, -1.0, columns + 1.0, 0.0), fixed=True))
-    for row in range(rows):
-        low = 0.5 * row
-        # every other row begins and ends with half a brick
-        inner = [column + 0.5 * (row % 2) for column in range(columns + 1)]
-        joints = sorted({0.0, float(columns), *(x for x in inner if x <= columns)})
-        for number, (left, right) in enumerate(pairwise(joints), start=1):
-            name = f"row {row + 1} brick {number}"
-            lines.append(_block(name, _rectangle(left, low, right, low + 0.5)))
-    # a point in the middle of a brick of the uppermost row
-    number = columns // 2
-    at = number - (0.5 if rows % 2 else 1.0)
-    lines.append(_measured("top", (at, 0.5 * rows), f"row {rows} brick {number}"))
-    return "\n".join(lines)
 
 
 def heap(rows: int = 8, columns: int = 8) -> str:
@@ -157,18 +119,18 @@ def heap(rows: int = 8, columns: int = 8) -> str:
     spacing = 1.5
     width = spacing * columns
     height = 0.6 * spacing * rows
-    lines.append(_block("floor", _rectangle(-1.0, -1.0, width + 1.0, 0.0), fixed=True))
-    lines.append(_block("left wall", _rectangle(-1.0, 0.0, 0.0, height), fixed=True))
-    lines.append(_block("right wall", _rectangle(width, 0.0, width + 1.0, height), fixed=True))
+    lines.append(block_text("floor", _rectangle(-1.0, -1.0, width + 1.0, 0.0), HELD))
+    lines.append(block_text("left wall", _rectangle(-1.0, 0.0, 0.0, height), HELD))
+    lines.append(block_text("right wall", _rectangle(width, 0.0, width + 1.0, height), HELD))
     for row in range(rows):
         for column in range(columns):
             centre = (spacing * (column + 0.5), spacing * (row + 0.5))
             # angles of 37 degrees apart repeat only after 90 squares
             angle = math.radians(37.0 * (row * columns + column) % 90.0)
             name = f"row {row + 1} square {column + 1}"
-            lines.append(_block(name, _square(centre, angle)))
+            lines.append(block_text(name, _square(centre, angle)))
     top = f"row {rows} square {columns // 2}"
-    lines.append(_measured("top", (spacing * (columns // 2 - 0.5), spacing * (rows - 0.5)), top))
+    lines.append(point_text("top", (spacing * (columns // 2 - 0.5), spacing * (rows - 0.5)), top))
     return "\n".join(lines)
 
 
@@ -186,22 +148,15 @@ def _square(centre: tuple[float, float], angle: float) -> list[tuple[float, floa
     ]
 
 
-def _block(name: str, corners: Sequence[tuple[float, float]], *, fixed: bool = False) -> str:
-    vertices = ", ".join(f"[{x:g}, {y:g}]" for x, y in corners)
-    held = "fixed = true\n" if fixed else ""
-    return f'[[block]]\nname = "{name}"\nvertices = [{vertices}]\n{held}'
-
-
-def _measured(name: str, at: tuple[float, float], block: str) -> str:
-    return f'[[measured_point]]\nname = "{name}"\nat = [{at[0]:g}, {at[1]:g}]\nblock = "{block}"\n'
-
-
 TEMPLATES: dict[str, Callable[[], str]] = {
     "incline": incline,
-    "wall": wall,
-    "heap": heap,
     "slope": lambda: SLOPE,
     "tunnel": lambda: TUNNEL,
     "key-block": lambda: KEY_BLOCK,
+    "wall": lambda: WALL,
+    "arch": arch,
+    "column": lambda: COLUMN,
+    "dominoes": dominoes,
+    "heap": heap,
 }
 """What ``clast new --template`` offers."""

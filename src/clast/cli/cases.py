@@ -92,7 +92,10 @@ def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) ->
 def new(
     name: Annotated[str, typer.Argument(help="Name of the case; .toml is added.")],
     template: Annotated[
-        str, typer.Option(help="incline, wall, heap, slope, tunnel or key-block.")
+        str,
+        typer.Option(
+            help="incline, slope, tunnel, key-block, wall, arch, column, dominoes or heap."
+        ),
     ] = "incline",
 ) -> None:
     """Write a case file to begin with."""

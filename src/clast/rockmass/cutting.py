@@ -35,6 +35,8 @@ from clast.rockmass.network.planar import Graph, bordering, straightened
 from clast.rockmass.report import Report
 from clast.rockmass.sizes import Limits, limits_of
 from clast.rockmass.sources import (
+    OVER,
+    TOGETHER,
     WELDED,
     Site,
     Table,
@@ -130,6 +132,7 @@ def _cut(at: Site, found: Sequence[Table], before: Before) -> Cut:
     outline = _outlines(at, found)[table]
     net = noded(ends / at.grid)
     graph = _graph(net, joint[table], outline)
+    graph = graph.only(~_in_one_block(at, graph))
     whole, dangling = _faces(at, graph, before.limits)
     grid = on_grid(net.xy, at)
     held = block_loops.anchors(net, np.unique(whole.graph.edge), outline, ends + at.origin, grid)
@@ -179,6 +182,17 @@ def _graph(net: Noded, joint: Ints, outline: Bools) -> Graph:
     )
 
 
+def _in_one_block(at: Site, graph: Graph) -> Bools:
+    """Return which edges lie inside of regions that are one block, outlines left out, (ne,)."""
+    inside = np.zeros(len(graph.edge), np.bool_)
+    x, y = graph.middles.T
+    for one, polygon in zip(at.regions, at.polygons(at.region_outlines), strict=True):
+        if one.one_block:
+            # What is nearer to the outline than its own pieces may be is one of them.
+            inside |= shapely.contains_xy(_in_cells(at, polygon).buffer(-TOGETHER), x, y)
+    return inside & ~graph.barrier
+
+
 def _faces(at: Site, graph: Graph, limits: Limits) -> tuple[Whole, Graph]:
     """Return the faces without holes, and the edges that border nothing, which are taken out."""
     place = Place(
@@ -204,9 +218,13 @@ def _in_cells(at: Site, polygon: shapely.Polygon) -> shapely.Polygon:
 
 
 def _inside(at: Site, dangling: Graph) -> Graph:
-    """Return those edges whose middles lie in rock: lines are cut a little beyond the boundary."""
+    """Return those edges whose middles lie in rock.
+
+    Lines are cut a little beyond the boundary, and where this turns in they end in rock: what is as
+    short as that is of clast's own making.
+    """
     x, y = (dangling.middles * at.grid).T
-    inside = shapely.contains_xy(at.window.polygon, x, y)
+    inside = shapely.contains_xy(at.window.polygon, x, y) & (dangling.lengths > OVER + 2.0)
     for one, polygon in zip(at.openings, at.polygons(at.opening_outlines), strict=True):
         if one.excavated:
             inside &= ~shapely.contains_xy(polygon, x, y)

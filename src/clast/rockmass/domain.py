@@ -109,11 +109,19 @@ class Region:
     """Rock of its blocks; None: that of the domain."""
     joint: str | None = None
     """Joint along its outline; None: the outline is not cut."""
+    one_block: bool = False
+    """True: no line crosses it, so that it is one block: a lintel, a boulder.  Its outline is cut,
+    with the joint of the pair of blocks, the rocks, or the default where ``joint`` is None."""
 
     @property
     def where(self) -> str:
         """How messages call it."""
         return f"region '{self.name}'"
+
+    @property
+    def cut(self) -> bool:
+        """Whether its outline is cut."""
+        return self.one_block or self.joint is not None
 
     def outline(self) -> Outline:
         """Return its outline, counter-clockwise."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -143,7 +144,24 @@ def site(domain: Domain, openings: Sequence[Opening], regions: Sequence[Region])
                 where=label,
                 remedy="move it, or widen the boundary of the domain",
             )
+    _check_single_blocks(found)
     return found
+
+
+def _check_single_blocks(at: Site) -> None:
+    """Refuse regions of one block each that share some of it."""
+    single = [
+        (one.where, polygon)
+        for one, polygon in zip(at.regions, at.polygons(at.region_outlines), strict=True)
+        if one.one_block
+    ]
+    for (here, one), (there, other) in combinations(single, 2):
+        if shapely.intersection(one, other).area > at.grid * min(one.length, other.length):
+            raise ModelError(
+                f"overlaps {there}, and both are one block",
+                where=f"{here}, one_block",
+                remedy="move one of them, or leave one_block out",
+            )
 
 
 def _snapped_outline(
@@ -391,7 +409,7 @@ def tables(
     for pattern in patterns:
         found += _courses(at, pattern)
     for region, shape in zip(at.regions, at.region_outlines, strict=True):
-        if region.joint is not None:
+        if region.cut:
             ends = overreaching(at, at.window.clipped(shape.edges - at.origin))
             found.append(
                 Table(name=region.name, joint=region.joint, ends=ends, whole=True, faces=1.0)

@@ -185,6 +185,8 @@ class RegionTable(Table):
     """Rock of its blocks; that of the domain if absent."""
     joint: StrictStr | None = None
     """Joint along its outline, which is then cut; it is not cut if absent."""
+    one_block: StrictBool = False
+    """True where no line crosses it: one block, as a lintel or a boulder; its outline is cut."""
 
 
 class BlockPatternTable(Table):

@@ -66,8 +66,8 @@ class StackBond:
 class BlockPattern:
     """A wall of bricks: courses from the lower left corner, cut off at its right and its top.
 
-    Its outline is cut, too.  Openings are cut out of it as out of rock; a lintel is a block given
-    by hand in an opening that is void from the start.
+    Its outline is cut, too.  Openings are cut out of it as out of rock; a lintel is a region that
+    is one block, or a block given by hand in an opening that is void from the start.
     """
 
     corner: Any
