@@ -30,6 +30,7 @@ from clast.case.tables.joint_sets import JointSetTable
 from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.measurements import MeasuredPointTable, ReferenceTable
 from clast.case.tables.method import MethodTable
+from clast.case.tables.repair import RepairTable
 from clast.case.tables.rock_mass import (
     BlockPatternTable,
     DomainTable,
@@ -81,6 +82,8 @@ class Case(BaseModel):
     """Blocks by numbered vertices."""
     block: list[BlockTable] = []
     """Blocks by their coordinates."""
+    repair: RepairTable | None = None
+    """Blocks put together that were drawn a little apart."""
     domain: DomainTable | None = None
     """Rock mass that is cut into blocks."""
     joint_set: list[JointSetTable] = []

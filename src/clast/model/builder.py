@@ -30,6 +30,7 @@ from clast.model import ranges, value_checks
 from clast.model.block_input import Entry, Label, ManyBlocks, Names, OneBlock, Vector
 from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Still
+from clast.model.mending import Mended, Mending
 from clast.model.joint_input import JointEntry, joint_table, joints_of_edges, pairs_of_names
 from clast.model.model import (
     WELD_STRENGTH,
@@ -61,7 +62,8 @@ class ModelBuilder:
     yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
     that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
     ``line_joints`` are joints that lines have whether or not they become edges of blocks;
-    ``notes`` say what was done to the blocks before they came here.
+    ``notes`` say what was done to the blocks before they came here; ``mending`` puts them together
+    where they are drawn a little apart, e.g. ``clast.rockmass.Mender``.
     """
 
     title: str = ""
@@ -71,6 +73,7 @@ class ModelBuilder:
     actions: list[Any] = field(default_factory=list)
     line_joints: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    mending: Mending | None = None
     _rocks: list[Rock] = field(default_factory=list, init=False)
     _joints: list[JointEntry] = field(default_factory=list, init=False)
     _entries: list[Entry] = field(default_factory=list, init=False)
@@ -257,11 +260,12 @@ class ModelBuilder:
             value_checks.check_joint(
                 entry.joint, allow_small_friction_angle=entry.allow_small_friction_angle
             )
-        outlines = self._outlines()
-        polygons = outlines.polygons()
-        clockwise = model_checks.check_polygons(outlines, polygons)
-        edge_joint = self._edge_joint_names(outlines)[outlines.turned_edges(clockwise)]
-        outlines = outlines.turned(clockwise)
+        drawn = self._outlines()
+        clockwise = drawn.area < 0.0
+        edge = drawn.turned_edges(clockwise)
+        mended, polygons = self._mended(drawn, clockwise)
+        outlines, edge = mended.outlines, edge[mended.edge]
+        edge_joint = self._edge_joint_names(drawn)[edge]
         block_rock = self._block_rocks(outlines)
         block_number = {name: number for number, name in enumerate(outlines.names)}
         rock_number = {rock.name: index for index, rock in enumerate(self._rocks)}
@@ -303,8 +307,25 @@ class ModelBuilder:
             ground_motion=self.ground_motion,
             actions=tuple(self.actions),
             overlaps=overlaps,
+            repairs=mended.repairs,
             notes=(*self.notes, *model_checks.turned_note(outlines, clockwise)),
         )
+
+    def _mended(
+        self, drawn: Outlines, clockwise: Bools
+    ) -> tuple[Mended, model_checks.Geometries]:
+        """Return the blocks counter-clockwise, put together if that is asked for, and checked."""
+        turned = drawn.turned(clockwise)
+        if self.mending is None:
+            # As they were drawn, so that messages number the vertices as the user does.
+            polygons = drawn.polygons()
+            model_checks.check_polygons(drawn, polygons)
+            edge = np.arange(len(drawn.vertices))
+            return Mended(outlines=turned, edge=edge, repairs=()), polygons
+        mended = self.mending(turned)
+        polygons = mended.outlines.polygons()
+        model_checks.check_polygons(mended.outlines, polygons)
+        return mended, polygons
 
     def _check_names(self) -> None:
         value_checks.check_title(self.title)

@@ -165,8 +165,8 @@ def check_coordinates(outlines: Outlines) -> None:
     )
 
 
-def check_polygons(outlines: Outlines, polygons: Geometries) -> Bools:
-    """Return True for blocks whose loop runs clockwise; refuse loops that are no polygon.
+def check_polygons(outlines: Outlines, polygons: Geometries) -> None:
+    """Refuse loops that are no polygon, whichever way they run.
 
     These are loops with duplicate vertices, without area, or that cross or touch themselves.
     """
@@ -196,7 +196,6 @@ def check_polygons(outlines: Outlines, polygons: Geometries) -> Bools:
         said(lambda block: f"has no area ({abs(area[block]):.3g} m2)"),
         "give it vertices that span an area, or leave the block out",
     )
-    return np.asarray(area < 0.0)
 
 
 def turned_note(outlines: Outlines, clockwise: Bools) -> tuple[str, ...]:
@@ -294,8 +293,8 @@ def _refuse_overlap(
         f"overlaps {outlines.label(pair[1])} to a depth of {depth:.3g} m near "
         f"{point_text(at)}{more}",
         where=outlines.label(pair[0]),
-        remedy="move or cut the blocks so that they touch at most (coordinates rounded too "
-        "coarsely overlap as well: give more digits)",
+        remedy="move or cut the blocks so that they touch at most; where coordinates are rounded, "
+        "[repair] with a tolerance puts neighbours together",
     )
 
 
