@@ -15,6 +15,9 @@ from clast.rockmass.repair.repairing import Repaired, repaired
 from scenes.common_areas import area_in_common
 from scenes.drawn_blocks import area, following, jointed, rounded, wall
 
+CORNER = np.array([0.1234, 0.0567])
+"""Lower left corner of walls, which is on no grid."""
+
 
 def loops_of(found: Repaired) -> list[np.ndarray]:
     return [found.polygon(block) for block in range(len(found.start) - 1)]
@@ -88,14 +91,14 @@ def test_a_wall_rounded_to_millimetres(shift):
     columns, rows, tolerance = 12, 14, 3e-3
     exact, start = wall(columns, rows)
     rng = np.random.default_rng(3)
-    drawn = rounded(exact + (0.1234, 0.0567), rng, 0.4e-3) + shift
+    drawn = rounded(exact + CORNER, rng, 0.4e-3) + shift
     found = repaired(drawn, start, tolerance)
     loops = loops_of(found)
     assert_no_overlap([loop - shift for loop in loops])
     assert len(beside(found, tolerance)) == 0
     outer = outer_edges(found)
     middle = 0.5 * (found.vertices + found.vertices[following(found.start)])[outer]
-    low = np.array(shift) + (0.1234, 0.0567)
+    low = CORNER + shift
     to_rim = np.abs(np.concatenate([middle - low, middle - low - (columns, 0.5 * rows)], axis=1))
     assert (to_rim.min(axis=1) < 1.5e-3).all()
     assert len(outer) == pytest.approx(2 * (columns + rows), abs=rows)

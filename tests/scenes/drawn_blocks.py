@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from clast.rockmass import Box, Domain, JointSet, Opening, Parallel, cut
@@ -13,7 +15,7 @@ def wall(columns: int, rows: int, brick=(1.0, 0.5)) -> tuple[np.ndarray, np.ndar
     width, height = brick
     for row in range(rows):
         ends = [0.0, *np.arange(0.5 if row % 2 else 1.0, columns, 1.0), float(columns)]
-        for left, right in zip(ends, ends[1:], strict=False):
+        for left, right in pairwise(ends):
             low, high = row * height, (row + 1) * height
             x, y = left * width, right * width
             loops.append([(x, low), (y, low), (y, high), (x, high)])

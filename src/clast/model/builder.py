@@ -30,8 +30,8 @@ from clast.model import ranges, value_checks
 from clast.model.block_input import Entry, Label, ManyBlocks, Names, OneBlock, Vector
 from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Still
-from clast.model.mending import Mended, Mending
 from clast.model.joint_input import JointEntry, joint_table, joints_of_edges, pairs_of_names
+from clast.model.mending import Mended, Mending
 from clast.model.model import (
     WELD_STRENGTH,
     Bools,
@@ -311,9 +311,7 @@ class ModelBuilder:
             notes=(*self.notes, *model_checks.turned_note(outlines, clockwise)),
         )
 
-    def _mended(
-        self, drawn: Outlines, clockwise: Bools
-    ) -> tuple[Mended, model_checks.Geometries]:
+    def _mended(self, drawn: Outlines, clockwise: Bools) -> tuple[Mended, model_checks.Geometries]:
         """Return the blocks counter-clockwise, put together if that is asked for, and checked."""
         turned = drawn.turned(clockwise)
         if self.mending is None:

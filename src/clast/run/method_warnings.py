@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NoReturn
 
@@ -122,7 +123,7 @@ def _overlap_warnings(model: Model, method: Method) -> Iterator[str]:
     yield (
         f"blocks {one} and {other} overlap by {depth[worst]:.3g} m at the start{more}: contacts "
         f"press them apart with {force:.3g} N/m. Blocks from the end of a run may; others should "
-        "touch at most: give more digits"
+        f"touch at most: {_repair_of(float(depth[worst]))} puts them together"
     )
 
 

@@ -98,7 +98,7 @@ def read_csv(path: str | Path) -> Drawing:
     Raises CaseError with the line and the column of what is wrong, and for columns of none of the
     kinds of table.  Columns beside those that are read go to ``left_out``.
     """
-    table = _table(Path(path))
+    table = table_of(Path(path))
     for kind in KINDS:
         if set(kind.needed) <= set(table.columns):
             return kind.read(table, _left_out(table, kind))
@@ -146,8 +146,8 @@ def read_outline(path: str | Path) -> Floats:
 # The table ---------------------------------------------------------------------------------------
 
 
-def _table(path: Path) -> CsvTable:
-    """Return the rows of a file by the names of their columns."""
+def table_of(path: Path) -> CsvTable:
+    """Return the rows of a file by the names of their columns; CaseError where it has none."""
     file, text = str(path), text_of(path)
     numbered = [(k, line) for k, line in enumerate(text.split("\n"), 1) if _says(line)]
     if not numbered:

@@ -100,7 +100,12 @@ def read_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing:
     path, reading = Path(path), reading or DxfReading()
     content = dxf_content(path, lambda name: bool(role_of(name)[0]), reading.unit, reading.sagitta)
     if not any(role_of(layer)[0] == "boundary" for layer in content.layers):
-        raise _no_layer(content, path, "BOUNDARY", "rename the layer of the outline to BOUNDARY")
+        raise _no_layer(
+            content,
+            path,
+            "BOUNDARY",
+            "rename the layer of the outline to BOUNDARY, or clast import --as blocks",
+        )
     collected = _Collected(path, content, reading)
     for piece in content.pieces:
         role, name = role_of(piece.layer)

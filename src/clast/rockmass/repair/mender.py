@@ -30,9 +30,7 @@ class Mender:
         )
 
 
-def repairs_of(
-    report: RepairReport, origin: tuple[float, ...] = (0.0, 0.0)
-) -> tuple[Repair, ...]:
+def repairs_of(report: RepairReport, origin: tuple[float, ...] = (0.0, 0.0)) -> tuple[Repair, ...]:
     """Return what was done as a model lists it; places are about an origin, m."""
     return tuple(
         Repair(
