@@ -103,7 +103,7 @@ def _refuse_overlap(model: Model, stiffness: float, worst: int, count: int) -> N
 def _repair_of(depth: float) -> str:
     """Return the table of a case that puts together what overlaps by ``depth``, m, at most."""
     digit = 10.0 ** math.floor(math.log10(depth))
-    return f"[repair] tolerance = {math.ceil(1.5 * depth / digit) * digit:.2g}"
+    return f"[repair] tolerance = {math.ceil(1.5 * depth / digit - 1e-6) * digit:.2g}"
 
 
 def _stress_force(model: Model) -> float:
