@@ -136,11 +136,16 @@ def read_outline(path: str | Path) -> Floats:
 
     Raises CaseError where the file is no outline, or where it crosses itself.
     """
+    return noted_outline(path)[0]
+
+
+def noted_outline(path: str | Path) -> tuple[Floats, tuple[str, ...]]:
+    """Return the outline of a CSV file, and what was taken otherwise than it is given."""
     drawing = read_csv(path)
     if drawing.boundary is None:
         remedy = "an outline has the heading x,y and a row for each corner"
         raise CaseError("is no outline", where=str(path), remedy=remedy)
-    return drawing.boundary
+    return drawing.boundary, drawing.notes
 
 
 # The table ---------------------------------------------------------------------------------------
