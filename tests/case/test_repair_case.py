@@ -126,6 +126,23 @@ def test_a_builder_mends():
     assert 1e6 - 1 < x < 1e6 + 5 and 2e6 - 1 < y < 2e6 + 3
 
 
+def test_points_at_corners_that_moved():
+    """A point at the drawn corner of a block that is narrower now belongs to it all the same."""
+    point = "[[measured_point]]\nname = 'A'\nat = [0.3, 0.9996]\nblock = '3'\n"
+    point += "[[fixed_point]]\nat = [1.9999, 2.0001]\n"
+    drawn = BLOCKS.replace("[1.9997, 2.0]", "[1.9999, 2.0001]").replace("[0.3, 2]", "[0.3003, 2]")
+    upper = "[[block]]\nvertices = [[1.3, 2.0], [1.9991, 2.0], [1.9991, 3], [1.3, 3]]\n"
+    with pytest.raises(ModelError, match="lies on the common boundary"):
+        case(HEAD, drawn, upper, point, "[repair]\ntolerance = 1.5e-3\n").model()
+    named = point + "block = '1'\n"  # [geometry] comes before [[block]]
+    model = case(HEAD, drawn, upper, named, "[repair]\ntolerance = 1.5e-3\n").model()
+    numbers = [int(model.measured_points.block[0]), int(model.fixed_points.block[0])]
+    assert [model.block_name[k] for k in numbers] == ["3", "1"]
+    far = named.replace("[1.9999, 2.0001]", "[2.01, 2.01]")
+    with pytest.raises(ModelError, match="m from it"):
+        case(HEAD, drawn, upper, far, "[repair]\ntolerance = 1.5e-3\n").model()
+
+
 def written(folder, noise=4e-4):
     vertices, start = wall(4, 3)
     vertices = rounded(vertices, np.random.default_rng(0), noise)

@@ -274,7 +274,7 @@ class ModelBuilder:
         overlaps = model_checks.check_overlaps(outlines, polygons)
 
         def places(entries: list[Place]) -> Places:
-            return located(entries, block_number, outlines, polygons)
+            return located(entries, block_number, outlines, polygons, mended.moved)
 
         fixed, measured = places(self._fixed_points), places(self._measured_points)
         points, lines = places(self._point_loads), places(self._line_loads)
@@ -319,7 +319,7 @@ class ModelBuilder:
             polygons = drawn.polygons()
             model_checks.check_polygons(drawn, polygons)
             edge = np.arange(len(drawn.vertices))
-            return Mended(outlines=turned, edge=edge, repairs=()), polygons
+            return Mended(outlines=turned, edge=edge), polygons
         mended = self.mending(turned)
         polygons = mended.outlines.polygons()
         model_checks.check_polygons(mended.outlines, polygons)

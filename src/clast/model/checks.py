@@ -320,28 +320,40 @@ def locate(
     named: Ints,
     where: Callable[[int], str],
     outlines: Outlines,
-    polygons: Geometries,
+    tree: shapely.STRtree,
+    moved: float = 0.0,
 ) -> Ints:
     """Return the block that carries each point or line, shape (k,).
 
     ``named`` (k,) holds the block that the user named, -1 where none was; ``where`` gives the
-    label of a shape for messages.
+    label of a shape for messages; ``tree`` is that of the blocks' polygons.  Where vertices have
+    ``moved`` by so much, m, since they were drawn, what no block carries may be so far outside.
     """
     reach = TOUCHING * np.sqrt(np.abs(outlines.area))
-    tree = shapely.STRtree(polygons)
-    near, block = tree.query(shapes, predicate="dwithin", distance=float(reach.max()))
-    inside = shapely.covers(shapely.buffer(polygons[block], reach[block]), shapes[near])
-    near, block = near[inside], block[inside]
-    order = np.lexsort((block, near))
-    near, block = near[order], block[order]
-    carrying = np.split(block, np.searchsorted(near, np.arange(1, len(shapes))))
+    carrying = _carrying(shapes, reach, tree)
+    lacking = [k for k, blocks in enumerate(carrying) if len(blocks) == 0]
+    lacking += [k for k, blocks in enumerate(carrying) if named[k] >= 0 and named[k] not in blocks]
+    if moved > 0.0 and lacking:
+        some = np.unique(lacking)
+        for k, blocks in zip(some, _carrying(shapes[some], reach + moved, tree), strict=True):
+            carrying[k] = blocks
     return np.array(
         [
             _carrier(shapes[k], int(named[k]), blocks, where(k), outlines, tree)
-            for k, blocks in enumerate(carrying[: len(shapes)])
+            for k, blocks in enumerate(carrying)
         ],
         dtype=np.int64,
     )
+
+
+def _carrying(shapes: Geometries, reach: Floats, tree: shapely.STRtree) -> list[Ints]:
+    """Return the blocks that hold each shape, each block widened by ``reach`` (n,), m."""
+    near, block = tree.query(shapes, predicate="dwithin", distance=float(reach.max()))
+    inside = shapely.covers(shapely.buffer(tree.geometries[block], reach[block]), shapes[near])
+    near, block = near[inside], block[inside]
+    order = np.lexsort((block, near))
+    near, block = near[order], block[order]
+    return list(np.split(block, np.searchsorted(near, np.arange(1, len(shapes)))))[: len(shapes)]
 
 
 def _carrier(

@@ -17,8 +17,10 @@ class Mended:
     """The blocks, counter-clockwise."""
     edge: Ints
     """Edge as given that the edge from each vertex to the next is, or is part of, shape (nv,)."""
-    repairs: tuple[Repair, ...]
+    repairs: tuple[Repair, ...] = ()
     """What was done."""
+    moved: float = 0.0
+    """How far a vertex moved at most, m."""
 
 
 class Mending(Protocol):

@@ -26,6 +26,7 @@ class Mender:
         return Mended(
             outlines=replace(outlines, start=found.start, vertices=vertices),
             edge=found.edge,
+            moved=found.report.largest_movement,
             repairs=repairs_of(found.report, tuple(outlines.origin.tolist())),
         )
 
