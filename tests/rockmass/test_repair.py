@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from clast.errors import ModelError
@@ -78,6 +80,20 @@ def outer_edges(found: Repaired) -> np.ndarray:
     return np.array(alone, np.int64)
 
 
+def neck(at: np.ndarray, start: np.ndarray) -> float:
+    """Return the least distance of a corner from an edge of its own block that it is no end of."""
+    least = np.inf
+    for first, last in pairwise(start):
+        loop = at[first:last]
+        way = np.roll(loop, -1, axis=0) - loop
+        for k, point in enumerate(loop):
+            share = np.clip(((point - loop) * way).sum(axis=1) / (way**2).sum(axis=1), 0.0, 1.0)
+            gap = np.hypot(*(loop + share[:, None] * way - point).T)
+            gap[[k, k - 1]] = np.inf
+            least = min(least, gap.min())
+    return least
+
+
 def built(found: Repaired):
     builder = ModelBuilder()
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
@@ -125,6 +141,8 @@ def test_what_touches_already_stays_as_it_is():
 def test_rounded_rock_masses_touch_again(seed, noise):
     exact, start = jointed(seed)
     tolerance = 2.0 * np.sqrt(2.0) * (0.5e-3 + noise) * 1.01
+    # two sides of a neck cannot be put together
+    assume(neck(exact, start) > 3.0 * tolerance)
     found = repaired(rounded(exact, np.random.default_rng(seed), noise), start, tolerance)
     loops = loops_of(found)
     assert len(loops) == len(start) - 1
@@ -196,7 +214,7 @@ def test_whatever_is_drawn_stays_sound_or_is_refused(seed, count):
     tolerance = 0.1
     loops = []
     while len(loops) < count:
-        loop = rng.integers(0, 8, (rng.integers(3, 5), 2)) * 0.8 + rng.integers(-2, 3, 2) * 0.05
+        loop = rng.integers(0, 8, (rng.integers(3, 5), 2)) * 0.9 + rng.integers(-2, 3, 2) * 0.05
         loop = loop + rng.integers(-1, 2, loop.shape) * 0.05
         if area(loop) > 0.2 and sound(loop, np.array([0, len(loop)]))[0]:
             loops.append(loop)
@@ -216,7 +234,8 @@ def test_whatever_is_drawn_stays_sound_or_is_refused(seed, count):
     for one, other in zip(loops, loops_of(found), strict=True):
         rim = np.hypot(*(np.roll(one, -1, axis=0) - one).T).sum()
         assert abs(area(other) - area(one)) <= 2.0 * tolerance * rim + 4.0 * np.pi * tolerance**2
-    again = repaired(found.vertices, found.start, tolerance)
+    # the grid has distances that are the tolerance to round-off
+    again = repaired(found.vertices, found.start, tolerance * (1.0 - 1e-6))
     assert again.report.joined.count == 0
 
 

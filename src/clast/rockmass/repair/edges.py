@@ -54,6 +54,8 @@ class Near:
     """Distance of the two, m, shape (k,)."""
     share: Floats
     """Where along the piece, from 0 at its first end to 1, shape (k,)."""
+    own: Bools
+    """Whether a block with the piece has the place, too: it would touch itself there, (k,)."""
 
     def only(self, keep: Bools | Ints) -> Near:
         """Return some of them."""
@@ -62,14 +64,15 @@ class Near:
             piece=self.piece[keep],
             gap=self.gap[keep],
             share=self.share[keep],
+            own=self.own[keep],
         )
 
 
 def near_edges(loops: Loops, pieces: Pieces, at: Floats, reach: float) -> Near:
     """Return the places of ``at`` (nn, 2) beside an edge of another block, within ``reach``, m.
 
-    Places that lie on the edge to round-off are not beside it, nor those of a block that has the
-    edge: the block would touch itself.
+    Places that lie on the edge to round-off are not beside it, nor those of all blocks that have
+    the edge.
     """
     used = np.unique(loops.node)
     tree = shapely.STRtree(shapely.linestrings(at[pieces.ends]))
@@ -77,8 +80,13 @@ def near_edges(loops: Loops, pieces: Pieces, at: Floats, reach: float) -> Near:
     node = used[point]
     gap, share = aside(at[node], at[pieces.ends[piece]])
     inner = (share > 0.0) & (share < 1.0) & (gap > EXACT * reach)
-    found = Near(node=node, piece=piece, gap=gap, share=share).only(inner)
-    return found.only(~_own(loops, pieces, found))
+    node, piece, gap, share = node[inner], piece[inner], gap[inner], share[inner]
+    number, block = _blocks_with(loops, pieces, piece)
+    count = np.int64(loops.node.max() + 1)
+    own = np.isin(block * count + node[number], loops.owner * count + loops.node)
+    having = np.bincount(number[own], minlength=len(node))
+    found = Near(node=node, piece=piece, gap=gap, share=share, own=having > 0)
+    return found.only(having < np.bincount(number, minlength=len(node)))
 
 
 def aside(point: Floats, line: Floats) -> tuple[Floats, Floats]:
@@ -87,14 +95,6 @@ def aside(point: Floats, line: Floats) -> tuple[Floats, Floats]:
     length = np.maximum(np.hypot(*way.T), 1e-300)
     gap = np.abs(way[:, 0] * to[:, 1] - way[:, 1] * to[:, 0]) / length
     return np.asarray(gap), np.asarray((way * to).sum(axis=1) / length**2)
-
-
-def _own(loops: Loops, pieces: Pieces, near: Near) -> Bools:
-    """Return whether a block with the piece has the place, too, shape (k,)."""
-    number, block = _blocks_with(loops, pieces, near.piece)
-    count = np.int64(loops.node.max() + 1)
-    own = np.isin(block * count + near.node[number], loops.owner * count + loops.node)
-    return np.asarray(np.bincount(number[own], minlength=len(near.node)) > 0)
 
 
 def _blocks_with(loops: Loops, pieces: Pieces, piece: Ints) -> tuple[Ints, Ints]:
@@ -131,7 +131,7 @@ def onto_edges(loops: Loops, corners: Corners, drawn: Floats, reach: float) -> F
     near_enough = _largest_movement(near.node, foot, corners, drawn) <= reach
     length = np.hypot(*(line[:, 1] - line[:, 0]).T)
     order = np.lexsort((near.share, near.piece, -length))
-    order = order[near_enough[order]]
+    order = order[(near_enough & ~near.own)[order]]
     ends = pieces.ends[near.piece[order]].tolist()
     held, moved, chosen = set[int](), set[int](), []
     for k, node, (a, b) in zip(order.tolist(), near.node[order].tolist(), ends, strict=True):
@@ -206,7 +206,7 @@ def _fitting(
     order = np.lexsort((near.piece[number], near.gap[number], node, block))
     again = (np.diff(block[order]) == 0) & (np.diff(node[order]) == 0)
     bent[order[1:][again]] = True
-    return np.asarray(np.bincount(number[bent], minlength=len(near.node)) == 0)
+    return np.asarray(~near.own & (np.bincount(number[bent], minlength=len(near.node)) == 0))
 
 
 def _put_in(loops: Loops, pieces: Pieces, near: Near) -> tuple[Loops, Ints]:
