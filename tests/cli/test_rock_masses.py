@@ -197,12 +197,14 @@ def test_check_says_what_was_repaired(tmp_path: Path):
         (("wall.csv", "-o", "a.toml", "--tolerance", "0"), "no distance"),
         (("site.dxf", "-o", "a.toml", "--as", "drawing"), "--as blocks"),
         (("none.npz", "-o", "a.toml"), "no such file"),
+        (("traces.csv", "-o", "a.toml", "--tolerance", "1e-3"), "[domain] has a tolerance"),
     ],
 )
 def test_blocks_that_cannot_be_imported(words, said, tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("wall.csv", "site.dxf"):
         wall_of(Path(name))
+    Path("traces.csv").write_text("x1,y1,x2,y2\n0,0,1,1\n")
     assert said in refused("import", *words)
     assert not Path("a.toml").exists() and not Path("a-blocks.npz").exists()
 

@@ -80,6 +80,7 @@ def import_(
         _check_new(target)
         done = _blocks(file, BlockReading(dxf=dxf, near=tolerance), tolerance, (output, target))
     else:
+        _check_tolerance(file, tolerance)
         reading = Reading(dxf=dxf, mass_unit=mass_unit)
         done = _drawing(file, analysis, reading, (output, blocks))
     if as_json:
@@ -210,6 +211,17 @@ def _check_target(path: Path) -> None:
         raise CaseError("its folder does not exist", where=str(path), remedy="make it first")
     if path.suffix.casefold() != ".toml":
         raise CaseError("is no name of a case file", where=str(path), remedy="let it end in .toml")
+
+
+def _check_tolerance(file: Path, tolerance: float | None) -> None:
+    """Refuse a tolerance for drawings in which nothing is put together by one."""
+    if tolerance is not None and file.suffix.casefold() != ".dxf":
+        raise CaseError(
+            f"{file.name} is a drawing without outlines of single lines",
+            where="--tolerance",
+            remedy="leave it out: [domain] has a tolerance of its own; finished blocks are "
+            "imported with --as blocks",
+        )
 
 
 def _check_new(path: Path) -> None:
