@@ -239,6 +239,24 @@ def test_files_are_looked_for_beside_the_case(tmp_path: Path):
     assert any("unitless" in note and "domain, boundary" in note for note in model.notes)
 
 
+def test_clockwise_outlines_of_files_are_turned_round_and_said(tmp_path: Path):
+    """Outlines in a drawing and in a table, all of them clockwise."""
+    document = ezdxf.new("R2010", units=6)
+    corners = [(0, 0), (0, 8), (10, 8), (10, 0)]
+    layer = {"layer": "BOUNDARY"}
+    document.modelspace().add_lwpolyline(corners, close=True, dxfattribs=layer)
+    document.saveas(tmp_path / "site.dxf")
+    (tmp_path / "heading.csv").write_text("x,y\n4,3\n4,5\n6,5\n6,3\n")
+    text = FILES.partition("[[region]]")[0].replace("[joint.fault]\nfriction_angle = 15.0\n", "")
+    text = text.replace('file = "site.dxf"\nlayer = "HEADING"', 'file = "heading.csv"')
+    text += '[[joint_set]]\nname = "a"\nangle = 0\nspacing = 2\njoint = "bedding"\n'
+    (tmp_path / "case.toml").write_text(text)
+    found = Case.from_toml(tmp_path / "case.toml").cut()
+    assert found.cut.report.area == pytest.approx(76.0, rel=1e-9)
+    turned = [note for note in found.notes if "ran clockwise and was turned round" in note]
+    assert [note.partition(",")[0] for note in turned] == ["domain", "opening 'heading'"]
+
+
 def test_a_unit_goes_before_that_of_the_drawing(tmp_path: Path):
     drawing(tmp_path / "site.dxf", 6)
     text = FILES.partition("[[opening]]")[0].replace('layer = "b', 'unit = "cm", layer = "b')

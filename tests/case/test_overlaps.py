@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ from clast.model.builder import ModelBuilder
 from clast.run.preflight import examine
 from clast.run.simulate import simulate
 from scenes.brick_wall import listed_wall
+from scenes.common_areas import area_in_common
 
 # GEOS without a grid says that these two have the whole second block in common
 TOUCHING_TO_ROUND_OFF = (
@@ -42,49 +42,6 @@ def built(*loops):
     for loop in loops:
         builder.block(vertices=loop)
     return builder.build()
-
-
-def area_in_common(one, other) -> float:
-    """Return the area that two polygons share, m2: the integral over x of what they share in y.
-
-    Between the abscissas of vertices and crossings the integrand is linear, so that its middle
-    gives it exactly; round-off in the vertices changes it by as little.
-    """
-    one, other = np.asarray(one, float), np.asarray(other, float)
-    abscissas = [*one[:, 0], *other[:, 0]]
-    for a, b in edges(one):
-        for c, d in edges(other):
-            u, v = b - a, d - c
-            det = u[0] * v[1] - u[1] * v[0]
-            if abs(det) > 1e-12 * np.hypot(*u) * np.hypot(*v):
-                s = ((c - a)[0] * v[1] - (c - a)[1] * v[0]) / det
-                if 0.0 < s < 1.0:
-                    abscissas.append((a + s * u)[0])
-    xs = np.unique(abscissas)
-    total = 0.0
-    for left, right in pairwise(xs):
-        middle = 0.5 * (left + right)
-        shared = sum(
-            max(0.0, min(top, upper) - max(low, lower))
-            for low, top in chords(one, middle)
-            for lower, upper in chords(other, middle)
-        )
-        total += (right - left) * shared
-    return total
-
-
-def edges(loop):
-    return list(zip(loop, np.roll(loop, -1, axis=0), strict=True))
-
-
-def chords(loop, x):
-    """Return the intervals of y in which a polygon covers the vertical line at x."""
-    ys = sorted(
-        a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])
-        for a, b in edges(loop)
-        if (a[0] <= x) != (b[0] <= x)
-    )
-    return list(zip(ys[::2], ys[1::2], strict=True))
 
 
 def moved(loop, angle=0.0, scale=1.0, shift=(0.0, 0.0)):

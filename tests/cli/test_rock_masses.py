@@ -14,9 +14,11 @@ from typer.testing import CliRunner
 from clast.case.case_file import Case
 from clast.cli.commands import app
 from clast.results import read_results
-from clast.rockmass.drawings.blocks_out import read_blocks_npz
+from clast.rockmass.drawings.blocks_out import read_blocks_npz, write_blocks_csv, write_blocks_npz
+from clast.rockmass.drawings.dxf_out import write_blocks_dxf
 from scenes import legacy_files
 from scenes.cut_cases import TUNNEL, TWO_SETS
+from scenes.drawn_blocks import rounded, wall
 
 
 def done(*words: str) -> str:
@@ -129,6 +131,82 @@ def test_import_of_legacy_files_with_their_analysis(tmp_path: Path):
     case = Case.from_toml(target)
     assert case.rock["rock-1"].density == 2700.0
     assert case.cut().cut.block_count >= 2
+
+
+def wall_of(path: Path) -> None:
+    """Write a wall whose bricks are rounded to millimetres one by one, one of them clockwise."""
+    vertices, start = wall(5, 4)
+    vertices = rounded(vertices, np.random.default_rng(5), 4e-4)
+    vertices[4:8] = vertices[4:8][::-1]
+    WRITERS[path.suffix](path, vertices, start, ["granite"] * (len(start) - 1))
+
+
+WRITERS = {".csv": write_blocks_csv, ".npz": write_blocks_npz, ".dxf": write_blocks_dxf}
+GIVEN = ("rock.granite={young=5e9, poisson=0.2, density=2000}", "time.step=1e-3", "time.end=1e-2")
+
+
+@pytest.mark.parametrize("ending", WRITERS)
+def test_import_of_finished_blocks(ending: str, tmp_path: Path):
+    """They are put together, each repair is said with its places, and the case is accepted."""
+    wall_of(tmp_path / f"wall{ending}")
+    target = tmp_path / "case.toml"
+    words = ("import", str(tmp_path / f"wall{ending}"), "-o", str(target), "--as", "blocks")
+    text = done(*words, "--tolerance", "0.003")
+    assert "taken over: 22 blocks; rocks granite" in text
+    assert text.count("repair: ") == 3 and "became one: (" in text
+    assert "tolerance 0.003 m: no vertex moved by more than 0.00" in text
+    assert "1 blocks ran clockwise and were turned round: 2" in text
+    blocks = read_blocks_npz(tmp_path / "case-blocks.npz")
+    assert blocks.count == 22
+    case = Case.from_toml(target, GIVEN)
+    assert len(case.model().overlaps.pair) == 0
+    assert "exists already" in refused(*words)
+
+
+def test_import_of_finished_blocks_as_json(tmp_path: Path):
+    wall_of(tmp_path / "wall.npz")
+    target = tmp_path / "case.toml"
+    file = str(tmp_path / "b.csv")
+    words = ("import", str(tmp_path / "wall.npz"), "-o", str(target), "--blocks", file, "--json")
+    content = json.loads(done(*words))
+    assert content["blocks"] == 22 and content["tolerance"] == 0.0015
+    assert {"what", "count", "places"} == set(content["repairs"][0])
+    assert all(0 < len(one["places"]) <= 5 for one in content["repairs"])
+    assert 'file = "b.csv"' in target.read_text("utf-8")
+    assert Case.from_toml(target, GIVEN).model().block_count == 22
+
+
+def test_check_says_what_was_repaired(tmp_path: Path):
+    wall_of(tmp_path / "wall.npz")
+    table = '[[block_file]]\nfile = "wall.npz"\nfixed = [1, 2, 3, 4, 5]\n'
+    head = "schema = 1\n[time]\nstep = 1e-3\nend = 1e-2\n"
+    rock = "[rock.granite]\nyoung = 5e9\npoisson = 0.2\ndensity = 2000.0\n"
+    path = tmp_path / "wall.toml"
+    path.write_text(f"{head}{rock}{table}[repair]\ntolerance = 3e-3\n", encoding="utf-8")
+    text = done("check", str(path))
+    assert "repairs" in text and "became one: (" in text and "turned round" in text
+    content = json.loads(done("check", str(path), "--json"))
+    assert content["repairs"][0]["count"] > 10 and len(content["repairs"][0]["places"]) == 5
+    assert not any("overlap" in one for one in content["warnings"])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("wall.csv", "-o", "a.toml", "--tolerance", "0.3"), "median edge"),
+        (("wall.csv", "-o", "a.toml", "--tolerance", "0"), "no distance"),
+        (("site.dxf", "-o", "a.toml", "--as", "drawing"), "--as blocks"),
+        (("none.npz", "-o", "a.toml"), "no such file"),
+        (("traces.csv", "-o", "a.toml", "--tolerance", "1e-3"), "[domain] has a tolerance"),
+    ],
+)
+def test_blocks_that_cannot_be_imported(words, said, tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("wall.csv", "site.dxf"):
+        wall_of(Path(name))
+    Path("traces.csv").write_text("x1,y1,x2,y2\n0,0,1,1\n")
+    assert said in refused("import", *words)
+    assert not Path("a.toml").exists() and not Path("a-blocks.npz").exists()
 
 
 @pytest.mark.parametrize(

@@ -197,6 +197,31 @@ def test_the_spacing_that_would_do_does():
         cut(replace(SQUARE, most_blocks=count - 1), sets)
 
 
+@pytest.mark.parametrize("trace_length", [1.0, 2.0, 4.0])
+@pytest.mark.parametrize("intensity", [1.0, 2.0, 4.0])
+def test_traces_are_expected_to_make_as_many_blocks_as_they_do(intensity, trace_length):
+    """Euler's formula counts ends that dangle: 1 + lines + crossings would be up to ten times."""
+    sets = [
+        JointSet(
+            name=f"{angle}",
+            model=Baecher(),
+            angle=float(angle),
+            intensity=intensity,
+            trace_length=trace_length,
+        )
+        for angle in (20, 100)
+    ]
+    report = cut(replace(SQUARE, smallest_edge=0.0, smallest_block=0.0), sets).report
+    split = report.rings.count
+    assert abs(report.estimate - report.blocks) <= 0.03 * report.blocks + split + 2
+    lines = sum(one.lines for one in report.sets)
+    assert report.estimate < 1 + lines + report.blocks
+    enough = replace(SQUARE, most_blocks=report.estimate)
+    assert cut(enough, sets).report.estimate == report.estimate
+    with pytest.raises(ModelError, match="blocks are expected, and"):
+        cut(replace(SQUARE, most_blocks=report.estimate - 1), sets)
+
+
 def test_boundaries():
     bow = Domain(boundary=[(0, 0), (10, 10), (10, 0), (0, 10)])
     refused("domain, boundary", "crosses or touches itself at (5, 5)", domain=bow)

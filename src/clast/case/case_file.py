@@ -24,12 +24,13 @@ from clast.case import writing as case_writing
 from clast.case.cutting import CutCase, RockMass
 from clast.case.faults import Fault, case_error, faults_of, refusal
 from clast.case.meanings import explain
-from clast.case.tables.blocks import BlockTable, GeometryTable
+from clast.case.tables.blocks import BlockFileTable, BlockTable, GeometryTable
 from clast.case.tables.ground_motion import GroundMotionTable
 from clast.case.tables.joint_sets import JointSetTable
 from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.measurements import MeasuredPointTable, ReferenceTable
 from clast.case.tables.method import MethodTable
+from clast.case.tables.repair import RepairTable
 from clast.case.tables.rock_mass import (
     BlockPatternTable,
     DomainTable,
@@ -81,6 +82,10 @@ class Case(BaseModel):
     """Blocks by numbered vertices."""
     block: list[BlockTable] = []
     """Blocks by their coordinates."""
+    block_file: list[BlockFileTable] = []
+    """Blocks of files beside the case file."""
+    repair: RepairTable | None = None
+    """Blocks put together that were drawn a little apart."""
     domain: DomainTable | None = None
     """Rock mass that is cut into blocks."""
     joint_set: list[JointSetTable] = []

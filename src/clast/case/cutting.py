@@ -301,16 +301,17 @@ def _outline(source: Any, folder: Path, where: str, notes: list[str]) -> Any:
     """Return the corners that a table gives itself or names a file of, m, (k, 2)."""
     if not isinstance(source, FileTable):
         return source
-    from clast.rockmass.drawings.csv_lines import read_outline
-    from clast.rockmass.drawings.dxf import outline_of_layer
+    from clast.rockmass.drawings.csv_lines import noted_outline
+    from clast.rockmass.drawings.dxf import noted_outline_of_layer
 
     path, layer = folder / source.file, _layer(source, where)
     with _asked_by(where):
         if layer is None:
-            return read_outline(path)
-        found = outline_of_layer(path, layer, _reading(source))
-        notes += _notes(path, layer, source, where)
-        return found
+            found, said = noted_outline(path)
+        else:
+            found, said = noted_outline_of_layer(path, layer, _reading(source))
+    notes += [f"{where}: {note}" for note in said]
+    return found
 
 
 def _lines(table: TraceTable, folder: Path, where: str, notes: list[str]) -> Sequence[Any]:

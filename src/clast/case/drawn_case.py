@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from clast import spelling
+from clast.case.comments import TO_BE_GIVEN, comment, listed
 from clast.case.cutting import CutCase, RockMass
 from clast.case.tables.rock_mass import DomainTable, OpeningTable, RegionTable, TraceTable
 from clast.case.text import to_toml
@@ -28,10 +29,6 @@ from clast.rockmass.drawings.drawing import (
     Segment,
 )
 
-TO_BE_GIVEN = "to be given"
-"""Value of a key that the drawing does not know."""
-WIDTH = 98
-"""Most characters of a line of a comment, where words allow."""
 HELD = "each block that it crosses is held at one point of it: [[fixed_point]] once blocks are cut"
 ROCK = "every block that it crosses is of its rock: draw a [[region]] round them"
 HOLE = "the block with this point in it is removed: draw an [[opening]] round it"
@@ -91,14 +88,14 @@ def cut_of(drawing: Drawing) -> CutCase:
 def _head(drawing: Drawing) -> str:
     """Return where the case is from, what was taken otherwise than given, what was left out."""
     analysis = drawing.analysis
-    lines = [*_comment(f"From {drawing.file}; {drawing.unit_source}. Lengths are metres.")]
+    lines = [*comment(f"From {drawing.file}; {drawing.unit_source}. Lengths are metres.")]
     unknown = [TO_BE_GIVEN] if TO_BE_GIVEN in str((_rocks(drawing), _joints(drawing))) else []
     unknown += [TO_BE_GIVEN] if analysis.step is None else []
     if unknown:
-        lines += _comment(f'Keys with "{TO_BE_GIVEN}" need a number before the case can run.')
-    lines += _listed("Taken otherwise than given:", notes_of(drawing))
+        lines += comment(f'Keys with "{TO_BE_GIVEN}" need a number before the case can run.')
+    lines += listed("Taken otherwise than given:", notes_of(drawing))
     left = left_out_of(drawing)
-    return "\n".join([*lines, *_listed("Not taken over:", [str(one) for one in left])])
+    return "\n".join([*lines, *listed("Not taken over:", [str(one) for one in left])])
 
 
 def notes_of(drawing: Drawing) -> list[str]:
@@ -109,25 +106,6 @@ def notes_of(drawing: Drawing) -> list[str]:
 def left_out_of(drawing: Drawing) -> list[LeftOut]:
     """Return what was not taken over: what no drawing says, and what no case file says."""
     return [*drawing.left_out, *drawing.analysis.left_out, *_unsaid(drawing)]
-
-
-def _comment(text: str, indent: str = "") -> list[str]:
-    """Return a text as lines of comments, broken between words."""
-    words = spelling.visible(" ".join(text.split())).split(" ")
-    lines, line = [], f"# {indent}{words[0]}"
-    for word in words[1:]:
-        if len(line) + 1 + len(word) > WIDTH:
-            lines.append(line)
-            line = f"# {' ' * len(indent)}{word}"
-        else:
-            line += f" {word}"
-    return [*lines, line]
-
-
-def _listed(title: str, items: Iterable[str]) -> list[str]:
-    """Return a title and items as comments; nothing where there are no items."""
-    lines = [line for item in items for line in _comment(item, "- ")]
-    return ["#", f"# {title}", *lines] if lines else []
 
 
 def _unsaid(drawing: Drawing) -> Iterator[LeftOut]:
@@ -278,7 +256,7 @@ def _domain(drawing: Drawing) -> str:
     """Return [domain], with the node distance of a legacy file as a comment."""
     if drawing.boundary is None:
         text = "The file has no outline of the domain: [domain] needs a boundary."
-        return "\n".join(_comment(text))
+        return "\n".join(comment(text))
     text = to_toml({"domain": {"boundary": _list(drawing.boundary), "rock": drawing.boundary_rock}})
     half = drawing.half_height
     if drawing.node_distance is None or half is None:
@@ -359,7 +337,7 @@ def _bolts(drawing: Drawing) -> str:
         for bolt in drawing.bolts
     ]
     tables = to_toml({"bolt_kind": kinds, "bolt": bolts}).strip("\n").split("\n")
-    title = _comment("Bolts, which a case file does not hold yet:")
+    title = comment("Bolts, which a case file does not hold yet:")
     return "\n".join([*title, *(f"# {line}".rstrip() for line in tables)])
 
 

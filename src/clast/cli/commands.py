@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from clast.cli import cases, exports, files, rock_masses, studies
+from clast.cli import cases, exports, files, importing, rock_masses, studies
 from clast.cli.exit_codes import BAD_INPUT, STOPPED, interrupted_by
 from clast.cli.terminal import say
 from clast.errors import ClastError, RunStopped, shortened
@@ -92,7 +92,7 @@ COMMANDS = (
     cases.run,
     cases.check,
     rock_masses.cut,
-    rock_masses.import_,
+    importing.import_,
     files.info,
     files.plot,
     exports.export,

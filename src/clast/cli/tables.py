@@ -10,6 +10,7 @@ from clast.cli.terminal import print_json, print_table, tell
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from clast.model.model import Repair
     from clast.results import Report, Run
     from clast.run.preflight import Sanity
     from clast.studies import Comparison, Deviation
@@ -92,6 +93,11 @@ def _notes_rows(notes: Sequence[str]) -> dict[str, str]:
     return {"chosen by clast": "\n".join(notes)} if notes else {}
 
 
+def repair_rows(repairs: Sequence[Repair]) -> dict[str, str]:
+    """Return what was done to blocks so that they touch as a row of a table, or none."""
+    return {"repairs": "\n".join(map(str, repairs))} if repairs else {}
+
+
 def print_points(points: dict[str, dict[str, Any]]) -> None:
     """Print where the measured points are at the end, if there are any."""
     if not points:
@@ -132,6 +138,7 @@ def sanity_table(sanity: Sanity) -> Table:
         "critdis": f"{sanity.critdis:.4g} m",
         "p h2/m": f"{sanity.stability_number:.4g} "
         f"(without passes at most {sanity.stability_limit:g})",
+        **repair_rows(sanity.repairs),
         **_notes_rows(sanity.notes),
     }
     return two_columns(sanity.title, rows)

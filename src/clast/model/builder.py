@@ -31,6 +31,7 @@ from clast.model.block_input import Entry, Label, ManyBlocks, Names, OneBlock, V
 from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.joint_input import JointEntry, joint_table, joints_of_edges, pairs_of_names
+from clast.model.mending import Mended, Mending
 from clast.model.model import (
     WELD_STRENGTH,
     Bools,
@@ -66,7 +67,8 @@ class ModelBuilder:
     yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
     that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
     ``line_joints`` are joints that lines have whether or not they become edges of blocks;
-    ``notes`` say what was done to the blocks before they came here.
+    ``notes`` say what was done to the blocks before they came here; ``mending`` puts them together
+    where they are drawn a little apart, e.g. ``clast.rockmass.Mender``.
     """
 
     title: str = ""
@@ -76,6 +78,7 @@ class ModelBuilder:
     actions: list[Any] = field(default_factory=list)
     line_joints: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    mending: Mending | None = None
     _rocks: list[Rock] = field(default_factory=list, init=False)
     _joints: list[JointEntry] = field(default_factory=list, init=False)
     _entries: list[Entry] = field(default_factory=list, init=False)
@@ -262,11 +265,12 @@ class ModelBuilder:
             value_checks.check_joint(
                 entry.joint, allow_small_friction_angle=entry.allow_small_friction_angle
             )
-        outlines = self._outlines()
-        polygons = outlines.polygons()
-        clockwise = model_checks.check_polygons(outlines, polygons)
-        edge_joint = self._edge_joint_names(outlines)[outlines.turned_edges(clockwise)]
-        outlines = outlines.turned(clockwise)
+        drawn = self._outlines()
+        clockwise = drawn.area < 0.0
+        edge = drawn.turned_edges(clockwise)
+        mended, polygons = self._mended(drawn, clockwise)
+        outlines, edge = mended.outlines, edge[mended.edge]
+        edge_joint = self._edge_joint_names(drawn)[edge]
         block_rock = self._block_rocks(outlines)
         block_number = {name: number for number, name in enumerate(outlines.names)}
         rock_number = {rock.name: index for index, rock in enumerate(self._rocks)}
@@ -275,7 +279,7 @@ class ModelBuilder:
         overlaps = model_checks.check_overlaps(outlines, polygons)
 
         def places(entries: list[Place]) -> Places:
-            return located(entries, block_number, outlines, polygons)
+            return located(entries, block_number, outlines, polygons, mended.moved)
 
         fixed, measured = places(self._fixed_points), places(self._measured_points)
         points, lines = places(self._point_loads), places(self._line_loads)
@@ -308,8 +312,23 @@ class ModelBuilder:
             ground_motion=self.ground_motion,
             actions=tuple(self.actions),
             overlaps=overlaps,
+            repairs=mended.repairs,
             notes=(*self.notes, *model_checks.turned_note(outlines, clockwise)),
         )
+
+    def _mended(self, drawn: Outlines, clockwise: Bools) -> tuple[Mended, model_checks.Geometries]:
+        """Return the blocks counter-clockwise, put together if that is asked for, and checked."""
+        turned = drawn.turned(clockwise)
+        if self.mending is None:
+            # As they were drawn, so that messages number the vertices as the user does.
+            polygons = drawn.polygons()
+            model_checks.check_polygons(drawn, polygons)
+            edge = np.arange(len(drawn.vertices))
+            return Mended(outlines=turned, edge=edge), polygons
+        mended = self.mending(turned)
+        polygons = mended.outlines.polygons()
+        model_checks.check_polygons(mended.outlines, polygons)
+        return mended, polygons
 
     def _check_names(self) -> None:
         value_checks.check_title(self.title)

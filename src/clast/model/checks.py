@@ -165,8 +165,8 @@ def check_coordinates(outlines: Outlines) -> None:
     )
 
 
-def check_polygons(outlines: Outlines, polygons: Geometries) -> Bools:
-    """Return True for blocks whose loop runs clockwise; refuse loops that are no polygon.
+def check_polygons(outlines: Outlines, polygons: Geometries) -> None:
+    """Refuse loops that are no polygon, whichever way they run.
 
     These are loops with duplicate vertices, without area, or that cross or touch themselves.
     """
@@ -196,7 +196,6 @@ def check_polygons(outlines: Outlines, polygons: Geometries) -> Bools:
         said(lambda block: f"has no area ({abs(area[block]):.3g} m2)"),
         "give it vertices that span an area, or leave the block out",
     )
-    return np.asarray(area < 0.0)
 
 
 def turned_note(outlines: Outlines, clockwise: Bools) -> tuple[str, ...]:
@@ -294,8 +293,8 @@ def _refuse_overlap(
         f"overlaps {outlines.label(pair[1])} to a depth of {depth:.3g} m near "
         f"{point_text(at)}{more}",
         where=outlines.label(pair[0]),
-        remedy="move or cut the blocks so that they touch at most (coordinates rounded too "
-        "coarsely overlap as well: give more digits)",
+        remedy="move or cut the blocks so that they touch at most; where coordinates are rounded, "
+        "[repair] with a tolerance puts neighbours together",
     )
 
 
@@ -321,28 +320,40 @@ def locate(
     named: Ints,
     where: Callable[[int], str],
     outlines: Outlines,
-    polygons: Geometries,
+    tree: shapely.STRtree,
+    moved: float = 0.0,
 ) -> Ints:
     """Return the block that carries each point or line, shape (k,).
 
     ``named`` (k,) holds the block that the user named, -1 where none was; ``where`` gives the
-    label of a shape for messages.
+    label of a shape for messages; ``tree`` is that of the blocks' polygons.  Where vertices have
+    ``moved`` by so much, m, since they were drawn, what no block carries may be so far outside.
     """
     reach = TOUCHING * np.sqrt(np.abs(outlines.area))
-    tree = shapely.STRtree(polygons)
-    near, block = tree.query(shapes, predicate="dwithin", distance=float(reach.max()))
-    inside = shapely.covers(shapely.buffer(polygons[block], reach[block]), shapes[near])
-    near, block = near[inside], block[inside]
-    order = np.lexsort((block, near))
-    near, block = near[order], block[order]
-    carrying = np.split(block, np.searchsorted(near, np.arange(1, len(shapes))))
+    carrying = _carrying(shapes, reach, tree)
+    lacking = [k for k, blocks in enumerate(carrying) if len(blocks) == 0]
+    lacking += [k for k, blocks in enumerate(carrying) if named[k] >= 0 and named[k] not in blocks]
+    if moved > 0.0 and lacking:
+        some = np.unique(lacking)
+        for k, blocks in zip(some, _carrying(shapes[some], reach + moved, tree), strict=True):
+            carrying[k] = blocks
     return np.array(
         [
             _carrier(shapes[k], int(named[k]), blocks, where(k), outlines, tree)
-            for k, blocks in enumerate(carrying[: len(shapes)])
+            for k, blocks in enumerate(carrying)
         ],
         dtype=np.int64,
     )
+
+
+def _carrying(shapes: Geometries, reach: Floats, tree: shapely.STRtree) -> list[Ints]:
+    """Return the blocks that hold each shape, each block widened by ``reach`` (n,), m."""
+    near, block = tree.query(shapes, predicate="dwithin", distance=float(reach.max()))
+    inside = shapely.covers(shapely.buffer(tree.geometries[block], reach[block]), shapes[near])
+    near, block = near[inside], block[inside]
+    order = np.lexsort((block, near))
+    near, block = near[order], block[order]
+    return list(np.split(block, np.searchsorted(near, np.arange(1, len(shapes)))))[: len(shapes)]
 
 
 def _carrier(

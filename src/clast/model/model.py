@@ -202,6 +202,23 @@ class StartOverlaps:
     """Width of their common area, m, shape (k,)."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Repair:
+    """Something that was done to blocks as they were drawn, so that they touch."""
+
+    what: str
+    """What was done, in words."""
+    count: int
+    """How often."""
+    places: tuple[tuple[float, float], ...]
+    """The first places, m."""
+
+    def __str__(self) -> str:
+        places = ", ".join(f"({x:.9g}, {y:.9g})" for x, y in self.places)
+        more = ", ..." if self.count > len(self.places) else ""
+        return f"{self.count} {self.what}: {places}{more}"
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Model:
     """A system of blocks with its materials, supports and loads."""
@@ -250,6 +267,8 @@ class Model:
     """What the ground does: nothing, a body force, or a motion of the fixed points."""
     overlaps: StartOverlaps = field(default_factory=StartOverlaps)
     """Blocks that overlap at the start, as contacts in penetration do."""
+    repairs: tuple[Repair, ...] = ()
+    """What was done to blocks so that they touch, where that was asked for."""
     notes: tuple[str, ...] = ()
     """What was changed of the input, e.g. loops that were turned round."""
 

@@ -44,8 +44,12 @@ def located(
     block_number: dict[str, int],
     outlines: Outlines,
     polygons: Geometries,
+    moved: float,
 ) -> Places:
-    """Return blocks and coordinates about the origin of points or lines."""
+    """Return blocks and coordinates about the origin of points or lines.
+
+    ``moved``, m, is how far vertices may have moved since they were drawn.
+    """
     count = len(entries)
     at, end, load = np.zeros((count, 2)), np.zeros((count, 2)), np.zeros((count, 2))
     named = np.full(count, -1, np.int64)
@@ -71,5 +75,5 @@ def located(
     def where(k: int) -> str:
         return f"{entries[k].label} at {point_text(at[k] + outlines.origin)}"
 
-    block = locate(shapes, named, where, outlines, polygons)
+    block = locate(shapes, named, where, outlines, shapely.STRtree(polygons), moved)
     return Places(block, at, end, load)

@@ -16,6 +16,8 @@ from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern, RunningBond, StackBond
 from clast.rockmass.joints.parallel import CrossJointed, Parallel
 from clast.rockmass.joints.random_lines import Baecher, PoissonLines, Veneziano, Voronoi
+from clast.rockmass.repair.mender import Mender
+from clast.rockmass.repair.repairing import Repaired, RepairReport, repaired
 from clast.rockmass.report import Finding, Report, SetReport, Sizes
 from clast.rockmass.sources import CONSTRUCTION, WELDED
 
@@ -37,12 +39,15 @@ __all__ = [
     "Horseshoe",
     "JointSet",
     "Lognormal",
+    "Mender",
     "Normal",
     "Opening",
     "Parallel",
     "PoissonLines",
     "Polygon",
     "Region",
+    "RepairReport",
+    "Repaired",
     "Report",
     "RunningBond",
     "SetReport",
@@ -56,4 +61,5 @@ __all__ = [
     "Voronoi",
     "apparent",
     "cut",
+    "repaired",
 ]

@@ -32,7 +32,7 @@ class Before:
     limits: Limits
     """Smallest edges and blocks."""
     estimate: int
-    """1 + lines + crossings."""
+    """Blocks that were expected."""
     snapped: Floats
     """Points that were moved to others, m, shape (k, 2)."""
     notes: tuple[str, ...]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 import shapely
@@ -36,36 +37,41 @@ class Anchors:
 
     held: Ints
     """What holds each node: FREE, ON_OUTLINE or CORNER, shape (nn,)."""
-    exact: Floats
-    """Coordinates of each node, m: exact on outlines, on the grid elsewhere, shape (nn, 2)."""
+    places: tuple[Floats, ...]
+    """Where each node may be, m, shapes (nn, 2), the best first: at corners and crossings of the
+    exact outlines, anywhere on them, on the grid."""
 
 
-def anchors(found: Noded, used: Ints, outline: Bools, ends: Floats, grid: Floats) -> Anchors:
+def anchors(found: Noded, used: Ints, rank: Ints, ends: Floats, grid: Floats) -> Anchors:
     """Return which nodes outlines hold, and where these are exactly.
 
     ``used`` are the nodes that edges have left: where an outline is sharp, its corner and the first
-    node beside it may have fallen together.  ``outline`` (n,) marks the lines that are outlines,
-    ``ends`` (n, 2, 2) are all lines and ``grid`` (nn, 2) the nodes on the grid, in m.
+    node beside it may have fallen together.  ``rank`` (n,) is 0 for lines that are no outlines, 1
+    for those between rock and rock, 2 for those of the rock itself: where more outlines than two
+    fall together, nodes are on these.  ``ends`` (n, 2, 2) are all lines and ``grid`` (nn, 2) the
+    nodes on the grid, in m.
     """
     count = len(found.xy)
-    piece, line = found.of[outline[found.of[:, 1]]].T
+    piece, line = found.of[rank[found.of[:, 1]] > 0].T
     node = np.unique(np.stack([found.edge[piece].reshape(-1), np.repeat(line, 2)], axis=1), axis=0)
-    node, line = node[np.isin(node[:, 0], used)].T
-    exact = grid.copy()
+    node = node[np.isin(node[:, 0], used)]
+    # Of the outlines of a node the one of the highest rank is the last.
+    node, line = node[np.lexsort((node[:, 1], rank[node[:, 1]], node[:, 0]))].T
     start, way = ends[line, 0], ends[line, 1] - ends[line, 0]
     share = ((grid[node] - start) * way).sum(axis=1) / (way**2).sum(axis=1)
-    foot = start + np.clip(share, 0.0, 1.0)[:, None] * way
-    exact[node] = foot
+    beside = grid.copy()
+    beside[node] = start + np.clip(share, 0.0, 1.0)[:, None] * way
+    exact = beside.copy()
     held = np.where(np.bincount(node, minlength=count) > 0, ON_OUTLINE, FREE)
     # Of the nodes that two outlines share one is their crossing; the others may move onto it.
-    held[_cross(exact, node, line, ends)] = CORNER
+    held[_cross(exact, node, line, (ends, rank))] = CORNER
     # A node next to an end of an outline's line is its corner.
     for end in (0, 1):
         corner = ends[line, end]
         near = np.abs(corner - grid[node]).max(axis=1) <= 0.5001 * _cell(found, grid)
         exact[node[near]] = corner[near]
         held[node[near]] = CORNER
-    return Anchors(held=held, exact=exact)
+    return Anchors(held=held, places=(exact, beside, grid))
 
 
 def _cell(found: Noded, grid: Floats) -> float:
@@ -74,14 +80,15 @@ def _cell(found: Noded, grid: Floats) -> float:
     return float(np.ptp(grid, axis=0).max() / cells) if cells else 1.0
 
 
-def _cross(exact: Floats, node: Ints, line: Ints, ends: Floats) -> Ints:
-    """Put the nodes next to where two outlines cross onto the crossing; return them, (k,)."""
-    order = np.argsort(node, kind="stable")
-    node, line = node[order], line[order]
-    twice = np.flatnonzero(np.r_[node[1:] == node[:-1], False])
+def _cross(exact: Floats, node: Ints, line: Ints, lines: tuple[Floats, Ints]) -> Ints:
+    """Put the nodes next to where two outlines cross onto the crossing; return them, (k,).
+
+    ``line`` (k,) are outlines of the nodes (k,), by node; ``lines`` all ends and ranks.
+    """
+    ends, rank = lines
     nearest: dict[tuple[int, int], tuple[float, int, Floats]] = {}
-    for k in twice:
-        pair = int(line[k]), int(line[k + 1])
+    for k, other_k in _pairs_of_one(node):
+        pair = int(line[k]), int(line[other_k])
         (a, b), (c, d) = ends[pair[0]], ends[pair[1]]
         one, other = b - a, d - c
         cross = one[0] * other[1] - one[1] * other[0]
@@ -90,9 +97,18 @@ def _cross(exact: Floats, node: Ints, line: Ints, ends: Floats) -> Ints:
             crossing = a + share * one
             gap = float(np.hypot(*(crossing - exact[node[k]])))
             nearest[pair] = min(nearest.get(pair, (np.inf, 0, crossing)), (gap, node[k], crossing))
-    for _, where, crossing in nearest.values():
+    for pair in sorted(nearest, key=lambda both: (rank[both[0]] + rank[both[1]], both)):
+        _, where, crossing = nearest[pair]
         exact[where] = crossing
     return np.array([where for _, where, _ in nearest.values()], np.int64)
+
+
+def _pairs_of_one(node: Ints) -> Iterator[tuple[int, int]]:
+    """Yield all pairs of entries with the same node; ``node`` (k,) is in order."""
+    start = np.flatnonzero(np.r_[True, node[1:] != node[:-1]][: len(node)])
+    end = np.r_[start[1:], len(node)]
+    for first, last in zip(start, end, strict=True):
+        yield from combinations(range(first, last), 2)
 
 
 @dataclass(frozen=True, kw_only=True)

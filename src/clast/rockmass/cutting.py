@@ -129,13 +129,13 @@ def _cut(at: Site, found: Sequence[Table], before: Before) -> Cut:
     ends = np.concatenate([one.ends for one in found])
     table = np.repeat(np.arange(len(found)), [len(one.ends) for one in found])
     names, joint = joints_of(found)
-    outline = _outlines(at, found)[table]
     net = noded(ends / at.grid)
-    graph = _graph(net, joint[table], outline)
+    rank = _ranks(at, found)[table]
+    graph = _graph(net, joint[table], rank > 0)
     graph = graph.only(~_in_one_block(at, graph))
     whole, dangling = _faces(at, graph, before.limits)
     grid = on_grid(net.xy, at)
-    held = block_loops.anchors(net, np.unique(whole.graph.edge), outline, ends + at.origin, grid)
+    held = block_loops.anchors(net, np.unique(whole.graph.edge), rank, ends + at.origin, grid)
     blocks = block_loops.tidied(
         whole.graph,
         held.held,
@@ -143,7 +143,7 @@ def _cut(at: Site, found: Sequence[Table], before: Before) -> Cut:
         before.limits.smallest_edge / at.grid,
         2.0 * before.limits.smallest_block / at.grid**2,
     )
-    vertices = _vertices(blocks, held.exact, grid)
+    vertices = _vertices(blocks, held.places, at.grid)
     work = Work(
         site=at,
         before=before,
@@ -159,10 +159,10 @@ def _cut(at: Site, found: Sequence[Table], before: Before) -> Cut:
     return _assembled(work, names)
 
 
-def _outlines(at: Site, found: Sequence[Table]) -> Bools:
-    """Return which tables are outlines of openings or of the domain, shape (k,)."""
-    count = 1 + sum(one.cut for one in at.openings)
-    return np.arange(len(found)) >= len(found) - count
+def _ranks(at: Site, found: Sequence[Table]) -> Ints:
+    """Return 2 for tables that are outlines of the rock, 1 for those of openings in it, else 0."""
+    cut = [1 + one.excavated for one in at.openings if one.cut]
+    return np.array([*[0] * (len(found) - len(cut) - 1), *cut, 2], np.int64)
 
 
 def _graph(net: Noded, joint: Ints, outline: Bools) -> Graph:
@@ -238,19 +238,29 @@ def on_grid(xy: Ints, at: Site) -> Floats:
     return at.origin + (xy / inverse if whole else xy * at.grid)
 
 
-def _vertices(blocks: block_loops.Tidied, exact: Floats, grid: Floats) -> Floats:
-    """Return the vertices (nv, 2), m: on the exact outlines unless that spoils a block."""
-    place = exact.copy()
+def _vertices(blocks: block_loops.Tidied, places: Sequence[Floats], grid: float) -> Floats:
+    """Return the vertices (nv, 2), m: at the best places that spoil no block.
+
+    What spoils a block are short edges, as a rule: their nodes give way first.
+    """
+    at = np.stack(places)
+    choice = np.zeros(at.shape[1], np.int64)
+    worst = len(places) - 1
     owner = np.repeat(np.arange(len(blocks.group)), np.diff(blocks.start))
+    after = block_loops.following(blocks.start)
     for _ in range(MOST_REVERTS):
-        vertices = place[blocks.node]
+        vertices = at[choice[blocks.node], blocks.node]
         bad = ~block_loops.sound(vertices, blocks.start)
-        nodes = np.unique(blocks.node[bad[owner]])
-        nodes = nodes[(place[nodes] != grid[nodes]).any(axis=1)]
-        if len(nodes) == 0:
+        movable = bad[owner] & (choice[blocks.node] < worst)
+        if not movable.any():
             return vertices
-        place[nodes] = grid[nodes]
-    return grid[blocks.node]
+        short = np.hypot(*(vertices[after] - vertices).T) < block_loops.SHORT * grid
+        short[after] |= short.copy()
+        first = movable & short
+        # Blocks without short edges that can give way do so with all their nodes.
+        rest = movable & ~np.isin(owner, owner[first])
+        choice[np.unique(blocks.node[first | rest])] += 1
+    return at[worst, blocks.node]
 
 
 def _assembled(work: Work, names: tuple[str, ...]) -> Cut:

@@ -7,16 +7,20 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from clast.errors import ModelError
-from clast.model.model import Floats
+from clast.model.model import Bools, Floats, Ints
 from clast.rockmass.joints.distributions import distribution
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.plan import Plan
 from clast.rockmass.sources import Table
 
-ROUGH = 3.0
+ROUGH = 10.0
 """Numbers that are only expected must exceed the limit this often before lines are drawn."""
+QUICK = 100_000.0
+"""So many lines and crossings are drawn and counted at once, whatever the limit is."""
 BRUTE = 3000
 """Up to this many lines all pairs are tried for crossings."""
 
@@ -34,22 +38,23 @@ def check_expected(sets: Sequence[JointSet], plans: Sequence[Plan], most: int) -
             area = min(one.window.area, other.window.area)
             crossings += share * turn * area * one.density * other.density
     total = 1.0 + sum(lines) + crossings
-    if not total <= ROUGH * most:
+    if not total <= max(ROUGH * most, QUICK):
         where = sets[int(np.argmax([plan.density for plan in plans]))]
         raise _too_many(total, most, where)
 
 
 def check_counted(tables: Sequence[Table], sets: Sequence[JointSet], most: int) -> int:
-    """Return 1 + L + X of L lines with X crossings; ModelError where it exceeds ``most``.
+    """Return how many blocks lines make; ModelError where it exceeds ``most``.
 
-    It is the number of blocks that persistent lines make of a convex domain (Euler); traces that
-    end inside blocks make fewer.
+    Euler's formula for L lines with X crossings, B of whose 2 L ends lie on the boundary, in C
+    parts that hang on nothing: 1 + X + B - L + C.  Lines that reach from boundary to boundary make
+    1 + L + X.  It is exact where no three lines meet in a point, but for small blocks that are
+    merged and those in openings.
     """
     # The last table is the boundary, which cuts nothing.
-    inner = tables[:-1]
-    count = sum(0 if one.whole else len(one.ends) for one in inner)
+    inner, boundary = tables[:-1], tables[-1]
     faces = sum(one.faces for one in inner)
-    total = 1 + count + round(faces) + _crossings(inner)
+    total = 1 + round(faces) + _of_lines(inner, boundary)
     if total > most:
         size = [len(one.ends) for one in inner]
         which = int(np.argmax(size))
@@ -78,8 +83,8 @@ def _too_many(total: float, most: int, where: JointSet | str) -> ModelError:
     )
 
 
-def _crossings(tables: Sequence[Table]) -> int:
-    """Return how often lines of tables meet, those of one that makes cells not counted."""
+def _of_lines(tables: Sequence[Table], boundary: Table) -> int:
+    """Return how many blocks more lines make, crossings within cells and courses not counted."""
     if not tables:
         return 0
     ends = np.concatenate([one.ends for one in tables])
@@ -89,19 +94,43 @@ def _crossings(tables: Sequence[Table]) -> int:
     names = {name: k for k, name in enumerate(dict.fromkeys(one.name for one in tables))}
     group = np.array([names[one.name] if one.courses else -k for k, one in enumerate(tables, 1)])
     group = group[table]
+    first, second = _pairs(ends)
+    inside = whole[first] & whole[second] & (group[first] == group[second])
+    free = np.flatnonzero(~whole)
+    # Lines that end at the boundary reach a little beyond it.
+    domain = shapely.polygons(boundary.ends[:, 0])
+    outer = ~shapely.contains_xy(domain, ends[free].reshape(-1, 2)).reshape(-1, 2)
+    parts = _hanging_on_nothing(
+        first, second, whole, np.isin(np.arange(len(ends)), free[outer.any(axis=1)])
+    )
+    return int((~inside).sum()) + int(outer.sum()) - len(free) + parts
+
+
+def _pairs(ends: Floats) -> tuple[Ints, Ints]:
+    """Return the pairs of lines (n, 2, 2) that meet, the lower number first, (k,) each."""
     if len(ends) <= BRUTE:
         first, second = np.triu_indices(len(ends), 1)
         meet = _meeting(ends, first, second)
-        first, second = first[meet], second[meet]
-    else:
-        lines = shapely.linestrings(ends)
-        first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
-        once = first < second
-        first, second = first[once], second[once]
-    return int((~(whole[first] & whole[second] & (group[first] == group[second]))).sum())
+        return first[meet], second[meet]
+    lines = shapely.linestrings(ends)
+    first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
+    once = first < second
+    return first[once], second[once]
 
 
-def _meeting(ends: Floats, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def _hanging_on_nothing(first: Ints, second: Ints, whole: Bools, at_rim: Bools) -> int:
+    """Return how many parts pairs of lines make that touch no boundary, outline, cell or course.
+
+    ``whole`` and ``at_rim`` (n,) mark the lines of those, and the lines that end at the boundary.
+    """
+    count = len(whole)
+    held = np.flatnonzero(whole | at_rim)
+    one, other = np.concatenate([first, held]), np.concatenate([second, np.full(len(held), count)])
+    links = coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count + 1,) * 2)
+    return int(connected_components(links, directed=False)[0]) - 1
+
+
+def _meeting(ends: Floats, first: Ints, second: Ints) -> Bools:
     """Return whether lines (n, 2, 2) of pairs (k,) cross, shape (k,)."""
     a, b = ends[first], ends[second]
 

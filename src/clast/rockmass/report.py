@@ -82,7 +82,7 @@ class Report:
     blocks: int
     """Number of blocks."""
     estimate: int
-    """1 + lines + crossings: the blocks that endless lines in a convex domain would make."""
+    """Blocks that the lines make by Euler's formula, before small ones are merged, holes split."""
     domain_area: float
     """Area of the domain without what is void from the start, m2."""
     area: float

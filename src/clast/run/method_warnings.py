@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NoReturn
 
@@ -98,9 +99,15 @@ def _refuse_overlap(model: Model, stiffness: float, worst: int, count: int) -> N
         f"with normal_stiffness = {stiffness:.3g} a contact would press them apart with "
         f"{stiffness * depth:.3g} N/m, and all blocks weigh {weight_of(model):.3g} N/m",
         where=f"block {named(model, np.array([one]))}",
-        remedy="move or cut the blocks so that they touch at most (coordinates rounded too "
-        "coarsely overlap as well: give more digits)",
+        remedy="move or cut the blocks so that they touch at most; where coordinates are rounded, "
+        f"{_repair_of(depth)} puts neighbours together",
     )
+
+
+def _repair_of(depth: float) -> str:
+    """Return the table of a case that puts together what overlaps by ``depth``, m, at most."""
+    digit = 10.0 ** math.floor(math.log10(depth))
+    return f"[repair] tolerance = {math.ceil(1.5 * depth / digit - 1e-6) * digit:.2g}"
 
 
 def _stress_force(model: Model) -> float:
@@ -120,7 +127,7 @@ def _overlap_warnings(model: Model, method: Method) -> Iterator[str]:
     yield (
         f"blocks {one} and {other} overlap by {depth[worst]:.3g} m at the start{more}: contacts "
         f"press them apart with {force:.3g} N/m. Blocks from the end of a run may; others should "
-        "touch at most: give more digits"
+        f"touch at most: {_repair_of(float(depth[worst]))} puts them together"
     )
 
 

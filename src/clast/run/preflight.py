@@ -13,7 +13,7 @@ from clast.block.inertia import block_frames
 from clast.compute.compilation import working_time
 from clast.contact.detection import detect
 from clast.errors import StepRejected
-from clast.model.model import Bools, Model
+from clast.model.model import Bools, Model, Repair
 from clast.model.state import State, initial_state
 from clast.run.method_warnings import check_overlaps, method_warnings
 from clast.run.model_warnings import model_warnings
@@ -83,6 +83,8 @@ class Sanity:
     """Largest p h2/m with which contacts settle without passes."""
     warnings: tuple[str, ...]
     """Warnings, each with its remedy."""
+    repairs: tuple[Repair, ...]
+    """What was done to blocks so that they touch, each with its first places."""
     notes: tuple[str, ...]
     """What clast changed or chose by itself."""
 
@@ -128,6 +130,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
             *model_warnings(model, schedule.end),
             *method_warnings(model, method, schedule),
         ),
+        repairs=model.repairs,
         notes=(*model.notes, *method.notes),
     )
 

@@ -268,7 +268,7 @@ class _March:
             finished=finished,
             warnings=warnings,
             overlaps=tuple(seen.overlaps.values()),
-            notes=(*model.notes, *method.notes),
+            notes=(*map(str, model.repairs), *model.notes, *method.notes),
         )
 
 

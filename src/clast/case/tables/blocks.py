@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Self
+from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
-from pydantic import StrictBool, StrictInt, StrictStr, model_validator
+from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 
 from clast.case.faults import SHOWN, Fault, refusal
 from clast.case.tables.table import Loop, Motion, Stresses, Table
+from clast.errors import CaseError, ModelError
 from clast.model.builder import ModelBuilder
+
+if TYPE_CHECKING:
+    from clast.rockmass.drawings.blocks import Blocks
 
 
 class LoopTable(Table):
@@ -76,6 +80,60 @@ class GeometryTable(Table):
             values = {name: value for name, value in block if name != "loop"}
             loop = np.array(block.loop, np.int64)
             builder.block(vertices=vertices[loop - 1], **values)
+
+
+class BlockFileTable(Table):
+    """Blocks of a file beside the case file."""
+
+    file: StrictStr
+    """Archive (.npz), table (.csv with block, x, y, and joint and rock if wanted), drawing (.dxf: a
+    closed line a block), or a block file of Shi's programs."""
+    layer: StrictStr | None = None
+    """Layer of a DXF drawing on which the blocks are; all but JOINTS if absent, as their rocks."""
+    unit: StrictStr | None = None
+    """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its heading if absent."""
+    rock: StrictStr | None = None
+    """Rock of all of them; those that the file names if absent."""
+    fixed: list[Annotated[StrictInt, Field(ge=1)]] = Field([])
+    """Numbers in the file, from 1, of blocks that cannot move at all."""
+
+    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
+        """Add the blocks, with joints that hold where edges are welded."""
+        from clast.rockmass import CONSTRUCTION, WELDED
+
+        blocks = self._blocks(folder)
+        beyond = [number for number in self.fixed if number > blocks.count]
+        if beyond:
+            raise ModelError(
+                f"there is no block {beyond[0]}",
+                where=f"block_file '{self.file}', fixed",
+                remedy=f"the file has {blocks.count} blocks, numbered from 1",
+            )
+        held = np.isin(np.arange(1, blocks.count + 1), self.fixed)
+        for name in sorted(set(blocks.edge_joint)):
+            if name == WELDED or name.startswith(CONSTRUCTION):
+                builder.add_weld(name)
+        builder.notes += [f"{self.file}: {note}" for note in blocks.notes]
+        builder.notes += [f"{self.file}: left out: {one}" for one in blocks.left_out[:SHOWN]]
+        builder.blocks(
+            vertices=blocks.vertices,
+            start=blocks.block_start,
+            rock=list(blocks.rock) if self.rock is None else self.rock,
+            fixed=held,
+            edge_joint=blocks.edge_joint,
+        )
+
+    def _blocks(self, folder: Path) -> Blocks:
+        """Return the blocks of the file; its faults are those of the table."""
+        from clast.rockmass.drawings.blocks_in import BlockReading, read_blocks
+        from clast.rockmass.drawings.dxf import DxfReading
+
+        try:
+            reading = BlockReading(dxf=DxfReading(unit=self.unit), layer=self.layer)
+            return read_blocks(folder / self.file, reading)
+        except CaseError as error:
+            place = f"block_file: {error.where}" if error.where else "block_file"
+            raise ModelError(error.what, where=place, remedy=error.remedy) from None
 
 
 class BlockTable(Table):

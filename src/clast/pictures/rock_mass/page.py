@@ -147,7 +147,7 @@ def _summary(report: Report) -> str:
     return (
         f"{report.blocks:,} blocks cover {report.area:.9g} m²; the domain has "
         f"{report.domain_area:.9g} m² of rock, a difference of {abs(report.area_error):.1g} of it. "
-        f"Endless lines in a convex domain would make {report.estimate:,} blocks."
+        f"Before anything was cut, {report.estimate:,} blocks were expected."
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,8 @@ from clast.errors import CaseError
 from clast.rockmass.drawings.drawing import Floats, LeftOut
 
 Ints = NDArray[np.int64]
+NAMED = 10
+"""Most blocks that a note names."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,6 +77,38 @@ def blocks_of(
         remedy = "give vertices, block_start, rock and edge_joint of one system"
         raise CaseError(fault, where=where, remedy=remedy)
     return Blocks(vertices=points, block_start=start, rock=rocks, edge_joint=joints)
+
+
+def counter_clockwise(blocks: Blocks) -> Blocks:
+    """Return blocks all of which run counter-clockwise, with a note on those that did not.
+
+    Turned blocks keep their first vertex, and every edge its joint.
+    """
+    start = blocks.block_start
+    count = np.diff(start)
+    owner = np.repeat(np.arange(blocks.count), count)
+    local = blocks.vertices - blocks.vertices[start[:-1]][owner]
+    after = np.arange(1, len(local) + 1)
+    after[start[1:] - 1] = start[:-1]
+    cross = local[:, 0] * local[after, 1] - local[:, 1] * local[after, 0]
+    clockwise = np.add.reduceat(cross, start[:-1]) < 0.0
+    if not clockwise.any():
+        return blocks
+    entry = np.arange(len(local))
+    within, last = entry - start[owner], start[owner] + start[owner + 1] - 1
+    vertex = np.where(
+        clockwise[owner], start[owner] + (count[owner] - within) % count[owner], entry
+    )
+    edge = np.where(clockwise[owner], last - entry, entry)
+    numbers = np.flatnonzero(clockwise) + 1
+    listed = ", ".join(map(str, numbers[:NAMED])) + (", ..." if len(numbers) > NAMED else "")
+    note = f"{len(numbers)} blocks ran clockwise and were turned round: {listed}"
+    return replace(
+        blocks,
+        vertices=np.ascontiguousarray(blocks.vertices[vertex]),
+        edge_joint=tuple(blocks.edge_joint[k] for k in edge.tolist()),
+        notes=(*blocks.notes, note),
+    )
 
 
 def _uneven(points: Floats, start: Ints, rocks: Sequence[str], joints: Sequence[str]) -> str:

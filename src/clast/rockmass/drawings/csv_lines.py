@@ -98,7 +98,7 @@ def read_csv(path: str | Path) -> Drawing:
     Raises CaseError with the line and the column of what is wrong, and for columns of none of the
     kinds of table.  Columns beside those that are read go to ``left_out``.
     """
-    table = _table(Path(path))
+    table = table_of(Path(path))
     for kind in KINDS:
         if set(kind.needed) <= set(table.columns):
             return kind.read(table, _left_out(table, kind))
@@ -136,18 +136,23 @@ def read_outline(path: str | Path) -> Floats:
 
     Raises CaseError where the file is no outline, or where it crosses itself.
     """
+    return noted_outline(path)[0]
+
+
+def noted_outline(path: str | Path) -> tuple[Floats, tuple[str, ...]]:
+    """Return the outline of a CSV file, and what was taken otherwise than it is given."""
     drawing = read_csv(path)
     if drawing.boundary is None:
         remedy = "an outline has the heading x,y and a row for each corner"
         raise CaseError("is no outline", where=str(path), remedy=remedy)
-    return drawing.boundary
+    return drawing.boundary, drawing.notes
 
 
 # The table ---------------------------------------------------------------------------------------
 
 
-def _table(path: Path) -> CsvTable:
-    """Return the rows of a file by the names of their columns."""
+def table_of(path: Path) -> CsvTable:
+    """Return the rows of a file by the names of their columns; CaseError where it has none."""
     file, text = str(path), text_of(path)
     numbered = [(k, line) for k, line in enumerate(text.split("\n"), 1) if _says(line)]
     if not numbered:

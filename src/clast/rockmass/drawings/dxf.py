@@ -100,7 +100,12 @@ def read_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing:
     path, reading = Path(path), reading or DxfReading()
     content = dxf_content(path, lambda name: bool(role_of(name)[0]), reading.unit, reading.sagitta)
     if not any(role_of(layer)[0] == "boundary" for layer in content.layers):
-        raise _no_layer(content, path, "BOUNDARY", "rename the layer of the outline to BOUNDARY")
+        raise _no_layer(
+            content,
+            path,
+            "BOUNDARY",
+            "rename the layer of the outline to BOUNDARY, or clast import --as blocks",
+        )
     collected = _Collected(path, content, reading)
     for piece in content.pieces:
         role, name = role_of(piece.layer)
@@ -127,6 +132,13 @@ def outline_of_layer(path: str | Path, layer: str, reading: DxfReading | None = 
 
     Raises CaseError where there is no such layer, or where it has not one outline.
     """
+    return noted_outline_of_layer(path, layer, reading)[0]
+
+
+def noted_outline_of_layer(
+    path: str | Path, layer: str, reading: DxfReading | None = None
+) -> tuple[Floats, tuple[str, ...]]:
+    """Return the one closed outline of a layer, and what was taken otherwise than it is drawn."""
     collected = _one_layer(Path(path), layer, reading or DxfReading())
     for piece in collected.content.pieces:
         collected.outlined(piece, layer, "")
@@ -139,7 +151,7 @@ def outline_of_layer(path: str | Path, layer: str, reading: DxfReading | None = 
             where=str(path),
             remedy="put each on a layer of its own",
         )
-    return rings[0].points
+    return rings[0].points, tuple(collected.notes)
 
 
 def notes_of_layer(

@@ -1,0 +1,230 @@
+"""clast import: a case file of a drawing, of finished blocks, or of a file of another program."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from clast.cli.block_writers import BLOCK_WRITERS, writer
+from clast.cli.options import AsJson
+from clast.cli.rock_masses import WRITERS
+from clast.cli.terminal import print_json, tell
+from clast.errors import CaseError
+
+if TYPE_CHECKING:
+    from clast.rockmass.drawings.blocks_in import BlockReading
+    from clast.rockmass.reading import Reading
+
+
+def import_(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE", help="Drawing or blocks: .dxf, .csv, .npz, .xml, Shi's text."
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="Case file to write; it must not exist yet.")
+    ],
+    analysis: Annotated[
+        Path | None,
+        typer.Option("--analysis", metavar="FILE", help="Analysis that goes with a geometry."),
+    ] = None,
+    unit: Annotated[
+        str, typer.Option(metavar="UNIT", help="Unit of a DXF: m, cm, mm, km, in, ft, or metres.")
+    ] = "",
+    mass_unit: Annotated[
+        float, typer.Option(metavar="KG", help="Kilograms in the unit of mass: 1000 for t and kN.")
+    ] = 1.0,
+    blocks: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Write the blocks: .dxf, .csv or .npz. A drawing is cut for it; finished blocks "
+            "go to an .npz beside the case if absent.",
+        ),
+    ] = None,
+    taken_as: Annotated[
+        Literal["drawing", "blocks"] | None,
+        typer.Option(
+            "--as",
+            help="What closed lines are: outlines of a drawing that is cut, or finished blocks "
+            "(archives and tables of blocks always are).",
+        ),
+    ] = None,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            metavar="M",
+            help="What is nearer than this, m, is put together: corners and edges of blocks, ends "
+            "of outlines in a DXF.",
+        ),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Make a case file of a drawing, of finished blocks, or of a file of another program."""
+    from clast.rockmass.drawings.blocks_in import BlockReading, has_blocks
+    from clast.rockmass.drawings.dxf import DxfReading
+    from clast.rockmass.reading import Reading
+
+    if blocks is not None:
+        writer(blocks, BLOCK_WRITERS)
+    _check_target(output)
+    dxf = DxfReading(unit=_length(unit), tolerance=tolerance)
+    if taken_as == "blocks" or (taken_as is None and has_blocks(file)):
+        target = blocks or output.with_name(f"{output.stem}-blocks.npz")
+        _check_new(target)
+        done = _blocks(file, BlockReading(dxf=dxf, near=tolerance), tolerance, (output, target))
+    else:
+        _check_tolerance(file, tolerance)
+        reading = Reading(dxf=dxf, mass_unit=mass_unit)
+        done = _drawing(file, analysis, reading, (output, blocks))
+    if as_json:
+        print_json(done.content)
+        return
+    tell(f"taken over: {done.taken}")
+    for line in done.lines:
+        tell(line)
+    if blocks is not None or done.blocks is not None:
+        tell(f"blocks: {done.blocks}")
+    tell(f"wrote {output}; next: {_next(done.text, output)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Imported:
+    """What was made of a file."""
+
+    text: str
+    """Text of the case."""
+    taken: str
+    """What was taken over."""
+    lines: tuple[str, ...]
+    """Repairs, notes, and what was left out."""
+    blocks: Path | None
+    """File that the blocks were written to."""
+    content: dict[str, Any]
+    """All of that, for JSON."""
+
+
+def _drawing(
+    file: Path, analysis: Path | None, reading: Reading, targets: tuple[Path, Path | None]
+) -> Imported:
+    """Make a case of a drawing, and blocks where a file for them is named."""
+    from clast.case.drawn_case import case_text, cut_of, left_out_of, notes_of
+    from clast.rockmass.reading import read_drawing
+
+    output, blocks = targets
+    drawing = read_drawing(file, analysis, reading)
+    text = case_text(drawing)
+    if blocks is not None:
+        writer(blocks, WRITERS)(blocks, cut_of(drawing))
+    output.write_text(text, encoding="utf-8")
+    counted = {
+        "outline of the domain": int(drawing.boundary is not None),
+        "traces": len(drawing.traces),
+        "openings": len(drawing.openings),
+        "regions": len(drawing.regions),
+        "fixed points": len(drawing.fixed_points),
+        "measured points": len(drawing.measured_points),
+    }
+    listed = ", ".join(f"{what} {count}" for what, count in counted.items() if count)
+    notes, left = notes_of(drawing), [str(one) for one in left_out_of(drawing)]
+    return Imported(
+        text=text,
+        taken=f"{listed or 'nothing'} ({drawing.unit_source})",
+        lines=(*(f"note: {one}" for one in notes), *(f"left out: {one}" for one in left)),
+        blocks=blocks,
+        content={
+            "file": str(file),
+            "unit": drawing.unit_source,
+            **counted,
+            "notes": notes,
+            "left_out": left,
+            "blocks": None if blocks is None else str(blocks),
+            "output": str(output),
+        },
+    )
+
+
+def _blocks(
+    file: Path, reading: BlockReading, tolerance: float | None, targets: tuple[Path, Path]
+) -> Imported:
+    """Make a case of finished blocks, which are put together and kept beside it."""
+    from clast.case.drawn_blocks import blocks_text, put_together
+    from clast.rockmass.drawings.blocks_in import read_blocks
+
+    output, blocks = targets
+    drawn = put_together(read_blocks(file, reading), file, tolerance)
+    arrays = {
+        "vertices": drawn.blocks.vertices,
+        "block_start": drawn.blocks.block_start,
+        "rock": drawn.blocks.rock,
+        "edge_joint": drawn.blocks.edge_joint,
+    }
+    writer(blocks, BLOCK_WRITERS)(blocks, arrays)
+    text = blocks_text(drawn, Path(os.path.relpath(blocks, output.absolute().parent)).as_posix())
+    output.write_text(text, encoding="utf-8")
+    content = drawn.as_dict()
+    named = {"rocks": list(content["rocks"]), "joints": content["joints"]}
+    listed = "; ".join(f"{what} {', '.join(names)}" for what, names in named.items() if names)
+    repairs = [f"repair: {one}" for one in drawn.repairs] or ["repair: nothing to put together"]
+    moved = f"tolerance {drawn.tolerance:.3g} m: no vertex moved by more than "
+    return Imported(
+        text=text,
+        taken=f"{drawn.blocks.count} blocks; {listed}",
+        lines=(
+            *repairs,
+            f"{moved}{drawn.largest_movement:.3g} m",
+            *(f"note: {one}" for one in content["notes"]),
+            *(f"left out: {one}" for one in content["left_out"]),
+        ),
+        blocks=blocks,
+        content={**content, "written": str(blocks), "output": str(output)},
+    )
+
+
+def _next(text: str, output: Path) -> str:
+    """Return what is to be done with a case that was imported."""
+    from clast.case.comments import TO_BE_GIVEN
+
+    if f'"{TO_BE_GIVEN}"' in text.partition("[")[2]:
+        return f'give the numbers that are "{TO_BE_GIVEN}" there, then clast check {output}'
+    return f"clast check {output}"
+
+
+def _length(unit: str) -> str | float | None:
+    """Return a unit as its symbol or as a number of metres."""
+    try:
+        return float(unit)
+    except ValueError:
+        return unit or None
+
+
+def _check_target(path: Path) -> None:
+    """Refuse to write over a case, and into folders that are not there."""
+    _check_new(path)
+    if not path.absolute().parent.is_dir():
+        raise CaseError("its folder does not exist", where=str(path), remedy="make it first")
+    if path.suffix.casefold() != ".toml":
+        raise CaseError("is no name of a case file", where=str(path), remedy="let it end in .toml")
+
+
+def _check_tolerance(file: Path, tolerance: float | None) -> None:
+    """Refuse a tolerance for drawings in which nothing is put together by one."""
+    if tolerance is not None and file.suffix.casefold() != ".dxf":
+        raise CaseError(
+            f"{file.name} is a drawing without outlines of single lines",
+            where="--tolerance",
+            remedy="leave it out: [domain] has a tolerance of its own; finished blocks are "
+            "imported with --as blocks",
+        )
+
+
+def _check_new(path: Path) -> None:
+    """Refuse a file that is there already."""
+    if path.exists() or path.is_symlink():
+        raise CaseError("exists already", where=str(path), remedy="choose another name")

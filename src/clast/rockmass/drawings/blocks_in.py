@@ -1,0 +1,212 @@
+"""Finished blocks in: archives, tables and drawings of closed lines.
+
+| file | what is a block |
+| --- | --- |
+| .npz | what ``write_blocks_npz`` wrote |
+| .csv | rows of one ``block`` in their order: block, x, y [, joint [, rock]] [, vertex] |
+| .dxf | a closed line on any layer but JOINTS; its rock is the layer's name |
+| any other | a block of Shi's block file |
+
+Lines on the layers JOINTS and JOINTS_name of a DXF are the joints of the edges that lie on them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from clast.errors import CaseError
+from clast.rockmass.drawings.blocks import Blocks, blocks_of, counter_clockwise
+from clast.rockmass.drawings.blocks_out import read_blocks_npz
+from clast.rockmass.drawings.csv_lines import CsvTable, Row, table_of
+from clast.rockmass.drawings.drawing import DEFAULT_JOINT, DEFAULT_ROCK, Floats, LeftOut
+from clast.rockmass.drawings.dxf import DxfReading, role_of
+from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
+from clast.rockmass.drawings.loops import without_repeats
+from clast.rockmass.legacy.shi_blocks import read_shi_blocks
+
+READ = ("block", "vertex", "x", "y", "joint", "rock")
+"""Columns of a table of blocks."""
+ALONG = 1e-6
+"""Edges this near to a drawn joint lie on it, as a share of the drawing's diagonal."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockReading:
+    """How blocks are read, as far as the kind of file asks."""
+
+    dxf: DxfReading = field(default_factory=DxfReading)
+    layer: str | None = None
+    """Layer of a DXF on which the blocks are, case-blind; all but JOINTS if absent."""
+    near: float | None = None
+    """Edges this near to a joint of a DXF lie on it, m; ALONG of the diagonal if absent."""
+
+
+def read_blocks(path: str | Path, reading: BlockReading | None = None) -> Blocks:
+    """Return the blocks of a file, m, counter-clockwise: .npz, .csv, .dxf, else Shi's block file.
+
+    Blocks that run clockwise are turned round, and noted.  Raises CaseError for files that hold no
+    blocks, naming the line or the entity.
+    """
+    path, how = Path(path), reading or BlockReading()
+    return counter_clockwise(READERS.get(path.suffix.casefold(), _shi)(path, how))
+
+
+def _shi(path: Path, _: BlockReading) -> Blocks:
+    return read_shi_blocks(path)
+
+
+def has_blocks(path: Path) -> bool:
+    """Return whether a file can only hold finished blocks: an archive, or a table of blocks."""
+    ending = path.suffix.casefold()
+    return ending == ".npz" or (ending == ".csv" and "block" in table_of(path).columns)
+
+
+# Tables ------------------------------------------------------------------------------------------
+
+
+def read_blocks_csv(path: str | Path) -> Blocks:
+    """Return the blocks of a CSV file with the columns block, x, y, m; joint and rock if given.
+
+    The rows of a block stand together, in the order of its vertices; the joint is that of the edge
+    to the next vertex, the rock that of the block's first row.
+    """
+    table = table_of(Path(path))
+    missing = [name for name in ("block", "x", "y") if name not in table.columns]
+    if missing:
+        raise CaseError(
+            f"has no column {', '.join(missing)}",
+            where=f"{table.file}: its heading",
+            remedy="a table of blocks has the columns block, x, y and may have joint and rock",
+        )
+    rows = table.rows
+    names = [row.text("block") for row in rows]
+    first = [k for k, name in enumerate(names) if k == 0 or name != names[k - 1]]
+    _check_together(rows, names, first)
+    points = np.array([(row.number("x"), row.number("y")) for row in rows])
+    rocks = [rows[k].text("rock", DEFAULT_ROCK) for k in first]
+    joints = [row.text("joint") for row in rows]
+    found = blocks_of(points, [*first, len(rows)], rocks, joints, table.file)
+    return replace(found, notes=table.notes, left_out=_spare(table))
+
+
+def _check_together(rows: tuple[Row, ...], names: list[str], first: list[int]) -> None:
+    """Refuse rows without a block, and blocks whose rows stand apart or are too few."""
+    seen: set[str] = set()
+    for number, k in enumerate(first):
+        count = (first[number + 1] if number + 1 < len(first) else len(rows)) - k
+        faults = {
+            "names no block": not names[k],
+            f"goes on with block {names[k]}, whose rows ended before": names[k] in seen,
+            f"block {names[k]} has {count} vertices, and a block at least 3": count < 3,
+        }
+        for fault, there in faults.items():
+            if there:
+                remedy = "let the vertices of a block follow each other, a row for each"
+                raise CaseError(fault, where=f"{rows[k].where}, column block", remedy=remedy)
+        seen.add(names[k])
+
+
+def _spare(table: CsvTable) -> tuple[LeftOut, ...]:
+    """Return the columns that are not read."""
+    return tuple(
+        LeftOut(
+            what=f"column {name}",
+            place=f"{table.file}: its heading",
+            reason="a table of blocks has no such column",
+        )
+        for name in table.columns
+        if name not in READ
+    )
+
+
+# Drawings ----------------------------------------------------------------------------------------
+
+
+def read_blocks_dxf(path: str | Path, reading: BlockReading | None = None) -> Blocks:
+    """Return the closed lines of a DXF as blocks, m, of the rock that their layer names."""
+    path, how = Path(path), reading or BlockReading()
+    asked = None if how.layer is None else how.layer.strip().casefold()
+    content = dxf_content(path, lambda _: True, how.dxf.unit, how.dxf.sagitta)
+    loops: list[Floats] = []
+    rocks: list[str] = []
+    lines: list[tuple[Floats, str]] = []
+    left = [*content.left_out, *content.elsewhere]
+    for piece in content.pieces:
+        points = _flat(piece, content)
+        role, name = role_of(piece.layer)
+        if role == "joints":
+            lines.append((points, name or DEFAULT_JOINT))
+        elif asked is not None and piece.layer.strip().casefold() != asked:
+            left.append(_left(piece, f"the blocks are on the layer {how.layer}"))
+        elif _closed(piece, points):
+            loops.append(points)
+            rocks.append(DEFAULT_ROCK if asked is not None else piece.layer.strip())
+        else:
+            left.append(_left(piece, "a block is a closed line of at least 3 corners"))
+    if not loops:
+        raise CaseError(
+            f"has no closed line{'' if asked is None else f' on the layer {how.layer}'}",
+            where=str(path),
+            remedy=f"draw each block as one; the layers are: {', '.join(content.layers[:20])}",
+        )
+    found = blocks_of(
+        np.concatenate(loops), np.cumsum([0, *map(len, loops)]), rocks, where=str(path)
+    )
+    notes = (content.unit_source, *(n for n in content.notes if n != content.unit_source))
+    joints = _joints(found, lines, how.near)
+    return replace(found, edge_joint=joints, notes=notes, left_out=tuple(left))
+
+
+def _flat(piece: Piece, content: DxfContent) -> Floats:
+    """Return the corners of a piece, m, without repeats, shape (n, 2)."""
+    points = without_repeats(piece.points[:, :2] * content.unit, 0.0)
+    closes = len(points) > 2 and (points[0] == points[-1]).all() and role_of(piece.layer)[0] == ""
+    return points[:-1] if closes else points
+
+
+def _closed(piece: Piece, points: Floats) -> bool:
+    """Return whether a piece runs round something."""
+    ends = len(piece.points) > 2 and (piece.points[0] == piece.points[-1]).all()
+    return len(points) >= 3 and (piece.closed or bool(ends))
+
+
+def _left(piece: Piece, reason: str) -> LeftOut:
+    return LeftOut(what=piece.kind, place=f"{piece.place} on layer {piece.layer}", reason=reason)
+
+
+def _joints(blocks: Blocks, lines: list[tuple[Floats, str]], near: float | None) -> tuple[str, ...]:
+    """Return the joint of each edge: that of the line that both its ends lie on, shape (nv,)."""
+    joints = np.full(len(blocks.vertices), "", object)
+    drawn = [(line, name) for line, name in lines if len(line) > 1]
+    if not drawn:
+        return tuple(joints)
+    origin = np.floor(blocks.vertices.min(axis=0))
+    at = blocks.vertices - origin
+    reach = ALONG * float(np.hypot(*np.ptp(at, axis=0))) if near is None else near
+    after = np.arange(1, len(at) + 1)
+    after[blocks.block_start[1:] - 1] = blocks.block_start[:-1]
+    pieces = np.concatenate([np.stack([p[:-1], p[1:]], axis=1) for p, _ in drawn]) - origin
+    names = [name for p, name in drawn for _ in range(len(p) - 1)]
+    segments = shapely.linestrings(pieces)
+    middle, line = shapely.STRtree(segments).query(
+        shapely.points(0.5 * (at + at[after])), predicate="dwithin", distance=reach
+    )
+    on = np.ones(len(middle), np.bool_)
+    for end in (at, at[after]):
+        on &= shapely.dwithin(segments[line], shapely.points(end[middle]), reach)
+    for k, number in zip(middle[on].tolist(), line[on].tolist(), strict=True):
+        joints[k] = names[number]
+    return tuple(joints.tolist())
+
+
+READERS: dict[str, Callable[[Path, BlockReading], Blocks]] = {
+    ".npz": lambda path, _: read_blocks_npz(path),
+    ".csv": lambda path, _: read_blocks_csv(path),
+    ".dxf": read_blocks_dxf,
+}
+"""Ending of a file's name -> who reads its blocks; any other is a block file of Shi."""

@@ -1,0 +1,1 @@
+"""Finished blocks put together: near vertices made one, vertices near an edge put onto it."""

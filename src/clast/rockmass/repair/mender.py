@@ -1,0 +1,43 @@
+"""The repair of blocks as a ModelBuilder takes it: ``builder.mending = Mender(tolerance=1e-3)``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from clast.model.checks import Outlines
+from clast.model.mending import Mended
+from clast.model.model import Repair
+from clast.rockmass.repair.repairing import RepairReport, repaired
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mender:
+    """Puts the blocks of a ModelBuilder together where they are nearer than a tolerance."""
+
+    tolerance: float
+    """Distance within which things are meant to touch, m."""
+
+    def __call__(self, outlines: Outlines) -> Mended:
+        """Return the blocks as they are meant, and what was done."""
+        found = repaired(outlines.vertices, outlines.start, self.tolerance, outlines.label)
+        vertices = np.ascontiguousarray(found.vertices)
+        return Mended(
+            outlines=replace(outlines, start=found.start, vertices=vertices),
+            edge=found.edge,
+            moved=found.report.largest_movement,
+            repairs=repairs_of(found.report, tuple(outlines.origin.tolist())),
+        )
+
+
+def repairs_of(report: RepairReport, origin: tuple[float, ...] = (0.0, 0.0)) -> tuple[Repair, ...]:
+    """Return what was done as a model lists it; places are about an origin, m."""
+    return tuple(
+        Repair(
+            what=what,
+            count=one.count,
+            places=tuple((x + origin[0], y + origin[1]) for x, y in one.places),
+        )
+        for what, one in report.changes.items()
+    )
