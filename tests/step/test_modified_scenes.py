@@ -11,14 +11,20 @@ from clast.block import polygon
 from clast.case.case_file import Case
 from clast.errors import RunStopped
 from clast.results import Run
+from scenes.brick_wall import listed_wall
 
 CASES = Path(__file__).parents[2] / "cases"
 
 
-def run(name: str, process: str, integrator: str, stiffness: str, *settings: str) -> Run:
-    """Run a case of the cases folder with the process, scheme and stiffness given."""
+WALL = listed_wall(8, 10)
+"""Bricks of 1 m x 0.5 m in running bond."""
+HEAP = CASES / "heap.toml"
+
+
+def run(case: Path | str, process: str, integrator: str, stiffness: str, *settings: str) -> Run:
+    """Run a case, in a file or as text, with the process, scheme and stiffness given."""
     return Case.from_toml(
-        CASES / name,
+        case,
         [
             f"method.process={process}",
             f'method.integrator="{integrator}"',
@@ -37,7 +43,7 @@ def area_error(done: Run) -> float:
 @pytest.mark.parametrize("integrator", ["constant-acceleration", "backward-euler"])
 def test_brick_wall_runs_to_the_end(integrator: str) -> None:
     # p h2/m = 4; at twice that, beyond the limit of 6, round-off decides what becomes of the wall
-    done = run("wall.toml", '{name="modified", passes=6}', integrator, "5e8", "time.end=0.2")
+    done = run(WALL, '{name="modified", passes=6}', integrator, "5e8", "time.end=0.2")
     assert done.report.finished
     assert area_error(done) < 1e-3
     assert np.isfinite(done.state.vertices).all() and np.isfinite(done.state.stress).all()
@@ -48,7 +54,7 @@ def test_brick_wall_runs_to_the_end(integrator: str) -> None:
 @pytest.mark.parametrize("integrator", ["constant-acceleration", "backward-euler"])
 def test_heap_of_64_falling_squares_runs_to_the_end(integrator: str) -> None:
     settings = ("time.end=1.2", "time.step=2e-3", "time.max_displacement=0.02")
-    done = run("heap.toml", '{name="modified", passes=6}', integrator, "5e8", *settings)
+    done = run(HEAP, '{name="modified", passes=6}', integrator, "5e8", *settings)
     assert done.report.finished
     assert done.report.largest_contacts > 60
     assert area_error(done) < 1e-3
@@ -57,7 +63,7 @@ def test_heap_of_64_falling_squares_runs_to_the_end(integrator: str) -> None:
 
 def test_one_pass_that_cannot_says_so_and_keeps_what_it_has() -> None:
     with pytest.raises(RunStopped) as stopped:
-        run("wall.toml", '"modified"', "constant-acceleration", "2e10", "time.end=0.5")
+        run(WALL, '"modified"', "constant-acceleration", "2e10", "time.end=0.5")
     kept = stopped.value.run
     assert isinstance(kept, Run)
     assert 0.0 < kept.state.time < 0.5
