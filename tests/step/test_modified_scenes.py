@@ -16,7 +16,7 @@ from scenes.brick_wall import listed_wall
 CASES = Path(__file__).parents[2] / "cases"
 
 
-WALL = listed_wall(8, 10)
+WALL = listed_wall(10, 10)
 """Bricks of 1 m x 0.5 m in running bond."""
 HEAP = CASES / "heap.toml"
 
