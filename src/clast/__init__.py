@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from clast.model.ground_motion import Accelerogram as Accelerogram
     from clast.model.ground_motion import InertialForce as InertialForce
     from clast.model.ground_motion import MovingBase as MovingBase
+    from clast.model.in_situ import InSituStress as InSituStress
+    from clast.model.in_situ import Overburden as Overburden
     from clast.model.model import Joint as Joint
     from clast.model.model import Model as Model
     from clast.model.model import PlaneStrain as PlaneStrain
@@ -62,6 +64,8 @@ HOME = {
     "InertialForce": "clast.model.ground_motion",
     "MovingBase": "clast.model.ground_motion",
     "Method": "clast.step.method",
+    "InSituStress": "clast.model.in_situ",
+    "Overburden": "clast.model.in_situ",
     "Joint": "clast.model.model",
     "Model": "clast.model.model",
     "PlaneStrain": "clast.model.model",

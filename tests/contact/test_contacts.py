@@ -29,8 +29,12 @@ def near(found, wanted, share=1e-12, *, beside=0.0):
 def answer(gap, slip, p, k, joint, memory):
     """Return what one contact answers, case by case."""
     friction, cohesion, tensile_strength, length = joint
-    bonded, shear_force, multiplier, base = memory
-    trial, tension, given = multiplier - p * gap, tensile_strength * length, not np.isnan(base)
+    bonded, shear_force, multiplier, rest, base = memory
+    trial, tension, given = (
+        rest + multiplier - p * gap,
+        tensile_strength * length,
+        not np.isnan(base),
+    )
     bears = trial > -tension or (given and trial == -tension)
     if not bears and tension == 0.0 and not given:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0, bonded, 0.0, 0.0
@@ -60,6 +64,7 @@ def test_contacts_answer_case_by_case(count):
         rng.random(count) < 0.5,
         rng.choice([0.0, 1e3], count) * rng.normal(size=count),
         rng.choice([0.0, 1e4], count),
+        rng.choice([0.0, 0.0, 2e4, -3e3], count),
         rng.choice([np.nan, 0.0, 1e4], count),
     )
     of_joints = rng.choice([np.nan, 3e8, 5e9], (2, count))

@@ -158,6 +158,7 @@ def test_overlap_that_contacts_know_is_not_told(known, seen):
         normal_force=np.ones(2),
         shear_force=np.zeros(2),
         multiplier=np.zeros(2),
+        rest_force=np.zeros(2),
         mode=np.ones(2, np.int64),
         bonded=np.zeros(2, np.bool_),
     )
@@ -208,6 +209,7 @@ def test_blocks_across_a_corner_may_give_way_to_their_neighbours(share, told):
         normal_force=none,
         shear_force=none,
         multiplier=none,
+        rest_force=none,
         mode=np.zeros(len(rows), np.int64),
         bonded=np.zeros(len(rows), np.bool_),
     )

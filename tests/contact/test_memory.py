@@ -28,6 +28,7 @@ def memory_of(rows):
         normal_force=zero,
         shear_force=np.arange(len(table)) + 1.0,
         multiplier=zero,
+        rest_force=zero,
         mode=zero.astype(np.int64),
         bonded=zero.astype(np.bool_),
     )

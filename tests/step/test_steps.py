@@ -312,6 +312,7 @@ def remembered(depth, vertex=4):
         normal_force=np.ones(1),
         shear_force=np.zeros(1),
         multiplier=np.zeros(1),
+        rest_force=np.zeros(1),
         mode=np.ones(1, np.int64),
         bonded=np.zeros(1, np.bool_),
     )

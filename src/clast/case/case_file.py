@@ -26,6 +26,7 @@ from clast.case.faults import Fault, case_error, faults_of, refusal
 from clast.case.meanings import explain
 from clast.case.tables.blocks import BlockFileTable, BlockTable, GeometryTable
 from clast.case.tables.ground_motion import GroundMotionTable
+from clast.case.tables.in_situ import InSituTable
 from clast.case.tables.joint_sets import JointSetTable
 from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.measurements import MeasuredPointTable, ReferenceTable
@@ -104,6 +105,8 @@ class Case(BaseModel):
     """Forces at points."""
     line_load: list[LineLoadTable] = []
     """Tractions along lines."""
+    in_situ: InSituTable | None = None
+    """Stress in the rock before anything is dug."""
     ground_motion: GroundMotionTable | None = None
     """Earthquake or shaking table."""
     measured_point: list[MeasuredPointTable] = []

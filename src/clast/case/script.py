@@ -27,6 +27,7 @@ from clast import spelling
 from clast.case.case_file import PLANES, Case
 from clast.case.tables.blocks import BlockTable
 from clast.case.tables.ground_motion import GROUND_MOTIONS, GroundMotionTable
+from clast.case.tables.in_situ import in_situ_keys
 from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.measurements import MeasuredPointTable
 from clast.case.tables.method import MethodTable
@@ -151,6 +152,7 @@ class ModelBuilder(model_builder.ModelBuilder):
                 table_of(MeasuredPointTable, {"name": name, "at": p.at, "block": p.block})
                 for name, p in zip(self._measured_names, self._measured_points, strict=True)
             ],
+            "in_situ": in_situ_keys(self.in_situ),
             "ground_motion": _ground_motion(self.ground_motion),
         }
         return {key: value for key, value in content.items() if value}

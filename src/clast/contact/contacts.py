@@ -63,6 +63,8 @@ class Contacts:
     """Remembered normal force, N/m, shape (m,)."""
     multiplier: Floats
     """Remembered Lagrange multiplier, N/m, shape (m,)."""
+    rest_force: Floats
+    """Normal force at zero gap that was there at the start of the run, N/m, shape (m,)."""
     mode: Ints
     """Remembered mode: 0 open, 1 slide, 2 lock, shape (m,)."""
     friction_base: Floats
@@ -117,7 +119,7 @@ class ContactResponse:
 class SpringLimits:
     """Linear springs with bounds: what a law offers whose forces are clipped straight lines.
 
-    N = max(-tension, multiplier - p gap), T = shear_force - k slip within +-strength.
+    N = max(-tension, rest_force + multiplier - p gap), T = shear_force - k slip within +-strength.
     """
 
     normal_stiffness: Floats

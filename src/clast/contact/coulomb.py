@@ -32,12 +32,13 @@ def strengths_of(contacts: Contacts) -> tuple[Floats, Floats, Floats, Floats]:
     return contacts.friction, contacts.cohesion, contacts.tensile_strength, contacts.length
 
 
-def memory_of(contacts: Contacts) -> tuple[Any, Floats, Floats, Floats]:
-    """Return bonds, T_old, multipliers and the N that bounds friction, (m,) each, for kernels.
+def memory_of(contacts: Contacts) -> tuple[Any, Floats, Floats, Floats, Floats]:
+    """Return bonds, T_old, multipliers, rest forces and the N that bounds friction, for kernels.
 
-    The last, N/m, is nan where friction is bounded by the normal force of the moment.
+    (m,) each.  The last, N/m, is nan where friction is bounded by the normal force of the moment.
     """
-    return contacts.bonded, contacts.shear_force, contacts.multiplier, contacts.friction_base
+    forces = contacts.shear_force, contacts.multiplier, contacts.rest_force
+    return contacts.bonded, *forces, contacts.friction_base
 
 
 def nothing_found(count: int) -> Found:
@@ -114,7 +115,7 @@ def answer_with_friction(first, last, slip, k, strengths, memory, found):
     """
     k_of_law, k_of_joint = k
     friction, cohesion, tensile_strength, length = strengths
-    bonded, shear_force, _, friction_base = memory
+    bonded, shear_force, _, _, friction_base = memory
     normal, shear, _, ks, coupling, mode, intact, energy, loss = found
     for c in range(first, last):
         bears = normal[c] != 0.0

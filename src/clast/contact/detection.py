@@ -142,9 +142,9 @@ def _carried(
     """
     count = len(row)
     known, bonded, mode = np.empty(count, np.bool_), np.empty(count, np.bool_), np.empty_like(row)
-    shear, normal, multiplier = np.empty(count), np.empty(count), np.empty(count)
-    forces = memory.shear_force, memory.normal_force, memory.multiplier
-    carried = known, bonded, mode, shear, normal, multiplier
+    shear, normal, multiplier, rest = (np.empty(count) for _ in range(4))
+    forces = memory.shear_force, memory.normal_force, memory.multiplier, memory.rest_force
+    carried = known, bonded, mode, shear, normal, multiplier, rest
     _carry(count, row, gap, bond_reach, (memory.bonded, memory.mode, *forces), carried)
     friction, cohesion, tensile_strength = table.strengths
     return {
@@ -153,6 +153,7 @@ def _carried(
         "shear_force": shear,
         "normal_force": normal,
         "multiplier": multiplier,
+        "rest_force": rest,
         "mode": mode,
         "friction": friction.take(joint),
         "cohesion": np.where(bonded, cohesion.take(joint), 0.0),
@@ -163,17 +164,18 @@ def _carried(
 @shared(CONTACTS)
 def _carry(first, last, row, gap, bond_reach, memory, carried):
     """Write what contacts ``first`` to ``last`` - 1 remember."""
-    bonded, mode, shear_force, normal_force, multiplier = memory
-    known, intact, modes, shear, normal, multipliers = carried
+    bonded, mode, shear_force, normal_force, multiplier, rest_force = memory
+    known, intact, modes, shear, normal, multipliers, rests = carried
     for c in range(first, last):
         r = row[c]
         known[c] = r >= 0
         if known[c]:
             intact[c], modes[c] = bonded[r], mode[r]
             shear[c], normal[c], multipliers[c] = shear_force[r], normal_force[r], multiplier[r]
+            rests[c] = rest_force[r]
         else:
             intact[c], modes[c] = abs(gap[c]) <= bond_reach, 0
-            shear[c], normal[c], multipliers[c] = 0.0, 0.0, 0.0
+            shear[c], normal[c], multipliers[c], rests[c] = 0.0, 0.0, 0.0, 0.0
 
 
 # jumps past all contacts -----------------------------------------------------------------------

@@ -36,13 +36,13 @@ def answer_of_springs(first, last, gap, slip, stiffnesses, strengths, memory, fo
     """
     p_of_law, k_of_law, p_of_joint, k_of_joint = stiffnesses
     friction, cohesion, tensile_strength, length = strengths
-    bonded, shear_force, multiplier, friction_base = memory
+    bonded, shear_force, multiplier, rest_force, friction_base = memory
     normal, shear, kn, ks, coupling, mode, intact, energy, loss = found
     for c in range(first, last):
         given = not np.isnan(friction_base[c])
         p = of_joint_or_law(p_of_joint[c], p_of_law)
         k = of_joint_or_law(k_of_joint[c], k_of_law)
-        trial = multiplier[c] - p * gap[c]
+        trial = rest_force[c] + multiplier[c] - p * gap[c]
         tension = tension_of(tensile_strength[c], length[c])
         bears = (trial > -tension) | (given & (trial == -tension))
         counts = bears | given | (tension != 0.0)
@@ -73,9 +73,9 @@ def springs(
 ) -> ContactResponse:
     """Return the forces of linear springs with Coulomb friction, cohesion and tension cut-off.
 
-    N = max(-sigma_t L, lambda - p d_n), sigma_t being 0 where no bond is left; friction is that of
-    contact/coulomb.py.  Gaps and slips (m,) at the end of the step, m; stiffnesses p and k in N/m
-    per m, of contacts whose joint gives none.
+    N = max(-sigma_t L, N_0 + lambda - p d_n), sigma_t being 0 where no bond is left and N_0 the
+    rest force; friction is that of contact/coulomb.py.  Gaps and slips (m,) at the end of the step,
+    m; stiffnesses p and k in N/m per m, of contacts whose joint gives none.
     """
     found = nothing_found(len(gap))
     stiffnesses = _stiffnesses(contacts, normal_stiffness, shear_stiffness)
@@ -277,7 +277,8 @@ class AugmentedLagrangian:
     def renew(self, contacts: Contacts, response: ContactResponse) -> Contacts:
         """Return the contacts with lambda <- N, where their joint has no stiffness of its own."""
         own = np.isnan(contacts.normal_stiffness)
-        return replace(contacts, multiplier=np.where(own, response.normal_force, 0.0))
+        beyond_rest = response.normal_force - contacts.rest_force
+        return replace(contacts, multiplier=np.where(own, beyond_rest, 0.0))
 
 
 class ContactLaw(Protocol):

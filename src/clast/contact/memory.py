@@ -180,16 +180,22 @@ def renew(
 ) -> ContactMemory:
     """Return the memory after a step; ``gap`` (m,) at its end, m.
 
-    A contact that has opened forgets its shear force; one that is open further than critdis
-    loses its bond.
+    A contact that has opened forgets its shear force, and what it bore at the start; one that is
+    open further than critdis loses its bond.
     """
     count = len(gap)
     order = _order(contacts.vertex, contacts.edge_block, contacts.edge)
     keys = contacts.vertex, contacts.edge_block, contacts.edge, response.mode, response.bonded
-    forces = gap, response.normal_force, response.shear_force, contacts.multiplier
+    forces = (
+        gap,
+        response.normal_force,
+        response.shear_force,
+        contacts.multiplier,
+        contacts.rest_force,
+    )
     vertex, block, edge, mode = (np.empty(count, np.int64) for _ in range(4))
     new_keys = vertex, block, edge, mode, np.empty(count, np.bool_)
-    new_forces = np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    new_forces = tuple(np.empty(count) for _ in forces)
     _renew(count, order, keys, forces, critdis, new_keys, new_forces)
     return ContactMemory(
         vertex=vertex,
@@ -201,6 +207,7 @@ def renew(
         normal_force=new_forces[1],
         shear_force=new_forces[2],
         multiplier=new_forces[3],
+        rest_force=new_forces[4],
     )
 
 
@@ -231,12 +238,15 @@ def _sort(vertex, block, edge, start, filled, order):
 def _renew(first, last, order, keys, forces, critdis, new_keys, new_forces):
     """Write rows ``first`` to ``last`` - 1 of the new memory."""
     vertex, block, edge, mode, bonded = keys
-    gap, normal, shear, multiplier = forces
+    gap, normal, shear, multiplier, rest = forces
     vertices, blocks, edges, modes, intact = new_keys
-    gaps, normals, shears, multipliers = new_forces
+    gaps, normals, shears, multipliers, rests = new_forces
     for row in range(first, last):
         c = order[row]
         vertices[row], blocks[row], edges[row], modes[row] = vertex[c], block[c], edge[c], mode[c]
         gaps[row], normals[row], multipliers[row] = gap[c], normal[c], multiplier[c]
         shears[row] = shear[c] if mode[c] != OPEN else 0.0
+        # a spring that rests behind its edge, and bears nothing there, ends in front of it
+        ends = gap[c] >= 0.0 if rest[c] < 0.0 else mode[c] == OPEN
+        rests[row] = 0.0 if ends else rest[c]
         intact[row] = bonded[c] and gap[c] <= critdis

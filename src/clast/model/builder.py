@@ -30,6 +30,7 @@ from clast.model import ranges, value_checks
 from clast.model.block_input import Entry, Label, ManyBlocks, Names, OneBlock, Vector
 from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Still
+from clast.model.in_situ import InSituStress, Overburden, check_in_situ
 from clast.model.joint_input import JointEntry, joint_table, joints_of_edges, pairs_of_names
 from clast.model.mending import Mended, Mending
 from clast.model.model import (
@@ -66,15 +67,17 @@ class ModelBuilder:
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
     yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
     that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
-    ``line_joints`` are joints that lines have whether or not they become edges of blocks;
-    ``notes`` say what was done to the blocks before they came here; ``mending`` puts them together
-    where they are drawn a little apart, e.g. ``clast.rockmass.Mender``.
+    ``in_situ`` is the stress in the rock before anything is dug.  ``line_joints`` are joints that
+    lines have whether or not they become edges of blocks; ``notes`` say what was done to the blocks
+    before they came here; ``mending`` puts them together where they are drawn a little apart, e.g.
+    ``clast.rockmass.Mender``.
     """
 
     title: str = ""
     plane: Plane = field(default_factory=PlaneStress)
     gravity: Vector = (0.0, -9.8)
     ground_motion: GroundMotion = field(default_factory=Still)
+    in_situ: InSituStress | Overburden | None = None
     actions: list[Any] = field(default_factory=list)
     line_joints: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -285,6 +288,7 @@ class ModelBuilder:
         points, lines = places(self._point_loads), places(self._line_loads)
         value_checks.check_ground_motion(self.ground_motion, len(fixed.block))
         value_checks.check_actions(self.actions)
+        in_situ = self._in_situ(outlines, block_rock)
         return Model(
             title=self.title,
             plane=self.plane,
@@ -299,7 +303,8 @@ class ModelBuilder:
             fixed=self._fixed(outlines),
             vertices=outlines.vertices,
             velocity=self._velocities(outlines),
-            initial_stress=self._initial_stresses(outlines, block_rock),
+            initial_stress=self._initial_stresses(outlines, block_rock, in_situ),
+            in_situ=in_situ,
             area=outlines.area,
             fixed_points=MaterialPoints(block=fixed.block, at=fixed.at),
             point_loads=PointLoads(block=points.block, at=points.at, force=points.load),
@@ -417,9 +422,25 @@ class ModelBuilder:
             )
         return velocity
 
-    def _initial_stresses(self, outlines: Outlines, block_rock: Ints) -> Floats:
+    def _in_situ(self, outlines: Outlines, block_rock: Ints) -> InSituStress | None:
+        """Return the stress before anything is dug; that of the weight by the mean density."""
+        given = self.in_situ
+        if isinstance(given, Overburden):
+            density = np.array([rock.density for rock in self._rocks])[block_rock]
+            mean = float(np.average(density, weights=outlines.area))
+            top = float(outlines.vertices[:, 1].max() + outlines.origin[1])
+            given = given.stress(mean, np.asarray(self.gravity, float), top)
+        if given is not None:
+            check_in_situ(given)
+        return given
+
+    def _initial_stresses(
+        self, outlines: Outlines, block_rock: Ints, in_situ: InSituStress | None
+    ) -> Floats:
         """Return the start stress (xx, yy, xy) of each block, Pa, shape (n, 3)."""
         stress = np.array([rock.initial_stress for rock in self._rocks])[block_rock]
+        if in_situ is not None:
+            stress += in_situ.at(outlines.heights)
         first = 0
         for entry, label in self._labelled(outlines):
             own, past = entry.stresses(label), first + len(entry.names)

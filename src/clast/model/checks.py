@@ -107,6 +107,12 @@ class Outlines:
         cross = here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]
         return np.asarray(0.5 * np.add.reduceat(cross, self.start[:-1]))
 
+    @property
+    def heights(self) -> Floats:
+        """Height y of the centroid of each block in the coordinates of the case, m, shape (n,)."""
+        points = shapely.centroid(self.polygons())
+        return np.asarray(shapely.get_y(points) + self.origin[1])
+
     def polygons(self) -> Geometries:
         """Return the blocks as shapely polygons, shape (n,)."""
         rings = shapely.linearrings(self.vertices, indices=self.owner)

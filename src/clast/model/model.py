@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.model.ground_motion import GroundMotion, Still
+from clast.model.in_situ import InSituStress
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -265,6 +266,8 @@ class Model:
     """What else acts on blocks: objects with the methods of ``clast.actions.action.Action``."""
     ground_motion: GroundMotion = field(default_factory=Still)
     """What the ground does: nothing, a body force, or a motion of the fixed points."""
+    in_situ: InSituStress | None = None
+    """Stress in the rock before anything is dug; None where there is none."""
     overlaps: StartOverlaps = field(default_factory=StartOverlaps)
     """Blocks that overlap at the start, as contacts in penetration do."""
     repairs: tuple[Repair, ...] = ()

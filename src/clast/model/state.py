@@ -45,6 +45,8 @@ class ContactMemory:
     """Shear force on the vertex along the edge's direction, N/m, shape (k,)."""
     multiplier: Floats = field(default_factory=_no_floats)
     """Lagrange multiplier of the normal force, N/m (0 with the penalty law), shape (k,)."""
+    rest_force: Floats = field(default_factory=_no_floats)
+    """Normal force at zero gap that was there at the start (in-situ stress), N/m, shape (k,)."""
     mode: Ints = field(default_factory=_no_ints)
     """0 open, 1 slide, 2 lock, shape (k,)."""
     bonded: Bools = field(default_factory=_no_bools)

@@ -19,6 +19,7 @@ from clast.model.state import Ledger, State, initial_state
 from clast.results import Report, Run, RunRecorder
 from clast.results.provenance import about_method
 from clast.run import law_check
+from clast.run.in_situ import in_equilibrium
 from clast.run.interrupts import held_back
 from clast.run.method_warnings import check_overlaps
 from clast.run.schedule import Progress, Schedule
@@ -57,6 +58,8 @@ class RunState:
     """Counts so far."""
     seen: Watched
     """What the run will be warned of."""
+    notes: tuple[str, ...] = ()
+    """What the run says about its start."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,11 +74,17 @@ class Stepping:
 
     def begin(self) -> RunState:
         """Return the run before its first step: at rest, or with its initial velocities."""
-        state = initial_state(self.model)
+        state, notes = in_equilibrium(
+            self.model, self.method, initial_state(self.model), self.schedule.step
+        )
         ledger = energy_balance.opening(self.model, state)
         state = replace(state, ledger=ledger)
         return RunState(
-            state=state, step=self.schedule.step, first=ledger, seen=self.watch.begin(state)
+            state=state,
+            step=self.schedule.step,
+            first=ledger,
+            seen=self.watch.begin(state),
+            notes=notes,
         )
 
     def is_over(self, now: RunState) -> bool:
@@ -268,7 +277,7 @@ class _March:
             finished=finished,
             warnings=warnings,
             overlaps=tuple(seen.overlaps.values()),
-            notes=(*map(str, model.repairs), *model.notes, *method.notes),
+            notes=(*map(str, model.repairs), *model.notes, *method.notes, *self.now.notes),
         )
 
 

@@ -19,6 +19,8 @@ from clast.run.overlap import unseen_overlaps
 from clast.step.method import Method, StepResult
 from clast.step.remedies import stiffnesses_named
 
+ROUNDING = 1e-9
+"""Energy gained or lost, as a share of what is stored, that is none."""
 DEEP = 0.05
 """Penetration, as a share of the thinner block, above which it is warned of."""
 LOST = 0.05
@@ -149,7 +151,8 @@ class Watch:
         share = abs(ledger.numerical) / turned_over if turned_over > 0.0 else 0.0
         size = np.sqrt(self.model.area[~self.model.fixed])
         weight = self.model.mass[~self.model.fixed] * float(np.hypot(*self.model.gravity))
-        if share <= LOST or abs(ledger.numerical) <= NOTHING * float(weight @ size):
+        nothing = NOTHING * float(weight @ size) + ROUNDING * ledger.stored
+        if share <= LOST or abs(ledger.numerical) <= nothing:
             return ""
         did = "took" if ledger.numerical > 0.0 else "brought in"
         return (

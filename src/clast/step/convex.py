@@ -336,7 +336,7 @@ def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
     """Return the contacts' normal springs, N in [-tension, inf), and shear springs, T in +-b."""
     limits, count = law.limits(contacts), len(contacts)
     normal = Clipped(
-        at_zero=contacts.multiplier,
+        at_zero=contacts.rest_force + contacts.multiplier,
         stiffness=limits.normal_stiffness,
         low=-limits.tension,
         high=np.full(count, np.inf),

@@ -21,7 +21,6 @@ from clast.compute.parallel import Sharing, shared
 from clast.compute.vec6 import plus_product, row, total, zeros
 from clast.contact.contacts import Contacts
 from clast.contact.joints import range_of_springs
-from clast.contact.laws import normal_stiffness_of
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger, State
 from clast.step.method import Method, Solved
@@ -41,7 +40,8 @@ def opening(model: Model, state: State) -> Ledger:
         (stress, stress),
         (model.area, model.compliance),
     )
-    return Ledger(kinetic=float(energies[0]), elastic=float(energies[3]))
+    contact = state.ledger.contact
+    return Ledger(kinetic=float(energies[0]), elastic=float(energies[3]), contact=contact)
 
 
 def created(ledger: Ledger, first: Ledger) -> float:
@@ -62,14 +62,12 @@ def round_off(model: Model, method: Method, state: State, contacts: int) -> floa
 def with_overlap(ledger: Ledger, method: Method, contacts: Contacts) -> Ledger:
     """Return the ledger at the start of a run with what contacts hold there already, J/m.
 
-    ``contacts`` are those of the first step; coordinates are rounded, blocks may be wedged in, and
-    bonds reach over gaps.
+    ``contacts`` are those of the first step; coordinates are rounded, blocks may be wedged in,
+    bonds reach over gaps, and there may be forces of in-situ stress.
     """
-    stretched = contacts.bonded & (contacts.tensile_strength > 0.0)
-    held_by = np.where(stretched, contacts.gap, np.minimum(contacts.gap, 0.0))
-    stiffness = normal_stiffness_of(contacts, method.contact_law)
-    held = 0.5 * float(stiffness @ held_by**2)
-    return replace(ledger, contact=ledger.contact + held)
+    at_start = method.contact_law.respond(contacts, contacts.gap, np.zeros(len(contacts)))
+    held = float(at_start.energy.sum())
+    return replace(ledger, contact=held)
 
 
 def tolerated(model: Model, ledger: Ledger, first: Ledger) -> float:

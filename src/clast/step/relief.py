@@ -38,13 +38,14 @@ def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> 
     stiffness = normal_stiffness_of(contacts, law)
     slack = stiffness * SLACK * method.critdis
     held, before = np.maximum(contacts.normal_force, 0.0), contacts.multiplier
-    rest = held + stiffness * contacts.gap
+    rest = held + stiffness * contacts.gap - contacts.rest_force
     sunk = rest < before - slack
     if not sunk.any() and not before.any():
         return contacts
     if sunk.any():
         taken_over = _left_over(model, state, contacts, sunk)
-        rest = np.where(sunk, np.hypot(held, taken_over) + stiffness * contacts.gap, rest)
+        more = np.hypot(held, taken_over) - held
+        rest = np.where(sunk, rest + more, rest)
     # a spring that bears keeps its point of rest; where it is open that follows the vertex out
     follows = np.where(held > 0.0, before, np.maximum(rest, before))
     return replace(contacts, multiplier=np.minimum(np.where(sunk, rest, follows), 0.0))

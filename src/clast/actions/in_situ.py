@@ -1,0 +1,112 @@
+"""The outline of a rock mass under in-situ stress: loaded by it, and held by springs beside that.
+
+    f = q - k_n n n.u - k_t t t.u,    q = sigma n L
+
+at either end of an edge of length L with its outward normal n, half of q each; u is how far the end
+has moved from where it was.  The traction stays as it was at the start and does not turn: it is
+what the rock beyond bears on the model with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.block.displacement import basis
+from clast.model.in_situ import InSituStress
+from clast.model.model import Floats, Ints, Model
+from clast.model.outline import outline_edges
+from clast.model.state import Ledger
+
+NOTHING = 1e-9
+"""Share of the largest traction below which an edge is free: the ground surface."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadedEnds:
+    """The ends of the edges of an outline that stress presses on, k of them."""
+
+    vertex: Ints
+    """Vertex at each end, shape (k,)."""
+    block: Ints
+    """Its block, shape (k,)."""
+    force: Floats
+    """Force of half an edge, N/m, shape (k, 2)."""
+    hold: Floats
+    """Stiffness k_n n n^T + k_t t t^T, N/m per m, shape (k, 2, 2)."""
+
+
+@dataclass(frozen=True)
+class Outline:
+    """Traction and springs along the outline of a model with in-situ stress."""
+
+    stress: InSituStress
+    stiffness: float
+    """Stiffness of the springs of fixed points, N/m per m."""
+
+    def begin(self, model: Model) -> LoadedEnds:
+        """Return the ends of loaded edges; those of fixed blocks need none."""
+        ends, length, normal, sigma = edges_of(model, self.stress)
+        traction = tractions(sigma, normal)
+        size = np.hypot(*traction.T)
+        bears = size > NOTHING * size.max(initial=0.0)
+        bears &= ~model.fixed[model.vertex_block[ends[:, 0]]]
+        ends, length, normal, traction = ends[bears], length[bears], normal[bears], traction[bears]
+        along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+        held, slid = (self.stiffness * share for share in self.stress.held)
+        hold = held * _squares(normal) + slid * _squares(along)
+        vertex = ends.T.reshape(-1)
+        return LoadedEnds(
+            vertex=vertex,
+            block=model.vertex_block[vertex],
+            force=np.tile(0.5 * length[:, None] * traction, (2, 1)),
+            hold=np.tile(0.5 * hold, (2, 1, 1)),
+        )
+
+    def share(self, start: StepStart, own: LoadedEnds) -> Share:
+        """Return the forces at the ends, and how they fall with the displacements."""
+        at = start.state.vertices[own.vertex]
+        moved = at - start.model.vertices[own.vertex]
+        force = own.force - np.einsum("kxy,ky->kx", own.hold, moved)
+        rows = basis(at - start.frames.centroid[own.block])
+        return Share(
+            block=own.block,
+            force=np.einsum("kxi,kx->ki", rows, force),
+            stiffness=np.einsum("kxi,kxy,kyj->kij", rows, own.hold, rows),
+        )
+
+    def finish(self, start: StepStart, own: LoadedEnds, share: Share, solution: Solution) -> Done:
+        """Return the work of traction and springs: that of traction comes from outside."""
+        work, stored = energy_of_linear(share, solution.displacement)
+        rows = basis(start.state.vertices[own.vertex] - start.frames.centroid[own.block])
+        moved = np.einsum("kxi,ki->kx", rows, solution.displacement[own.block])
+        brought = float(np.sum(own.force * moved))
+        return Done(work=work, ledger=Ledger(loads=brought, fixed_points=stored + brought), own=own)
+
+
+def _squares(direction: Floats) -> Floats:
+    """Return n n^T of directions (k, 2), shape (k, 2, 2)."""
+    return direction[:, :, None] * direction[:, None]
+
+
+def edges_of(model: Model, stress: InSituStress) -> tuple[Ints, Floats, Floats, Floats]:
+    """Return ends (k, 2), lengths, m, and normals (k, 2) of the outline's edges, and the stress.
+
+    That at their middles, Pa, (k, 3).
+    """
+    ends = outline_edges(model.vertices, model.block_start, stress.sides)
+    first, last = model.vertices[ends[:, 0]], model.vertices[ends[:, 1]]
+    length = np.hypot(*(last - first).T)
+    along = (last - first) / length[:, None]
+    normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    middle = 0.5 * (first + last)[:, 1] + model.origin[1]
+    return ends, length, normal, stress.at(middle)
+
+
+def tractions(stress: Floats, normal: Floats) -> Floats:
+    """Return the traction sigma n, Pa, of stresses (k, 3) on faces with normals (k, 2), (k, 2)."""
+    xx, yy, xy = stress.T
+    nx, ny = normal.T
+    return np.stack([xx * nx + xy * ny, xy * nx + yy * ny], axis=1)
