@@ -133,6 +133,28 @@ def _cross(a, b, e, f, vertices, dx, dy):
 
 
 @kernel()
+def _same(p, q, vertices):
+    """Return whether two vertices lie at the very same point."""
+    return vertices[p, 0] == vertices[q, 0] and vertices[p, 1] == vertices[q, 1]
+
+
+@kernel()
+def _share_an_end(a, b, e, f, vertices):
+    """Return whether segments a to b and e to f begin or end at the same point.
+
+    They meet there and cross nowhere.  Blocks that are cut from one mass share their corners: edges
+    on either side of one that lie nearly in line would else pass for an overlap as deep as the
+    bend, at the far end of either.
+    """
+    return (
+        _same(a, e, vertices)
+        or _same(a, f, vertices)
+        or _same(b, e, vertices)
+        or _same(b, f, vertices)
+    )
+
+
+@kernel()
 def _behind(p, e, vertices, direction):
     """Return how far vertex p lies behind the line of edge e, m."""
     x, y = vertices[p, 0] - vertices[e, 0], vertices[p, 1] - vertices[e, 1]
@@ -311,7 +333,7 @@ def _of_pair(couples, crossed, span, contacts, limits, outlines, room, found):
     for k in range(len(couples)):
         a, e = couples[k, 0], couples[k, 1]
         b, f = vertex_after(a, bounds[0], bounds[1]), vertex_after(e, bounds[2], bounds[3])
-        if not _cross(a, b, e, f, vertices, 0.0, 0.0):
+        if not _cross(a, b, e, f, vertices, 0.0, 0.0) or _share_an_end(a, b, e, f, vertices):
             continue
         vertex, edge, depth = _exit(a, b, e, f, vertices, direction)
         if depth <= floor or _is_a_contact(vertex, edge, depth / share, span, contacts):
