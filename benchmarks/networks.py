@@ -60,9 +60,10 @@ def kept(path: Path) -> dict[int, dict[str, Any]]:
 def one(seed: int, largest: float) -> dict[str, Any]:
     """Return the outcome of a seed; an error that is none of clast's own is one, too."""
     try:
-        return asdict(outcome(seed, largest))
+        found = asdict(outcome(seed, largest))
     except Exception:
-        return {"seed": seed, "ended": "crashed", "said": traceback.format_exc(), "blocks": 0}
+        found = {"seed": seed, "ended": "crashed", "said": traceback.format_exc(), "blocks": 0}
+    return {**found, "largest": largest}
 
 
 def table(rows: Sequence[dict[str, Any]]) -> str:

@@ -17,7 +17,9 @@ from clast.errors import CaseError
 def verify(
     problems: Annotated[
         list[str] | None,
-        typer.Argument(metavar="PROBLEM", help="Names of problems; all if none is named."),
+        typer.Argument(
+            metavar="PROBLEM", help="Names of problems or groups; all if none is named."
+        ),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Run fewer variants of each.")] = False,
     process: Annotated[

@@ -57,7 +57,6 @@ class Scatter(Protocol):
         """Whether it is one of planes in space, which needs dip and dip direction."""
         ...
 
-
     def check(self, where: str) -> None:
         """Raise ModelError for numbers that it cannot have."""
         ...
