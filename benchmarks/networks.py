@@ -22,31 +22,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from tests.scenes.networks import outcome
+from tests.scenes.networks import outcome, wrong
 
 ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / "build" / "networks.jsonl"
-DEEP = 10.0
-"""Penetrations beyond so many times that of the weight above are looked at."""
-GAINED = 1e-3
-"""Energy gained beyond this share of what is turned over is looked at."""
-
-
-def wrong(row: dict[str, Any]) -> list[str]:
-    """Return what is wrong with an outcome, in words."""
-    found = []
-    if row["ended"] != "ran":
-        found.append(f"{row['ended']}: {row['said']}")
-        return found
-    if not row["finite"]:
-        found.append("not finite")
-    if row["unwarned"]:
-        found.append(f"overlaps without a warning: {row['unwarned'][:3]}")
-    if row["penetration"] > DEEP:
-        found.append(f"penetration {row['penetration']:.3g} times that of the weight above")
-    if row["gain"] > GAINED:
-        found.append(f"energy gained: {row['gain']:.2g} of what is turned over")
-    return found
 
 
 def kept(path: Path) -> dict[int, dict[str, Any]]:

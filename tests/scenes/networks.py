@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 
 from clast.case.case_file import Case
+from clast.case.tables.method import CRITDIS_SHARE
 from clast.errors import CaseError, RunStopped
 from clast.model.model import Floats, Model
 from clast.model.state import State
@@ -19,6 +20,10 @@ from clast.run.overlap import KNOWN
 
 STEPS = 20
 """Steps of a run."""
+DEEP = 10.0
+"""Penetrations beyond so many times that of the weight above, and beyond critdis, are wrong."""
+GAINED = 1e-3
+"""Energy gained beyond this share of what is turned over is wrong."""
 MODELS = ("parallel", "cross-jointed", "baecher", "veneziano", "poisson-lines", "voronoi")
 JOINTS = ("default", "smooth", "rough")
 ROCKS = ("granite", "shale")
@@ -314,6 +319,22 @@ class Outcome:
     """Energy beyond that of the start over the energy turned over."""
     seconds: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Wall time of cut, model and check, and run, s."""
+
+
+def wrong(found: Mapping[str, Any]) -> list[str]:
+    """Return what is wrong with an outcome, a dictionary of its fields, in words."""
+    if found["ended"] != "ran":
+        return [f"{found['ended']}: {found['said']}"]
+    said = []
+    if not found["finite"]:
+        said.append("not finite")
+    if found["unwarned"]:
+        said.append(f"overlaps without a warning: {found['unwarned'][:3]}")
+    if found["penetration"] > DEEP and found["share"] > CRITDIS_SHARE:
+        said.append(f"penetration {found['penetration']:.3g} times that of the weight above")
+    if found["gain"] > GAINED:
+        said.append(f"energy gained: {found['gain']:.2g} of what is turned over")
+    return said
 
 
 def outcome(seed: int, largest: float = 5000.0) -> Outcome:

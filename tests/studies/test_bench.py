@@ -183,6 +183,7 @@ def test_networks_have_about_the_size_wanted(name, size):
     assert abs(found.area_error) < 1e-9
     assert {"lines", "noding", "faces", "tidying", "report"} <= set(found.seconds)
     assert 0.0 < max(found.seconds.values()) < found.total
+    assert 0.0 < found.processor_seconds < 2.0 * found.total
     assert found.peak > 2**20
 
 

@@ -49,19 +49,24 @@ MEMORY_HEADINGS = (
 """Headings of the third table."""
 
 
+CUT_HEADINGS = ("network", "blocks", "wall, s", "processor, s")
+"""First headings of the table of networks that were cut; stages follow."""
+
+
 def cut_headings(rows: Sequence[MeasuredCut]) -> tuple[str, ...]:
     """Return the headings of the table of networks that were cut: s in all, and by stage."""
     stages = dict.fromkeys(name for row in rows for name in row.seconds)
-    return ("network", "blocks", "cut, s", *stages, "µs/block", "peak, MiB", "area error")
+    return (*CUT_HEADINGS, *stages, "µs/block", "peak, MiB", "area error")
 
 
 def cut_cells(rows: Sequence[MeasuredCut], row: MeasuredCut) -> tuple[str, ...]:
     """Return the texts of a row of that table."""
-    stages = cut_headings(rows)[3:-3]
+    stages = cut_headings(rows)[len(CUT_HEADINGS) : -3]
     return (
         row.scene.name,
         str(row.blocks),
         _number(row.total),
+        _number(row.processor_seconds),
         *(_number(row.seconds.get(name)) for name in stages),
         _number(1e6 * row.total / row.blocks),
         f"{row.peak / 2**20:.0f}",

@@ -59,7 +59,7 @@ def examine(counts: tuple[int, ...], variant: Variant) -> Outcome:
     area, corners, variation = found[-1]
     count = counts[-1]
     tolerance = float(allowed(count))
-    reason = f"scatter of {count} cells, about three standard errors of the variation"
+    reason = f"scatter of {count} cells: about twice the standard error of the variation"
     of = f"of {count} cells"
     rows: list[Comparison] = [
         relative(f"mean area {of}", "m2", area, SIDE**2 / count, 1e-12, "none is lost or merged"),
