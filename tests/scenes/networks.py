@@ -421,8 +421,7 @@ def deep_overlaps(model: Model, state: State) -> list[tuple[str, str, float]]:
     first, second = shapely.STRtree(shapes).query(shapes)
     once = (first < second) & ~(model.fixed[first] & model.fixed[second])
     first, second = first[once], second[once]
-    common = shapely.intersection(shapes[first], shapes[second])
-    area = shapely.area(common)
+    area = shapely.area(shapely.intersection(shapes[first], shapes[second]))
     known, give = _known(model, memory)
     slack = 1e-3 * float(np.sqrt(model.area.min()))
     found = []
@@ -431,8 +430,12 @@ def deep_overlaps(model: Model, state: State) -> list[tuple[str, str, float]]:
         least = max(KNOWN * known.get((i, j), 0.0), give[i] + give[j], slack)
         if area[k] < 0.25 * np.pi * least**2:  # no circle of that diameter has room
             continue
-        parts = [part for part in shapely.get_parts(common[k]) if part.area > 0.0]
-        depth = 2.0 * max(float(shapely.maximum_inscribed_circle(one).length) for one in parts)
+        # without a grid GEOS takes some outlines that touch to the last bit for one inside another
+        grid = 1e-9 * float(np.sqrt(shapes[i].area))
+        common = shapely.intersection(shapes[i], shapes[j], grid_size=grid)
+        parts = [part for part in shapely.get_parts(common) if part.area > 0.0]
+        circles = [float(shapely.maximum_inscribed_circle(one).length) for one in parts]
+        depth = 2.0 * max(circles, default=0.0)
         if depth > least:
             found.append((model.block_name[i], model.block_name[j], depth))
     return found
