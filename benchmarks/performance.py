@@ -51,15 +51,15 @@ the scenes (see below).
 CUTTING = """\
 ## Cutting
 
-`clast bench cut` cuts two joint sets out of a square, drawn lines to blocks with their report, and says
-what each stage takes. On one core of a slow machine that other programs shared (AMD EPYC, 23.5 GiB) the
-processor worked for
+`clast bench cut` cuts two joint sets out of a square, from drawn lines to blocks with their report,
+and says what each stage takes. On one core of a slow machine that other programs shared (AMD EPYC,
+23.5 GiB) the processor worked for
 
 - 10.7 s on 101,844 blocks of persistent sets (target 20 s), with 563 MiB of memory at most,
 - 19.1 s on 98,732 blocks of Baecher's traces (target 40 s), with 758 MiB.
 
-Areas sum up to the domain's to the last bit or two. Half of the time goes where lines meet (*noding*), a
-sixth each into faces and into short edges and small blocks; cost grows a little faster than the blocks.
+Areas sum up to the domain's to the last bit or two. Half of the time goes where lines meet
+(*noding*), a sixth each into faces and into short edges and small blocks.
 """
 LARGE = """\
 ## A million blocks, height, order, and threads

@@ -87,7 +87,10 @@ def test_edges_that_share_an_end_do_not_cross(bend, turn):
     cosine, sine = np.cos(turn), np.sin(turn)
     rotation = np.array([[cosine, sine], [-sine, cosine]])
     blocks = [one @ rotation for one in blocks]
-    assert not len(crossings_of(blocks)[0])
+    assert not len(crossings_of(blocks, floor=1e-12)[0])
+    # a little out of place, by less than is looked at, they overlap by no more than that
+    aside = [blocks[0] + 1e-9 * rotation[0] - 1e-9 * rotation[1], blocks[1]]
+    assert not len(crossings_of(aside, floor=1e-7)[0])
     # pushed into each other they do
     assert len(crossings_of([blocks[0] + 1e-4 * rotation[0], blocks[1]])[0])
 

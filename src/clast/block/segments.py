@@ -1,0 +1,63 @@
+"""Two edges of blocks that cross: whether they do, where, and how far behind each other they are.
+
+An edge is named by its first vertex; ``vertices`` are (nv, 2), m, ``direction`` (nv, 2) the unit
+directions of the edges that start there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.compute.jit import kernel
+
+
+@kernel()
+def side(ax, ay, bx, by, px, py):
+    """Return twice the area of triangle A, B, P: positive where P is left of A to B."""
+    return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
+
+
+@kernel()
+def cross(a, b, e, f, vertices, dx, dy):
+    """Return whether segment a to b, moved by (dx, dy), and segment e to f cross properly."""
+    ax, ay = vertices[a, 0] + dx, vertices[a, 1] + dy
+    bx, by = vertices[b, 0] + dx, vertices[b, 1] + dy
+    ex, ey, fx, fy = vertices[e, 0], vertices[e, 1], vertices[f, 0], vertices[f, 1]
+    if (side(ax, ay, bx, by, ex, ey) > 0.0) == (side(ax, ay, bx, by, fx, fy) > 0.0):
+        return False
+    return (side(ex, ey, fx, fy, ax, ay) > 0.0) != (side(ex, ey, fx, fy, bx, by) > 0.0)
+
+
+@kernel()
+def behind(p, e, vertices, direction):
+    """Return how far vertex p lies behind the line of edge e, m."""
+    x, y = vertices[p, 0] - vertices[e, 0], vertices[p, 1] - vertices[e, 1]
+    return y * direction[e, 0] - x * direction[e, 1]
+
+
+@kernel()
+def crossing_point(a, b, e, f, vertices):
+    """Return where segments a to b and e to f cross, m, x and y."""
+    ax, ay, bx, by = vertices[a, 0], vertices[a, 1], vertices[b, 0], vertices[b, 1]
+    ex, ey, fx, fy = vertices[e, 0], vertices[e, 1], vertices[f, 0], vertices[f, 1]
+    here, there = side(ex, ey, fx, fy, ax, ay), side(ex, ey, fx, fy, bx, by)
+    if here == there:  # to the last bit in line
+        return ax, ay
+    share = here / (here - there)
+    return ax + share * (bx - ax), ay + share * (by - ay)
+
+
+@kernel()
+def stands_out(a, b, e, f, vertices, direction):
+    """Return how far the end of an edge in front of the other stands out, m, the less of the two.
+
+    From the crossing along the edge.  Where two corners meet, edges that lie nearly in line cross
+    next to both: the far end of one may lie far behind the other, but the blocks do not overlap by
+    more than what stands out at the corners, which is for the contacts of these to tell.
+    """
+    x, y = crossing_point(a, b, e, f, vertices)
+    p = b if behind(a, e, vertices, direction) > 0.0 else a
+    q = f if behind(e, a, vertices, direction) > 0.0 else e
+    of_p = (vertices[p, 0] - x) ** 2 + (vertices[p, 1] - y) ** 2
+    of_q = (vertices[q, 0] - x) ** 2 + (vertices[q, 1] - y) ** 2
+    return np.sqrt(min(of_p, of_q))
