@@ -92,7 +92,7 @@ def test_edges_that_share_an_end_do_not_cross(bend, turn):
     aside = [blocks[0] + 1e-9 * rotation[0] - 1e-9 * rotation[1], blocks[1]]
     assert not len(crossings_of(aside, floor=1e-7)[0])
     # pushed into each other they do
-    assert len(crossings_of([blocks[0] + 1e-4 * rotation[0], blocks[1]])[0])
+    assert len(crossings_of([blocks[0] + 1e-4 * rotation[0], blocks[1]], floor=1e-12)[0])
 
 
 SLAB = np.array([[-1.0, -1.5], [4.0, -1.5], [4.0, 0.0], [1.0, 0.0], [-1.0, -0.8]])

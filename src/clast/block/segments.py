@@ -48,16 +48,19 @@ def crossing_point(a, b, e, f, vertices):
 
 
 @kernel()
-def stands_out(a, b, e, f, vertices, direction):
-    """Return how far the end of an edge in front of the other stands out, m, the less of the two.
+def sideways(a, b, e, f, vertices, direction):
+    """Return how far an end in front of the other edge stands out, m, and the way back, x and y.
 
-    From the crossing along the edge.  Where two corners meet, edges that lie nearly in line cross
-    next to both: the far end of one may lie far behind the other, but the blocks do not overlap by
-    more than what stands out at the corners, which is for the contacts of these to tell.
+    From the crossing along its edge; of the two edges the one that stands out less.  The way back
+    is the unit vector along which the block of a to b moves, that of e to f being still.
     """
     x, y = crossing_point(a, b, e, f, vertices)
-    p = b if behind(a, e, vertices, direction) > 0.0 else a
-    q = f if behind(e, a, vertices, direction) > 0.0 else e
-    of_p = (vertices[p, 0] - x) ** 2 + (vertices[p, 1] - y) ** 2
-    of_q = (vertices[q, 0] - x) ** 2 + (vertices[q, 1] - y) ** 2
-    return np.sqrt(min(of_p, of_q))
+    at_end = behind(a, e, vertices, direction) > 0.0
+    p, to = (b, -1.0) if at_end else (a, 1.0)
+    at_other = behind(e, a, vertices, direction) > 0.0
+    q, fro = (f, 1.0) if at_other else (e, -1.0)
+    of_p = np.hypot(vertices[p, 0] - x, vertices[p, 1] - y)
+    of_q = np.hypot(vertices[q, 0] - x, vertices[q, 1] - y)
+    if of_p <= of_q:
+        return of_p, to * direction[a, 0], to * direction[a, 1]
+    return of_q, fro * direction[e, 0], fro * direction[e, 1]

@@ -18,8 +18,8 @@ import numpy as np
 
 from clast.block import polygon
 from clast.block.edge_lists import edges_within, left_to_right
-from clast.block.polygon import depth_inside, vertex_after, vertex_before
-from clast.block.segments import behind, cross, crossing_point, stands_out
+from clast.block.polygon import ROUND_OFF, depth_inside, vertex_after, vertex_before
+from clast.block.segments import behind, cross, crossing_point, sideways
 from clast.compute.jit import kernel
 from clast.model.model import Floats, Ints
 from clast.model.state import ContactMemory
@@ -145,6 +145,23 @@ def _cross_around(a, e, bounds, vertices, dx, dy):
             other = other_end
         own = own_end
     return False
+
+
+@kernel()
+def _is_at_a_corner(a, e, bounds, floor, vertices, direction):
+    """Return whether edges cross for no more than ``floor``, m, that one stands out at a corner.
+
+    Where corners of two blocks meet, edges that lie nearly in line cross next to both.  The far end
+    of one may lie far behind the other, by as much as they bend, but taken back along an edge by
+    what stands out there the blocks do not overlap any more.
+    """
+    b, f = vertex_after(a, bounds[0], bounds[1]), vertex_after(e, bounds[2], bounds[3])
+    out, x, y = sideways(a, b, e, f, vertices, direction)
+    if out > floor:
+        return False
+    long = np.hypot(vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1])
+    way = 2.0 * out + ROUND_OFF * long
+    return not _cross_around(a, e, bounds, vertices, way * x, way * y)
 
 
 @kernel()
@@ -301,7 +318,7 @@ def _of_pair(couples, crossed, span, contacts, limits, outlines, room, found):
         vertex, edge, depth = _exit(a, b, e, f, vertices, direction)
         if depth <= floor or _is_a_contact(vertex, edge, depth / share, span, contacts):
             continue
-        if stands_out(a, b, e, f, vertices, direction) <= floor:
+        if _is_at_a_corner(a, e, bounds, floor, vertices, direction):
             continue
         one, way_out = (a, e, bounds, lower), (vertex, depth)
         if _is_accounted_for(one, way_out, span, contacts, share, outlines):
