@@ -288,6 +288,15 @@ clipper. Of 2,088 none stops and none gains more than 0.1 % of the energy turned
 blocks overlap by more than 1.5 times what their contacts know, 29 by micrometres, three by 1 to 92
 mm, and each is warned of.
 
+Random rock masses (`python -m benchmarks.networks`, drawn by `tests/scenes/networks.py`: one to 3
+joint sets of all six models, with or without traces, an opening and a bed of another rock, 6 cm to
+2 km across, a quarter of them 1,000 km from the origin, 1 to 1,045 blocks, median 19, held at their
+sides or standing on a base) are cut, built, checked and run for 20 steps under gravity. Of 1,000 in
+22 a set cuts nothing, and is refused. None of the others is refused or stops, none gains energy, no
+number is not finite; of 20,000 steps 57 are cut. In 68 blocks overlap by more than their contacts
+know, by less than a micrometre to 1.3 mm, where corners that have slid past each other
+rest behind an edge, and each is warned of.
+
 critdis (default 5 mm) belongs below a tenth of the thinnest block, max_displacement below its
 thickness: 0.5 mm and 1 mm for cubes of 1 cm below a block of 10 m.
 

@@ -77,6 +77,24 @@ def test_the_way_out_is_the_shorter_one():
     assert not len(crossings_of([floor, corner], floor=0.03)[0])
 
 
+@pytest.mark.parametrize("bend", [1e-5, -1e-5, 1e-3, 0.0])
+@pytest.mark.parametrize("turn", [0.0, 0.7, 2.5])
+def test_edges_that_share_an_end_do_not_cross(bend, turn):
+    """Two blocks side by side under a joint that bends where they meet, as rounding leaves it."""
+    joint = [[2.0, 1.0], [1.0, 1.0], [0.0, 1.0 - bend]]
+    foot = [1.0, 0.0]
+    blocks = [np.array([[0.0, 0.0], foot, *joint[1:]]), np.array([foot, [2.0, 0.0], *joint[:2]])]
+    cosine, sine = np.cos(turn), np.sin(turn)
+    rotation = np.array([[cosine, sine], [-sine, cosine]])
+    blocks = [one @ rotation for one in blocks]
+    assert not len(crossings_of(blocks, floor=1e-12)[0])
+    # a little out of place, by less than is looked at, they overlap by no more than that
+    aside = [blocks[0] + 1e-9 * rotation[0] - 1e-9 * rotation[1], blocks[1]]
+    assert not len(crossings_of(aside, floor=1e-7)[0])
+    # pushed into each other they do
+    assert len(crossings_of([blocks[0] + 1e-4 * rotation[0], blocks[1]], floor=1e-12)[0])
+
+
 SLAB = np.array([[-1.0, -1.5], [4.0, -1.5], [4.0, 0.0], [1.0, 0.0], [-1.0, -0.8]])
 WEDGE = np.array([[0.7, -0.1], [2.7, 0.2], [2.7, 0.4]])
 """Has cut through the obtuse corner of the slab and is out again on the other side."""

@@ -13,7 +13,17 @@ from typer.testing import CliRunner
 from clast.cli.commands import app
 from clast.errors import CaseError
 from clast.results import read_results
-from clast.studies.bench import SCENES, Benchmark, Settings, benchmark, measure, measuring, sizes_in
+from clast.studies.bench import (
+    CUTS,
+    SCENES,
+    Benchmark,
+    Settings,
+    benchmark,
+    measure,
+    measure_cut,
+    measuring,
+    sizes_in,
+)
 from clast.studies.bench.bandwidth import (
     bytes_of_product,
     matrix_of_directions,
@@ -123,7 +133,9 @@ def test_figures_for_a_program(measured):
         "triad",
         "triad_by_threads",
         "rows",
+        "cuts",
     }
+    assert content["cuts"] == []
     assert {"cpu", "cores", "memory", "system", "versions"} == set(content["machine"])
     assert {"python", "numpy", "numba", "clast"} <= set(content["machine"]["versions"])
     assert content["settings"]["end"] == pytest.approx(3e-3)
@@ -160,6 +172,52 @@ def test_a_run_that_stops_is_a_row_like_the_others(tmp_path):
     assert content["outcome"].startswith("stopped at")
 
 
+# --- networks that are only cut --------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", CUTS)
+@pytest.mark.parametrize("size", [100, 1500])
+def test_networks_have_about_the_size_wanted(name, size):
+    found = measure_cut(CUTS[name], size)
+    assert found.blocks == pytest.approx(size, rel=0.25 if size == 100 else 0.1)
+    assert abs(found.area_error) < 1e-9
+    assert {"lines", "noding", "faces", "tidying", "report"} <= set(found.seconds)
+    assert 0.0 < max(found.seconds.values()) < found.total
+    assert 0.0 < found.processor_seconds < 2.0 * found.total
+    assert found.peak > 2**20
+
+
+def test_networks_are_chosen_together_or_by_name():
+    both = Settings(scenes=("baecher", "cut", "wall"))
+    assert [one.name for one in both.cuts] == ["baecher", "persistent"]
+    assert [one.name for one in both.models] == ["wall"]
+    assert Settings().cuts == () and len(Settings().models) == len(SCENES)
+    assert (both.model_sizes, both.cut_sizes) == ((100, 1000), (100_000,))
+    assert Settings(sizes=(40,)).cut_sizes == (40,)
+
+
+def test_cutting_needs_no_kernel(monkeypatch):
+    def refuse(*_: object) -> None:
+        raise AssertionError("something was compiled")
+
+    monkeypatch.setattr(measuring, "warm_up", refuse)
+    found = benchmark(Settings(scenes=("persistent",), sizes=(40,)))
+    assert len(found.cuts) == 1 and found.rows == () and found.triad == 0.0
+
+
+def test_the_command_cuts(tmp_path):
+    output = tmp_path / "cut.json"
+    done = bench_command("cut", "--size", "60", "-o", output)
+    assert done.exit_code == 0, done.output
+    for word in ("persistent", "baecher", "noding", "area error"):
+        assert word in done.stdout
+    assert "triad" not in done.stdout
+    rows = json.loads(output.read_text(encoding="utf-8"))["cuts"]
+    assert [row["scene"] for row in rows] == ["persistent", "baecher"]
+    for row in rows:
+        assert sum(row["seconds_by_stage"].values()) == pytest.approx(row["wall_seconds"])
+
+
 # --- settings --------------------------------------------------------------------------------
 
 
@@ -172,6 +230,7 @@ def test_sizes():
 
 REFUSED = {
     "scene": (["walls"], "did you mean 'wall'?"),
+    "network": (["persistant"], "did you mean 'persistent'?"),
     "no number": (["--size", "ten"], "is no number of blocks"),
     "half a block": (["--size", "10.5"], "is no number of blocks"),
     "size 0": (["--size", "0"], "give a number of blocks from"),

@@ -32,6 +32,13 @@ def test_names_are_unique_and_found():
     assert len(verification.problems()) == len(PROBLEMS)
 
 
+def test_groups_are_names_too():
+    assert tuple(verification.problems(["cutting"])) == GROUPS["cutting"]
+    both = verification.problems(["chords", "cutting"])
+    assert both[0].name == "chords" and len(both) == len(GROUPS["cutting"])
+    assert not set(GROUPS) & {each.name for each in PROBLEMS}
+
+
 def test_every_file_of_a_group_is_in_the_table():
     folder = Path(verification.__file__).parent / "problems"
     files = {

@@ -17,7 +17,9 @@ from clast.errors import CaseError
 def verify(
     problems: Annotated[
         list[str] | None,
-        typer.Argument(metavar="PROBLEM", help="Names of problems; all if none is named."),
+        typer.Argument(
+            metavar="PROBLEM", help="Names of problems or groups; all if none is named."
+        ),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Run fewer variants of each.")] = False,
     process: Annotated[
@@ -69,11 +71,19 @@ def verify(
 def bench(
     scenes: Annotated[
         list[str] | None,
-        typer.Argument(metavar="SCENE", help="wall, stack, heap, slope; all if none is named."),
+        typer.Argument(
+            metavar="SCENE",
+            help="wall, stack, heap, slope; all of these if none is named; "
+            "cut: networks of joints that are only cut, or one of them, persistent or baecher.",
+        ),
     ] = None,
     size: Annotated[
-        str, typer.Option(metavar="N,...", help="Numbers of blocks, separated by commas.")
-    ] = "100,1000",
+        str | None,
+        typer.Option(
+            metavar="N,...",
+            help="Numbers of blocks, separated by commas; 100,1000 if absent, cut: 100000.",
+        ),
+    ] = None,
     step: Annotated[float, typer.Option(metavar="H", help="Length of a step, s.")] = 1e-3,
     steps: Annotated[int | None, typer.Option(metavar="K", help="Steps; 50 if absent.")] = None,
     end: Annotated[
@@ -96,12 +106,15 @@ def bench(
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure what scenes of any size cost: time by stage, iterations, accuracy, memory."""
+    """Measure what scenes of any size cost: time by stage, iterations, accuracy, memory.
+
+    Of networks that are only cut: time by stage, memory, and how well areas add up.
+    """
     from clast.studies.bench import SCENES, Settings, benchmark, sizes_in
 
     wanted = Settings(
         scenes=tuple(dict.fromkeys(scenes or SCENES)),
-        sizes=sizes_in(size),
+        sizes=None if size is None else sizes_in(size),
         step=step,
         steps=steps,
         end=end,

@@ -194,12 +194,16 @@ def print_benchmark(measured: Benchmark) -> None:
     """Print what scenes cost, by stage below, and what is to be said of it."""
     from clast.studies.bench import table
 
-    rows = measured.rows
-    print_table(_plain_table(table.HEADINGS, [table.cells(row) for row in rows]))
-    by_stage = [table.stage_cells(measured, row) for row in rows]
-    print_table(_plain_table(table.stage_headings(measured), by_stage, title="ms per step"))
-    memory = [table.memory_cells(measured, row) for row in rows]
-    print_table(_plain_table(table.MEMORY_HEADINGS, memory, title="memory"))
+    rows, cuts = measured.rows, measured.cuts
+    if cuts:
+        cells = [table.cut_cells(cuts, row) for row in cuts]
+        print_table(_plain_table(table.cut_headings(cuts), cells, title="cutting, s"))
+    if rows:
+        print_table(_plain_table(table.HEADINGS, [table.cells(row) for row in rows]))
+        by_stage = [table.stage_cells(measured, row) for row in rows]
+        print_table(_plain_table(table.stage_headings(measured), by_stage, title="ms per step"))
+        memory = [table.memory_cells(measured, row) for row in rows]
+        print_table(_plain_table(table.MEMORY_HEADINGS, memory, title="memory"))
     for remark in table.remarks(measured):
         tell(remark)
 

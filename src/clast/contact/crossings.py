@@ -18,7 +18,8 @@ import numpy as np
 
 from clast.block import polygon
 from clast.block.edge_lists import edges_within, left_to_right
-from clast.block.polygon import depth_inside, vertex_after, vertex_before
+from clast.block.polygon import ROUND_OFF, depth_inside, vertex_after, vertex_before
+from clast.block.segments import behind, cross, crossing_point, sideways
 from clast.compute.jit import kernel
 from clast.model.model import Floats, Ints
 from clast.model.state import ContactMemory
@@ -116,35 +117,11 @@ def _merged(chosen: Chosen, added: Ints, gap: Floats) -> Chosen:
 
 
 @kernel()
-def _side(ax, ay, bx, by, px, py):
-    """Return twice the area of triangle A, B, P: positive where P is left of A to B."""
-    return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
-
-
-@kernel()
-def _cross(a, b, e, f, vertices, dx, dy):
-    """Return whether segment a to b, moved by (dx, dy), and segment e to f cross properly."""
-    ax, ay = vertices[a, 0] + dx, vertices[a, 1] + dy
-    bx, by = vertices[b, 0] + dx, vertices[b, 1] + dy
-    ex, ey, fx, fy = vertices[e, 0], vertices[e, 1], vertices[f, 0], vertices[f, 1]
-    if (_side(ax, ay, bx, by, ex, ey) > 0.0) == (_side(ax, ay, bx, by, fx, fy) > 0.0):
-        return False
-    return (_side(ex, ey, fx, fy, ax, ay) > 0.0) != (_side(ex, ey, fx, fy, bx, by) > 0.0)
-
-
-@kernel()
-def _behind(p, e, vertices, direction):
-    """Return how far vertex p lies behind the line of edge e, m."""
-    x, y = vertices[p, 0] - vertices[e, 0], vertices[p, 1] - vertices[e, 1]
-    return y * direction[e, 0] - x * direction[e, 1]
-
-
-@kernel()
 def _exit(a, b, e, f, vertices, direction):
     """Return the shorter way out of a crossing: its vertex, the edge to pass, and how far, m."""
-    p = a if _behind(a, e, vertices, direction) > 0.0 else b
-    q = e if _behind(e, a, vertices, direction) > 0.0 else f
-    of_p, of_q = _behind(p, e, vertices, direction), _behind(q, a, vertices, direction)
+    p = a if behind(a, e, vertices, direction) > 0.0 else b
+    q = e if behind(e, a, vertices, direction) > 0.0 else f
+    of_p, of_q = behind(p, e, vertices, direction), behind(q, a, vertices, direction)
     if of_p <= of_q:
         return p, e, of_p
     return q, a, of_q
@@ -163,11 +140,28 @@ def _cross_around(a, e, bounds, vertices, dx, dy):
         other = vertex_before(e, first_j, last_j)
         for _ in range(3):
             other_end = vertex_after(other, first_j, last_j)
-            if _cross(own, own_end, other, other_end, vertices, dx, dy):
+            if cross(own, own_end, other, other_end, vertices, dx, dy):
                 return True
             other = other_end
         own = own_end
     return False
+
+
+@kernel()
+def _is_at_a_corner(a, e, bounds, floor, vertices, direction):
+    """Return whether edges cross for no more than ``floor``, m, that one stands out at a corner.
+
+    Where corners of two blocks meet, edges that lie nearly in line cross next to both.  The far end
+    of one may lie far behind the other, by as much as they bend, but taken back along an edge by
+    what stands out there the blocks do not overlap any more.
+    """
+    b, f = vertex_after(a, bounds[0], bounds[1]), vertex_after(e, bounds[2], bounds[3])
+    out, x, y = sideways(a, b, e, f, vertices, direction)
+    if out > floor:
+        return False
+    long = np.hypot(vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1])
+    way = 2.0 * out + ROUND_OFF * long
+    return not _cross_around(a, e, bounds, vertices, way * x, way * y)
 
 
 @kernel()
@@ -182,11 +176,17 @@ def _taken_back(c, contacts, lower, share, direction):
 
 
 @kernel()
-def _is_near(p, way_out, vertices):
-    """Return whether vertex p is near the vertex of a way out, by its depth."""
+def _is_near(p, gap, point, way_out, vertices):
+    """Return whether the vertex p of a contact is near the vertex of a way out, by its depth.
+
+    Or near the ``point`` of the crossing, by its depth or by the contact's if that is larger.
+    """
     vertex, depth = way_out
     x, y = vertices[p, 0] - vertices[vertex, 0], vertices[p, 1] - vertices[vertex, 1]
-    return x * x + y * y <= (NEAR * depth) ** 2
+    if x * x + y * y <= (NEAR * depth) ** 2:
+        return True
+    x, y = vertices[p, 0] - point[0], vertices[p, 1] - point[1]
+    return x * x + y * y <= (NEAR * max(depth, -gap)) ** 2
 
 
 @kernel()
@@ -199,14 +199,16 @@ def _is_accounted_for(crossing, way_out, span, contacts, share, outlines):
     a, e, bounds, lower = crossing
     vertices, direction, _ = outlines
     gap, (low, high) = contacts[2], span
+    b, f = vertex_after(a, bounds[0], bounds[1]), vertex_after(e, bounds[2], bounds[3])
+    at = crossing_point(a, b, e, f, vertices)
     for c in range(low, high):
-        if gap[c] >= 0.0 or not _is_near(contacts[0][c], way_out, vertices):
+        if gap[c] >= 0.0 or not _is_near(contacts[0][c], gap[c], at, way_out, vertices):
             continue
         x, y, way = _taken_back(c, contacts, lower, share, direction)
         if not _cross_around(a, e, bounds, vertices, way * x, way * y):
             return True
         for d in range(low, c):
-            if gap[d] >= 0.0 or not _is_near(contacts[0][d], way_out, vertices):
+            if gap[d] >= 0.0 or not _is_near(contacts[0][d], gap[d], at, way_out, vertices):
                 continue
             u, v, other = _taken_back(d, contacts, lower, share, direction)
             sine = x * v - y * u
@@ -311,10 +313,12 @@ def _of_pair(couples, crossed, span, contacts, limits, outlines, room, found):
     for k in range(len(couples)):
         a, e = couples[k, 0], couples[k, 1]
         b, f = vertex_after(a, bounds[0], bounds[1]), vertex_after(e, bounds[2], bounds[3])
-        if not _cross(a, b, e, f, vertices, 0.0, 0.0):
+        if not cross(a, b, e, f, vertices, 0.0, 0.0):
             continue
         vertex, edge, depth = _exit(a, b, e, f, vertices, direction)
         if depth <= floor or _is_a_contact(vertex, edge, depth / share, span, contacts):
+            continue
+        if _is_at_a_corner(a, e, bounds, floor, vertices, direction):
             continue
         one, way_out = (a, e, bounds, lower), (vertex, depth)
         if _is_accounted_for(one, way_out, span, contacts, share, outlines):
@@ -401,7 +405,7 @@ def _best_remembered(crossing, pair, remembered, share, outlines):
     for c in range(len(vertex)):
         if of_pair[c] != pair:
             continue
-        depth = _behind(vertex[c], edge[c], vertices, direction)
+        depth = behind(vertex[c], edge[c], vertices, direction)
         if not 0.0 < depth < least:
             continue
         way = share * depth if vertex_block[vertex[c]] == lower else -share * depth
@@ -445,7 +449,7 @@ def _ways_out(crossings, pairs, remembered, limit, share, outlines):
         else:
             continue
         found[count, 2] = q
-        gap[count] = -_behind(found[count, 0], found[count, 1], vertices, direction)
+        gap[count] = -behind(found[count, 0], found[count, 1], vertices, direction)
         count += 1
     return found[:count], gap[:count]
 

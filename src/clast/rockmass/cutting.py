@@ -14,7 +14,8 @@ left are tidied on shared nodes, so that neighbours agree and nothing is lost.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,6 +50,14 @@ from clast.rockmass.sources import (
 )
 
 MOST_REVERTS = 20
+
+Stages = Callable[[str], AbstractContextManager[None]]
+"""Returns what is entered at the start of a stage of the cut, by its name, and left at its end."""
+
+
+def untimed(_: str) -> AbstractContextManager[None]:
+    """Return what does nothing at the start and the end of a stage."""
+    return nullcontext()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -97,53 +106,72 @@ def cut(
     regions: Sequence[Region] = (),
     seed: int = 0,
     patterns: Sequence[BlockPattern] = (),
+    stages: Stages = untimed,
 ) -> Cut:
     """Return the blocks into which lines and outlines cut a domain.
 
     ``seed`` is that of all sets that have none of their own; the number of a set is part of it, so
     that another set at the end leaves the lines of the others as they were.  Where lines coincide
-    the later one has the joint: sets, traces, patterns, regions, openings, boundary.
+    the later one has the joint: sets, traces, patterns, regions, openings, boundary.  ``stages``
+    may be a stopwatch: lines, noding, faces, tidying, vertices, blocks, report.
 
     ModelError for what cannot be meant: outlines that cross themselves or lie outside, numbers that
     are none, sets that cut nothing, more blocks than ``Domain.most_blocks``.
     """
-    at = site(domain, openings, regions)
+    with stages("lines"):
+        at = site(domain, openings, regions)
+        found, before = _drawn(at, sets, traces, seed, patterns)
+    return _cut(at, found, before, stages)
+
+
+def _drawn(
+    at: Site,
+    sets: Sequence[JointSet],
+    traces: Sequence[Trace],
+    seed: int,
+    patterns: Sequence[BlockPattern],
+) -> tuple[list[Table], Before]:
+    """Return all lines by their tables, and what is known before they meet."""
     for one in sets:
         one.check()
-    check_expected(sets, [plan_of(at, one, NONE) for one in sets], domain.most_blocks)
+    most_blocks = at.domain.most_blocks
+    check_expected(sets, [plan_of(at, one, NONE) for one in sets], most_blocks)
     drawn = trace_lines(at, traces, len(sets))
     lines = [*set_lines(at, sets, drawn.lines, seed), *drawn.lines]
     found = tables(at, sets, lines, traces, patterns)
-    estimate = check_counted(found, sets, domain.most_blocks)
-    before = Before(
+    estimate = check_counted(found, sets, most_blocks)
+    return found, Before(
         lines=lines,
         limits=limits_of(at, lines, patterns),
         estimate=estimate,
         snapped=np.concatenate([at.snapped, drawn.snapped]),
         notes=(*at.turned, *drawn.notes),
     )
-    return _cut(at, found, before)
 
 
-def _cut(at: Site, found: Sequence[Table], before: Before) -> Cut:
+def _cut(at: Site, found: Sequence[Table], before: Before, stages: Stages) -> Cut:
     ends = np.concatenate([one.ends for one in found])
     table = np.repeat(np.arange(len(found)), [len(one.ends) for one in found])
     names, joint = joints_of(found)
-    net = noded(ends / at.grid)
     rank = _ranks(at, found)[table]
-    graph = _graph(net, joint[table], rank > 0)
-    graph = graph.only(~_in_one_block(at, graph))
-    whole, dangling = _faces(at, graph, before.limits)
-    grid = on_grid(net.xy, at)
-    held = block_loops.anchors(net, np.unique(whole.graph.edge), rank, ends + at.origin, grid)
-    blocks = block_loops.tidied(
-        whole.graph,
-        held.held,
-        joint[table],
-        before.limits.smallest_edge / at.grid,
-        2.0 * before.limits.smallest_block / at.grid**2,
-    )
-    vertices = _vertices(blocks, held.places, at.grid)
+    with stages("noding"):
+        net = noded(ends / at.grid)
+        graph = _graph(net, joint[table], rank > 0)
+        graph = graph.only(~_in_one_block(at, graph))
+    with stages("faces"):
+        whole, dangling = _faces(at, graph, before.limits)
+    with stages("tidying"):
+        grid = on_grid(net.xy, at)
+        held = block_loops.anchors(net, np.unique(whole.graph.edge), rank, ends + at.origin, grid)
+        blocks = block_loops.tidied(
+            whole.graph,
+            held.held,
+            joint[table],
+            before.limits.smallest_edge / at.grid,
+            2.0 * before.limits.smallest_block / at.grid**2,
+        )
+    with stages("vertices"):
+        vertices = _vertices(blocks, held.places, at.grid)
     work = Work(
         site=at,
         before=before,
@@ -156,7 +184,7 @@ def _cut(at: Site, found: Sequence[Table], before: Before) -> Cut:
         blocks=blocks,
         vertices=vertices,
     )
-    return _assembled(work, names)
+    return _assembled(work, names, stages)
 
 
 def _ranks(at: Site, found: Sequence[Table]) -> Ints:
@@ -263,27 +291,30 @@ def _vertices(blocks: block_loops.Tidied, places: Sequence[Floats], grid: float)
     return at[worst, blocks.node]
 
 
-def _assembled(work: Work, names: tuple[str, ...]) -> Cut:
+def _assembled(work: Work, names: tuple[str, ...], stages: Stages) -> Cut:
     """Return the blocks with rocks, joints and openings, as frozen arrays."""
     blocks, at = work.blocks, work.site
-    rocks, rock = _rocks(work)
-    opening = np.where(blocks.group >= 0, blocks.group, _uncut_openings(work))
-    arrays = {
-        "vertices": work.vertices,
-        "block_start": blocks.start,
-        "rock": rock,
-        "edge_joint": _edge_joints(work, names),
-        "opening": opening,
-    }
+    with stages("blocks"):
+        rocks, rock = _rocks(work)
+        opening = np.where(blocks.group >= 0, blocks.group, _uncut_openings(work))
+        arrays = {
+            "vertices": work.vertices,
+            "block_start": blocks.start,
+            "rock": rock,
+            "edge_joint": _edge_joints(work, names),
+            "opening": opening,
+        }
     for name, array in arrays.items():
         arrays[name] = np.ascontiguousarray(array)
         arrays[name].setflags(write=False)
+    with stages("report"):
+        report = report_of(work)
     return Cut(
         **arrays,
         rock_names=rocks,
         joint_names=names,
         opening_names=tuple(one.name for one in at.openings),
-        report=report_of(work),
+        report=report,
     )
 
 

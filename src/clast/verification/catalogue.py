@@ -13,6 +13,14 @@ from clast.verification.problems.contact import (
     stiffness,
     two_planes,
 )
+from clast.verification.problems.cutting import (
+    apparent_dip,
+    cells,
+    chords,
+    intensity,
+    persistent_lines,
+    random_spacing,
+)
 from clast.verification.problems.friction import (
     decelerating_block,
     direct_shear,
@@ -72,6 +80,14 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         wave.PROBLEM,
         newmark.PROBLEM,
         moving_base.PROBLEM,
+    ),
+    "cutting": (
+        persistent_lines.PROBLEM,
+        random_spacing.PROBLEM,
+        intensity.PROBLEM,
+        cells.PROBLEM,
+        apparent_dip.PROBLEM,
+        chords.PROBLEM,
     ),
     "method": (
         energy.PROBLEM,

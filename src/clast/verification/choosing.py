@@ -8,7 +8,7 @@ from dataclasses import replace
 from clast import spelling
 from clast.case.tables.method import CONTACT_LAWS, PROCESSES
 from clast.errors import CaseError
-from clast.verification.catalogue import PROBLEMS
+from clast.verification.catalogue import GROUPS, PROBLEMS
 from clast.verification.problem import Problem
 
 Choose = Callable[[Problem], Problem]
@@ -26,8 +26,11 @@ def quick(problem: Problem) -> Problem:
 
 
 def problems(names: Iterable[str] = ()) -> list[Problem]:
-    """Return the named problems, all if none is named; raise CaseError for a name unknown."""
-    known = {problem.name: problem for problem in PROBLEMS}
+    """Return the named problems, and those of named groups; all if none is named.
+
+    Raises CaseError for a name unknown.
+    """
+    known = {**GROUPS, **{problem.name: (problem,) for problem in PROBLEMS}}
     wanted = list(names)
     for name in wanted:
         if name not in known:
@@ -35,7 +38,8 @@ def problems(names: Iterable[str] = ()) -> list[Problem]:
                 f"there is no verification problem '{name}'",
                 remedy=spelling.advice(name, known, kind="problem"),
             )
-    return [known[name] for name in wanted] if wanted else list(PROBLEMS)
+    found = dict.fromkeys(problem for name in wanted for problem in known[name])
+    return list(found) if wanted else list(PROBLEMS)
 
 
 def narrowed(choose: Choose, processes: Sequence[str] = (), laws: Sequence[str] = ()) -> Choose:

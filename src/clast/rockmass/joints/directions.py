@@ -52,7 +52,10 @@ def _trace(normal: Floats) -> tuple[float, float]:
 class Scatter(Protocol):
     """How the directions of single joints scatter about that of their set."""
 
-    in_space: bool
+    @property
+    def in_space(self) -> bool:
+        """Whether it is one of planes in space, which needs dip and dip direction."""
+        ...
 
     def check(self, where: str) -> None:
         """Raise ModelError for numbers that it cannot have."""

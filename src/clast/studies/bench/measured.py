@@ -9,6 +9,7 @@ from typing import Any
 from clast.results import Report
 from clast.studies.bench.bandwidth import Product
 from clast.studies.bench.counting import Costs
+from clast.studies.bench.cuts import MeasuredCut
 from clast.studies.bench.footprint import Footprint
 from clast.studies.bench.machine import Machine
 from clast.studies.bench.scenes import Scene
@@ -111,12 +112,14 @@ class Benchmark:
     """Where it was measured."""
     settings: Settings
     """How it was measured."""
-    triad: float
-    """Rate of the triad in main memory by one thread, bytes per second."""
-    triad_by_threads: float
-    """The same by all threads, bytes per second."""
     rows: tuple[Measured, ...]
     """Scenes and sizes, in the order in which they ran."""
+    cuts: tuple[MeasuredCut, ...] = ()
+    """The same for networks that were only cut."""
+    triad: float = 0.0
+    """Rate of the triad in main memory by one thread, bytes per second; 0 where nothing ran."""
+    triad_by_threads: float = 0.0
+    """The same by all threads, bytes per second."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as plain numbers and texts, ready for JSON."""
@@ -127,4 +130,5 @@ class Benchmark:
             "triad": self.triad,
             "triad_by_threads": self.triad_by_threads,
             "rows": [row.as_dict() for row in self.rows],
+            "cuts": [row.as_dict() for row in self.cuts],
         }

@@ -23,6 +23,7 @@ from clast.studies.bench.bandwidth import (
     triad_rate,
 )
 from clast.studies.bench.counting import Counted
+from clast.studies.bench.cuts import measure_cut
 from clast.studies.bench.footprint import footprint
 from clast.studies.bench.machine import forget_peak, peak_memory, this_machine
 from clast.studies.bench.measured import Benchmark, Measured
@@ -40,21 +41,28 @@ Watch = Callable[[str], None]
 
 def benchmark(settings: Settings, watch: Watch = lambda _: None) -> Benchmark:
     """Return what all scenes and sizes of the settings cost, compilation not counted."""
-    scenes = [SCENES[name] for name in settings.scenes]
+    cuts = []
+    for network in settings.cuts:
+        for size in settings.cut_sizes:
+            watch(f"{network.title}, {size} blocks")
+            cuts.append(measure_cut(network, size))
+    found = Benchmark(machine=this_machine(), settings=settings, rows=(), cuts=tuple(cuts))
+    return _simulated(found, watch) if settings.models else found
+
+
+def _simulated(found: Benchmark, watch: Watch) -> Benchmark:
+    """Return a benchmark with what scenes cost that are simulated."""
+    settings = found.settings
     watch("compiling")
-    warm_up(scenes, settings)
+    warm_up(settings.models, settings)
     rows = []
-    for scene in scenes:
-        for size in settings.sizes:
+    for scene in settings.models:
+        for size in settings.model_sizes:
             watch(f"{scene.title}, {size} blocks")
             rows.append(measure(scene, size, settings))
     watch("memory bandwidth")
-    return Benchmark(
-        machine=this_machine(),
-        settings=settings,
-        triad=triad_rate(),
-        triad_by_threads=triad_rate(threads=True),
-        rows=tuple(rows),
+    return replace(
+        found, rows=tuple(rows), triad=triad_rate(), triad_by_threads=triad_rate(threads=True)
     )
 
 

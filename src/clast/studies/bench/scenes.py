@@ -13,8 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast import spelling
-from clast.errors import CaseError
 from clast.model.builder import ModelBuilder
 from clast.model.model import Floats, Model
 
@@ -188,15 +186,6 @@ SCENES = {
     )
 }
 """All scenes by name."""
-
-
-def scene_named(name: str) -> Scene:
-    """Return a scene; raises CaseError with the nearest name where there is none."""
-    if name not in SCENES:
-        raise CaseError(
-            f"there is no scene '{name}'", remedy=spelling.advice(name, SCENES, kind="scene")
-        )
-    return SCENES[name]
 
 
 def _begun(title: str) -> ModelBuilder:

@@ -17,12 +17,15 @@ from clast.errors import CaseError
 from clast.model.model import Model
 from clast.run.schedule import Schedule
 from clast.step.method import Method
-from clast.studies.bench.scenes import LARGEST, SCENES, SMALLEST, scene_named
+from clast.studies.bench.cuts import CUT_SIZE, CUTS, CutScene
+from clast.studies.bench.scenes import LARGEST, SCENES, SMALLEST, Scene
 
 SIZES = (100, 1000)
 """Numbers of blocks by default."""
 STEPS = 50
 """Steps by default, where no end is given either."""
+CUT = "cut"
+"""Name of all networks that are only cut."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,9 +33,9 @@ class Settings:
     """Scenes, sizes and how they are simulated."""
 
     scenes: tuple[str, ...] = tuple(SCENES)
-    """Names of the scenes."""
-    sizes: tuple[int, ...] = SIZES
-    """Blocks of each."""
+    """Names of the scenes; "cut": all networks that are only cut."""
+    sizes: tuple[int, ...] | None = None
+    """Blocks of each; None: SIZES, of networks that are only cut CUT_SIZE."""
     step: float = 1e-3
     """Length of a step, s."""
     steps: int | None = None
@@ -50,9 +53,15 @@ class Settings:
 
     def __post_init__(self) -> None:
         """Raise CaseError where something cannot be used."""
+        known = (*SCENES, CUT, *CUTS)
         for name in self.scenes:
-            scene_named(name)
-        _check_sizes(self.sizes)
+            if name not in known:
+                raise CaseError(
+                    f"there is no scene '{name}'",
+                    remedy=spelling.advice(name, known, kind="scene"),
+                )
+        if self.sizes is not None:
+            _check_sizes(self.sizes)
         _check_positive(self.step, "--step", "give the length of a step in s, e.g. 1e-3")
         _check_positive(self.share, "--stiffness", "give p/E, a share of Young's modulus, e.g. 1")
         if self.steps is not None and self.end is not None:
@@ -76,6 +85,28 @@ class Settings:
         if self.results is not None and not self.results.is_dir():
             raise CaseError("is no folder", where=str(self.results), remedy="make it first")
 
+    @property
+    def models(self) -> tuple[Scene, ...]:
+        """Scenes that are simulated, in the order wanted."""
+        return tuple(SCENES[name] for name in self.scenes if name in SCENES)
+
+    @property
+    def cuts(self) -> tuple[CutScene, ...]:
+        """Networks that are cut, in the order wanted."""
+        listed = [(CUTS if name == CUT else (name,)) for name in self.scenes]
+        names = dict.fromkeys(name for some in listed for name in some if name in CUTS)
+        return tuple(CUTS[name] for name in names)
+
+    @property
+    def model_sizes(self) -> tuple[int, ...]:
+        """Blocks of each scene that is simulated."""
+        return SIZES if self.sizes is None else self.sizes
+
+    @property
+    def cut_sizes(self) -> tuple[int, ...]:
+        """Blocks of each network that is cut."""
+        return (CUT_SIZE,) if self.sizes is None else self.sizes
+
     def file_of(self, scene: str, size: int) -> Path | None:
         """Return the result file of a run, or None where results are not kept."""
         return None if self.results is None else self.results / f"{scene}-{size}.vtkhdf"
@@ -84,7 +115,8 @@ class Settings:
         """Return them as plain numbers and texts, ready for JSON."""
         return {
             "scenes": list(self.scenes),
-            "sizes": list(self.sizes),
+            "sizes": list(self.model_sizes),
+            "cut_sizes": list(self.cut_sizes),
             "step": self.step,
             "end": schedule_of(self).end,
             "settle": self.settle,

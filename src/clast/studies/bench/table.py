@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from clast.studies.bench.cuts import MeasuredCut
 from clast.studies.bench.measured import Benchmark, Measured
 
 NOTHING = "-"
@@ -46,6 +47,31 @@ MEMORY_HEADINGS = (
     "of triad in main memory",
 )
 """Headings of the third table."""
+
+
+CUT_HEADINGS = ("network", "blocks", "wall, s", "processor, s")
+"""First headings of the table of networks that were cut; stages follow."""
+
+
+def cut_headings(rows: Sequence[MeasuredCut]) -> tuple[str, ...]:
+    """Return the headings of the table of networks that were cut: s in all, and by stage."""
+    stages = dict.fromkeys(name for row in rows for name in row.seconds)
+    return (*CUT_HEADINGS, *stages, "µs/block", "peak, MiB", "area error")
+
+
+def cut_cells(rows: Sequence[MeasuredCut], row: MeasuredCut) -> tuple[str, ...]:
+    """Return the texts of a row of that table."""
+    stages = cut_headings(rows)[len(CUT_HEADINGS) : -3]
+    return (
+        row.scene.name,
+        str(row.blocks),
+        _number(row.total),
+        _number(row.processor_seconds),
+        *(_number(row.seconds.get(name)) for name in stages),
+        _number(1e6 * row.total / row.blocks),
+        f"{row.peak / 2**20:.0f}",
+        f"{row.area_error:.1e}",
+    )
 
 
 def cells(row: Measured) -> tuple[str, ...]:
@@ -103,9 +129,15 @@ def memory_cells(benchmark: Benchmark, row: Measured) -> tuple[str, ...]:
 
 def remarks(benchmark: Benchmark) -> list[str]:
     """Return what has to be said below the tables: the machine, units, runs that stopped."""
+    said = [str(benchmark.machine)]
+    if benchmark.cuts:
+        said.append("area error: sum of the areas of the blocks against the domain's, as a share")
+    return said + (_remarks_of_runs(benchmark) if benchmark.rows else [])
+
+
+def _remarks_of_runs(benchmark: Benchmark) -> list[str]:
     settings = benchmark.settings
     said = [
-        str(benchmark.machine),
         f"h = {settings.step:g} s, p/E = {settings.share:g}, solver {settings.solver}"
         + (f"; {settings.settle} steps before are not counted" if settings.settle else ""),
         "passes, pcg: Newton iterations and iterations of the solver per step; drift: largest "

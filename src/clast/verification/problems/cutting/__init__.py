@@ -1,0 +1,1 @@
+"""Rock masses that are cut: numbers of blocks, intensities, sizes, directions, areas."""

@@ -1,0 +1,144 @@
+"""Joint planes as a section shows them: apparent dip and spacing.
+
+A plane with dip d and dip direction D has the upward normal n = (sin d sin D, sin d cos D, cos d)
+in east, north and up.  A vertical section along the azimuth a shows it at the angle b with
+
+    tan b = -tan d cos(D - a),
+
+counter-clockwise from the horizontal direction a, and planes at a spacing s as lines
+s/sqrt(n_a^2 + n_z^2) apart, with n_a = sin d cos(D - a) and n_z = cos d.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.rockmass import Domain, JointSet, apparent, cut
+from clast.verification.cut_blocks import CUT, drawing_of, lines_of
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import Variant
+
+SIDE, SPACING = 40.0, 0.8
+"""Side of the section and spacing in space, m."""
+DIPS = (30.0, 60.0, 85.0)
+"""Dips of the curves, degrees."""
+ROUND_OFF = "round-off"
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A joint plane and the section that it is seen in, degrees."""
+
+    dip: float
+    direction: float
+    azimuth: float
+
+    def __str__(self) -> str:
+        return f"{self.dip:g}/{self.direction:g} in a section along {self.azimuth:g}"
+
+    def angle(self) -> float:
+        """Return the angle of the trace, degrees in (-90, 90]."""
+        if self.dip == 90.0:
+            return 90.0
+        d, off = np.radians(self.dip), np.radians(self.direction - self.azimuth)
+        return float(-np.degrees(np.arctan(np.tan(d) * np.cos(off))))
+
+    def factor(self) -> float:
+        """Return the spacing in the section over that in space."""
+        d, off = np.radians(self.dip), np.radians(self.direction - self.azimuth)
+        return float(1.0 / np.hypot(np.sin(d) * np.cos(off), np.cos(d)))
+
+
+PLANES = (
+    Plane(60, 90, 90),
+    Plane(60, 270, 90),
+    Plane(60, 130, 90),
+    Plane(35, 150, 90),
+    Plane(75, 10, 90),
+    Plane(60, 0, 90),
+    Plane(90, 45, 90),
+    Plane(5, 200, 120),
+)
+
+
+def section(azimuth: float) -> Domain:
+    """Return a square section along an azimuth, degrees."""
+    corners = [(0, 0), (SIDE, 0), (SIDE, SIDE), (0, SIDE)]
+    return Domain(boundary=corners, section_azimuth=azimuth)
+
+
+def joints(plane: Plane) -> JointSet:
+    """Return the joints along a plane at their spacing in space."""
+    return JointSet(
+        name=str(plane),
+        dip=plane.dip,
+        dip_direction=plane.direction,
+        spacing=SPACING,
+        spacing_is="true",
+    )
+
+
+def measured(plane: Plane) -> tuple[float, float]:
+    """Return angle, degrees in (-90, 90], and spacing, m, of the lines that a section shows."""
+    ends = lines_of(joints(plane), section(plane.azimuth))
+    way = ends[:, 1] - ends[:, 0]
+    longest = way[np.hypot(*way.T).argmax()]
+    angle = 90.0 - (90.0 - np.degrees(np.arctan2(longest[1], longest[0]))) % 180.0
+    normal = np.array([-longest[1], longest[0]]) / np.hypot(*longest)
+    return float(angle), float(np.median(np.diff(np.sort(ends[:, 0] @ normal))))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare angle and spacing of the lines of each plane."""
+    rows: list[Comparison] = []
+    for plane in PLANES:
+        angle, spacing = measured(plane)
+        rows.append(absolute(f"angle of {plane}", "degrees", angle, plane.angle(), 1e-9, ROUND_OFF))
+        exact = SPACING * plane.factor()
+        rows.append(relative(f"spacing of {plane}", "m", spacing, exact, 1e-9, ROUND_OFF))
+    return Outcome(tuple(rows), (_chart(variant),))
+
+
+def _chart(variant: Variant) -> Chart:
+    fine, marks = np.linspace(0.0, 180.0, 181), np.arange(0.0, 181.0, 20.0)
+
+    def seen(dip: float, off: Floats) -> list[float]:
+        return [apparent(dip, float(one), 0.0)[0] for one in off]
+
+    exact = [
+        exact_curve(f"dip {dip:g}", fine, [Plane(dip, one, 0.0).angle() for one in fine])
+        for dip in DIPS
+    ]
+    found = np.concatenate([seen(dip, marks) for dip in DIPS])
+    return Chart(
+        title="apparent dip",
+        x_label="dip direction less azimuth of the section, degrees",
+        y_label="angle in the section, degrees",
+        curves=(*exact, curve(variant.name, np.tile(marks, len(DIPS)), found)),
+    )
+
+
+def _drawing() -> Model:
+    corners = [(0, 0), (12, 0), (12, 8), (0, 8)]
+    sets = [joints(plane) for plane in PLANES[2:5]]
+    return drawing_of(
+        cut(Domain(boundary=corners, section_azimuth=90.0), sets), "Three planes in a section"
+    )
+
+
+PROBLEM = Problem(
+    name="apparent-dip",
+    title="Joint planes in a section",
+    text="Eight joint planes, given by dip and dip direction, at a true spacing of 0.8 m, cut a "
+    "section; angle and spacing of the lines that it shows. The picture has three of them.",
+    formula="tan b = -tan d cos(D - a); spacing s/sqrt(sin2 d cos2(D - a) + cos2 d)",
+    source="normals of planes; Priest (1993), Discontinuity analysis for rock engineering",
+    set_up=_drawing,
+    examine=examine,
+    variants=(CUT,),
+    quick=(CUT,),
+)

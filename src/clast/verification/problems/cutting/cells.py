@@ -1,0 +1,109 @@
+"""Cells about random points: Voronoi's tessellation of a Poisson process.
+
+n cells in an area A have A/n each on average.  Three edges meet in every corner, so that by Euler's
+formula a cell has six corners on average.  Areas have the coefficient of variation 0.529
+(E[A2] = 1.280 E[A]2).  Cells at the rim are left out.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.rockmass import JointSet, Voronoi, cut
+from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import Variant
+
+SIDE = 10.0
+"""Side of the square, m."""
+CORNERS = 6.0
+"""Corners of a cell on average."""
+VARIATION = float(np.sqrt(1.280176 - 1.0))
+"""Deviation of the areas over their mean."""
+COUNTS = (320, 640, 1250, 2500, 5000)
+"""Numbers of cells; what is compared is the last."""
+FEW = (320, 1250)
+"""Where time is short."""
+SHARE = 0.03
+"""Tolerance with 5,000 cells."""
+
+
+def cells(count: int, seed: int = 3) -> tuple[float, float, float]:
+    """Return mean area, m2, mean number of corners and variation of areas of so many cells.
+
+    The mean area is that of all cells, the others those of cells that do not touch the rim.
+    """
+    network = [JointSet(name="cells", model=Voronoi(count=count))]
+    found = cut(rectangle(SIDE, SIDE, smallest_block=0.0), network, seed=seed)
+    low = np.minimum.reduceat(found.vertices, found.block_start[:-1], axis=0)
+    high = np.maximum.reduceat(found.vertices, found.block_start[:-1], axis=0)
+    inner = ((low > 1e-6) & (high < SIDE - 1e-6)).all(axis=1)
+    sizes = areas(found)
+    corners = np.diff(found.block_start)[inner]
+    variation = sizes[inner].std() / sizes[inner].mean()
+    return float(sizes.mean()), float(corners.mean()), float(variation)
+
+
+def allowed(count: Floats | int) -> Floats:
+    """Return the tolerance of so many cells, as a share."""
+    return np.asarray(SHARE * np.sqrt(COUNTS[-1] / np.asarray(count)))
+
+
+def examine(counts: tuple[int, ...], variant: Variant) -> Outcome:
+    """Compare mean area, corners and variation of areas of the last number of cells."""
+    found = [cells(count) for count in counts]
+    area, corners, variation = found[-1]
+    count = counts[-1]
+    tolerance = float(allowed(count))
+    reason = f"scatter of {count} cells: about twice the standard error of the variation"
+    of = f"of {count} cells"
+    rows: list[Comparison] = [
+        relative(f"mean area {of}", "m2", area, SIDE**2 / count, 1e-12, "none is lost or merged"),
+        relative(f"mean number of corners {of}", "", corners, CORNERS, tolerance, reason),
+        relative(
+            f"coefficient of variation of the areas {of}",
+            "",
+            variation,
+            VARIATION,
+            tolerance,
+            reason,
+        ),
+    ]
+    fine = np.geomspace(0.8 * counts[0], 1.25 * counts[-1], 40)
+    chart = Chart(
+        title="variation of the areas",
+        x_label="number of cells",
+        y_label="deviation over mean",
+        curves=(
+            exact_curve("0.529", fine, np.full(len(fine), VARIATION)),
+            exact_curve("and its tolerance", fine, VARIATION * (1.0 + allowed(fine))),
+            exact_curve("on either side", fine, VARIATION * (1.0 - allowed(fine))),
+            curve(variant.name, counts, [one[2] for one in found]),
+        ),
+        x_scale="log",
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+def _drawing() -> Model:
+    network = [JointSet(name="cells", model=Voronoi(count=250))]
+    return drawing_of(cut(rectangle(SIDE, SIDE), network, seed=3), "Voronoi cells")
+
+
+PROBLEM = Problem(
+    name="voronoi-cells",
+    title="Cells about random points",
+    text="A square of 10 m x 10 m is cut into Voronoi cells about up to 5,000 random points (250 "
+    "in the picture); small cells are kept.",
+    formula="mean area A/n; six corners; coefficient of variation of the areas sqrt(0.280) = 0.529",
+    source="Euler's formula; Gilbert (1962), Ann. Math. Statist. 33, for the variance",
+    set_up=_drawing,
+    examine=partial(examine, COUNTS),
+    examine_briefly=partial(examine, FEW),
+    variants=(CUT,),
+    quick=(CUT,),
+)

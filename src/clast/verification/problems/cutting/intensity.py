@@ -1,0 +1,148 @@
+"""Intensities of joint sets: length per area, and joints met by a scanline.
+
+Traces of length t with bridges g on lines a spacing s apart have P21 = t/((t + g) s).  A scanline
+that is d off the normal of persistent joints meets P10 = |cos d|/s of them a metre; of joints of
+all directions alike it meets P10 = 2 P21/pi, the mean of |cos d| being 2/pi.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, Curve, curve, exact_curve
+from clast.rockmass import Baecher, JointSet, PoissonLines, cut
+from clast.rockmass.account import frequency
+from clast.verification.cut_blocks import CUT, drawing_of, lines_of, rectangle
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import Variant
+
+SIDE = 100.0
+"""Side of the square, m."""
+ANGLE, SPACING = 20.0, 2.0
+"""Direction of traces and of persistent joints, degrees, and their spacing, m."""
+TRACE, BRIDGE = 6.0, 2.0
+"""Lengths of traces and of the rock bridges between them, m."""
+OFF = 35.0
+"""Angle between a scanline and the normal of the joints, degrees."""
+ANYWHERE = 2.0
+"""P21 of joints of all directions, m/m2."""
+TRACES = JointSet(
+    name="traces",
+    angle=ANGLE,
+    spacing=SPACING,
+    trace_length=TRACE,
+    bridge_length=BRIDGE,
+    stagger=0.5,
+)
+PERSISTENT = JointSet(name="persistent", angle=ANGLE, spacing=SPACING)
+ISOTROPIC = {
+    "Baecher's traces": JointSet(
+        name="traces", model=Baecher(), intensity=ANYWHERE, trace_length=5.0
+    ),
+    "Poisson's lines": JointSet(name="lines", model=PoissonLines(), intensity=ANYWHERE),
+}
+TIMES = {"Baecher's traces": 4, "Poisson's lines": 60}
+"""How often each is drawn: a hundred lines scatter by a tenth, thousands of traces by less."""
+SCANLINES = np.array([0.0, 30.0, 60.0, 90.0, 120.0, 150.0])
+"""Directions of scanlines, degrees."""
+RIM = "lines begin and end at the rim of 100 m; their number is whole"
+CHANCE = "two standard errors of the lines drawn"
+
+
+def exact_of_traces() -> float:
+    """Return t/((t + g) s), m/m2."""
+    return TRACE / ((TRACE + BRIDGE) * SPACING)
+
+
+def exact_on_scanline(angle: Floats | float) -> Floats:
+    """Return the persistent joints that scanlines at these angles, degrees, meet, 1/m."""
+    off = np.radians(np.asarray(angle) - (ANGLE + 90.0))
+    return np.asarray(np.abs(np.cos(off)) / SPACING)
+
+
+def exact_anywhere() -> float:
+    """Return 2 P21/pi, 1/m."""
+    return 2.0 * ANYWHERE / np.pi
+
+
+def met(ends: Floats, angle: float, area: float) -> float:
+    """Return how many of the lines (n, 2, 2) scanlines meet, 1/m; ``angle`` degrees, ``area`` m2.
+
+    The mean of all scanlines of that direction: lengths across it over the area.
+    """
+    way = np.radians(angle)
+    return frequency(ends, np.array([np.cos(way), np.sin(way)]), area)
+
+
+def drawn_often(name: str) -> tuple[Floats, float]:
+    """Return the lines of all draws of an isotropic set, m, (n, 2, 2), and their area, m2."""
+    times, domain = TIMES[name], rectangle(SIDE, SIDE)
+    found = [lines_of(ISOTROPIC[name], domain, seed) for seed in range(times)]
+    return np.concatenate(found), times * SIDE**2
+
+
+def examine(isotropic: tuple[str, ...], variant: Variant) -> Outcome:
+    """Compare intensities of traces, of persistent joints, and of joints of all directions."""
+    traces = cut(rectangle(SIDE, SIDE), [TRACES]).report.sets[0]
+    persistent, area = lines_of(PERSISTENT, rectangle(SIDE, SIDE)), SIDE**2
+    scanline = ANGLE + 90.0 + OFF
+    rows: list[Comparison] = [
+        relative("P21 of traces", "m/m2", traces.p21, exact_of_traces(), 0.02, RIM),
+        relative(
+            "P10 of persistent joints at 35 degrees off their normal",
+            "1/m",
+            met(persistent, scanline, area),
+            float(exact_on_scanline(scanline)),
+            0.02,
+            RIM,
+        ),
+    ]
+    curves = [curve("persistent", SCANLINES, [met(persistent, one, area) for one in SCANLINES])]
+    for name in isotropic:
+        ends, all_area = drawn_often(name)
+        length = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
+        rows.append(relative(f"P21 of {name}", "m/m2", length / all_area, ANYWHERE, 0.02, CHANCE))
+        found = np.array([met(ends, one, all_area) for one in SCANLINES])
+        worst = found[np.abs(found - exact_anywhere()).argmax()]
+        quantity = f"P10 of {name} along the worst of {len(SCANLINES)} scanlines"
+        rows.append(relative(quantity, "1/m", worst, exact_anywhere(), 0.03, CHANCE))
+        curves.append(curve(name, SCANLINES, found))
+    return Outcome(tuple(rows), (_chart(curves),))
+
+
+def _chart(curves: list[Curve]) -> Chart:
+    fine = np.linspace(0.0, 180.0, 181)
+    return Chart(
+        title="joints on a scanline",
+        x_label="direction of the scanline, degrees",
+        y_label="P10, 1/m",
+        curves=(
+            exact_curve("|cos d|/s", fine, exact_on_scanline(fine)),
+            exact_curve("2 P21/pi", fine, np.full(len(fine), exact_anywhere())),
+            *curves,
+        ),
+    )
+
+
+def _drawing() -> Model:
+    sets = [TRACES, JointSet(name="across", angle=ANGLE + 80.0, spacing=2.5 * SPACING)]
+    return drawing_of(cut(rectangle(40.0, 30.0), sets), "Traces with rock bridges")
+
+
+PROBLEM = Problem(
+    name="intensity",
+    title="Intensities of joint sets",
+    text="In 100 m x 100 m: traces of 6 m with bridges of 2 m on lines 2 m apart, persistent "
+    "joints 2 m apart on scanlines of all directions, and joints of all directions with 2 m/m2 "
+    "(Baecher's traces four times, Poisson's lines sixty times).",
+    formula="P21 = t/((t + g) s) = 0.375 m/m2; P10 = |cos d|/s, 0.409576/m at 35 degrees; "
+    "P10 = 2 P21/pi for all directions alike",
+    source="stereology: the mean of |cos d| over all directions is 2/pi",
+    set_up=_drawing,
+    examine=partial(examine, tuple(ISOTROPIC)),
+    variants=(CUT,),
+    quick=(CUT,),
+)

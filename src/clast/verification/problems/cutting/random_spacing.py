@@ -1,0 +1,159 @@
+"""Blocks between joints of random spacing: how many there are, and how large.
+
+Spacings are exponential, so that the lines of each set are a Poisson process along its normal:
+N = (1 + N1)(1 + N2) blocks with N1 and N2 of means l1 W and l2 H.  A block is the product of two
+independent exponential lengths; P(A > a) is the integral of l1 exp(-l1 x - l2 a/x), which is
+z K1(z) with z = 2 sqrt(l1 l2 a).
+
+Blocks that end at the right or the top of the domain are left out.  Each network counts with the
+share of its own blocks, for larger networks have smaller blocks: weighting by their numbers would
+be biased.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from scipy import special
+
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.rockmass import Exponential, JointSet, cut
+from clast.verification.cut_blocks import CUT, areas, drawing_of, rectangle
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import Variant
+
+WIDTH, HEIGHT = 40.0, 30.0
+"""Sides of the domain, m."""
+UPRIGHT, LEVEL = 0.5, 0.8
+"""Lines per m of upright and of level joints, l1 and l2."""
+AREAS = np.array([0.5, 1.0, 2.5, 5.0, 10.0])
+"""Areas a that blocks are compared with, m2."""
+SETS = (
+    JointSet(name="upright", angle=90.0, spacing=Exponential(mean=1.0 / UPRIGHT)),
+    JointSet(name="level", angle=0.0, spacing=Exponential(mean=1.0 / LEVEL)),
+)
+SEEDS, FEW = 400, 40
+"""Networks, and where time is short."""
+ERRORS = 3.0
+"""Tolerance of means, in standard errors."""
+KOLMOGOROV = 1.628
+"""One sample of n in a hundred has a distribution farther than this/sqrt(n) from its own."""
+
+
+def exact_mean() -> float:
+    """Return E[N]."""
+    return (1.0 + UPRIGHT * WIDTH) * (1.0 + LEVEL * HEIGHT)
+
+
+def exact_deviation() -> float:
+    """Return the standard deviation of N: variances of products of independent numbers."""
+    one, other = UPRIGHT * WIDTH, LEVEL * HEIGHT
+    square = (one + (1.0 + one) ** 2) * (other + (1.0 + other) ** 2)
+    return float(np.sqrt(square - exact_mean() ** 2))
+
+
+def exact_share(area: Floats) -> Floats:
+    """Return P(A > a)."""
+    z = 2.0 * np.sqrt(UPRIGHT * LEVEL * area)
+    return np.asarray(z * special.k1(z))
+
+
+def of_network(seed: int) -> tuple[int, Floats]:
+    """Return the number of blocks of a network, and the areas of those that end inside, m2."""
+    found = cut(rectangle(WIDTH, HEIGHT, smallest_block=0.0), SETS, seed=seed)
+    high = np.maximum.reduceat(found.vertices, found.block_start[:-1], axis=0)
+    inside = (high < np.array([WIDTH, HEIGHT]) - 1e-6).all(axis=1)
+    return found.block_count, areas(found)[inside]
+
+
+def distance(sample: Floats) -> float:
+    """Return the largest distance between the distribution of areas and its own, Kolmogorov's."""
+    below = 1.0 - exact_share(np.sort(sample))
+    step = np.arange(len(sample) + 1) / len(sample)
+    return float(max((step[1:] - below).max(), (below - step[:-1]).max()))
+
+
+def examine(seeds: int, variant: Variant) -> Outcome:
+    """Compare numbers and areas of blocks over so many networks."""
+    networks = [of_network(seed) for seed in range(seeds)]
+    counts = np.array([count for count, _ in networks], float)
+    shares = np.array([(own[:, None] > AREAS).mean(axis=0) for _, own in networks])
+    one_each = np.array(
+        [np.random.default_rng(seed).choice(own) for seed, (_, own) in enumerate(networks)]
+    )
+    root = np.sqrt(seeds)
+    of_mean = f"three standard errors of the mean of {seeds} networks"
+    rows: list[Comparison] = [
+        absolute(
+            "mean number of blocks",
+            "",
+            counts.mean(),
+            exact_mean(),
+            ERRORS * exact_deviation() / root,
+            of_mean,
+        ),
+        relative(
+            "deviation of the number of blocks",
+            "",
+            counts.std(ddof=1),
+            exact_deviation(),
+            ERRORS / np.sqrt(2.0 * seeds),
+            f"three standard errors of the deviation of {seeds} networks",
+        ),
+    ]
+    errors = ERRORS * shares.std(axis=0, ddof=1) / root
+    for area, found, exact, error in zip(
+        AREAS, shares.mean(axis=0), exact_share(AREAS), errors, strict=True
+    ):
+        rows.append(
+            absolute(f"share of blocks above {area:g} m2", "", found, exact, error, of_mean)
+        )
+    rows.append(
+        absolute(
+            "distance of the distributions of areas",
+            "",
+            distance(one_each),
+            0.0,
+            KOLMOGOROV / root,
+            "Kolmogorov's for one block of each network, exceeded by one sample in a hundred",
+        )
+    )
+    return Outcome(tuple(rows), (_chart(networks, variant),))
+
+
+def _chart(networks: list[tuple[int, Floats]], variant: Variant) -> Chart:
+    fine, marks = np.geomspace(0.02, 15.0, 100), np.geomspace(0.02, 15.0, 25)
+    found = np.mean([(own[:, None] > marks).mean(axis=0) for _, own in networks], axis=0)
+    return Chart(
+        title="areas of blocks",
+        x_label="area a, m2",
+        y_label="share of blocks that are larger",
+        curves=(
+            exact_curve("z K1(z)", fine, exact_share(fine)),
+            curve(variant.name, marks, found),
+        ),
+        x_scale="log",
+    )
+
+
+def _drawing() -> Model:
+    found = cut(rectangle(WIDTH, HEIGHT, smallest_block=0.0), SETS, seed=1)
+    return drawing_of(found, "Two sets of random spacing")
+
+
+PROBLEM = Problem(
+    name="random-spacing",
+    title="Blocks between joints of random spacing",
+    text="Upright and level joints of exponential spacing, 0.5 and 0.8 lines a metre, cut "
+    f"40 m x 30 m, {SEEDS} times.",
+    formula="E[N] = (1 + l1 W)(1 + l2 H) = 525, deviation 153.5; P(A > a) = z K1(z), "
+    "z = 2 sqrt(l1 l2 a)",
+    source="Poisson processes; the distribution of the product of two exponential lengths",
+    set_up=_drawing,
+    examine=partial(examine, SEEDS),
+    examine_briefly=partial(examine, FEW),
+    variants=(CUT,),
+    quick=(CUT,),
+)
