@@ -11,6 +11,7 @@ from clast.actions.action import Action, Share, StepStart
 from clast.actions.gravity import Gravity
 from clast.actions.ground_motion import GroundAcceleration
 from clast.actions.loads import Loads
+from clast.actions.pressure import Pressures
 from clast.actions.supports import Supports
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
@@ -27,6 +28,8 @@ def actions_of(model: Model, fixed_point_stiffness: float) -> tuple[Action, ...]
         found.append(GroundAcceleration())
     if len(model.point_loads.block) or len(model.line_loads.block):
         found.append(Loads())
+    if len(model.pressures.block):
+        found.append(Pressures())
     if len(model.fixed_points.block):
         found.append(Supports(fixed_point_stiffness))
     return *found, *model.actions

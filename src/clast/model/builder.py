@@ -29,6 +29,7 @@ from clast.model import checks as model_checks
 from clast.model import ranges, value_checks
 from clast.model.block_input import Entry, Label, ManyBlocks, Names, OneBlock, Vector
 from clast.model.checks import Outlines
+from clast.model.factors import Factor, checked_factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.joint_input import JointEntry, joint_table, joints_of_edges, pairs_of_names
 from clast.model.model import (
@@ -47,6 +48,7 @@ from clast.model.model import (
     Rock,
 )
 from clast.model.point_input import Place, Places, located
+from clast.model.pressure_input import LinePressure, pressed_edges
 from clast.model.value_checks import check_number, check_numbers, number_of
 
 if TYPE_CHECKING:
@@ -83,6 +85,8 @@ class ModelBuilder:
     _fixed_points: list[Place] = field(default_factory=list, init=False)
     _point_loads: list[Place] = field(default_factory=list, init=False)
     _line_loads: list[Place] = field(default_factory=list, init=False)
+    _pressures: list[LinePressure] = field(default_factory=list, init=False)
+    _factors: list[Factor] = field(default_factory=list, init=False)
     _measured_points: list[Place] = field(default_factory=list, init=False)
     _measured_names: list[str] = field(default_factory=list, init=False)
 
@@ -230,20 +234,56 @@ class ModelBuilder:
         label = f"fixed point {len(self._fixed_points) + 1}"
         self._fixed_points.append(Place(label, at, block))
 
-    def point_load(self, at: Vector, force: Vector, block: str | None = None) -> None:
-        """Apply a constant force (x, y), N per metre of thickness, at a point, m, of a block."""
+    def add_table(self, name: str, time: Any, value: Any) -> str:
+        """Add a factor of loads over time and return its name: instants, s, values, - (k,) each.
+
+        It is linear between the instants and constant before and after them.
+        """
+        self._factors.append(checked_factor(name, time, value))
+        return name
+
+    def point_load(
+        self, at: Vector, force: Vector, block: str | None = None, factor: str | None = None
+    ) -> None:
+        """Apply a force (x, y), N per metre of thickness, at a point, m, of a block.
+
+        ``factor`` names a table by whose value at the end of each step the force is multiplied.
+        """
         label = f"point load {len(self._point_loads) + 1}"
-        self._point_loads.append(Place(label, at, block, load=force))
+        self._point_loads.append(Place(label, at, block, load=force, factor=factor))
 
     def line_load(
-        self, start: Vector, end: Vector, traction: Vector, block: str | None = None
+        self,
+        start: Vector,
+        end: Vector,
+        traction: Vector,
+        block: str | None = None,
+        factor: str | None = None,
     ) -> None:
-        """Apply a constant traction (x, y), N/m per metre of thickness, along a line of a block.
+        """Apply a traction (x, y), N/m per metre of thickness, along a line of a block.
 
-        ``start`` and ``end`` (x, y) in m.
+        ``start`` and ``end`` (x, y) in m; ``factor`` as for point loads.
         """
         label = f"line load {len(self._line_loads) + 1}"
-        self._line_loads.append(Place(label, start, block, end=end, load=traction))
+        self._line_loads.append(Place(label, start, block, end=end, load=traction, factor=factor))
+
+    def pressure(
+        self,
+        start: Vector,
+        end: Vector,
+        value: float | Vector,
+        block: str | None = None,
+        factor: str | None = None,
+    ) -> None:
+        """Press on the edges along a straight line, normal to them as they turn with their blocks.
+
+        ``value`` is one pressure, Pa, or that at ``start`` and at ``end`` (x, y), m, positive into
+        the blocks.  ``block`` is needed where edges of two blocks meet; ``factor`` as above.
+        """
+        label = f"pressure {len(self._pressures) + 1}"
+        self._pressures.append(
+            LinePressure(label=label, start=start, end=end, value=value, block=block, factor=factor)
+        )
 
     def measured_point(self, name: str, at: Vector, block: str | None = None) -> None:
         """Record displacement, velocity and rotation of a point (x, y), m, of a block, every step.
@@ -270,15 +310,17 @@ class ModelBuilder:
         block_rock = self._block_rocks(outlines)
         block_number = {name: number for number, name in enumerate(outlines.names)}
         rock_number = {rock.name: index for index, rock in enumerate(self._rocks)}
+        factor_number = {factor.name: index for index, factor in enumerate(self._factors)}
         along = {*np.unique(edge_joint).tolist(), *self.line_joints}
         table = joint_table(self._joints, rock_number, block_number, along)
         overlaps = model_checks.check_overlaps(outlines, polygons)
 
         def places(entries: list[Place]) -> Places:
-            return located(entries, block_number, outlines, polygons)
+            return located(entries, block_number, factor_number, outlines, polygons)
 
         fixed, measured = places(self._fixed_points), places(self._measured_points)
         points, lines = places(self._point_loads), places(self._line_loads)
+        pressures, uncovered = pressed_edges(self._pressures, block_number, factor_number, outlines)
         value_checks.check_ground_motion(self.ground_motion, len(fixed.block))
         value_checks.check_actions(self.actions)
         return Model(
@@ -298,17 +340,25 @@ class ModelBuilder:
             initial_stress=self._initial_stresses(outlines, block_rock),
             area=outlines.area,
             fixed_points=MaterialPoints(block=fixed.block, at=fixed.at),
-            point_loads=PointLoads(block=points.block, at=points.at, force=points.load),
-            line_loads=LineLoads(
-                block=lines.block, start=lines.at, end=lines.end, traction=lines.load
+            point_loads=PointLoads(
+                block=points.block, at=points.at, force=points.load, factor=points.factor
             ),
+            line_loads=LineLoads(
+                block=lines.block,
+                start=lines.at,
+                end=lines.end,
+                traction=lines.load,
+                factor=lines.factor,
+            ),
+            pressures=pressures,
+            factors=tuple(self._factors),
             measured_points=MeasuredPoints(
                 block=measured.block, at=measured.at, name=tuple(self._measured_names)
             ),
             ground_motion=self.ground_motion,
             actions=tuple(self.actions),
             overlaps=overlaps,
-            notes=(*self.notes, *model_checks.turned_note(outlines, clockwise)),
+            notes=(*self.notes, *model_checks.turned_note(outlines, clockwise), *uncovered),
         )
 
     def _check_names(self) -> None:
@@ -316,6 +366,7 @@ class ModelBuilder:
         value_checks.check_names("rock", [rock.name for rock in self._rocks])
         value_checks.check_names("joint", [entry.joint.name for entry in self._joints])
         value_checks.check_names("block", self._names())
+        value_checks.check_names("table", [factor.name for factor in self._factors])
         value_checks.check_point_names(self._measured_names)
 
     def _names(self) -> list[str]:
