@@ -14,6 +14,7 @@ from clast.verification.problems.contact import (
     two_planes,
 )
 from clast.verification.problems.friction import (
+    dam,
     decelerating_block,
     direct_shear,
     friction_lag,
@@ -51,6 +52,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         seams.PROBLEM,
         direct_shear.PROBLEM,
         ladder.PROBLEM,
+        dam.PROBLEM,
     ),
     "slopes": (
         slide_topple.PROBLEM,
