@@ -12,6 +12,7 @@ from clast.actions.gravity import Gravity
 from clast.actions.ground_motion import GroundAcceleration
 from clast.actions.in_situ import Outline
 from clast.actions.loads import Loads
+from clast.actions.pressure import Pressures
 from clast.actions.supports import Supports
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
@@ -28,6 +29,8 @@ def actions_of(model: Model, fixed_point_stiffness: float) -> tuple[Action, ...]
         found.append(GroundAcceleration())
     if len(model.point_loads.block) or len(model.line_loads.block):
         found.append(Loads())
+    if len(model.pressures.block):
+        found.append(Pressures())
     if model.in_situ is not None:
         found.append(Outline(model.in_situ, fixed_point_stiffness))
     if len(model.fixed_points.block):

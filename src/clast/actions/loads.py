@@ -1,4 +1,4 @@
-"""Constant loads at points and along lines, which move with their blocks."""
+"""Loads at points and along lines, which move with their blocks."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
 from clast.block.displacement import basis
+from clast.model.factors import factors_at
 from clast.model.model import Model
 from clast.model.state import Ledger
 
@@ -20,10 +21,10 @@ class Loads:
     """
 
     def begin(self, model: Model) -> None:
-        """Return nothing: the loads are constant."""
+        """Return nothing: the loads are known beforehand."""
 
     def share(self, start: StepStart, own: None) -> Share:
-        """Return the generalised force of each load."""
+        """Return the generalised force of each load, times its factor at the end of the step."""
         model, points = start.model, start.model.point_slices
         first, last = start.state.points[points.line_start], start.state.points[points.line_end]
         length = np.hypot(*(last - first).T)
@@ -32,6 +33,8 @@ class Loads:
         force = np.concatenate(
             [model.point_loads.force, length[:, None] * model.line_loads.traction]
         )
+        number = np.concatenate([model.point_loads.factor, model.line_loads.factor])
+        force = factors_at(model.factors, number, start.end)[:, None] * force
         rows = basis(at - start.frames.centroid[block])
         return Share(block=block, force=np.einsum("kxi,kx->ki", rows, force))
 

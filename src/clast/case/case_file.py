@@ -39,7 +39,13 @@ from clast.case.tables.rock_mass import (
     RegionTable,
     TraceTable,
 )
-from clast.case.tables.supports_and_loads import FixedPointTable, LineLoadTable, PointLoadTable
+from clast.case.tables.supports_and_loads import (
+    FactorTable,
+    FixedPointTable,
+    LineLoadTable,
+    PointLoadTable,
+    PressureTable,
+)
 from clast.case.tables.table import Acceleration, Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
 from clast.errors import ModelError
@@ -99,12 +105,16 @@ class Case(BaseModel):
     """Rocks of the domain by place."""
     block_pattern: list[BlockPatternTable] = []
     """Masonry in the domain."""
+    table: dict[str, FactorTable] = {}
+    """Factors of loads over time by name: [table.ramp] with time and value."""
     fixed_point: list[FixedPointTable] = []
     """Points held in place."""
     point_load: list[PointLoadTable] = []
     """Forces at points."""
     line_load: list[LineLoadTable] = []
     """Tractions along lines."""
+    pressure: list[PressureTable] = []
+    """Pressures on edges."""
     in_situ: InSituTable | None = None
     """Stress in the rock before anything is dug."""
     ground_motion: GroundMotionTable | None = None

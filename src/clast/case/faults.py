@@ -30,6 +30,8 @@ def kind_of(value: Any) -> str:
     return TABLE if isinstance(value, dict | BaseModel) else PLAIN
 
 
+NAMED = frozenset({"rock", "joint", "table"})
+"""Tables that hold tables by name."""
 SHOWN = 10
 """Most faults that one message lists."""
 
@@ -96,8 +98,8 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
         table = f"[[{top}]] {number + 1}{_name_text(value, number)}"
     elif isinstance(value, dict) and rest and _is_table(top, value.get(str(rest[0]))):
         key = shortened(str(rest.pop(0)))
-        table = f"[{top}.{key}]" if top in ("rock", "joint") else f"[{top}] {key}"
-        if top not in ("rock", "joint") and rest:
+        table = f"[{top}.{key}]" if top in NAMED else f"[{top}] {key}"
+        if top not in NAMED and rest:
             return f"{table}.{_keys_text(rest)}"
     elif isinstance(value, dict):
         table = f"[{top}]"
@@ -108,7 +110,7 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
 
 def _is_table(top: str, value: Any) -> bool:
     """Return whether a value within a table is a table of its own, as rocks and joints are."""
-    return isinstance(value, dict) or top in ("rock", "joint")
+    return isinstance(value, dict) or top in NAMED
 
 
 def _keys_text(keys: Sequence[str | int]) -> str:

@@ -31,7 +31,13 @@ from clast.case.tables.in_situ import in_situ_keys
 from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.measurements import MeasuredPointTable
 from clast.case.tables.method import MethodTable
-from clast.case.tables.supports_and_loads import FixedPointTable, LineLoadTable, PointLoadTable
+from clast.case.tables.supports_and_loads import (
+    FactorTable,
+    FixedPointTable,
+    LineLoadTable,
+    PointLoadTable,
+    PressureTable,
+)
 from clast.case.tables.table import Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
 from clast.case.writing import as_plain, table_of
@@ -45,6 +51,8 @@ from clast.results import Run, RunRecorder
 if TYPE_CHECKING:
     from clast.model.block_input import Entry, Label
     from clast.model.joint_input import JointEntry
+    from clast.model.point_input import Place
+    from clast.model.pressure_input import LinePressure
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 
@@ -138,16 +146,24 @@ class ModelBuilder(model_builder.ModelBuilder):
                 for p in self._fixed_points
             ],
             "point_load": [
-                table_of(PointLoadTable, {"at": p.at, "force": p.load, "block": p.block})
+                table_of(PointLoadTable, {"at": p.at, "force": p.load, **_choice(p)})
                 for p in self._point_loads
             ],
             "line_load": [
                 table_of(
-                    LineLoadTable,
-                    {"start": p.at, "end": p.end, "traction": p.load, "block": p.block},
+                    LineLoadTable, {"start": p.at, "end": p.end, "traction": p.load, **_choice(p)}
                 )
                 for p in self._line_loads
             ],
+            "pressure": [
+                table_of(
+                    PressureTable, {"start": p.start, "end": p.end, "value": p.value, **_choice(p)}
+                )
+                for p in self._pressures
+            ],
+            "table": {
+                factor.name: table_of(FactorTable, _unnamed(factor)) for factor in self._factors
+            },
             "measured_point": [
                 table_of(MeasuredPointTable, {"name": name, "at": p.at, "block": p.block})
                 for name, p in zip(self._measured_names, self._measured_points, strict=True)
@@ -309,6 +325,11 @@ def _refuse_both(tables: dict[str, dict[str, Any]], given: dict[str, Any]) -> No
 def _unnamed(thing: Any) -> dict[str, Any]:
     """Return the numbers of a rock or a joint by name."""
     return {key: value for key, value in vars(thing).items() if key != "name"}
+
+
+def _choice(load: Place | LinePressure) -> dict[str, str | None]:
+    """Return the block and the table that a load names."""
+    return {"block": load.block, "factor": load.factor}
 
 
 def _plane_name(plane: Plane) -> str:

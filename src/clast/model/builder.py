@@ -29,8 +29,9 @@ from clast.model import checks as model_checks
 from clast.model import ranges, value_checks
 from clast.model.block_input import Entry, Label, ManyBlocks, Names, OneBlock, Vector
 from clast.model.checks import Outlines
+from clast.model.factors import Factor, checked_factor
 from clast.model.ground_motion import GroundMotion, Still
-from clast.model.in_situ import InSituStress, Overburden, check_in_situ
+from clast.model.in_situ import InSituStress, Overburden, stress_in_situ
 from clast.model.joint_input import JointEntry, joint_table, joints_of_edges, pairs_of_names
 from clast.model.mending import Mended, Mending
 from clast.model.model import (
@@ -49,6 +50,7 @@ from clast.model.model import (
     Rock,
 )
 from clast.model.point_input import Place, Places, located
+from clast.model.pressure_input import LinePressure, pressed_edges
 from clast.model.value_checks import check_number, check_numbers, number_of
 
 if TYPE_CHECKING:
@@ -89,6 +91,8 @@ class ModelBuilder:
     _fixed_points: list[Place] = field(default_factory=list, init=False)
     _point_loads: list[Place] = field(default_factory=list, init=False)
     _line_loads: list[Place] = field(default_factory=list, init=False)
+    _pressures: list[LinePressure] = field(default_factory=list, init=False)
+    _factors: list[Factor] = field(default_factory=list, init=False)
     _measured_points: list[Place] = field(default_factory=list, init=False)
     _measured_names: list[str] = field(default_factory=list, init=False)
 
@@ -236,20 +240,56 @@ class ModelBuilder:
         label = f"fixed point {len(self._fixed_points) + 1}"
         self._fixed_points.append(Place(label, at, block))
 
-    def point_load(self, at: Vector, force: Vector, block: str | None = None) -> None:
-        """Apply a constant force (x, y), N per metre of thickness, at a point, m, of a block."""
+    def add_table(self, name: str, time: Any, value: Any) -> str:
+        """Add a factor of loads over time and return its name: instants, s, values, - (k,) each.
+
+        It is linear between the instants and constant before and after them.
+        """
+        self._factors.append(checked_factor(name, time, value))
+        return name
+
+    def point_load(
+        self, at: Vector, force: Vector, block: str | None = None, factor: str | None = None
+    ) -> None:
+        """Apply a force (x, y), N per metre of thickness, at a point, m, of a block.
+
+        ``factor`` names a table by whose value at the end of each step the force is multiplied.
+        """
         label = f"point load {len(self._point_loads) + 1}"
-        self._point_loads.append(Place(label, at, block, load=force))
+        self._point_loads.append(Place(label, at, block, load=force, factor=factor))
 
     def line_load(
-        self, start: Vector, end: Vector, traction: Vector, block: str | None = None
+        self,
+        start: Vector,
+        end: Vector,
+        traction: Vector,
+        block: str | None = None,
+        factor: str | None = None,
     ) -> None:
-        """Apply a constant traction (x, y), N/m per metre of thickness, along a line of a block.
+        """Apply a traction (x, y), N/m per metre of thickness, along a line of a block.
 
-        ``start`` and ``end`` (x, y) in m.
+        ``start`` and ``end`` (x, y) in m; ``factor`` as for point loads.
         """
         label = f"line load {len(self._line_loads) + 1}"
-        self._line_loads.append(Place(label, start, block, end=end, load=traction))
+        self._line_loads.append(Place(label, start, block, end=end, load=traction, factor=factor))
+
+    def pressure(
+        self,
+        start: Vector,
+        end: Vector,
+        value: float | Vector,
+        block: str | None = None,
+        factor: str | None = None,
+    ) -> None:
+        """Press on the edges along a straight line, normal to them as they turn with their blocks.
+
+        ``value`` is one pressure, Pa, or that at ``start`` and at ``end`` (x, y), m, positive into
+        the blocks.  ``block`` is needed where edges of two blocks meet; ``factor`` as above.
+        """
+        label = f"pressure {len(self._pressures) + 1}"
+        self._pressures.append(
+            LinePressure(label=label, start=start, end=end, value=value, block=block, factor=factor)
+        )
 
     def measured_point(self, name: str, at: Vector, block: str | None = None) -> None:
         """Record displacement, velocity and rotation of a point (x, y), m, of a block, every step.
@@ -277,18 +317,22 @@ class ModelBuilder:
         block_rock = self._block_rocks(outlines)
         block_number = {name: number for number, name in enumerate(outlines.names)}
         rock_number = {rock.name: index for index, rock in enumerate(self._rocks)}
+        factor_number = {factor.name: index for index, factor in enumerate(self._factors)}
         along = {*np.unique(edge_joint).tolist(), *self.line_joints}
         table = joint_table(self._joints, rock_number, block_number, along)
         overlaps = model_checks.check_overlaps(outlines, polygons)
 
         def places(entries: list[Place]) -> Places:
-            return located(entries, block_number, outlines, polygons, mended.moved)
+            return located(entries, block_number, factor_number, outlines, polygons, mended.moved)
 
         fixed, measured = places(self._fixed_points), places(self._measured_points)
         points, lines = places(self._point_loads), places(self._line_loads)
+        pressures, uncovered = pressed_edges(self._pressures, block_number, factor_number, outlines)
         value_checks.check_ground_motion(self.ground_motion, len(fixed.block))
         value_checks.check_actions(self.actions)
-        in_situ = self._in_situ(outlines, block_rock)
+        in_situ = stress_in_situ(
+            self.in_situ, outlines, self._densities(block_rock), np.asarray(self.gravity, float)
+        )
         return Model(
             title=self.title,
             plane=self.plane,
@@ -307,10 +351,18 @@ class ModelBuilder:
             in_situ=in_situ,
             area=outlines.area,
             fixed_points=MaterialPoints(block=fixed.block, at=fixed.at),
-            point_loads=PointLoads(block=points.block, at=points.at, force=points.load),
-            line_loads=LineLoads(
-                block=lines.block, start=lines.at, end=lines.end, traction=lines.load
+            point_loads=PointLoads(
+                block=points.block, at=points.at, force=points.load, factor=points.factor
             ),
+            line_loads=LineLoads(
+                block=lines.block,
+                start=lines.at,
+                end=lines.end,
+                traction=lines.load,
+                factor=lines.factor,
+            ),
+            pressures=pressures,
+            factors=tuple(self._factors),
             measured_points=MeasuredPoints(
                 block=measured.block, at=measured.at, name=tuple(self._measured_names)
             ),
@@ -318,7 +370,7 @@ class ModelBuilder:
             actions=tuple(self.actions),
             overlaps=overlaps,
             repairs=mended.repairs,
-            notes=(*self.notes, *model_checks.turned_note(outlines, clockwise)),
+            notes=(*self.notes, *model_checks.turned_note(outlines, clockwise), *uncovered),
         )
 
     def _mended(self, drawn: Outlines, clockwise: Bools) -> tuple[Mended, model_checks.Geometries]:
@@ -340,6 +392,7 @@ class ModelBuilder:
         value_checks.check_names("rock", [rock.name for rock in self._rocks])
         value_checks.check_names("joint", [entry.joint.name for entry in self._joints])
         value_checks.check_names("block", self._names())
+        value_checks.check_names("table", [factor.name for factor in self._factors])
         value_checks.check_point_names(self._measured_names)
 
     def _names(self) -> list[str]:
@@ -422,17 +475,9 @@ class ModelBuilder:
             )
         return velocity
 
-    def _in_situ(self, outlines: Outlines, block_rock: Ints) -> InSituStress | None:
-        """Return the stress before anything is dug; that of the weight by the mean density."""
-        given = self.in_situ
-        if isinstance(given, Overburden):
-            density = np.array([rock.density for rock in self._rocks])[block_rock]
-            mean = float(np.average(density, weights=outlines.area))
-            top = float(outlines.vertices[:, 1].max() + outlines.origin[1])
-            given = given.stress(mean, np.asarray(self.gravity, float), top)
-        if given is not None:
-            check_in_situ(given)
-        return given
+    def _densities(self, block_rock: Ints) -> Floats:
+        """Return the density of each block, kg/m3, shape (n,)."""
+        return np.array([rock.density for rock in self._rocks])[block_rock]
 
     def _initial_stresses(
         self, outlines: Outlines, block_rock: Ints, in_situ: InSituStress | None

@@ -108,6 +108,11 @@ class Outlines:
         return np.asarray(0.5 * np.add.reduceat(cross, self.start[:-1]))
 
     @property
+    def top(self) -> float:
+        """Height y of the highest vertex in the coordinates of the case, m."""
+        return float(self.vertices[:, 1].max() + self.origin[1])
+
+    @property
     def heights(self) -> Floats:
         """Height y of the centroid of each block in the coordinates of the case, m, shape (n,)."""
         points = shapely.centroid(self.polygons())

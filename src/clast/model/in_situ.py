@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from clast.errors import ModelError
+
+if TYPE_CHECKING:
+    from clast.model.checks import Outlines
 
 Floats = NDArray[np.float64]
 
@@ -99,3 +103,18 @@ def check_in_situ(given: InSituStress) -> None:
                 where=f"{where}, sides",
                 remedy=f"the sides are {', '.join(SIDES)}",
             )
+
+
+def stress_in_situ(
+    given: InSituStress | Overburden | None, outlines: Outlines, density: Floats, gravity: Floats
+) -> InSituStress | None:
+    """Return the stress before anything is dug, checked; that of the weight by the mean density.
+
+    ``density`` (n,) in kg/m3 is that of the blocks, ``gravity`` (2,) in m/s2.
+    """
+    if isinstance(given, Overburden):
+        mean = float(np.average(density, weights=outlines.area))
+        given = given.stress(mean, gravity, outlines.top)
+    if given is not None:
+        check_in_situ(given)
+    return given

@@ -16,6 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from clast.model.factors import Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.in_situ import InSituStress
 
@@ -123,15 +124,17 @@ class MaterialPoints:
 
 @dataclass(frozen=True, kw_only=True)
 class PointLoads(MaterialPoints):
-    """Constant forces at material points."""
+    """Forces at material points."""
 
     force: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     """Force (x, y), N per metre of thickness, shape (k, 2)."""
+    factor: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Which of ``Model.factors`` each is multiplied by, NO_FACTOR: none, shape (k,)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LineLoads:
-    """Constant tractions along straight lines that move with a block (usually its edges)."""
+    """Tractions along straight lines that move with a block (usually its edges)."""
 
     block: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     """Block index of each line, shape (k,)."""
@@ -141,6 +144,24 @@ class LineLoads:
     """Second end at the start, m, shape (k, 2)."""
     traction: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     """Force per length of the line (x, y), N/m per metre of thickness, shape (k, 2)."""
+    factor: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Which of ``Model.factors`` each is multiplied by, NO_FACTOR: none, shape (k,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EdgePressures:
+    """Pressures on parts of edges, linear along them and normal to them as they turn."""
+
+    block: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Block index of each part, shape (k,)."""
+    edge: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Its edge: the index of the edge's first vertex, shape (k,)."""
+    share: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """Where it begins and ends, 0 at the first vertex of the edge and 1 at the next, (k, 2)."""
+    pressure: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """Pressure where it begins and ends, Pa, positive into the block, shape (k, 2)."""
+    factor: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Which of ``Model.factors`` each is multiplied by, NO_FACTOR: none, shape (k,)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -262,6 +283,10 @@ class Model:
     """Tractions along lines."""
     measured_points: MeasuredPoints
     """Points recorded every step."""
+    pressures: EdgePressures = field(default_factory=EdgePressures)
+    """Pressures on edges."""
+    factors: tuple[Factor, ...] = ()
+    """Tables of time by which loads are multiplied."""
     actions: tuple[Any, ...] = ()
     """What else acts on blocks: objects with the methods of ``clast.actions.action.Action``."""
     ground_motion: GroundMotion = field(default_factory=Still)

@@ -11,6 +11,7 @@ from clast.errors import ModelError
 from clast.model import ranges
 from clast.model.block_input import Vector
 from clast.model.checks import Geometries, Outlines, locate, point_text
+from clast.model.factors import NO_FACTOR
 from clast.model.model import Floats, Ints
 from clast.model.value_checks import check_numbers, number_of
 
@@ -27,21 +28,24 @@ class Place:
     block: str | None
     end: Vector | None = None
     load: Vector = NO_LOAD
+    factor: str | None = None
 
 
 @dataclass(frozen=True)
 class Places:
-    """Where points or lines ended up: blocks (k,), ends (k, 2) and loads (k, 2)."""
+    """Where points or lines ended up: blocks (k,), ends (k, 2), loads (k, 2), factors (k,)."""
 
     block: Ints
     at: Floats
     end: Floats
     load: Floats
+    factor: Ints
 
 
 def located(
     entries: list[Place],
     block_number: dict[str, int],
+    factor_number: dict[str, int],
     outlines: Outlines,
     polygons: Geometries,
     moved: float,
@@ -52,7 +56,7 @@ def located(
     """
     count = len(entries)
     at, end, load = np.zeros((count, 2)), np.zeros((count, 2)), np.zeros((count, 2))
-    named = np.full(count, -1, np.int64)
+    named, factor = np.full(count, -1, np.int64), np.full(count, NO_FACTOR, np.int64)
     for k, entry in enumerate(entries):
         at[k] = check_numbers(entry.at, 2, entry.label) - outlines.origin
         if entry.end is not None:
@@ -63,6 +67,8 @@ def located(
             )
         if entry.block is not None:
             named[k] = number_of(entry.block, block_number, "block", entry.label)
+        if entry.factor is not None:
+            factor[k] = number_of(entry.factor, factor_number, "table", f"{entry.label}, factor")
     lines = np.array([entry.end is not None for entry in entries], dtype=np.bool_)
     for k in np.flatnonzero(lines & (at == end).all(axis=1))[:1]:
         raise ModelError("has no length", where=entries[k].label, remedy="give two different ends")
@@ -70,10 +76,10 @@ def located(
     if lines.any():
         shapes = np.array(shapely.linestrings(np.stack([at, end], axis=1)))
     if count == 0:
-        return Places(np.zeros(0, np.int64), at, end, load)
+        return Places(np.zeros(0, np.int64), at, end, load, factor)
 
     def where(k: int) -> str:
         return f"{entries[k].label} at {point_text(at[k] + outlines.origin)}"
 
     block = locate(shapes, named, where, outlines, shapely.STRtree(polygons), moved)
-    return Places(block, at, end, load)
+    return Places(block, at, end, load, factor)

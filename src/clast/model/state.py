@@ -80,7 +80,7 @@ class Ledger:
     fixed_points: float = 0.0
     """Energy in the springs of the fixed points."""
     loads: float = 0.0
-    """Work done by point and line loads and by the ground motion."""
+    """Work done by loads and pressures and by the ground motion."""
     friction: float = 0.0
     """Work lost in sliding, >= 0 (and in the breaking of bonds)."""
     impacts: float = 0.0

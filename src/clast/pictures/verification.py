@@ -197,8 +197,27 @@ def _loads(model: Model) -> tuple[Floats, Floats]:
     """Return places and forces of all loads; a line load is drawn in three places."""
     points, lines = model.point_loads, model.line_loads
     thirds = [lines.start + share * (lines.end - lines.start) for share in (1 / 6, 1 / 2, 5 / 6)]
-    at = np.concatenate([points.at, *thirds]) + model.origin
-    return at, np.concatenate([points.force, *3 * [lines.traction]])
+    pressed, pushes = _pressures(model)
+    at = np.concatenate([points.at, *thirds, pressed]) + model.origin
+    return at, np.concatenate([points.force, *3 * [lines.traction], pushes])
+
+
+def _pressures(model: Model) -> tuple[Floats, Floats]:
+    """Return places (k, 2), m, and tractions (k, 2), Pa, of pressures, in three places of each."""
+    loads = model.pressures
+    after = loads.edge + 1
+    after = np.where(
+        after < model.block_start[loads.block + 1], after, model.block_start[loads.block]
+    )
+    first, along = model.vertices[loads.edge], model.vertices[after] - model.vertices[loads.edge]
+    inwards = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
+    at, pushes = [np.zeros((0, 2))], [np.zeros((0, 2))]
+    for place in (1 / 6, 1 / 2, 5 / 6):
+        share = (1.0 - place) * loads.share[:, 0] + place * loads.share[:, 1]
+        pressure = (1.0 - place) * loads.pressure[:, 0] + place * loads.pressure[:, 1]
+        at.append(first + share[:, None] * along)
+        pushes.append(pressure[:, None] * inwards)
+    return np.concatenate(at), np.concatenate(pushes)
 
 
 def _velocities(model: Model) -> tuple[Floats, Floats]:

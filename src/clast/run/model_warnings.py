@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from clast.block.polygon import edges
 from clast.errors import shortened
 from clast.model.ground_motion import InertialForce, MovingBase
 from clast.model.model import WELD_STRENGTH, Floats, Ints, Model
@@ -69,7 +70,15 @@ def load_on(model: Model) -> float:
     """Return the sum of the sizes of all loads, N/m."""
     points, lines = model.point_loads, model.line_loads
     length = np.hypot(*(lines.end - lines.start).T)
-    return float(np.hypot(*points.force.T).sum() + (np.hypot(*lines.traction.T) * length).sum())
+    alone = np.hypot(*points.force.T).sum() + (np.hypot(*lines.traction.T) * length).sum()
+    return float(alone + _pressed(model).sum())
+
+
+def _pressed(model: Model) -> Floats:
+    """Return the mean size of each pressure times the length it acts on, N/m, shape (k,)."""
+    loads, (_, length) = model.pressures, edges(model.vertices, model.block_start)
+    share = loads.share[:, 1] - loads.share[:, 0]
+    return np.asarray(np.abs(loads.pressure).mean(axis=1) * share * length[loads.edge])
 
 
 def _support_warnings(model: Model) -> Iterator[str]:
@@ -96,6 +105,7 @@ def _idle_warnings(model: Model) -> Iterator[str]:
     kinds = {
         "point load": points.block,
         "line load": lines.block,
+        "pressure": model.pressures.block,
         "fixed point": fixed.block,
         "measured point": measured.block,
     }
@@ -106,7 +116,12 @@ def _idle_warnings(model: Model) -> Iterator[str]:
                 f"{len(idle)} {kind}(s) on fixed blocks have no effect: "
                 f"{named(model, np.unique(idle))}. Remove them, or fixed = true of the block"
             )
-    for kind, load in {"point load": points.force, "line load": lines.traction}.items():
+    sizes = {
+        "point load": points.force,
+        "line load": lines.traction,
+        "pressure": model.pressures.pressure,
+    }
+    for kind, load in sizes.items():
         zero = int((~load.any(axis=1)).sum())
         if zero:
             yield f"{zero} {kind}(s) are zero: give a force, or remove them"
@@ -117,6 +132,11 @@ def _idle_warnings(model: Model) -> Iterator[str]:
             f"all loads together are {total:.3g} N/m, {size} the weight of the blocks, "
             f"{weight:.3g} N/m; they are meant in N/m: 5 kN/m are 5000"
         )
+    numbers = [points.factor, lines.factor, model.pressures.factor]
+    idle = np.setdiff1d(np.arange(len(model.factors)), np.concatenate(numbers))
+    for number in idle[:NAMED].tolist():
+        name = shortened(model.factors[number].name)
+        yield f"no load has the factor '{name}': name the table in a load, or remove it"
     unused = np.setdiff1d(np.arange(len(model.rocks)), model.block_rock)
     for rock in unused[:NAMED].tolist():
         name = shortened(model.rocks[rock].name)
@@ -140,6 +160,7 @@ def _gravity_warnings(model: Model) -> Iterator[str]:
         or model.initial_stress.any()
         or model.point_loads.force.any()
         or model.line_loads.traction.any()
+        or model.pressures.pressure.any()
         or isinstance(model.ground_motion, InertialForce | MovingBase)
     )
     if not driven:

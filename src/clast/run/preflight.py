@@ -110,7 +110,9 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
         joints=tuple(joint.name for joint in model.joint_table.joints),
         fixed_blocks=int(model.fixed.sum()),
         fixed_points=len(model.fixed_points.block),
-        loads=len(model.point_loads.block) + len(model.line_loads.block),
+        loads=len(model.point_loads.block)
+        + len(model.line_loads.block)
+        + len(model.pressures.block),
         measured_points=len(model.measured_points.name),
         mass=float(model.mass.sum()),
         box=(float(low[0]), float(low[1]), float(high[0]), float(high[1])),

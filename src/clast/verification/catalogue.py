@@ -22,6 +22,7 @@ from clast.verification.problems.cutting import (
     random_spacing,
 )
 from clast.verification.problems.friction import (
+    dam,
     decelerating_block,
     direct_shear,
     friction_lag,
@@ -59,6 +60,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         seams.PROBLEM,
         direct_shear.PROBLEM,
         ladder.PROBLEM,
+        dam.PROBLEM,
     ),
     "slopes": (
         slide_topple.PROBLEM,

@@ -1,0 +1,186 @@
+"""A dam of one block under the triangular pressure of water on its face.
+
+With water to the height h the thrust is F = w h2/2, w being the unit weight of water, at h/3 above
+the base.  The base, with corners at heel and toe a width B apart, bears
+
+    N = W/2 -+ M/B,    M = F h/3 = w h3/6
+
+at them and F along it.  The dam slides where tan phi = F/W, and tips where M = W B/2.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, DENSITY, WATER = 9.81, 2400.0, 1000.0
+WIDTH, HEIGHT = 3.0, 10.0
+"""Width and height of the dam, m."""
+WEIGHT = DENSITY * GRAVITY * WIDTH * HEIGHT
+LEVELS = (2.0, 4.0, 6.0, 8.0)
+"""Heights of the water at which the reaction of the base is compared, m."""
+SLIDES_AT = (5.0, 8.0)
+"""Heights at which the friction angle is bisected, m."""
+ROUGH = 45.0
+"""Friction angle with which the dam tips before it slides, degrees."""
+STEPS, STIFFNESS = 300, 2e9
+STEP, FINE = 1e-2, 4e-3
+"""Steps, s: a dam close to tipping sinks back slowly; one that slides chatters in long steps."""
+BISECTIONS, SPAN, SHARE = 5, 2.0, 0.04
+"""Bisections; half of what is searched, in degrees and as a share of the height of the water."""
+RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.2g} degrees"
+TIPS = f"bisected to {100 * 2 * SHARE / 2**BISECTIONS:.2g} %; heel and toe are springs"
+LEANS = "heel and toe are springs: the dam leans by 1e-4, and its weight acts beside its middle"
+
+
+def thrust(level: float) -> float:
+    """Return the thrust of water to a height, m, N/m."""
+    return 0.5 * WATER * GRAVITY * level**2
+
+
+def exact_reactions(level: float) -> tuple[float, float]:
+    """Return the forces at heel and toe, N/m."""
+    moved = thrust(level) * level / 3.0 / WIDTH
+    return 0.5 * WEIGHT - moved, 0.5 * WEIGHT + moved
+
+
+def exact_angle(level: float) -> float:
+    """Return the friction angle at the limit of sliding, degrees."""
+    return float(np.degrees(np.arctan(thrust(level) / WEIGHT)))
+
+
+def exact_height() -> float:
+    """Return the height of the water at which the dam tips, m."""
+    return float(np.cbrt(3.0 * WEIGHT * WIDTH / (WATER * GRAVITY)))
+
+
+def dam(level: float = 8.0, friction_angle: float = ROUGH) -> Model:
+    """Return a fixed foundation and the dam on it, with water to its left."""
+    builder = ModelBuilder(title="Dam", gravity=(0.0, -GRAVITY))
+    builder.add_rock("concrete", young=20e9, poisson=0.2, density=DENSITY)
+    builder.add_joint("default", friction_angle=friction_angle)
+    ground = [(-2.0, -2.0), (WIDTH + 2.0, -2.0), (WIDTH + 2.0, 0.0), (-2.0, 0.0)]
+    builder.block(name="foundation", vertices=ground, fixed=True)
+    corners = [(0.0, 0.0), (WIDTH, 0.0), (WIDTH, HEIGHT), (0.0, HEIGHT)]
+    builder.block(name="dam", vertices=corners)
+    builder.pressure((0.0, 0.0), (0.0, level), (WATER * GRAVITY * level, 0.0), block="dam")
+    builder.measured_point("heel", (0.0, 0.0), block="dam")
+    builder.measured_point("crest", (0.0, HEIGHT), block="dam")
+    return builder.build()
+
+
+def reactions(level: float, variant: Variant) -> Floats:
+    """Return the normal forces at heel and toe and the force along the base, N/m, shape (3,)."""
+    model = dam(level)
+    method = variant.method(
+        model, normal_stiffness=STIFFNESS, max_displacement=0.02, dynamic_ratio=0.0
+    )
+    end = STEPS * STEP
+    memory = simulate(model, method, Schedule(step=STEP, end=end, every=end)).state.memory
+    heel = int(model.block_start[1])
+    at = [memory.vertex == heel, memory.vertex == heel + 1]
+    normal = [float(memory.normal_force[here].sum()) for here in at]
+    # the upper edge of the foundation runs to the left, against the water
+    along = float(memory.shear_force[at[0] | at[1]].sum())
+    return np.array([*normal, along])
+
+
+def compare_reactions(variant: Variant) -> Outcome:
+    """Compare what the base bears."""
+    found = np.array([reactions(level, variant) for level in LEVELS])
+    rows: list[Comparison] = []
+    for level, (heel, toe, along) in zip(LEVELS, found, strict=True):
+        exact = exact_reactions(level)
+        water = f"water {level:g} m high"
+        rows.append(relative(f"force at the heel, {water}", "N/m", heel, exact[0], 2e-3, LEANS))
+        rows.append(relative(f"force at the toe, {water}", "N/m", toe, exact[1], 5e-4, LEANS))
+        rows.append(
+            relative(f"force along the base, {water}", "N/m", along, thrust(level), 1e-4, LEANS)
+        )
+    fine = np.linspace(0.0, exact_height(), 41)
+    exact_lines = np.array([exact_reactions(level) for level in fine])
+    chart = Chart(
+        title="normal force at heel and toe",
+        x_label="height of the water, m",
+        y_label="force, kN/m",
+        curves=(
+            exact_curve("W/2 - M/B", fine, 1e-3 * exact_lines[:, 0]),
+            exact_curve("W/2 + M/B", fine, 1e-3 * exact_lines[:, 1]),
+            curve(f"heel, {variant.name}", LEVELS, 1e-3 * found[:, 0]),
+            curve(f"toe, {variant.name}", LEVELS, 1e-3 * found[:, 1]),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+def holds(level: float, friction_angle: float, step: float, variant: Variant) -> bool:
+    """Return whether the dam stays, with steps of so many s."""
+    moving = unbalanced(
+        dam(level, friction_angle),
+        variant,
+        normal_stiffness=STIFFNESS,
+        step=step,
+        steps=STEPS,
+        max_displacement=0.02,
+    )
+    return moving < AT_REST
+
+
+def compare_limits(variant: Variant) -> Outcome:
+    """Compare at which friction angle the dam slides, and at which height of the water it tips."""
+    rows: list[Comparison] = []
+    found = []
+    for level in SLIDES_AT:
+        exact = exact_angle(level)
+        stays = partial(holds, level, step=FINE, variant=variant)
+        found.append(limit(stays, exact - SPAN, exact + SPAN, BISECTIONS))
+        quantity = f"friction angle at the limit, water {level:g} m high"
+        rows.append(absolute(quantity, "degrees", found[-1], exact, 0.15, RESOLUTION))
+    tips = exact_height()
+    stands = partial(holds, friction_angle=ROUGH, step=STEP, variant=variant)
+    highest = limit(stands, (1.0 + SHARE) * tips, (1.0 - SHARE) * tips, BISECTIONS)
+    rows.append(relative("height of the water that tips the dam", "m", highest, tips, 5e-3, TIPS))
+    fine = np.linspace(0.0, exact_height(), 41)
+    chart = Chart(
+        title="friction angle at the limit of sliding",
+        x_label="height of the water, m",
+        y_label="friction angle, degrees",
+        curves=(
+            exact_curve("tan phi = F/W", fine, [exact_angle(level) for level in fine]),
+            curve(variant.name, SLIDES_AT, found),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare reactions and limits."""
+    base, limits = compare_reactions(variant), compare_limits(variant)
+    return Outcome(base.comparisons + limits.comparisons, base.charts + limits.charts)
+
+
+PROBLEM = Problem(
+    name="dam",
+    title="Dam under the pressure of water",
+    text="A block of 3 m x 10 m on a foundation, with the triangular pressure of water on its left "
+    "face as a [[pressure]]; the friction angle at which it slides and the height of the water "
+    "that tips it are bisected. p = 2 GPa, h = 10 ms, for sliding 4 ms, static.",
+    formula="N = W/2 -+ w h^3/(6 B) at heel and toe; tan phi = w h^2/(2 W); tips at "
+    "w h^3/6 = W B/2",
+    source="equilibrium of a rigid block",
+    set_up=dam,
+    examine=examine,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+    examine_briefly=compare_reactions,
+)
