@@ -29,7 +29,7 @@ from clast.model import checks as model_checks
 from clast.model import ranges, value_checks
 from clast.model.block_input import Entry, Label, ManyBlocks, Names, OneBlock, Vector
 from clast.model.checks import Outlines
-from clast.model.ground_motion import GroundMotion, Still
+from clast.model.ground_motion import GroundMotion, Still, ending_note
 from clast.model.joint_input import JointEntry, joint_table, joints_of_edges, pairs_of_names
 from clast.model.model import (
     WELD_STRENGTH,
@@ -308,7 +308,11 @@ class ModelBuilder:
             ground_motion=self.ground_motion,
             actions=tuple(self.actions),
             overlaps=overlaps,
-            notes=(*self.notes, *model_checks.turned_note(outlines, clockwise)),
+            notes=(
+                *self.notes,
+                *model_checks.turned_note(outlines, clockwise),
+                *ending_note(self.ground_motion),
+            ),
         )
 
     def _check_names(self) -> None:
