@@ -72,7 +72,9 @@ class Accelerogram:
     def ending(self) -> str:
         """Return how the motion ends, in a sentence: a drift shows in it."""
         end = float(self.time[-1])
-        speed, way = self.velocity(end).tolist(), self.displacement(end).tolist()
+        # rounded, and without -0, lest a ground at rest is said to creep
+        speed = (np.round(self.velocity(end), 12) + 0.0).tolist()
+        way = (np.round(self.displacement(end), 12) + 0.0).tolist()
         return (
             f"the ground motion ends at {end:g} s with a velocity of ({speed[0]:.3g}, "
             f"{speed[1]:.3g}) m/s and a displacement of ({way[0]:.3g}, {way[1]:.3g}) m"

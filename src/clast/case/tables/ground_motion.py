@@ -187,9 +187,10 @@ class GroundMotionTable(Table):
             return record
         end, stopped = float(record.time[-1]), brought_to_rest(record)
         peak = float(np.hypot(*stopped.acceleration[-2]))
+        speed = record.velocity(end).tolist()
         said.notes.append(
             f"after its record, from {end:g} to {end + STOPPING:g} s, the ground is brought to "
-            f"rest by up to {peak:.3g} m/s2"
+            f"rest from ({speed[0]:.3g}, {speed[1]:.3g}) m/s by up to {peak:.3g} m/s2"
         )
         return stopped
 
