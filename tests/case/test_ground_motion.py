@@ -173,7 +173,9 @@ def test_a_fixed_block_that_stays_behind_is_warned_of():
 
 def test_a_record_is_read_by_way_of_the_schema():
     properties = json_schema()["$defs"]["GroundMotionTable"]["properties"]
-    assert set(properties) == {"acts", "file", "time", "acceleration", "vertical", "scale"}
+    keys = {"acts", "file", "time", "acceleration", "vertical", "scale"}
+    keys |= {"format", "quantity", "unit", "direction", "baseline", "after"}
+    assert set(properties) == keys
 
 
 def test_displacement_under_a_body_force_is_of_second_order():

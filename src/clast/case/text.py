@@ -7,7 +7,8 @@ import json
 import re
 import stat
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -30,10 +31,24 @@ def read_text(path: Path, advice: str = "") -> str:
     Only regular files are read: a pipe may wait and a device go on for ever.  ``advice`` says what
     to do where there is no such file; case files nearby are named without it.
     """
-    where = str(path)
-    try:
+    with _readable(path, advice):
         _check_regular(path)
         return path.read_text(encoding="utf-8")
+
+
+def read_bytes(path: Path, advice: str) -> bytes:
+    """Return the content of a file that is no text, or say why it cannot be read."""
+    with _readable(path, advice):
+        _check_regular(path)
+        return path.read_bytes()
+
+
+@contextmanager
+def _readable(path: Path, advice: str) -> Iterator[None]:
+    """Say what keeps a file from being read, and what to do."""
+    where = str(path)
+    try:
+        yield
     except FileNotFoundError:
         raise CaseError(
             "there is no such file", where=where, remedy=advice or _beside(path)

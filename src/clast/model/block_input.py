@@ -6,17 +6,18 @@ know which is which.  Nothing is judged before it is asked for.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 
+from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.model import ranges
 from clast.model.model import Bools, Floats, Ints
-from clast.model.value_checks import check_numbers
+from clast.model.value_checks import check_numbers, number_of
 
 Vector = Sequence[float] | Floats
 """Two or three numbers."""
@@ -238,3 +239,31 @@ def _names_of_joints(given: Any, edges: int, where: str) -> Names:
         remedy='give one name for each vertex, that of the edge that begins there; "" for edges '
         "without a joint of their own",
     )
+
+
+def rocks_of(entries: Iterable[tuple[Entry, Label]], names: Sequence[str]) -> Ints:
+    """Return the rock index of each block, shape (n,); ``names`` are those of the rocks."""
+    number = {name: index for index, name in enumerate(names)}
+    only = names[0] if len(names) == 1 else None
+    found = []
+    for entry, label in entries:
+        given = only if entry.rock is None else entry.rock
+        if given is None:
+            raise ModelError(
+                "does not say which rock it is made of",
+                where=label(0),
+                remedy=spelling.advice("", number, kind="rock"),
+            )
+        if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray):
+            index = number_of(given, number, "rock", label(0))
+            found.append(np.full(len(entry.names), index, np.int64))
+            continue
+        if len(given) != len(entry.names):
+            raise ModelError(
+                f"{len(given)} rocks are given for {len(entry.names)} blocks",
+                where=f"{label(0)}, rock",
+                remedy="give one name, or one for each block",
+            )
+        numbers = [number_of(name, number, "rock", label(k)) for k, name in enumerate(given)]
+        found.append(np.array(numbers, np.int64))
+    return np.concatenate(found)

@@ -23,14 +23,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.model import checks as model_checks
 from clast.model import ranges, value_checks
-from clast.model.block_input import Entry, Label, ManyBlocks, Names, OneBlock, Vector
+from clast.model.block_input import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
 from clast.model.checks import Outlines
 from clast.model.factors import Factor, checked_factor
-from clast.model.ground_motion import GroundMotion, Still
+from clast.model.ground_motion import GroundMotion, Still, ending_note
 from clast.model.in_situ import InSituStress, Overburden, stress_in_situ
 from clast.model.joint_input import JointEntry, joint_table, joints_of_edges, pairs_of_names
 from clast.model.mending import Mended, Mending
@@ -51,7 +50,7 @@ from clast.model.model import (
 )
 from clast.model.point_input import Place, Places, located
 from clast.model.pressure_input import LinePressure, pressed_edges
-from clast.model.value_checks import check_number, check_numbers, number_of
+from clast.model.value_checks import check_number, check_numbers
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -314,7 +313,7 @@ class ModelBuilder:
         mended, polygons = self._mended(drawn, clockwise)
         outlines, edge = mended.outlines, edge[mended.edge]
         edge_joint = self._edge_joint_names(drawn)[edge]
-        block_rock = self._block_rocks(outlines)
+        block_rock = rocks_of(self._labelled(outlines), [rock.name for rock in self._rocks])
         block_number = {name: number for number, name in enumerate(outlines.names)}
         rock_number = {rock.name: index for index, rock in enumerate(self._rocks)}
         factor_number = {factor.name: index for index, factor in enumerate(self._factors)}
@@ -330,13 +329,16 @@ class ModelBuilder:
         pressures, uncovered = pressed_edges(self._pressures, block_number, factor_number, outlines)
         value_checks.check_ground_motion(self.ground_motion, len(fixed.block))
         value_checks.check_actions(self.actions)
-        in_situ = stress_in_situ(
-            self.in_situ, outlines, self._densities(block_rock), np.asarray(self.gravity, float)
+        area, gravity = (
+            outlines.area,
+            check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION),
         )
+        density = np.array([rock.density for rock in self._rocks])[block_rock]
+        in_situ = stress_in_situ(self.in_situ, density * area, area, gravity, outlines.top)
         return Model(
             title=self.title,
             plane=self.plane,
-            gravity=check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION),
+            gravity=gravity,
             origin=outlines.origin,
             rocks=tuple(self._rocks),
             joint_table=table,
@@ -349,7 +351,7 @@ class ModelBuilder:
             velocity=self._velocities(outlines),
             initial_stress=self._initial_stresses(outlines, block_rock, in_situ),
             in_situ=in_situ,
-            area=outlines.area,
+            area=area,
             fixed_points=MaterialPoints(block=fixed.block, at=fixed.at),
             point_loads=PointLoads(
                 block=points.block, at=points.at, force=points.load, factor=points.factor
@@ -370,7 +372,12 @@ class ModelBuilder:
             actions=tuple(self.actions),
             overlaps=overlaps,
             repairs=mended.repairs,
-            notes=(*self.notes, *model_checks.turned_note(outlines, clockwise), *uncovered),
+            notes=(
+                *self.notes,
+                *model_checks.turned_note(outlines, clockwise),
+                *uncovered,
+                *ending_note(self.ground_motion),
+            ),
         )
 
     def _mended(self, drawn: Outlines, clockwise: Bools) -> tuple[Mended, model_checks.Geometries]:
@@ -423,33 +430,6 @@ class ModelBuilder:
         origin = _origin(vertices)
         return Outlines(names, start, np.ascontiguousarray(vertices - origin), origin)
 
-    def _block_rocks(self, outlines: Outlines) -> Ints:
-        """Return the rock index of each block, shape (n,)."""
-        number = {rock.name: index for index, rock in enumerate(self._rocks)}
-        only = self._rocks[0].name if len(self._rocks) == 1 else None
-        found = []
-        for entry, label in self._labelled(outlines):
-            given = only if entry.rock is None else entry.rock
-            if given is None:
-                raise ModelError(
-                    "does not say which rock it is made of",
-                    where=label(0),
-                    remedy=spelling.advice("", number, kind="rock"),
-                )
-            if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray):
-                index = number_of(given, number, "rock", label(0))
-                found.append(np.full(len(entry.names), index, np.int64))
-                continue
-            if len(given) != len(entry.names):
-                raise ModelError(
-                    f"{len(given)} rocks are given for {len(entry.names)} blocks",
-                    where=f"{label(0)}, rock",
-                    remedy="give one name, or one for each block",
-                )
-            numbers = [number_of(name, number, "rock", label(k)) for k, name in enumerate(given)]
-            found.append(np.array(numbers, np.int64))
-        return np.concatenate(found)
-
     def _edge_joint_names(self, outlines: Outlines) -> Names:
         """Return the name of the joint of each edge, "" for none of its own, shape (nv,)."""
         return np.concatenate(
@@ -474,10 +454,6 @@ class ModelBuilder:
                 remedy="remove the velocity, or fixed = true",
             )
         return velocity
-
-    def _densities(self, block_rock: Ints) -> Floats:
-        """Return the density of each block, kg/m3, shape (n,)."""
-        return np.array([rock.density for rock in self._rocks])[block_rock]
 
     def _initial_stresses(
         self, outlines: Outlines, block_rock: Ints, in_situ: InSituStress | None

@@ -25,7 +25,7 @@ class Accelerogram:
     """Acceleration of the ground over time, linear between instants."""
 
     time: Floats
-    """Instants, s, rising, shape (k,)."""
+    """Instants, s, rising, shape (k,); an inner one stands twice where the acceleration jumps."""
     acceleration: Floats
     """Acceleration (x, y) of the ground, m/s2, shape (k, 2)."""
 
@@ -62,10 +62,22 @@ class Accelerogram:
         if k == len(self.time) - 1:
             return velocity[k], displacement[k] + s * velocity[k]
         begin = self.acceleration[k]
+        # an instant that stands twice is found at its second place, so no interval is empty here
         slope = (self.acceleration[k + 1] - begin) / (self.time[k + 1] - self.time[k])
         return (
             velocity[k] + s * begin + 0.5 * s**2 * slope,
             displacement[k] + s * velocity[k] + 0.5 * s**2 * begin + s**3 * slope / 6.0,
+        )
+
+    def ending(self) -> str:
+        """Return how the motion ends, in a sentence: a drift shows in it."""
+        end = float(self.time[-1])
+        # rounded, and without -0, lest a ground at rest is said to creep
+        speed = (np.round(self.velocity(end), 12) + 0.0).tolist()
+        way = (np.round(self.displacement(end), 12) + 0.0).tolist()
+        return (
+            f"the ground motion ends at {end:g} s with a velocity of ({speed[0]:.3g}, "
+            f"{speed[1]:.3g}) m/s and a displacement of ({way[0]:.3g}, {way[1]:.3g}) m"
         )
 
 
@@ -136,3 +148,10 @@ class MovingBase:
     def anchor_displacement(self, time: float) -> Floats:
         """Return the displacement of the ground."""
         return self.accelerogram.displacement(time)
+
+
+def ending_note(motion: GroundMotion) -> tuple[str, ...]:
+    """Return how the motion of an accelerogram ends, nothing for other ground motions."""
+    if isinstance(motion, InertialForce | MovingBase):
+        return (motion.accelerogram.ending(),)
+    return ()

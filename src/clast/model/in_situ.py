@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from clast.errors import ModelError
-
-if TYPE_CHECKING:
-    from clast.model.checks import Outlines
 
 Floats = NDArray[np.float64]
 
@@ -106,15 +102,15 @@ def check_in_situ(given: InSituStress) -> None:
 
 
 def stress_in_situ(
-    given: InSituStress | Overburden | None, outlines: Outlines, density: Floats, gravity: Floats
+    given: InSituStress | Overburden | None, mass: Floats, area: Floats, gravity: Floats, top: float
 ) -> InSituStress | None:
     """Return the stress before anything is dug, checked; that of the weight by the mean density.
 
-    ``density`` (n,) in kg/m3 is that of the blocks, ``gravity`` (2,) in m/s2.
+    ``mass``, kg/m, and ``area``, m2, are those of the blocks (n,), ``gravity`` (2,) in m/s2,
+    ``top`` is their highest point, m.
     """
     if isinstance(given, Overburden):
-        mean = float(np.average(density, weights=outlines.area))
-        given = given.stress(mean, gravity, outlines.top)
+        given = given.stress(float(mass.sum() / area.sum()), gravity, top)
     if given is not None:
         check_in_situ(given)
     return given

@@ -125,11 +125,15 @@ def check_ground_motion(motion: GroundMotion, fixed_points: int) -> None:
         ranges.check_size(float(np.abs(time).max()), ranges.TIME, f"{where}, time", "give s")
         largest = float(np.abs(acceleration).max())
         ranges.check_size(largest, ranges.ACCELERATION, f"{where}, acceleration", "give m/s2")
-        for k in np.flatnonzero(np.diff(time) <= 0.0)[:1]:
+        # an inner instant may stand twice: the acceleration jumps there
+        interval = np.concatenate([[0.0], np.diff(time), [0.0]])
+        falls = interval[1:-1] < 0.0
+        stays = (interval[1:-1] == 0.0) & ((interval[:-2] == 0.0) | (interval[2:] == 0.0))
+        for k in np.flatnonzero(falls | stays)[:1]:
             raise ModelError(
                 f"instant {k + 2}, {time[k + 1]:g} s, is not after instant {k + 1}, {time[k]:g} s",
                 where=where,
-                remedy="order the instants by time, each once",
+                remedy="order the instants by time, each once (twice where the acceleration jumps)",
             )
     if isinstance(motion, MovingBase) and fixed_points == 0:
         raise ModelError(

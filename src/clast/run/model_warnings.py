@@ -31,14 +31,16 @@ THIN = 1e-5
 """Thickness at a vertex, as a share of the block's extent, below which it is a spike or crack."""
 DRIFTING = 0.1
 """Drift of the ground after its record, as a share of the smallest block, that is warned of."""
-SOFTEST_SHAKING, HARDEST_SHAKING = 1e-3, 50.0
+SOFTEST_SHAKING, HARDEST_SHAKING = 1e-4 * 9.80665, 5.0 * 9.80665
 """Peak accelerations outside are imperceptible, or beyond any recorded earthquake, m/s2."""
+STEPS_OF_INTERVAL = 2
+"""Fewer steps in an interval of a ground motion leave out what it holds."""
 NAMED = 5
 """Blocks or rocks that a warning names, at most."""
 
 
-def model_warnings(model: Model, end: float) -> list[str]:
-    """Return the warnings about a system of blocks that is simulated until ``end``, s."""
+def model_warnings(model: Model, step: float, end: float) -> list[str]:
+    """Return the warnings about a system of blocks that is simulated in steps until ``end``, s."""
     return [
         *_support_warnings(model),
         *_idle_warnings(model),
@@ -47,6 +49,7 @@ def model_warnings(model: Model, end: float) -> list[str]:
         *_strength_warnings(model),
         *_shape_warnings(model),
         *_motion_warnings(model, end),
+        *_coarse_steps(model, step),
     ]
 
 
@@ -325,6 +328,12 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
             f"the ground motion ends at {last:g} s with {drift:.3g} m/s, which the ground keeps "
             f"until {end:g} s: correct the record's base line, or let it end at rest"
         )
+    elif last < end:
+        kept = f"goes on at {drift:.3g} m/s" if drift else "rests"
+        yield (
+            f"the ground motion ends at {last:g} s, before the run at {end:g} s: after it the "
+            f"ground {kept}. Lower time.end if that is not meant"
+        )
     if peak > HARDEST_SHAKING:
         yield (
             f"the ground is accelerated by up to {peak:.3g} m/s2, more than any earthquake: give "
@@ -334,4 +343,19 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
         yield (
             f"the ground is accelerated by no more than {peak:.3g} m/s2, which nobody feels: check "
             "the columns and the scale of the record"
+        )
+
+
+def _coarse_steps(model: Model, step: float) -> Iterator[str]:
+    """Warn of steps that are too long for the intervals of a ground motion."""
+    motion = model.ground_motion
+    if not isinstance(motion, InertialForce | MovingBase):
+        return
+    intervals = np.diff(motion.accelerogram.time)
+    usual = float(np.median(intervals[intervals > 0.0]))
+    if step * STEPS_OF_INTERVAL > usual * (1.0 + 1e-9):
+        yield (
+            f"a step of {step:g} s is longer than half the interval of the ground motion, "
+            f"{usual:g} s: what is faster than the steps is averaged. Lower time.step to "
+            f"{usual / STEPS_OF_INTERVAL:g}"
         )

@@ -129,7 +129,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
         warnings=(
             *_duration_warnings(model, method, schedule, start),
             *method.process.advice(model, method, start, schedule.step),
-            *model_warnings(model, schedule.end),
+            *model_warnings(model, schedule.step, schedule.end),
             *method_warnings(model, method, schedule),
         ),
         repairs=model.repairs,

@@ -3,17 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import StrictStr, model_validator
+from pydantic import AfterValidator, Discriminator, StrictStr, Tag, model_validator
 
 from clast.case.choices import Number, within
-from clast.case.faults import Fault, refusal
-from clast.case.tables.record import read_record
+from clast.case.faults import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.case.records.baseline import correction_of
+from clast.case.records.columns import read_record
+from clast.case.records.components import (
+    OTHER_UNIT,
+    Component,
+    Wanted,
+    along,
+    component,
+    together,
+)
+from clast.case.records.conversion import STOPPING, Samples, brought_to_rest
+from clast.case.records.csv import check_rising
+from clast.case.records.formats import format_of
 from clast.case.tables.table import Acceleration, Instant, Table
-from clast.errors import shortened
+from clast.errors import CaseError, ModelError, shortened
 from clast.model import ranges
 from clast.model.builder import ModelBuilder
 from clast.model.ground_motion import Accelerogram, GroundMotion, InertialForce, MovingBase
@@ -22,8 +36,49 @@ GROUND_MOTIONS: dict[str, type[InertialForce] | type[MovingBase]] = {
     "body-force": InertialForce,
     "base": MovingBase,
 }
-OTHER_UNIT = 5.0
-"""A scale that is off by more than this factor belongs to another unit."""
+OFFSET = 0.05
+"""Mean acceleration, as a share of the peak, above which a record's base line is off."""
+OF_FILES = ("format", "quantity", "unit", "direction")
+"""Keys that only a record in a file has."""
+NEED_UNIT = frozenset({*OF_FILES, "baseline", "after"})
+"""Keys with which columns of numbers need a unit; without all of them they are in m/s2."""
+
+Format = Literal["auto", "csv", "at2", "k-net", "sac"]
+Quantity = Literal["acceleration", "velocity", "displacement"]
+Unit = Literal["m/s2", "g", "cm/s2", "gal", "m/s", "cm/s", "m", "cm"]
+Scale = Annotated[Number, within(ranges.FACTOR)]
+
+
+def _known_baseline(name: str) -> str:
+    """Refuse a base line that is none."""
+    try:
+        correction_of(name)
+    except CaseError as error:
+        raise refusal(Fault(what=error.what, remedy=error.remedy)) from None
+    return name
+
+
+class VerticalRecordTable(Table):
+    """The record of the vertical component."""
+
+    file: StrictStr
+    """File beside the case file."""
+    format: Format = "auto"
+    """Format, as that of the first component."""
+    unit: Unit | None = None
+    """Unit of the values; else what the file says, or that of the first component."""
+    scale: Scale = 1.0
+    """Factor on all values."""
+
+
+@dataclass(frozen=True)
+class _Said:
+    """What comes of reading a record, for the user."""
+
+    notes: list[str] = field(default_factory=list)
+    """What was read, assumed and changed."""
+    doubts: list[str] = field(default_factory=list)
+    """What seems unsound, with the remedy."""
 
 
 class GroundMotionTable(Table):
@@ -38,19 +93,48 @@ class GroundMotionTable(Table):
     ground; "base": the fixed points move with the ground.  Fixed blocks do not move: a base that
     moves is held by fixed points."""
     file: StrictStr | None = None
-    """Text file beside the case file, with columns t, ax and, if wanted, ay; instead of lists."""
+    """Record beside the case file, instead of lists: columns t, ax and, if wanted, ay, or another
+    format."""
+    format: Format = "auto"
+    """"csv": columns of numbers; "at2": PEER, with NPTS and DT; "k-net": K-NET and KiK-net; "sac":
+    SAC, needs the extra records; "auto": by the ending of the name, else by how the file begins."""
+    quantity: Quantity | None = None
+    """What the file holds; else what it says itself, else acceleration.  Velocity is taken as
+    linear between the instants, displacement as a cubic spline through them."""
+    unit: Unit | None = None
+    """Unit of the values; else what the file says.  Columns of numbers need it as soon as one of
+    format, quantity, direction, vertical as a file, baseline, after is given; without all of them
+    they are in m/s2."""
+    direction: tuple[Number, Number] | None = None
+    """Direction [x, y] of the ground's motion for a file of one component; [1, 0] if absent."""
     time: list[Instant] | None = None
     """Instants, s, rising."""
     acceleration: list[Acceleration] | None = None
     """Horizontal acceleration of the ground at the instants, m/s2, to the right."""
-    vertical: list[Acceleration] | None = None
-    """Vertical acceleration of the ground at the instants, m/s2, upwards; none if absent."""
-    scale: Annotated[Number, within(ranges.FACTOR)] = 1.0
-    """Factor on all accelerations: 9.81 for a record in g."""
+    vertical: (
+        Annotated[
+            Annotated[list[Acceleration], Tag(PLAIN)] | Annotated[VerticalRecordTable, Tag(TABLE)],
+            Discriminator(kind_of),
+        ]
+        | None
+    ) = None
+    """Vertical acceleration of the ground at the instants, m/s2, upwards, or {file = ...} beside
+    file; none if absent.  The shorter of two files goes on with no acceleration."""
+    scale: Scale = 1.0
+    """Factor on all values: 9.81 for a record in g whose unit is not given."""
+    baseline: Annotated[StrictStr, AfterValidator(_known_baseline)] = "none"
+    """What is taken from the accelerations: "none"; "linear": the straight line that fits them
+    best; "highpass:0.1": what is slower than 0.1 Hz, by a Butterworth filter of order 4 that runs
+    forwards and backwards."""
+    after: Literal["hold", "stop"] = "hold"
+    """After the last instant the ground keeps its velocity, "hold", or comes to rest within 1 s,
+    "stop"."""
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
-        lists = {"time": self.time, "acceleration": self.acceleration, "vertical": self.vertical}
+        lists = {"time": self.time, "acceleration": self.acceleration}
+        if isinstance(self.vertical, list):
+            lists["vertical"] = self.vertical
         given = {key: len(values) for key, values in lists.items() if values is not None}
         if self.file is not None and given:
             remedy = "name the file, or give the lists"
@@ -64,31 +148,161 @@ class GroundMotionTable(Table):
             raise refusal(Fault(what=f"the lists differ in length: {counted}", remedy=remedy))
         return self
 
+    @model_validator(mode="after")
+    def _suits_its_source(self) -> Self:
+        keys = [key for key in OF_FILES if key in self.model_fields_set]
+        keys += ["vertical"] if isinstance(self.vertical, VerticalRecordTable) else []
+        if self.file is None and keys:
+            what = "belongs to a record in a file, but there are lists"
+            remedy = "leave it out; lists are m/s2 along x, and vertical = [...] along y"
+            raise refusal(Fault(place=(keys[0],), what=what, remedy=remedy))
+        if self.direction is not None and not any(self.direction):
+            what, remedy = "[0, 0] is no direction", "give e.g. [1, 0], to the right"
+            raise refusal(Fault(place=("direction",), what=what, remedy=remedy))
+        return self
+
     def motion(self, folder: Path) -> GroundMotion:
         """Return the ground motion; a file is looked for in ``folder``."""
-        if self.file is not None:
-            record = read_record(folder / self.file)
-            time, acceleration = record.time, record.acceleration
-        else:
-            time = np.array(self.time, np.float64)
-            horizontal = np.array(self.acceleration, np.float64)
-            vertical = np.zeros(len(time)) if self.vertical is None else np.array(self.vertical)
-            acceleration = np.stack([horizontal, vertical], axis=1)
-        return GROUND_MOTIONS[self.acts](Accelerogram(time, self.scale * acceleration))
+        return GROUND_MOTIONS[self.acts](self._record(folder, _Said()))
 
     def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
-        """Let the ground move."""
-        builder.ground_motion = self.motion(folder)
+        """Let the ground move, and note what was read."""
+        said = _Said()
+        builder.ground_motion = GROUND_MOTIONS[self.acts](self._record(folder, said))
+        builder.notes += [f"[ground_motion] {note}" for note in said.notes]
 
     def remarks(self, folder: Path) -> Iterator[str]:
-        """Say where the unit that a record's heading names contradicts the scale."""
-        unit = read_record(folder / self.file).unit if self.file is not None else None
-        if unit is None:
-            return
-        name, size = unit
-        if not size / OTHER_UNIT <= abs(self.scale) <= size * OTHER_UNIT:
-            yield (
-                f"[ground_motion] scale is {self.scale:g}, but the heading of "
-                f"{shortened(str(self.file))} says that accelerations are in {name}: give scale = "
-                f"{size:g} if they are"
+        """Say where a heading contradicts the unit, and where the base line is off."""
+        said = _Said()
+        self._record(folder, said)
+        return (f"[ground_motion] {doubt}" for doubt in said.doubts)
+
+    def _record(self, folder: Path, said: _Said) -> Accelerogram:
+        """Return the record, corrected, with what follows on it."""
+        samples = self._samples(folder, said)
+        with _placed("baseline"):
+            corrected = correction_of(self.baseline)(samples)
+        record = replace(samples, acceleration=corrected).accelerogram()
+        if self.after == "hold":
+            return record
+        end, stopped = float(record.time[-1]), brought_to_rest(record)
+        peak = float(np.hypot(*stopped.acceleration[-2]))
+        speed = record.velocity(end).tolist()
+        said.notes.append(
+            f"after its record, from {end:g} to {end + STOPPING:g} s, the ground is brought to "
+            f"rest from ({speed[0]:.3g}, {speed[1]:.3g}) m/s by up to {peak:.3g} m/s2"
+        )
+        return stopped
+
+    def _samples(self, folder: Path, said: _Said) -> Samples:
+        """Return the acceleration (x, y) as it is given, m/s2."""
+        if self.file is None:
+            time = np.array(self.time, np.float64)
+            horizontal = np.array(self.acceleration, np.float64)
+            listed = self.vertical if isinstance(self.vertical, list) else None
+            vertical = np.zeros(len(time)) if listed is None else np.array(listed)
+            acceleration = np.stack([horizontal, vertical], axis=1)
+            return Samples(time=time, acceleration=self.scale * acceleration)
+        if self._is_plain(folder / self.file):
+            return self._plain(folder / self.file, said)
+        samples = self._from_files(folder, folder / self.file, said)
+        if self.baseline == "none":
+            said.doubts.extend(_offset(samples, self.file))
+        return samples
+
+    def _is_plain(self, path: Path) -> bool:
+        """Return whether the file is columns of m/s2, for the table asks for nothing else."""
+        asked = self.model_fields_set & NEED_UNIT or isinstance(self.vertical, VerticalRecordTable)
+        with _placed("file"):
+            return not asked and format_of(path) == "csv"
+
+    def _plain(self, path: Path, said: _Said) -> Samples:
+        """Return columns of accelerations (x, y), m/s2, at instants of any interval."""
+        with _placed("file"):
+            record = read_record(path)
+            check_rising(record, path)
+        if record.unit is not None:
+            name, size = record.unit
+            if not size / OTHER_UNIT <= abs(self.scale) <= size * OTHER_UNIT:
+                said.doubts.append(
+                    f"scale is {self.scale:g}, but the heading of {shortened(str(self.file))} says "
+                    f"that accelerations are in {name}: give scale = {size:g} if they are"
+                )
+        return Samples(time=record.time, acceleration=self.scale * record.acceleration)
+
+    def _from_files(self, folder: Path, path: Path, said: _Said) -> Samples:
+        """Return the acceleration (x, y) of one or two records, m/s2."""
+        asked = Wanted(path=path, format=self.format, quantity=self.quantity, unit=self.unit)
+        with _placed("file"):
+            first = component(replace(asked, scale=self.scale))
+            said.notes.append(first.note)
+            said.doubts.extend([first.doubt] if first.doubt else [])
+            one = self._directed(first)
+        if not isinstance(self.vertical, VerticalRecordTable):
+            return one.samples
+        table = self.vertical
+        with _placed("vertical"):
+            second = component(
+                Wanted(
+                    path=folder / table.file,
+                    format=table.format,
+                    quantity=self.quantity,
+                    unit=table.unit,
+                    unit_else=self.unit,
+                    scale=table.scale,
+                )
             )
+            _check_single(second, "vertical")
+            said.notes.append(f"vertical, {second.note}")
+            said.doubts.extend([second.doubt] if second.doubt else [])
+            upwards = replace(second, samples=along(second.samples, (0.0, 1.0)))
+            total, shorter = together(one, upwards)
+        said.notes.extend([shorter] if shorter else [])
+        return total
+
+    def _directed(self, first: Component) -> Component:
+        """Return the first component as motion (x, y)."""
+        if isinstance(self.vertical, VerticalRecordTable):
+            _check_single(first, "vertical")
+        if first.samples.acceleration.shape[1] == 2 and self.direction is None:
+            return first
+        _check_single(first, "direction")
+        return replace(first, samples=along(first.samples, self.direction or (1.0, 0.0)))
+
+
+def _check_single(found: Component, key: str) -> None:
+    """Refuse two components in one file where one is wanted."""
+    if found.samples.acceleration.shape[1] != 1:
+        raise CaseError(
+            "the file has two components, x and y, where one is wanted",
+            where=key,
+            remedy="leave direction and vertical out, or give one column beside the time",
+        )
+
+
+def _offset(samples: Samples, file: str) -> Iterator[str]:
+    """Say where the mean acceleration of a record is not small, so that the ground drifts away."""
+    record = samples.accelerogram()
+    end, peak = float(record.time[-1]), float(np.abs(record.acceleration).max())
+    mean = float(np.hypot(*record.velocity(end))) / (end - float(record.time[0]))
+    if mean > OFFSET * peak:
+        yield (
+            f"the mean acceleration of {shortened(file)} is {mean:.3g} m/s2, "
+            f"{100.0 * mean / peak:.2g} % of its peak: an offset of the instrument is taken off by "
+            'baseline = "linear"'
+        )
+
+
+@contextmanager
+def _placed(key: str) -> Iterator[None]:
+    """Name the table and the key in errors of records; ``key`` is what was being read."""
+    try:
+        yield
+    except CaseError as error:
+        place = error.where
+        if place in ("", key):
+            place = key
+        elif key != "file" or place not in (*OF_FILES, "vertical"):
+            place = f"{key}, {place}"
+        where = f"[ground_motion] {place}"
+        raise ModelError(error.what, where=where, remedy=error.remedy) from None

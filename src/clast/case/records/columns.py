@@ -11,7 +11,7 @@ import numpy as np
 
 from clast.case.text import LONGEST_ECHO, read_text
 from clast.errors import CaseError, shortened
-from clast.model.model import Floats
+from clast.model.model import Floats, Ints
 
 SEPARATOR = re.compile(r"[,;\s]+")
 """Columns are separated by commas, semicolons or blanks."""
@@ -34,6 +34,10 @@ class Record:
     """Instants, shape (k,)."""
     acceleration: Floats
     """Acceleration (x, y), shape (k, 2)."""
+    columns: int
+    """Columns of the file, 2 or 3; without the third there is no acceleration y."""
+    lines: Ints
+    """Line of the file, from 1, of each instant, shape (k,)."""
     unit: tuple[str, float] | None
     """Unit of acceleration that the heading names and its size in m/s2, or None."""
 
@@ -45,6 +49,7 @@ def read_record(path: Path) -> Record:
     naming the line.
     """
     rows: list[list[float]] = []
+    lines: list[int] = []
     heading: list[str] = []
     for number, line in enumerate(read_text(path, BESIDE).splitlines(), start=1):
         words = SEPARATOR.split(line.strip(" \t,;\ufeff"))
@@ -65,6 +70,7 @@ def read_record(path: Path) -> Record:
                 + ("; decimals have a point" if commas else "; headings begin with #"),
             )
         rows.append(row)
+        lines.append(number)
     if not rows:
         raise CaseError("holds no numbers", where=str(path), remedy=REMEDY)
     table = np.array(rows)
@@ -73,6 +79,8 @@ def read_record(path: Path) -> Record:
     return Record(
         time=np.ascontiguousarray(table[:, 0]),
         acceleration=acceleration,
+        columns=table.shape[1],
+        lines=np.array(lines),
         unit=_unit(" ".join(heading)),
     )
 

@@ -1,0 +1,100 @@
+"""Records in the layout of the PEER ground motion database: AT2, and VT2 and DT2 of the same kind.
+
+Lines of heading, the last of which has NPTS and DT, then the values, five a line:
+
+    PEER NGA STRONG MOTION DATABASE RECORD
+    event, date, station, component
+    ACCELERATION TIME SERIES IN UNITS OF G
+    NPTS=   4000, DT=   .0050 SEC,
+      .1234567E-02  -.2345678E-03 ...
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from clast.case.records.series import UNITS, Series, number_of, numbers_of
+from clast.case.text import LONGEST_ECHO, read_text
+from clast.errors import CaseError, shortened
+
+HEADING = 12
+"""Lines within which NPTS and DT are looked for."""
+NUMBER = r"([-+.\dEe]+)"
+COUNTED = (
+    re.compile(rf"NPTS\s*=\s*{NUMBER}\s*,?\s*DT\s*=\s*{NUMBER}", re.IGNORECASE),
+    re.compile(rf"^\s*{NUMBER}\s+{NUMBER}\s+NPTS\s*,\s*DT", re.IGNORECASE),
+)
+"""How the last line of the heading gives the number of values and the interval, new and old."""
+LAYOUT = (
+    "AT2 has lines of heading, then e.g. 'NPTS= 4000, DT= .005 SEC', then the values, five a line; "
+    'give format = "csv" for columns of numbers'
+)
+UNIT_NAMES = {"g": "g", "cm/s2": "cm/s2", "cm/sec2": "cm/s2", "cm/s/s": "cm/s2"}
+UNIT_NAMES |= {"cm/sec/sec": "cm/s2", "gal": "gal", "m/s2": "m/s2", "m/sec2": "m/s2"}
+UNIT_NAMES |= {"cm/s": "cm/s", "cm/sec": "cm/s", "m/s": "m/s", "m/sec": "m/s", "cm": "cm", "m": "m"}
+"""Units as headings write them, in small letters -> as the case file does."""
+
+
+def read_at2(path: Path) -> Series:
+    """Return the record in a file; raises CaseError with file, line and remedy.
+
+    The first value is at 0 s.  What the heading says of quantity and unit is taken over.
+    """
+    name = str(path)
+    lines = read_text(path, "name an AT2 file; its path begins at the case file").splitlines()
+    if not any(line.strip() for line in lines):
+        raise CaseError("is empty", where=name, remedy=LAYOUT)
+    last, counted = _counted(lines, name)
+    count, interval = (number_of(word) for word in counted)
+    where = f"{name}: line {last + 1}"
+    if count is None or count != int(count) or count < 2.0:
+        remedy = "NPTS is the number of values, 2 or more"
+        raise CaseError(f"NPTS is {counted[0]}", where=where, remedy=remedy)
+    if interval is None or interval <= 0.0:
+        remedy = "DT is the time between two values, s, above 0"
+        raise CaseError(f"DT is {counted[1]}", where=where, remedy=remedy)
+    values = numbers_of(
+        enumerate(lines[last + 1 :], start=last + 2), name, "give finite numbers parted by blanks"
+    )
+    if len(values) != int(count):
+        raise CaseError(
+            f"NPTS is {int(count)}, but {len(values)} values follow",
+            where=where,
+            remedy="the file is cut short or was edited: get it anew, or put NPTS right",
+        )
+    heading = " ".join(lines[: last + 1])
+    return Series(
+        name=name,
+        format="at2",
+        time=interval * np.arange(len(values), dtype=np.float64),
+        values=values[:, None],
+        quantity=_quantity(heading),
+        unit=_unit(heading),
+    )
+
+
+def _counted(lines: list[str], name: str) -> tuple[int, tuple[str, str]]:
+    """Return the index of the line with NPTS and DT, and the two as they are written."""
+    for index, line in enumerate(lines[:HEADING]):
+        for pattern in COUNTED:
+            found = pattern.search(line)
+            if found:
+                return index, (found[1], found[2])
+    seen = shortened(lines[0].strip(), LONGEST_ECHO)
+    what = f"no line of its heading has NPTS and DT; it begins with '{seen}'"
+    raise CaseError(what, where=f"{name}: lines 1 to {min(len(lines), HEADING)}", remedy=LAYOUT)
+
+
+def _quantity(heading: str) -> str | None:
+    """Return the one quantity that a heading names, or None."""
+    found = [quantity for quantity in UNITS if quantity in heading.lower()]
+    return found[0] if len(found) == 1 else None
+
+
+def _unit(heading: str) -> str | None:
+    """Return the unit that a heading names in the words of the case file, or None."""
+    found = re.search(r"\bUNITS?\s+(?:OF|:|=)?\s*([A-Za-z/0-9]+)", heading, re.IGNORECASE)
+    return UNIT_NAMES.get(found[1].lower()) if found else None

@@ -1,0 +1,120 @@
+"""From a record's quantity to the acceleration that moves the ground, exactly.
+
+What acts on blocks is the mean acceleration of each step, or the displacement of the anchors; both
+are integrals of the acceleration, and are taken exactly (clast.model.ground_motion).  The ground
+starts from rest at its first instant, where its displacement is none.
+
+==============  ==================================================================================
+acceleration    linear between the instants
+velocity        linear between the instants: the acceleration is (v_k+1 - v_k) / dt in each
+                interval and jumps at the instants
+displacement    the cubic spline through all instants, from rest, without acceleration at the end:
+                the acceleration is linear between the instants.  Straight lines between them would
+                be a blow at every instant
+==============  ==================================================================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from clast.errors import CaseError
+from clast.model.ground_motion import Accelerogram
+from clast.model.model import Floats
+
+AT_REST = 0.01
+"""Share of the largest velocity up to which a velocity at the first instant is taken as none."""
+STOPPING = 1.0
+"""Time in which the ground is brought to rest after its record, s."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Samples:
+    """The acceleration of components, linear between instants."""
+
+    time: Floats
+    """Instants, s, rising, shape (k,)."""
+    acceleration: Floats
+    """Acceleration at the instants, m/s2, shape (k, c)."""
+
+    @property
+    def interval(self) -> float:
+        """Time between two instants, s, where it is always the same."""
+        return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
+
+    def accelerogram(self) -> Accelerogram:
+        """Return the motion of two components (x, y)."""
+        return Accelerogram(self.time, self.acceleration)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeldSamples(Samples):
+    """The acceleration of components, constant between instants, shape (k - 1, c)."""
+
+    def accelerogram(self) -> Accelerogram:
+        """Return the motion of two components (x, y); inner instants stand twice, for the jumps."""
+        return Accelerogram(np.repeat(self.time, 2)[1:-1], np.repeat(self.acceleration, 2, axis=0))
+
+
+def from_acceleration(time: Floats, values: Floats) -> Samples:
+    """Return accelerations, m/s2, shape (k, c), as they are."""
+    return Samples(time=time, acceleration=values)
+
+
+def from_velocity(time: Floats, values: Floats) -> Samples:
+    """Return the acceleration of velocities, m/s, shape (k, c), that are linear between instants.
+
+    Every velocity but the first is met exactly; the first is none, as the ground starts from rest.
+    Raises CaseError where it is more than AT_REST of the largest.
+    """
+    most = float(np.abs(values).max())
+    first = float(np.abs(values[0]).max())
+    if first > AT_REST * most:
+        raise CaseError(
+            f"the velocity begins with {first:.3g} m/s, of {most:.3g} m/s at most, but the ground "
+            "starts from rest",
+            remedy="let it begin with 0: put a stretch before it in which it rises from 0",
+        )
+    moved = np.concatenate([np.zeros_like(values[:1]), values[1:]])
+    return HeldSamples(time=time, acceleration=np.diff(moved, axis=0) / np.diff(time)[:, None])
+
+
+def from_displacement(time: Floats, values: Floats) -> Samples:
+    """Return the acceleration of displacements, m, shape (k, c): of a cubic spline through all.
+
+    Displacements count from the first.  The spline begins with no velocity and ends with no
+    acceleration.
+    """
+    spline = CubicSpline(
+        time,
+        values - values[0],
+        bc_type=((1, np.zeros(values.shape[1])), (2, np.zeros(values.shape[1]))),
+    )
+    return Samples(time=time, acceleration=spline(time, 2))
+
+
+CONVERSIONS: dict[str, Callable[[Floats, Floats], Samples]] = {
+    "acceleration": from_acceleration,
+    "velocity": from_velocity,
+    "displacement": from_displacement,
+}
+"""Quantity -> the acceleration that it stands for."""
+
+
+def brought_to_rest(record: Accelerogram) -> Accelerogram:
+    """Return a record that goes on for one second more, in which the ground comes to rest.
+
+    The acceleration goes on from its last value to a peak in the middle of the second and to 0 at
+    its end, both in straight lines; the peak follows from the velocity v and the acceleration a at
+    the end of the record: (a + 2 peak) / 4 x 1 s = -v.
+    """
+    end, last = float(record.time[-1]), record.acceleration[-1]
+    peak = -2.0 * record.velocity(end) / STOPPING - 0.5 * last
+    return Accelerogram(
+        np.append(record.time, [end + 0.5 * STOPPING, end + STOPPING]),
+        np.concatenate([record.acceleration, [peak, np.zeros(2)]]),
+    )

@@ -1,0 +1,83 @@
+"""A record as it stands in its file, and the units of records."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from clast.case.text import LONGEST_ECHO
+from clast.errors import CaseError, shortened
+from clast.model.model import Floats
+
+STANDARD_GRAVITY = 9.80665
+"""What records in g are multiples of, m/s2 (CGPM 1901)."""
+UNITS: dict[str, dict[str, float]] = {
+    "acceleration": {"m/s2": 1.0, "g": STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01},
+    "velocity": {"m/s": 1.0, "cm/s": 0.01},
+    "displacement": {"m": 1.0, "cm": 0.01},
+}
+"""Quantity -> unit -> its size in SI."""
+LONGEST_WORD = 40
+"""Most characters of a number that a message repeats."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Series:
+    """What a file says of the ground over time."""
+
+    name: str
+    """The file, as messages name it."""
+    format: str
+    """Name of the format: csv, at2, k-net, sac."""
+    time: Floats
+    """Instants, s, rising, shape (k,)."""
+    values: Floats
+    """Values in the file's unit, shape (k, 1), or (k, 2) for two components x and y."""
+    quantity: str | None = None
+    """acceleration, velocity or displacement where the file says it, or None."""
+    unit: str | None = None
+    """Unit where the file says it, or None."""
+    guess: tuple[str, float] | None = None
+    """Unit of acceleration, and its size in m/s2, that words of a heading seem to name, or None."""
+
+
+def numbers_of(lines: Iterable[tuple[int, str]], name: str, remedy: str) -> Floats:
+    """Return all numbers of lines of words, shape (k,); ``lines`` have their number and text.
+
+    Raises CaseError naming the line for what is no finite number.
+    """
+    found: list[float] = []
+    for number, line in lines:
+        for word in line.split():
+            value = number_of(word)
+            if value is None:
+                raise CaseError(
+                    f"'{shortened(word, LONGEST_WORD)}' is no finite number",
+                    where=f"{name}: line {number}",
+                    remedy=remedy,
+                )
+            found.append(value)
+    return np.array(found, np.float64)
+
+
+def number_of(word: str) -> float | None:
+    """Return a word as a finite number, or None where it is none."""
+    try:
+        value = float(word)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def header_number(pattern: str, line: str, where: str, remedy: str) -> float:
+    """Return the positive number that the first group of a pattern finds in a line of a header."""
+    found = re.search(pattern, line, re.IGNORECASE)
+    value = number_of(found[1]) if found else None
+    if value is None or value <= 0.0:
+        what = f"'{shortened(line.strip(), LONGEST_ECHO)}' is not what this line must be"
+        raise CaseError(what, where=where, remedy=remedy)
+    return value
