@@ -249,7 +249,8 @@ def test_run_of_a_case_that_is_cut(tmp_path: Path):
     edge = contacts["edge"]
     flat = np.abs(angle[edge] - 10.0) < 1.0
     normal, shear = contacts["normal_force"], np.abs(contacts["shear_force"])
-    bears = normal > 1e-6 * normal.max()
+    # one that has just begun to bear, or is about to open, lags most
+    bears = normal > 1e-3 * normal.max()
     bound = np.tan(np.radians(np.where(flat, 20.0, 35.0)))
     ratio = shear[bears] / (normal[bears] * bound[bears])
     # friction follows the normal force of the step before, which still changes after five steps;
