@@ -66,6 +66,7 @@ def test_weight_and_its_gradient_are_in_balance(process, seed):
     builder = rock_mass(seed, WEIGHT, gravity=9.8)
     run = builder.case(step=1e-3, end=0.1, process=process).run(progress=False)
     assert moved(run) < 1e-6
+    assert not [text for text in run.report.warnings if "nothing is fixed" in text]
     (note,) = [text for text in run.report.notes if "in-situ" in text]
     assert "nothing balances" in note
 

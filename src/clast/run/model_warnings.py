@@ -87,6 +87,8 @@ def _pressed(model: Model) -> Floats:
 def _support_warnings(model: Model) -> Iterator[str]:
     """Warn where no block or every block is held, and where a moving base leaves some behind."""
     held = bool(model.fixed.any()) or len(model.fixed_points.block) > 0
+    # the outline of a rock mass under in-situ stress is held by springs beside its load
+    held = held or (model.in_situ is not None and any(model.in_situ.held))
     if not held and model.gravity.any():
         yield "nothing is fixed: all blocks fall. Give a [[fixed_point]] or fixed = true"
     if model.fixed.all():
