@@ -93,7 +93,8 @@ class Done:
     ledger: Ledger
     """By how much the entries of the energy ledger have changed by it, J/m.
 
-    What it stores or has lost counts as it is, and what has come in from outside as ``loads``.
+    What it stores or has lost counts as it is, and what has come in from outside as ``loads`` or
+    ``water``.
     """
     own: Any = None
     """Its own state at the end of the step."""

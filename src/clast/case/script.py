@@ -49,10 +49,10 @@ from clast.model.model import Model, Plane
 from clast.results import Run, RunRecorder
 
 if TYPE_CHECKING:
-    from clast.model.block_input import Entry, Label
-    from clast.model.joint_input import JointEntry
-    from clast.model.point_input import Place
-    from clast.model.pressure_input import LinePressure
+    from clast.model.input.blocks import Entry, Label
+    from clast.model.input.joints import JointEntry
+    from clast.model.input.points import Place
+    from clast.model.input.pressures import LinePressure
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 

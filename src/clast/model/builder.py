@@ -23,15 +23,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from clast.errors import ModelError, shortened
+from clast.errors import ModelError
 from clast.model import checks as model_checks
 from clast.model import ranges, value_checks
-from clast.model.block_input import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
 from clast.model.checks import Outlines
-from clast.model.factors import Factor, checked_factor
 from clast.model.ground_motion import GroundMotion, Still, ending_note
 from clast.model.in_situ import InSituStress, Overburden, stress_in_situ
-from clast.model.joint_input import JointEntry, joint_table, joints_of_edges, pairs_of_names
+from clast.model.input.blocks import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
+from clast.model.input.joints import JointEntry, joint_table, joints_of_edges, pairs_of_names
+from clast.model.input.points import Place, Places, located
+from clast.model.input.pressures import pressed_edges
+from clast.model.input.supports_and_loads import SupportsAndLoads
 from clast.model.mending import Mended, Mending
 from clast.model.model import (
     WELD_STRENGTH,
@@ -48,21 +50,19 @@ from clast.model.model import (
     PointLoads,
     Rock,
 )
-from clast.model.point_input import Place, Places, located
-from clast.model.pressure_input import LinePressure, pressed_edges
 from clast.model.value_checks import check_number, check_numbers
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from clast.model.joint_input import JointNumbers
+    from clast.model.input.joints import JointNumbers
 
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""
 
 
 @dataclass
-class ModelBuilder:
+class ModelBuilder(SupportsAndLoads):
     """Collects what a system of blocks is made of; ``build`` checks it and makes the Model.
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
@@ -87,13 +87,6 @@ class ModelBuilder:
     _joints: list[JointEntry] = field(default_factory=list, init=False)
     _entries: list[Entry] = field(default_factory=list, init=False)
     _count: int = field(default=0, init=False)
-    _fixed_points: list[Place] = field(default_factory=list, init=False)
-    _point_loads: list[Place] = field(default_factory=list, init=False)
-    _line_loads: list[Place] = field(default_factory=list, init=False)
-    _pressures: list[LinePressure] = field(default_factory=list, init=False)
-    _factors: list[Factor] = field(default_factory=list, init=False)
-    _measured_points: list[Place] = field(default_factory=list, init=False)
-    _measured_names: list[str] = field(default_factory=list, init=False)
 
     def add_rock(
         self,
@@ -233,70 +226,6 @@ class ModelBuilder:
         self._count += len(entry.names)
         self._entries.append(entry)
         return entry.names
-
-    def fixed_point(self, at: Vector, block: str | None = None) -> None:
-        """Hold a point (x, y), m, of a block in place with a stiff spring."""
-        label = f"fixed point {len(self._fixed_points) + 1}"
-        self._fixed_points.append(Place(label, at, block))
-
-    def add_table(self, name: str, time: Any, value: Any) -> str:
-        """Add a factor of loads over time and return its name: instants, s, values, - (k,) each.
-
-        It is linear between the instants and constant before and after them.
-        """
-        self._factors.append(checked_factor(name, time, value))
-        return name
-
-    def point_load(
-        self, at: Vector, force: Vector, block: str | None = None, factor: str | None = None
-    ) -> None:
-        """Apply a force (x, y), N per metre of thickness, at a point, m, of a block.
-
-        ``factor`` names a table by whose value at the end of each step the force is multiplied.
-        """
-        label = f"point load {len(self._point_loads) + 1}"
-        self._point_loads.append(Place(label, at, block, load=force, factor=factor))
-
-    def line_load(
-        self,
-        start: Vector,
-        end: Vector,
-        traction: Vector,
-        block: str | None = None,
-        factor: str | None = None,
-    ) -> None:
-        """Apply a traction (x, y), N/m per metre of thickness, along a line of a block.
-
-        ``start`` and ``end`` (x, y) in m; ``factor`` as for point loads.
-        """
-        label = f"line load {len(self._line_loads) + 1}"
-        self._line_loads.append(Place(label, start, block, end=end, load=traction, factor=factor))
-
-    def pressure(
-        self,
-        start: Vector,
-        end: Vector,
-        value: float | Vector,
-        block: str | None = None,
-        factor: str | None = None,
-    ) -> None:
-        """Press on the edges along a straight line, normal to them as they turn with their blocks.
-
-        ``value`` is one pressure, Pa, or that at ``start`` and at ``end`` (x, y), m, positive into
-        the blocks.  ``block`` is needed where edges of two blocks meet; ``factor`` as above.
-        """
-        label = f"pressure {len(self._pressures) + 1}"
-        self._pressures.append(
-            LinePressure(label=label, start=start, end=end, value=value, block=block, factor=factor)
-        )
-
-    def measured_point(self, name: str, at: Vector, block: str | None = None) -> None:
-        """Record displacement, velocity and rotation of a point (x, y), m, of a block, every step.
-
-        ``block`` names the block of a point; it may be left out where only one is there.
-        """
-        self._measured_names.append(name)
-        self._measured_points.append(Place(f"measured point '{shortened(str(name))}'", at, block))
 
     def build(self) -> Model:
         """Check everything and return the Model; raise ModelError with the remedy otherwise."""

@@ -63,10 +63,9 @@ class ContactMemory:
 class Ledger:
     """The energy of the system and where it went, J per metre of thickness.
 
-    Stored energies are those of the instant; ``loads``, ``friction``, ``impacts`` and ``numerical``
-    are sums since the start.  Kinetic + elastic + gravity + contact + fixed_points + actions -
-    loads + friction + impacts + numerical stays at its first value but for ``unaccounted``, which
-    is measured, not assumed.
+    Stored energies are those of the instant, all others are sums since the start.  What is stored,
+    less what was ``brought`` in, plus what was ``lost``, stays at its first value but for
+    ``unaccounted``, which is measured, not assumed.
     """
 
     kinetic: float = 0.0
@@ -79,12 +78,24 @@ class Ledger:
     """Energy in the normal and shear contact springs."""
     fixed_points: float = 0.0
     """Energy in the springs of the fixed points."""
+    bolts: float = 0.0
+    """Elastic energy in the bolts."""
     loads: float = 0.0
     """Work done by loads and pressures and by the ground motion."""
+    water: float = 0.0
+    """Work done by water."""
     friction: float = 0.0
     """Work lost in sliding, >= 0 (and in the breaking of bonds)."""
     impacts: float = 0.0
     """Energy lost in impacts: by restitution, and by friction within them."""
+    yielding: float = 0.0
+    """Work lost in bolts that yield or break, >= 0."""
+    damping: float = 0.0
+    """Energy taken by damping, >= 0."""
+    boundary: float = 0.0
+    """Energy that left through viscous boundaries, less what came in through them."""
+    removed: float = 0.0
+    """Energy that was taken out with blocks, or by resets, when stages began."""
     actions: float = 0.0
     """Energy that further actions store, and what they have lost."""
     numerical: float = 0.0
@@ -96,7 +107,18 @@ class Ledger:
     def stored(self) -> float:
         """Energy in the system now."""
         held = self.kinetic + self.elastic + self.gravity + self.contact
-        return held + self.fixed_points + self.actions
+        return held + self.fixed_points + self.bolts + self.actions
+
+    @property
+    def brought(self) -> float:
+        """Energy that has come in from outside."""
+        return self.loads + self.water
+
+    @property
+    def lost(self) -> float:
+        """Energy that is gone, but for what the time integration removed."""
+        taken = self.friction + self.impacts + self.yielding + self.damping
+        return taken + self.boundary + self.removed
 
     def plus(self, *changes: Ledger) -> Ledger:
         """Return the ledger with every entry changed by those of ``changes``, in their order."""

@@ -46,7 +46,8 @@ def opening(model: Model, state: State) -> Ledger:
 
 def created(ledger: Ledger, first: Ledger) -> float:
     """Return the energy, J/m, held beyond what the start and the loads gave (negative: lost)."""
-    return ledger.stored - ledger.loads - first.stored
+    held = ledger.stored + ledger.removed + ledger.boundary
+    return held - ledger.brought - first.stored
 
 
 def round_off(model: Model, method: Method, state: State, contacts: int) -> float:
@@ -78,7 +79,7 @@ def tolerated(model: Model, ledger: Ledger, first: Ledger) -> float:
     """
     size = np.sqrt(model.area[~model.fixed])
     weight = model.mass[~model.fixed] * np.hypot(*model.gravity)
-    return 0.05 * float(np.sum(weight * size)) + first.stored + abs(ledger.loads)
+    return 0.05 * float(np.sum(weight * size)) + first.stored + abs(ledger.brought)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,7 +105,7 @@ def balance(begun: Begun, solved: Solved, ended: Ended) -> tuple[Ledger, tuple[A
     for action, mine, share in zip(begun.actions, begun.own, begun.shares, strict=True):
         done = action.finish(begun.at, mine, share, solution)
         change = done.ledger
-        removed = change.loads - done.work - change.stored - change.friction
+        removed = change.brought - done.work - change.stored - change.lost
         changes += [change, Ledger(numerical=removed, unaccounted=-done.work)]
         own.append(done.own)
     return ledger.plus(*changes), tuple(own)
