@@ -11,11 +11,25 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from clast.model.model import Repair
+    from clast.model.state import Ledger
     from clast.results import Report, Run
     from clast.run.preflight import Sanity
     from clast.studies import Comparison, Deviation
     from clast.studies.bench import Benchmark
     from clast.verification import Row
+
+STORED = ("kinetic", "elastic", "gravity", "contact", "fixed_points", "bolts", "actions")
+BROUGHT = ("loads", "water")
+LOST = (
+    "friction",
+    "impacts",
+    "yielding",
+    "damping",
+    "boundary",
+    "removed",
+    "numerical",
+)
+"""Entries of the energy ledger that lines of the report show."""
 
 
 def print_run(run: Run, deviations: Sequence[Deviation], *, as_json: bool, quiet: bool) -> None:
@@ -58,16 +72,25 @@ def report_table(run: Run) -> Table:
         "step size": f"{sizes.min():.3g} to {sizes.max():.3g} s" if len(sizes) else "",
         "contacts": f"at most {report.largest_contacts}",
         "penetration": f"at most {report.largest_penetration:.3g} m",
-        "energy": f"kinetic {ledger.kinetic:.4g}, elastic {ledger.elastic:.4g}, "
-        f"gravity {ledger.gravity:.4g} J/m",
-        "dissipated": f"friction {ledger.friction:.4g}, impacts {ledger.impacts:.4g}, "
-        f"numerical {ledger.numerical:.4g}, unaccounted {ledger.unaccounted:.2g} J/m",
+        "energy": _entries_text(ledger, STORED),
+        **({"brought in": _entries_text(ledger, BROUGHT)} if ledger.brought else {}),
+        "dissipated": _entries_text(ledger, LOST) + f", unaccounted {ledger.unaccounted:.2g} J/m",
         "wall time": f"{report.wall_seconds:.3g} s: "
         + ", ".join(f"{name} {seconds:.2g}" for name, seconds in stages.items()),
         **({"compilation": f"{compiling:.3g} s, once; not in the wall time"} if compiling else {}),
         **_notes_rows(report.notes),
     }
     return two_columns(run.model.title, rows)
+
+
+def _entries_text(ledger: Ledger, names: Sequence[str]) -> str:
+    """Return entries of the ledger: the first always, the others where there is something."""
+    texts = [
+        f"{name.replace('_', ' ')} {getattr(ledger, name):.4g}"
+        for name in names
+        if name == names[0] or getattr(ledger, name) != 0.0
+    ]
+    return ", ".join(texts) + " J/m"
 
 
 def _counts_text(report: Report) -> str:
