@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.block import polygon
 from clast.block.polygon import SMALL_ANGLE, turn_at, vertex_after, vertex_before
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
@@ -203,6 +202,6 @@ def range_of_springs(model: Model, stiffness: float) -> tuple[float, float]:
     own = normal[~np.isnan(normal)]
     if not len(own):
         return stiffness, stiffness
-    longest = float(polygon.edges(model.vertices, model.block_start)[1].max())
     shortest = 0.5 * float(np.sqrt(model.area.min()))
-    return min(stiffness, float(own.min()) * shortest), max(stiffness, float(own.max()) * longest)
+    softest, stiffest = float(own.min()) * shortest, float(own.max()) * model.longest_edge
+    return min(stiffness, softest), max(stiffness, stiffest)

@@ -337,6 +337,13 @@ class Model:
         return max(rock.young for rock in self.rocks)
 
     @cached_property
+    def longest_edge(self) -> float:
+        """Length of the longest edge at the start, m."""
+        after = np.arange(1, len(self.vertices) + 1)
+        after[self.block_start[1:] - 1] = self.block_start[:-1]
+        return float(np.hypot(*(self.vertices[after] - self.vertices).T).max())
+
+    @cached_property
     def material_points(self) -> MaterialPoints:
         """All material points in one list: fixed, point loads, line starts, line ends, measured."""
         lines = self.line_loads
