@@ -9,7 +9,6 @@ import pytest
 
 import clast
 from clast.actions.bolts import Bolting, BoltStates
-from clast.compute.threads import threads_worth
 
 STIFFNESS = 2e6  # N/m per m
 MASS = 2500.0

@@ -59,16 +59,24 @@ class BoltKind:
         return limit
 
 
-def _floats(*shape: int) -> Floats:
-    return field(default_factory=lambda: np.zeros(shape))
+def _no_floats() -> Floats:
+    return np.zeros(0)
 
 
-def _ints(*shape: int) -> Ints:
-    return field(default_factory=lambda: np.zeros(shape, np.int64))
+def _no_points() -> Floats:
+    return np.zeros((0, 2))
 
 
-def _bools(*shape: int) -> Bools:
-    return field(default_factory=lambda: np.zeros(shape, np.bool_))
+def _no_ints() -> Ints:
+    return np.zeros(0, np.int64)
+
+
+def _no_pairs() -> Ints:
+    return np.zeros((0, 2), np.int64)
+
+
+def _no_bools() -> Bools:
+    return np.zeros(0, np.bool_)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -83,29 +91,29 @@ class Bolts:
     """Name of the pattern that each bolt is of, "" for none."""
     stage: tuple[str, ...] = ()
     """Name of the stage that installs each bolt, "" where it is there from the start."""
-    installed: Bools = _bools(0)
+    installed: Bools = field(default_factory=_no_bools)
     """True where a bolt is there, shape (k,)."""
-    locked: Bools = _bools(0)
+    locked: Bools = field(default_factory=_no_bools)
     """True where the jack of a bolt is off; only jacked ones ask for it, shape (k,)."""
-    block: Ints = _ints(0)
+    block: Ints = field(default_factory=_no_ints)
     """Block that each point moves with, shape (q,)."""
-    at: Floats = _floats(0, 2)
+    at: Floats = field(default_factory=_no_points)
     """Points at the start, from head to toe of one bolt after the other, m, shape (q, 2)."""
-    bolt: Ints = _ints(0)
+    bolt: Ints = field(default_factory=_no_ints)
     """Bolt of each point, shape (q,)."""
-    ends: Ints = _ints(0, 2)
+    ends: Ints = field(default_factory=_no_pairs)
     """Points between which each spring acts, shape (m, 2)."""
-    stiffness: Floats = _floats(0)
+    stiffness: Floats = field(default_factory=_no_floats)
     """Stiffness of each spring s, N/m per m, shape (m,)."""
-    yield_force: Floats = _floats(0)
+    yield_force: Floats = field(default_factory=_no_floats)
     """Force at which each spring yields, N/m, inf: never, shape (m,)."""
-    rupture: Floats = _floats(0)
+    rupture: Floats = field(default_factory=_no_floats)
     """Elongation at which each spring breaks, m, inf: never, shape (m,)."""
-    pretension: Floats = _floats(0)
+    pretension: Floats = field(default_factory=_no_floats)
     """Force that each spring is installed with, N/m, shape (m,)."""
-    compression: Bools = _bools(0)
+    compression: Bools = field(default_factory=_no_bools)
     """True where a spring bears compression, shape (m,)."""
-    jacked: Bools = _bools(0)
+    jacked: Bools = field(default_factory=_no_bools)
     """True where a jack holds the pretension until it is locked, shape (m,)."""
 
     def __len__(self) -> int:

@@ -69,7 +69,9 @@ def _number(value: Any, limits: ranges.Range | None, where: str, *, least_is_zer
     if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not least_is_zero):
         bound = "0 or more" if least_is_zero else "above 0"
         raise ModelError(
-            f"must be {bound}, not {number:g}", where=where, remedy="give it in SI units, or leave it out"
+            f"must be {bound}, not {number:g}",
+            where=where,
+            remedy="give it in SI units, or leave it out",
         )
     if limits is not None:
         ranges.check_size(number, limits, where, "give it in SI units, per m of thickness")
@@ -88,8 +90,10 @@ def _check_stiffness(kind: BoltKind, where: str) -> None:
             "out_of_plane_spacing",
         )
     if kind.stiffness is None and lacking:
-        what = f"{' and '.join(given)} without {' and '.join(lacking)}" if given else (
-            "has no stiffness"
+        what = (
+            f"{' and '.join(given)} without {' and '.join(lacking)}"
+            if given
+            else ("has no stiffness")
         )
         raise ModelError(
             what,

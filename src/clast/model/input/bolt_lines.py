@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from clast.errors import ModelError
-from clast.model.checks import TOUCHING, Geometries, Outlines, point_text
+from clast.model.checks import TOUCHING, Outlines, point_text
 from clast.model.model import Floats, Ints
 
 
@@ -49,7 +49,9 @@ class Ground:
         parts, owner = shapely.get_parts(common, return_index=True)
         long = shapely.length(parts) > TOUCHING * length
         parts, owner = parts[long], owner[long]
-        ends = np.array([(shapely.get_coordinates(one)[[0, -1]] - line[0]) @ along for one in parts])
+        ends = np.array(
+            [(shapely.get_coordinates(one)[[0, -1]] - line[0]) @ along for one in parts]
+        )
         ends = np.sort(ends.reshape(-1, 2), axis=1)
         order = np.lexsort((near[owner], ends[:, 0]))
         return _joined(near[owner][order].astype(np.int64), ends[order], TOUCHING * length)
@@ -70,9 +72,7 @@ def _joined(block: Ints, ends: Floats, close: float) -> Pieces:
     )
 
 
-def joints_between(
-    pieces: Pieces, line: Floats, ground: Ground, label: str, widest: float
-) -> None:
+def joints_between(pieces: Pieces, line: Floats, ground: Ground, label: str, widest: float) -> None:
     """Refuse a grouted line that begins or ends in no block, leaves rock, or crosses no joint.
 
     Joints may be open by ``widest``, m.

@@ -36,6 +36,13 @@ class PatternEntry:
     angles: Any
     choices: Mapping[str, Any]
 
+    @property
+    def group(self) -> str:
+        """Name of the pattern: its own, that of its opening, or its number."""
+        if self.name is not None:
+            return self.name
+        return self.opening if isinstance(self.opening, str) else self.label
+
 
 def bolts_round(
     entry: PatternEntry, outlines: Mapping[str, Floats], ground: Ground
@@ -44,7 +51,6 @@ def bolts_round(
     corners = _outline(entry, outlines)
     length = _size(entry, "length")
     heads, way = _heads(entry, corners, _size(entry, "spacing"))
-    group = entry.name or (entry.opening if isinstance(entry.opening, str) else entry.label)
     found = []
     for k, (head, direction) in enumerate(zip(heads, way, strict=True), 1):
         angle = np.degrees(np.arctan2(direction[1], direction[0]))
@@ -55,13 +61,13 @@ def bolts_round(
         found.append(
             BoltEntry(
                 label=label,
-                name=f"{group}-{k}",
+                name=f"{entry.group}-{k}",
                 kind=entry.kind,
                 start=tuple(start.tolist()),
                 end=tuple(line[1].tolist()),
                 blocks=None if grouted else blocks,
                 choices=entry.choices,
-                group=group,
+                group=entry.group,
             )
         )
     return found
@@ -91,7 +97,9 @@ def _outline(entry: PatternEntry, outlines: Mapping[str, Floats]) -> Floats:
     shape = shapely.Polygon(corners)
     if not shape.is_valid:
         raise ModelError(
-            "its outline crosses itself", where=f"{entry.label}, opening", remedy="order its corners"
+            "its outline crosses itself",
+            where=f"{entry.label}, opening",
+            remedy="order its corners",
         )
     return corners if shapely.is_ccw(shape.exterior) else corners[::-1].copy()
 

@@ -13,11 +13,11 @@ from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.model import ranges
 from clast.model.bolts import BoltKind, Bolts
-from clast.model.checks import TOUCHING, Outlines, locate, point_text
+from clast.model.checks import locate
 from clast.model.input.blocks import Vector
 from clast.model.input.bolt_kinds import check_rupture
 from clast.model.input.bolt_lines import Ground, Pieces, joints_between
-from clast.model.model import Floats, Ints
+from clast.model.model import Floats
 from clast.model.value_checks import check_names, check_number, check_numbers, number_of
 
 
@@ -61,9 +61,7 @@ JACKED = {"initial": False, "jacked": True}
 """What pretension_is may be -> whether a jack holds it."""
 
 
-def bolts_of(
-    kinds: Sequence[BoltKind], entries: Sequence[BoltEntry], ground: Ground
-) -> Bolts:
+def bolts_of(kinds: Sequence[BoltKind], entries: Sequence[BoltEntry], ground: Ground) -> Bolts:
     """Return the bolts of a model; ModelError names bolt and remedy where one cannot be."""
     check_names("bolt kind", [kind.name for kind in kinds])
     if not entries:
@@ -73,8 +71,9 @@ def bolts_of(
     kind_number = {kind.name: number for number, kind in enumerate(kinds)}
     parts = [_anchored(entry, ground) for entry in entries]
     first = np.cumsum([0, *(len(part.block) for part in parts)])
-    chosen = [kinds[number_of(e.kind, kind_number, "bolt kind", f"{e.label}, kind")]
-              for e in entries]
+    chosen = [
+        kinds[number_of(e.kind, kind_number, "bolt kind", f"{e.label}, kind")] for e in entries
+    ]
     at = np.array([point for part in parts for point in part.at]).reshape(-1, 2)
     pairs = [(first[k] + i, first[k] + j) for k, part in enumerate(parts) for i, j in part.ends]
     ends = np.array(pairs, np.int64).reshape(-1, 2)
@@ -97,9 +96,7 @@ def bolts_of(
     )
 
 
-def _with_springs(
-    bolts: Bolts, kinds: Sequence[BoltKind], entries: Sequence[BoltEntry]
-) -> Bolts:
+def _with_springs(bolts: Bolts, kinds: Sequence[BoltKind], entries: Sequence[BoltEntry]) -> Bolts:
     """Return the bolts with what their springs bear, by the kind (k,) of each."""
     owner = bolts.of_spring
     length = np.hypot(*(bolts.at[bolts.ends[:, 1]] - bolts.at[bolts.ends[:, 0]]).T)
@@ -137,10 +134,12 @@ def _choice(entry: BoltEntry, key: str, known: Mapping[str, Any]) -> Any:
 
 def _anchored(entry: BoltEntry, ground: Ground) -> Anchored:
     """Return the points and springs of a bolt."""
-    line = np.array([
-        check_numbers(entry.start, 2, f"{entry.label}, start") - ground.outlines.origin,
-        check_numbers(entry.end, 2, f"{entry.label}, end") - ground.outlines.origin,
-    ])
+    line = np.array(
+        [
+            check_numbers(entry.start, 2, f"{entry.label}, start") - ground.outlines.origin,
+            check_numbers(entry.end, 2, f"{entry.label}, end") - ground.outlines.origin,
+        ]
+    )
     if (line[0] == line[1]).all():
         raise ModelError("has no length", where=entry.label, remedy="give two different ends")
     found: Anchored = _choice(entry, "anchorage", ANCHORAGES)(entry, line, ground)
@@ -206,7 +205,7 @@ def _grouted(entry: BoltEntry, line: Floats, ground: Ground) -> Anchored:
         raise ModelError(
             "a grouted bolt moves with all blocks that it runs through",
             where=f"{entry.label}, blocks",
-            remedy="leave blocks out; only anchorage = \"ends\" may need them",
+            remedy='leave blocks out; only anchorage = "ends" may need them',
         )
     free = entry.choices.get("free_length")
     if free is None:
