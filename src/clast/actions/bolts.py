@@ -19,7 +19,7 @@ import numpy as np
 from clast.actions.action import Done, Share, Solution, StepStart, energy_of_springs
 from clast.contact.clipped_spring import Clipped, Springs, table
 from clast.model.bolts import Bolts
-from clast.model.model import Bools, Floats, Model
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger
 
 
@@ -49,6 +49,17 @@ class BoltStates:
         """Whether it can bear a force, shape (m,)."""
         return np.asarray(~np.isnan(self.rest) & np.isnan(self.broken_at) & ~self.lost)
 
+    @property
+    def state(self) -> Ints:
+        """Number of what it is: not installed, intact, yielded, broken, lost, shape (m,).
+
+        The names are ``clast.results.layout.BOLT_STATES``.
+        """
+        found = np.where(np.isnan(self.rest), 0, 1)
+        found = np.where(np.isnan(self.yielded_at), found, 2)
+        found = np.where(np.isnan(self.broken_at), found, 3)
+        return np.where(self.lost, 4, found).astype(np.int64)
+
     def elongation(self, bolts: Bolts) -> Floats:
         """Return F/s + p: what it is longer than without a force at the start, m, shape (m,)."""
         return np.asarray(self.force / bolts.stiffness + self.plastic)
@@ -58,24 +69,28 @@ class BoltStates:
         return np.asarray(0.5 * self.force**2 / bolts.stiffness)
 
 
+def untouched(count: int) -> BoltStates:
+    """Return so many springs before they are installed."""
+    never, no = np.full(count, np.nan), np.zeros(count, np.bool_)
+    return BoltStates(
+        rest=never,
+        plastic=np.zeros(count),
+        force=np.zeros(count),
+        yielded_at=never,
+        broken_at=never,
+        locked=no,
+        lost=no,
+        counted=no,
+    )
+
+
 @dataclass(frozen=True)
 class Bolting:
     """The bolts of the model."""
 
     def begin(self, model: Model) -> BoltStates:
         """Return the springs as they are installed at the start; the others wait."""
-        count = len(model.bolts.stiffness)
-        never, no = np.full(count, np.nan), np.zeros(count, np.bool_)
-        none = BoltStates(
-            rest=never,
-            plastic=np.zeros(count),
-            force=np.zeros(count),
-            yielded_at=never,
-            broken_at=never,
-            locked=no,
-            lost=no,
-            counted=no,
-        )
+        none = untouched(len(model.bolts.stiffness))
         return taken_up(model, none, lengths(model, model.bolts.at))
 
     def share(self, start: StepStart, own: BoltStates) -> Share:

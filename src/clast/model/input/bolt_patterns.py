@@ -160,9 +160,9 @@ def _in_rock(line: Floats, ground: Ground, label: str) -> tuple[Floats, Sequence
     slack = BESIDE * length
     long = np.flatnonzero(np.diff(pieces.ends, axis=1)[:, 0] > slack)
     if not len(long) or pieces.ends[long[0], 0] > slack:
-        what, where = "its head lies in a void", line[0]
+        what, where = "its head lies in no block", line[0]
     elif pieces.ends[long[-1], 1] < length * (1.0 - 1e-6):
-        what, where = "its end lies in a void", line[1]
+        what, where = "its end lies in no block", line[1]
     else:
         begin = max(float(pieces.ends[long[0], 0]), 0.0)
         names = [ground.outlines.names[int(pieces.block[k])] for k in (long[0], long[-1])]
