@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from clast.actions.action import Action, Share, StepStart
+from clast.actions.bolts import Bolting
 from clast.actions.gravity import Gravity
 from clast.actions.ground_motion import GroundAcceleration
 from clast.actions.in_situ import Outline
@@ -31,6 +32,8 @@ def actions_of(model: Model, fixed_point_stiffness: float) -> tuple[Action, ...]
         found.append(Loads())
     if len(model.pressures.block):
         found.append(Pressures())
+    if len(model.bolts):
+        found.append(Bolting())
     if model.in_situ is not None:
         found.append(Outline(model.in_situ, fixed_point_stiffness))
     if len(model.fixed_points.block):

@@ -67,6 +67,8 @@ class Solution:
 
     displacement: Floats
     """d, shape (n, 6)."""
+    points: Floats
+    """Material points at the end, in the order of ``Model.material_points``, m, shape (np, 2)."""
     linearised_at: Floats | None = None
     """Displacements about which the equations held the springs linear, shape (n, 6); None: at d."""
 

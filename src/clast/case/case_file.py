@@ -25,6 +25,7 @@ from clast.case.cutting import CutCase, RockMass
 from clast.case.faults import Fault, case_error, faults_of, refusal
 from clast.case.meanings import explain
 from clast.case.tables.blocks import BlockFileTable, BlockTable, GeometryTable
+from clast.case.tables.bolts import BoltKindTable, BoltPatternTable, BoltTable, stage_faults
 from clast.case.tables.ground_motion import GroundMotionTable
 from clast.case.tables.in_situ import InSituTable
 from clast.case.tables.joint_sets import JointSetTable
@@ -115,6 +116,12 @@ class Case(BaseModel):
     """Tractions along lines."""
     pressure: list[PressureTable] = []
     """Pressures on edges."""
+    bolt_kind: dict[str, BoltKindTable] = {}
+    """Kinds of rock bolts by name: [bolt_kind.NAME] with stiffness and yield_force."""
+    bolt: list[BoltTable] = []
+    """Rock bolts."""
+    bolt_pattern: list[BoltPatternTable] = []
+    """Rock bolts round openings."""
     in_situ: InSituTable | None = None
     """Stress in the rock before anything is dug."""
     ground_motion: GroundMotionTable | None = None
@@ -164,6 +171,17 @@ class Case(BaseModel):
                 for name in tables
                 if getattr(self, name)
             ]
+        if faults:
+            raise refusal(*faults)
+        return self
+
+    @model_validator(mode="after")
+    def _bolts_have_stages(self) -> Self:
+        stages = [one.name for one in getattr(self, "stage", [])]
+        faults = [
+            *stage_faults("bolt", [one.stage for one in self.bolt], stages),
+            *stage_faults("bolt_pattern", [one.stage for one in self.bolt_pattern], stages),
+        ]
         if faults:
             raise refusal(*faults)
         return self

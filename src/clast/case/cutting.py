@@ -8,7 +8,7 @@ that is rock, get a joint that no load opens.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -104,12 +104,13 @@ class RockMass:
         notes: list[str] = []
         domain = self._domain(folder, notes)
         traces, places = self._traces(folder, notes)
+        openings = self._openings(folder, notes)
         with _named_as(places):
             found = rockmass.cut(
                 domain,
                 [one.build() for one in self.joint_sets],
                 traces,
-                self._openings(folder, notes),
+                openings,
                 self._regions(folder, notes),
                 seed=self.domain.seed,
                 patterns=self._patterns(),
@@ -122,6 +123,7 @@ class RockMass:
             notes=(*notes, *said),
             fixed=_fixed(found, sides, self.domain.fixed_sides),
             line_joints=tuple(sorted(name for name in names if name not in (None, DEFAULT))),
+            outlines={one.name: one.outline().corners for one in openings},
         )
 
     def _domain(self, folder: Path, notes: list[str]) -> Any:
@@ -214,6 +216,8 @@ class CutCase:
     """True for blocks on a fixed side of the domain, shape (nb,)."""
     line_joints: tuple[str, ...]
     """Joints that tables name, whether or not edges have them."""
+    outlines: Mapping[str, Floats]
+    """Outlines of the openings by name, counter-clockwise, m, (c, 2) each."""
 
     @property
     def rocks(self) -> list[str]:
@@ -253,6 +257,7 @@ class CutCase:
             if name == WELDED or name.startswith(CONSTRUCTION):
                 builder.add_weld(name)
         builder.line_joints += self.line_joints
+        builder.opening_outlines.update(self.outlines)
         builder.notes += [*self.notes, *_findings(self.cut.report)]
         builder.blocks(
             vertices=self.cut.vertices,

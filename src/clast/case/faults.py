@@ -30,7 +30,7 @@ def kind_of(value: Any) -> str:
     return TABLE if isinstance(value, dict | BaseModel) else PLAIN
 
 
-NAMED = frozenset({"rock", "joint", "table"})
+NAMED = frozenset({"rock", "joint", "table", "bolt_kind"})
 """Tables that hold tables by name."""
 SHOWN = 10
 """Most faults that one message lists."""

@@ -26,6 +26,7 @@ import numpy as np
 from clast import spelling
 from clast.case.case_file import PLANES, Case
 from clast.case.tables.blocks import BlockTable
+from clast.case.tables.bolts import BoltKindTable, bolt_tables
 from clast.case.tables.ground_motion import GROUND_MOTIONS, GroundMotionTable
 from clast.case.tables.in_situ import in_situ_keys
 from clast.case.tables.materials import JointTable, RockTable
@@ -168,10 +169,20 @@ class ModelBuilder(model_builder.ModelBuilder):
                 table_of(MeasuredPointTable, {"name": name, "at": p.at, "block": p.block})
                 for name, p in zip(self._measured_names, self._measured_points, strict=True)
             ],
+            "bolt_kind": {
+                kind.name: table_of(BoltKindTable, _unnamed(kind)) for kind in self._bolt_kinds
+            },
+            "bolt": self._bolt_tables(),
             "in_situ": in_situ_keys(self.in_situ),
             "ground_motion": _ground_motion(self.ground_motion),
         }
         return {key: value for key, value in content.items() if value}
+
+    def _bolt_tables(self) -> list[dict[str, Any]]:
+        """Return the tables of the bolts, those of patterns as single ones."""
+        if not self._bolt_patterns:
+            return bolt_tables(self._bolts)
+        return bolt_tables(self._bolts, self._bolt_patterns, self.build())
 
     def _placed_joints(self) -> list[JointEntry]:
         """Return the joints without those of lines that became no edges, which a file refuses."""

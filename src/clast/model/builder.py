@@ -22,6 +22,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import shapely
 
 from clast.errors import ModelError
 from clast.model import checks as model_checks
@@ -30,6 +31,7 @@ from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Still, ending_note
 from clast.model.in_situ import InSituStress, Overburden, stress_in_situ
 from clast.model.input.blocks import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
+from clast.model.input.bolt_lines import Ground
 from clast.model.input.joints import JointEntry, joint_table, joints_of_edges, pairs_of_names
 from clast.model.input.points import Place, Places, located
 from clast.model.input.pressures import pressed_edges
@@ -255,6 +257,9 @@ class ModelBuilder(SupportsAndLoads):
 
         fixed, measured = places(self._fixed_points), places(self._measured_points)
         points, lines = places(self._point_loads), places(self._line_loads)
+        bolts = self._bolts_in(
+            Ground(outlines=outlines, tree=shapely.STRtree(polygons), moved=mended.moved)
+        )
         pressures, uncovered = pressed_edges(self._pressures, block_number, factor_number, outlines)
         value_checks.check_ground_motion(self.ground_motion, len(fixed.block))
         value_checks.check_actions(self.actions)
@@ -293,6 +298,7 @@ class ModelBuilder(SupportsAndLoads):
                 factor=lines.factor,
             ),
             pressures=pressures,
+            bolts=bolts,
             factors=tuple(self._factors),
             measured_points=MeasuredPoints(
                 block=measured.block, at=measured.at, name=tuple(self._measured_names)

@@ -16,6 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from clast.model.bolts import Bolts
 from clast.model.factors import Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.in_situ import InSituStress
@@ -180,6 +181,7 @@ class PointSlices:
     loaded: slice
     line_start: slice
     line_end: slice
+    bolts: slice
     measured: slice
 
 
@@ -285,6 +287,8 @@ class Model:
     """Points recorded every step."""
     pressures: EdgePressures = field(default_factory=EdgePressures)
     """Pressures on edges."""
+    bolts: Bolts = field(default_factory=Bolts)
+    """Rock bolts."""
     factors: tuple[Factor, ...] = ()
     """Tables of time by which loads are multiplied."""
     actions: tuple[Any, ...] = ()
@@ -345,7 +349,7 @@ class Model:
 
     @cached_property
     def material_points(self) -> MaterialPoints:
-        """All material points in one list: fixed, point loads, line starts, line ends, measured."""
+        """All material points in one list: fixed, loaded, line starts and ends, bolts, measured."""
         lines = self.line_loads
         return MaterialPoints(
             block=np.concatenate(
@@ -354,6 +358,7 @@ class Model:
                     self.point_loads.block,
                     lines.block,
                     lines.block,
+                    self.bolts.block,
                     self.measured_points.block,
                 ]
             ),
@@ -363,6 +368,7 @@ class Model:
                     self.point_loads.at,
                     lines.start,
                     lines.end,
+                    self.bolts.at,
                     self.measured_points.at,
                 ]
             ),
@@ -373,13 +379,15 @@ class Model:
         """Which of the material points are of which kind."""
         lines = len(self.line_loads.block)
         kinds = len(self.fixed_points.block), len(self.point_loads.block), lines, lines
-        stops = [0, *accumulate((*kinds, len(self.measured_points.block)))]
-        fixed, loaded, line_start, line_end, measured = map(slice, stops[:-1], stops[1:])
+        others = len(self.bolts.block), len(self.measured_points.block)
+        stops = [0, *accumulate((*kinds, *others))]
+        fixed, loaded, line_start, line_end, bolts, measured = map(slice, stops[:-1], stops[1:])
         return PointSlices(
             fixed=fixed,
             loaded=loaded,
             line_start=line_start,
             line_end=line_end,
+            bolts=bolts,
             measured=measured,
         )
 

@@ -10,7 +10,13 @@ from clast.results.frames import Frame
 from clast.results.reading import Results, read_results, summary
 from clast.results.recorder import RunRecorder
 from clast.results.run import Report, Run
-from clast.results.tables import BlockHistory, FrameContacts, PointHistory
+from clast.results.tables import (
+    BlockHistory,
+    BoltHistory,
+    FrameBolts,
+    FrameContacts,
+    PointHistory,
+)
 
 Recording = Results | Run
 """Whatever frames and histories can be read from."""
@@ -19,7 +25,9 @@ read = read_results
 
 __all__ = [
     "BlockHistory",
+    "BoltHistory",
     "Frame",
+    "FrameBolts",
     "FrameContacts",
     "PointHistory",
     "Recording",

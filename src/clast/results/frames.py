@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from clast import spelling
 from clast.errors import CaseError
 from clast.model.model import Floats, Ints
-from clast.results.tables import BlockHistory, FrameContacts
+from clast.results.tables import BlockHistory, FrameBolts, FrameContacts
 
 BLOCK_ROW = np.dtype(
     [
@@ -68,6 +68,10 @@ class FrameStore(Protocol):
 
     def contact_rows(self, frame: int) -> NDArray[Any]:
         """Return a row for every contact of a frame that carries a force."""
+        ...
+
+    def bolt_points(self, frame: int) -> Floats:
+        """Return the points of the bolts in a frame, m, shape (q, 2)."""
         ...
 
 
@@ -157,6 +161,30 @@ def block_of(store: FrameStore, name: str, names: Sequence[str]) -> BlockHistory
         rows[field_name] = store.series(field_name, frames, number, number + 1)[:, 0]
     first, past = (int(end) for end in store.block_start[number : number + 2])
     return BlockHistory(rows, name, number, store.series(VERTICES, frames, first, past))
+
+
+def bolts_of(
+    store: FrameStore, frame: int, names: Sequence[str], bolt: Ints, rows: NDArray[Any]
+) -> FrameBolts:
+    """Return the bolts called ``names`` in a frame, from their rows of all instants.
+
+    ``bolt`` (q,) is that of each of their points.
+    """
+    number = frame_number(store, frame)
+    if not len(names):
+        none = np.zeros(0)
+        return FrameBolts(
+            name=(), points=np.zeros((0, 2)), bolt=bolt, force=none, elongation=none, state=bolt
+        )
+    row = rows[int(np.abs(rows["time"] - store.times[number]).argmin())]
+    return FrameBolts(
+        name=tuple(names),
+        points=store.bolt_points(number),
+        bolt=bolt,
+        force=row["force"],
+        elongation=row["elongation"],
+        state=row["state"],
+    )
 
 
 def unknown_name(kind: str, name: str, known: Sequence[str]) -> CaseError:

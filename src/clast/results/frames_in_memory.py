@@ -65,6 +65,11 @@ class FramesInMemory:
         """Return a row for every contact of a frame that carries a force."""
         return self._frames[frame][1]
 
+    def bolt_points(self, frame: int) -> Floats:
+        """Return the points of the bolts in a frame, m, shape (q, 2)."""
+        rows = self._model.point_slices.bolts
+        return np.asarray(self._frames[frame][0].points[rows] + self._model.origin)
+
     def _one(self, name: str, state: State) -> NDArray[Any]:
         """Return a field of one state, shape (n, ...), or its vertices, (nv, 2)."""
         model = self._model

@@ -7,6 +7,9 @@
                    the frames until then
     /contacts      table, a row per contact that carries a force, frame after frame
     /history/NAME  table, a row per instant (the start and every step) of a measured point
+    /bolts         table, a row per instant: force, elongation and state of each rock bolt; only
+                   where there are any, as are the bolt_* of /model
+    /bolt_points   points that the bolts lie along, m, frame after frame
     /energy        table, a row per instant: time and the entries of the energy ledger
     /steps         table, a row per step: time, size, passes, contacts, penetration, travel
     /model         the case file's text, how it is simulated (about, JSON), versions, names and
@@ -23,6 +26,8 @@ Tables are HDF5 compound datasets: ``file["energy"]["kinetic"]``.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
@@ -96,6 +101,19 @@ POINT_ROW = np.dtype(
     [("time", "f8"), ("displacement", "f8", 2), ("velocity", "f8", 2), ("rotation", "f8")]
 )
 """One measured point at one instant."""
+
+BOLT_STATES = ("not installed", "intact", "yielded", "broken", "lost")
+"""States of a bolt by their numbers; one is lost whose block is gone."""
+
+BOLT_ROW = np.dtype([("time", "f8"), ("force", "f8"), ("elongation", "f8"), ("state", "i8")])
+"""One bolt at one instant."""
+
+
+def bolts_row(count: int) -> np.dtype[Any]:
+    """Return the row that holds ``count`` bolts at one instant."""
+    parts = [(name, BOLT_ROW[name], (count,)) for name in ("force", "elongation", "state")]
+    return np.dtype([("time", "f8"), *parts])
+
 
 FIRST_CONTACT_ROW = np.dtype(
     [

@@ -19,6 +19,7 @@ from clast.results.frames import (
     VERTICES,
     Frame,
     block_of,
+    bolts_of,
     contacts_of,
     field_of,
     frame_of,
@@ -28,13 +29,16 @@ from clast.results.layout import FORMAT, PLANE_VECTORS, history_path
 from clast.results.opening import AGAIN, ask, check_ours
 from clast.results.provenance import main_parameters
 from clast.results.run import Report
-from clast.results.structure import EdgeJoints
+from clast.results.structure import BoltLines, EdgeJoints
 from clast.results.tables import (
     BlockHistory,
+    BoltHistory,
     Columns,
+    FrameBolts,
     FrameContacts,
     PointHistory,
     no_joints,
+    rows_of_bolt,
 )
 
 LARGEST = 1e150
@@ -84,6 +88,8 @@ class Results:
     """How the run went; None where it never came to write one."""
     joints: EdgeJoints | None = field(default=None, repr=False)
     """The joints; None where an earlier clast wrote the file."""
+    bolt_lines: BoltLines = field(default_factory=BoltLines, repr=False)
+    """The bolts."""
     layout: int = FORMAT
     """Version of the file's layout."""
     frame_rows: NDArray[Any] = field(repr=False)
@@ -197,6 +203,36 @@ class Results:
         return PointHistory(self._table(history_path(name, self.layout), "instants"))
 
     @property
+    def bolt_name(self) -> tuple[str, ...]:
+        """Name of each bolt."""
+        return self.bolt_lines.name
+
+    def bolt_history(self, name: str) -> BoltHistory:
+        """Return what the bolt ``name`` bore, a row per instant, as a table.
+
+        Raises CaseError for a bolt that does not exist.
+        """
+        if name not in self.bolt_name:
+            raise unknown_name("bolt", name, self.bolt_name)
+        return BoltHistory(
+            rows_of_bolt(self._table("bolts", "instants"), self.bolt_name.index(name))
+        )
+
+    def bolts(self, frame: int = -1) -> FrameBolts:
+        """Return the bolts of a frame: where they are, their forces and states."""
+        lines = self.bolt_lines
+        rows = self._table("bolts", "instants") if lines.name else np.zeros(0)
+        return bolts_of(self, frame, lines.name, lines.point, rows)
+
+    def bolt_points(self, frame: int) -> Floats:
+        """Return the points of the bolts in a frame, m, shape (q, 2)."""
+        first = frame * len(self.bolt_lines.point)
+        past = first + len(self.bolt_lines.point)
+        points: Floats = ask(self.path, lambda file: file["bolt_points"][first:past])
+        self._check_sound(points[None], "bolts", [frame])
+        return points
+
+    @property
     def energy(self) -> Columns:
         """Energy ledger over time: ``time``, s, and every entry, J per m, each of shape (t,)."""
         return Columns(self._table("energy", "instants"))
@@ -268,6 +304,7 @@ def _results(path: Path, file: Any) -> Results:
         fixed=blocks.fixed,
         rock_name=blocks.rock_name,
         joints=structure.joints_of(file, blocks),
+        bolt_lines=structure.bolts_of(file, frames),
         point_name=points[0],
         point_start=points[1],
         report=structure.report_of(file),

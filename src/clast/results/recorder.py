@@ -13,7 +13,7 @@ import numpy as np
 from clast.errors import ResultsLost, RunStopped
 from clast.model.model import Model
 from clast.model.state import LEDGER_ENTRIES, State
-from clast.results.layout import ENERGY_ROW, STEP_ROW
+from clast.results.layout import ENERGY_ROW, STEP_ROW, bolts_row
 from clast.results.run import Report, Run
 from clast.results.tables import Table, no_contacts, points_row
 from clast.step.method import StepResult
@@ -47,14 +47,16 @@ class RunRecorder:
     ) -> None:
         # Compiled kernels are slow to import; who only reads results does not need them.
         from clast.results.frames_in_memory import FramesInMemory
-        from clast.results.sampling import FrameFields, PointTracker
+        from clast.results.sampling import BoltTracker, FrameFields, PointTracker
 
         self._model = model
         self._case_text = case_text
         self._with_contacts = contacts
         self._tracker = PointTracker(model)
+        self._bolt_tracker = BoltTracker(model)
         self._fields = FrameFields(model)
         self._points = Table(points_row(len(model.measured_points.name)))
+        self._bolts = Table(bolts_row(len(model.bolts)))
         self._energy = Table(ENERGY_ROW)
         self._steps = Table(STEP_ROW)
         self._state: State | None = None
@@ -113,7 +115,8 @@ class RunRecorder:
         if self._kept is not None:
             self._kept.add(state, rows)
         if self._file is not None:
-            self._file.frame(state.time, self._fields.of(state), rows, self._tables())
+            points = state.points[self._model.point_slices.bolts] + self._model.origin
+            self._file.frame(state.time, self._fields.of(state), rows, self._tables(), points)
         self._frame_times.append(state.time)
 
     def finish(self, report: Report) -> Run:
@@ -122,6 +125,7 @@ class RunRecorder:
         Raises RunStopped, with what was recorded in its ``run``, where they cannot be written.
         """
         last = self._result
+        report = replace(report, notes=(*report.notes, *self._said_of_bolts()))
         try:
             if last is not None and last.state.time not in self._frame_times[-1:]:
                 self.frame(last.state, last.contacts, last.response)
@@ -144,6 +148,7 @@ class RunRecorder:
             report=report,
             output=self._file.path if self._file else None,
             point_rows=self._points.rows,
+            bolt_rows=self._bolts.rows,
             energy_rows=self._energy.rows,
             step_rows=self._steps.rows,
             times=np.array(self._frame_times) if self._kept is None else self._kept.times,
@@ -154,6 +159,22 @@ class RunRecorder:
         self._state = state
         self._energy.append((state.time, *_ledger_entries(state.ledger)))
         self._points.append(self._tracker.row(state))
+        if len(self._model.bolts):
+            self._bolts.append(self._bolt_tracker.row(state))
+
+    def _said_of_bolts(self) -> tuple[str, ...]:
+        """Return which bolts yielded or broke, and when."""
+        if not len(self._model.bolts) or self._state is None:
+            return ()
+        from clast.actions.bolt_events import story_of
+        from clast.results.sampling import own_of_bolts
+
+        return story_of(own_of_bolts(self._model, self._state), self._model)
 
     def _tables(self) -> dict[str, Table]:
-        return {"energy": self._energy, "steps": self._steps, "history": self._points}
+        return {
+            "energy": self._energy,
+            "steps": self._steps,
+            "history": self._points,
+            "bolts": self._bolts,
+        }

@@ -20,12 +20,22 @@ from clast.results.frames import (
     Frame,
     FrameStore,
     block_of,
+    bolts_of,
     contacts_of,
     field_of,
     frame_of,
     unknown_name,
 )
-from clast.results.tables import BlockHistory, Columns, FrameContacts, PointHistory, rows_of_point
+from clast.results.tables import (
+    BlockHistory,
+    BoltHistory,
+    Columns,
+    FrameBolts,
+    FrameContacts,
+    PointHistory,
+    rows_of_bolt,
+    rows_of_point,
+)
 
 if TYPE_CHECKING:
     from clast.results.frames_in_memory import FramesInMemory
@@ -121,6 +131,8 @@ class Run:
     """Result file, or None where nothing was written."""
     point_rows: NDArray[Any]
     """Measured points, a row per instant: time, displacement, velocity, rotation by point."""
+    bolt_rows: NDArray[Any]
+    """Bolts, a row per instant: time, force, elongation, state by bolt; none without bolts."""
     energy_rows: NDArray[Any]
     """Energy ledger, a row per instant: time and every entry of the ledger."""
     step_rows: NDArray[Any]
@@ -149,6 +161,24 @@ class Run:
         if name not in names:
             raise unknown_name("measured point", name, names)
         return PointHistory(rows_of_point(self.point_rows, names.index(name)))
+
+    @property
+    def bolt_name(self) -> tuple[str, ...]:
+        """Name of each bolt."""
+        return self.model.bolts.name
+
+    def bolt_history(self, name: str) -> BoltHistory:
+        """Return what the bolt ``name`` bore, a row per instant, as a table.
+
+        Raises CaseError for a bolt that does not exist.
+        """
+        if name not in self.bolt_name:
+            raise unknown_name("bolt", name, self.bolt_name)
+        return BoltHistory(rows_of_bolt(self.bolt_rows, self.bolt_name.index(name)))
+
+    def bolts(self, frame: int = -1) -> FrameBolts:
+        """Return the bolts of a frame: where they are, their forces and states."""
+        return bolts_of(self._frames, frame, self.bolt_name, self.model.bolts.bolt, self.bolt_rows)
 
     @property
     def energy(self) -> Columns:

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from clast.actions.bolts import Bolting, BoltStates
 from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts
-from clast.model.model import Floats, Model
+from clast.model.model import Floats, Ints, Model
 from clast.model.state import State
 from clast.results.layout import CONTACT_ROW
 
@@ -66,6 +67,32 @@ def principal_stresses(stress: Floats) -> tuple[Floats, Floats]:
     mean = 0.5 * (xx + yy)
     radius = np.hypot(0.5 * (xx - yy), xy)
     return mean + radius, mean - radius
+
+
+def own_of_bolts(model: Model, state: State) -> BoltStates:
+    """Return what the springs of the bolts have been through, at the start of a run as well."""
+    own = [one for one in state.actions if isinstance(one, BoltStates)]
+    return own[0] if own else Bolting().begin(model)
+
+
+class BoltTracker:
+    """Follows the bolts of a model through its states."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._count = len(model.bolts)
+
+    def row(self, state: State) -> tuple[float, Floats, Floats, Ints]:
+        """Return time, and force, elongation and state (k,) of each bolt: of its worst spring."""
+        bolts, count = self._model.bolts, self._count
+        own, owner = own_of_bolts(self._model, state), bolts.of_spring
+        force, elongation, worst = np.zeros(count), np.zeros(count), np.zeros(count, np.int64)
+        stretched = own.elongation(bolts)
+        order = np.argsort(np.abs(own.force), kind="stable")  # the largest is written last
+        force[owner[order]] = own.force[order]
+        elongation[owner[order]] = stretched[order]
+        np.maximum.at(worst, owner, own.state)
+        return state.time, force, elongation, worst
 
 
 class PointTracker:

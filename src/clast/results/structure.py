@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, get_origin, get_type_hints
 
 import numpy as np
@@ -25,6 +25,7 @@ from clast.results.layout import (
     POINT_ROW,
     POLYGON,
     STEP_ROW,
+    bolts_row,
     history_path,
 )
 from clast.results.opening import MalformedError
@@ -121,6 +122,35 @@ def points_of(file: Any, layout: int, instants: int) -> tuple[tuple[str, ...], F
     return name, start
 
 
+@dataclass(frozen=True, kw_only=True)
+class BoltLines:
+    """What a result file says of the bolts: k of them along q points."""
+
+    name: tuple[str, ...] = ()
+    """Name of each bolt."""
+    point: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Bolt of each point, shape (q,)."""
+
+
+def bolts_of(file: Any, frames: NDArray[Any]) -> BoltLines:
+    """Return the bolts of a file, none where it is of before; raises MalformedError."""
+    if "bolt_name" not in file["model"]:
+        return BoltLines()
+    name = names(file, "model/bolt_name")
+    point = _whole(file, "model/bolt_of_point", "iu").astype(np.int64)
+    count = len(name)
+    if not count or not np.array_equal(np.unique(point), np.arange(count)):
+        raise MalformedError("/model/bolt_of_point does not fit to the bolts")
+    if (np.diff(point) < 0).any():
+        raise MalformedError("/model/bolt_of_point is not in the order of the bolts")
+    rows = _dataset(file, "bolts")
+    if rows.dtype != bolts_row(count) or rows.ndim != 1:
+        raise MalformedError("/bolts is no table of the bolts")
+    _check_length(rows, frames["instants"][-1])
+    _check_length(_numbers(file, "bolt_points", "f", (2,)), len(frames) * len(point))
+    return BoltLines(name=name, point=point)
+
+
 def check_arrays(file: Any, frames: NDArray[Any], blocks: Blocks) -> None:
     """Raise MalformedError unless there are arrays and tables for all frames."""
     rows = {name: blocks.start[-1] for name in POINT_ARRAYS}
@@ -177,9 +207,9 @@ def report_of(file: Any) -> Report | None:
     try:
         plain = json.loads(_dataset(file, "report/json").asstr()[()])
         hints = get_type_hints(Report)
-        for field in fields(Report):
-            if field.name in plain and not _fits(plain[field.name], hints[field.name]):
-                raise TypeError(field.name)
+        for one in fields(Report):
+            if one.name in plain and not _fits(plain[one.name], hints[one.name]):
+                raise TypeError(one.name)
         if not all(_fits(energy, float) for energy in plain["ledger"].values()):
             raise TypeError("ledger")
         return report_from_dict(plain)

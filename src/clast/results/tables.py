@@ -8,6 +8,7 @@ What is read has columns of equal length by name, as pandas and polars take them
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model.model import Floats, Ints
-from clast.results.layout import CONTACT_ROW, POINT_ROW
+from clast.results.layout import BOLT_ROW, BOLT_STATES, CONTACT_ROW, POINT_ROW
 
 PARTS = {2: ("x", "y"), 3: ("xx", "yy", "xy")}
 """What the columns of vectors and of stresses are called: displacement_x, stress_xx."""
@@ -119,6 +120,65 @@ class BlockHistory(Motion):
 
     def __repr__(self) -> str:
         return f"BlockHistory('{self.name}', {len(self)} rows: {', '.join(self)})"
+
+
+class BoltHistory(Columns):
+    """What one bolt bore, a row at the start and after every step; t rows.
+
+    Columns: time, force, elongation, state.  A grouted bolt has the force and the elongation of the
+    joint where it bears most.
+    """
+
+    @property
+    def time(self) -> Floats:
+        """Time, s, shape (t,)."""
+        return self.rows["time"]
+
+    @property
+    def force(self) -> Floats:
+        """Force, N/m, tension positive, shape (t,)."""
+        return self.rows["force"]
+
+    @property
+    def elongation(self) -> Floats:
+        """What it is longer than without a force when it was installed, m, shape (t,)."""
+        return self.rows["elongation"]
+
+    @property
+    def state(self) -> Ints:
+        """0 not installed, 1 intact, 2 yielded, 3 broken, 4 lost with its block, shape (t,)."""
+        return self.rows["state"]
+
+    @property
+    def state_name(self) -> str:
+        """The last state in words."""
+        return BOLT_STATES[int(self.state[-1])]
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class FrameBolts:
+    """The k bolts of one frame, and the q points that they lie along."""
+
+    name: tuple[str, ...]
+    """Name of each bolt."""
+    points: Floats
+    """Points from head to toe of one bolt after the other, m, shape (q, 2)."""
+    bolt: Ints
+    """Bolt of each point, shape (q,)."""
+    force: Floats
+    """Force of each bolt, N/m, tension positive, shape (k,)."""
+    elongation: Floats
+    """Elongation of each bolt, m, shape (k,)."""
+    state: Ints
+    """State of each bolt, as in BoltHistory, shape (k,)."""
+
+    def __len__(self) -> int:
+        return len(self.name)
+
+    def __repr__(self) -> str:
+        counts = np.bincount(self.state, minlength=len(BOLT_STATES))
+        said = [f"{n} {what}" for n, what in zip(counts, BOLT_STATES, strict=True) if n]
+        return f"FrameBolts({len(self)}: {', '.join(said)})"
 
 
 class FrameContacts(Columns):
@@ -230,6 +290,15 @@ def rows_of_point(rows: NDArray[Any], point: int) -> NDArray[Any]:
     one["time"] = rows["time"]
     for name in ("displacement", "velocity", "rotation"):
         one[name] = rows[name][:, point]
+    return one
+
+
+def rows_of_bolt(rows: NDArray[Any], bolt: int) -> NDArray[Any]:
+    """Return the rows of one bolt, by its index, from the rows of all."""
+    one = np.zeros(len(rows), BOLT_ROW)
+    one["time"] = rows["time"]
+    for name in ("force", "elongation", "state"):
+        one[name] = rows[name][:, bolt]
     return one
 
 

@@ -32,6 +32,7 @@ from clast.results.layout import (
     POLYGON,
     STEP_ROW,
     VTKHDF_VERSION,
+    bolts_row,
     history_path,
 )
 from clast.results.output import check_output, claimed, hidden
@@ -70,7 +71,7 @@ class ResultFile:
         self._file: Any = None
         self._columns: dict[str, _Column] = {}
         self._frames = 0
-        self._saved = {"energy": 0, "steps": 0, "history": 0}
+        self._saved = {"energy": 0, "steps": 0, "history": 0, "bolts": 0}
         self._contacts = 0
         weakref.finalize(self, _let_go, self._storage, hidden(self.path))
 
@@ -80,17 +81,21 @@ class ResultFile:
         arrays: Mapping[str, Floats],
         contacts: NDArray[Any],
         tables: Mapping[str, Table],
+        bolt_points: Floats,
     ) -> None:
-        """Add a frame: arrays by place in /VTKHDF, contacts, and the new rows of the tables."""
+        """Add a frame: arrays by place in /VTKHDF, contacts, and the new rows of the tables.
+
+        ``bolt_points`` (q, 2), m, are where the bolts are.
+        """
         if self._frames:
             with self._guarded():
-                self._put_frame(time, arrays, contacts, tables)
+                self._put_frame(time, arrays, contacts, tables, bolt_points)
             return
         try:
             with self._guarded("make room, or choose another place"):
                 self._open(h5py.File(self._storage, "w", libver=FILE_FORMAT, **IN_ONE_PAGE))
                 _write_start(self._file, self._model, self._case_text, self.about)
-                self._put_frame(time, arrays, contacts, tables)
+                self._put_frame(time, arrays, contacts, tables, bolt_points)
                 self._file.close()
                 self._storage.commit()
                 os.replace(hidden(self.path), self.path)
@@ -146,6 +151,7 @@ class ResultFile:
         arrays: Mapping[str, Floats],
         contacts: NDArray[Any],
         tables: Mapping[str, Table],
+        bolt_points: Floats,
     ) -> None:
         """Put a frame behind the last one that was completed; it may be tried again."""
         number, contact_end = self._frames, self._contacts + len(contacts)
@@ -158,6 +164,8 @@ class ResultFile:
             for name, offsets in _step_offsets(self._model, frames).items():
                 self._column(f"VTKHDF/Steps/{name}").put(number, offsets)
         self._column("contacts").put(self._contacts, contacts)
+        if len(bolt_points):
+            self._column("bolt_points").put(number * len(bolt_points), bolt_points)
         self._put_tables(new)
         ends = (time, len(tables["steps"]), len(tables["energy"]), contact_end)
         self._column("frames").put(number, np.array([ends], FRAME_ROW))
@@ -179,6 +187,8 @@ class ResultFile:
     def _put_tables(self, new: Mapping[str, NDArray[Any]]) -> None:
         self._column("energy").put(self._saved["energy"], new["energy"])
         self._column("steps").put(self._saved["steps"], new["steps"])
+        if len(self._model.bolts):
+            self._column("bolts").put(self._saved["bolts"], new["bolts"])
         for index, name in enumerate(self._model.measured_points.name):
             rows = rows_of_point(new["history"], index)
             self._column(history_path(name)).put(self._saved["history"], rows)
@@ -222,6 +232,7 @@ def _let_go(storage: JournalledFile, part: Path) -> None:
 def _check_texts(model: Model) -> None:
     """Raise CaseError where a title or name holds what no text of HDF5 can hold."""
     texts = [model.title, *model.block_name, *model.measured_points.name]
+    texts += [*model.bolts.name, *model.bolts.kind]
     rocks, joints = model.rocks, model.joint_table.joints
     texts += [*(rock.name for rock in rocks), *(joint.name for joint in joints)]
     for text in texts:
@@ -259,6 +270,14 @@ def _write_start(file: Any, model: Model, case_text: str, about: Mapping[str, An
     _growing(file, "contacts", dtype=CONTACT_ROW, batch=CHUNK_ROWS)
     _growing(file, "energy", dtype=ENERGY_ROW)
     _growing(file, "steps", dtype=STEP_ROW)
+    if len(model.bolts):
+        _growing(file, "bolt_points", (2,), batch=len(model.bolts.block))
+        row = bolts_row(len(model.bolts))
+        # a chunk holds as many bytes as one of the other tables, not as many rows
+        rows = int(np.clip(CHUNK_ROWS * ENERGY_ROW.itemsize // row.itemsize, 1, CHUNK_ROWS))
+        file.create_dataset(
+            "bolts", shape=(0,), maxshape=(None,), chunks=(rows,), dtype=row, **CHECKED
+        )
     for name in model.measured_points.name:
         _growing(file, history_path(name), dtype=POINT_ROW)
 
@@ -323,6 +342,16 @@ def _write_model(group: Any, model: Model, case_text: str, about: Mapping[str, A
     _fixed(group, "block_rock", model.block_rock)
     _fixed(group, "fixed", model.fixed)
     _fixed(group, "edge_joint", model.edge_joint)
+    if len(model.bolts):
+        _write_bolts(group, model)
+
+
+def _write_bolts(group: Any, model: Model) -> None:
+    """Write the names of the bolts, and which of the points that they lie along are whose."""
+    text, bolts = h5py.string_dtype(), model.bolts
+    group.create_dataset("bolt_name", data=list(bolts.name), dtype=text)
+    group.create_dataset("bolt_kind", data=list(bolts.kind), dtype=text)
+    _fixed(group, "bolt_of_point", bolts.bolt)
 
 
 def _versions() -> dict[str, str]:

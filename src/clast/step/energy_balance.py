@@ -96,10 +96,17 @@ class Ended:
     """Slip of each contact in the step, m, shape (m,)."""
 
 
-def balance(begun: Begun, solved: Solved, ended: Ended) -> tuple[Ledger, tuple[Any, ...]]:
-    """Return the ledger at the end of a step, and the own state of each action."""
+def balance(
+    begun: Begun, solved: Solved, ended: Ended, points: Floats
+) -> tuple[Ledger, tuple[Any, ...]]:
+    """Return the ledger at the end of a step, and the own state of each action.
+
+    ``points`` (np, 2), m, are the material points there.
+    """
     ledger = _with_blocks_and_contacts(begun, solved, ended)
-    solution = Solution(displacement=solved.unknowns, linearised_at=solved.linearised_at)
+    solution = Solution(
+        displacement=solved.unknowns, points=points, linearised_at=solved.linearised_at
+    )
     changes: list[Ledger] = []
     own = []
     for action, mine, share in zip(begun.actions, begun.own, begun.shares, strict=True):

@@ -35,7 +35,7 @@ def finish(begun: Begun, solved: Solved, stages: Stages) -> StepResult:
         near = begun.workspace.near
         reject_tunnelled(model, state.vertices, motion.vertices, memory, solved.depth, near)
     with stages("ledger"):
-        ledger, actions = balance(begun, solved, ended)
+        ledger, actions = balance(begun, solved, ended, motion.points)
     return StepResult(
         state=State(
             time=begun.at.end,

@@ -1,0 +1,48 @@
+"""What has happened to bolts, in words: which yielded, broke, or lost their block."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.actions.bolts import BoltStates, untouched
+from clast.model.model import Floats, Model
+
+MOST = 20
+"""Events that are said one by one, at most."""
+
+
+def events_of(before: BoltStates, after: BoltStates, model: Model, time: float) -> tuple[str, ...]:
+    """Return what happened to bolts between two states of a run, ended at ``time``, s.
+
+    ``before`` and ``after`` are the own states of the action on bolts (``State.actions``).
+    """
+    names = model.bolts.name
+    found = []
+    for what, was, now in (
+        ("yielded", before.yielded_at, after.yielded_at),
+        ("broke", before.broken_at, after.broken_at),
+    ):
+        first = _first(model, np.where(np.isnan(was), now, np.nan))
+        known = ~np.isnan(_first(model, was))
+        found += [
+            (first[k], f"bolt '{names[k]}' {what} at t = {first[k]:.6g} s")
+            for k in np.flatnonzero(~np.isnan(first) & ~known)
+        ]
+    lost = np.unique(model.bolts.of_spring[after.lost & ~before.lost])
+    found += [(time, f"bolt '{names[k]}' lost its anchor with its block") for k in lost]
+    return tuple(text for _, text in sorted(found, key=lambda event: event[0]))
+
+
+def story_of(own: BoltStates, model: Model) -> tuple[str, ...]:
+    """Return all that has happened to bolts since the start of a run; of many, how many more."""
+    events = events_of(untouched(len(own.rest)), own, model, np.inf)
+    if len(events) <= MOST:
+        return events
+    return *events[:MOST], f"bolts: {len(events) - MOST} more events after these"
+
+
+def _first(model: Model, times: Floats) -> Floats:
+    """Return the earliest of the times (m,) of each bolt's springs, nan where there is none, (k,)."""
+    earliest = np.full(len(model.bolts), np.inf)
+    np.fmin.at(earliest, model.bolts.of_spring, times)
+    return np.where(np.isfinite(earliest), earliest, np.nan)

@@ -1,0 +1,228 @@
+"""Rock bolts: springs between points of two blocks, along the line on which these lie now.
+
+    F = T0 + s (l - l0 - p),    0 <= F <= Fy    (-Fy <= F <= Fy where it bears compression)
+
+l is the length between the points, l0 that at which the bolt was installed, with its pretension T0;
+the plastic elongation p grows where F would exceed the yield force Fy, so that a bolt unloads along
+the elastic line.  Beyond an elongation F/s + p it breaks, for good.  While a jack holds it F is T0,
+whatever the length.  In a step the force grows along the line of its start, and turns with the line
+by a spring F/l across it: both are implicit, as the springs of contacts are.  (Shi 1988 has the
+elastic bolt.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from clast.actions.action import Done, Share, Solution, StepStart, energy_of_springs
+from clast.contact.clipped_spring import Clipped, Springs, table
+from clast.model.bolts import Bolts
+from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.state import Ledger
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoltStates:
+    """What the m springs of bolts have been through."""
+
+    rest: Floats
+    """Length at which it was installed l0, m, nan before, shape (m,)."""
+    plastic: Floats
+    """Plastic elongation p, m, shape (m,)."""
+    force: Floats
+    """Force F, N/m, tension positive, shape (m,)."""
+    yielded_at: Floats
+    """When it first yielded, s, nan where it has not, shape (m,)."""
+    broken_at: Floats
+    """When it broke, s, nan where it has not, shape (m,)."""
+    locked: Bools
+    """False where a jack holds it, shape (m,)."""
+    lost: Bools
+    """True where a block that it was anchored in is gone, shape (m,)."""
+    counted: Bools
+    """True where the ledger has the energy that it was installed with, shape (m,)."""
+
+    @property
+    def bears(self) -> Bools:
+        """Whether it can bear a force, shape (m,)."""
+        return np.asarray(~np.isnan(self.rest) & np.isnan(self.broken_at) & ~self.lost)
+
+    @property
+    def state(self) -> Ints:
+        """Number of what it is: not installed, intact, yielded, broken, lost, shape (m,).
+
+        The names are ``clast.results.layout.BOLT_STATES``.
+        """
+        found = np.where(np.isnan(self.rest), 0, 1)
+        found = np.where(np.isnan(self.yielded_at), found, 2)
+        found = np.where(np.isnan(self.broken_at), found, 3)
+        return np.where(self.lost, 4, found).astype(np.int64)
+
+    def elongation(self, bolts: Bolts) -> Floats:
+        """Return F/s + p: what it is longer than without a force at the start, m, shape (m,)."""
+        return np.asarray(self.force / bolts.stiffness + self.plastic)
+
+    def energy(self, bolts: Bolts) -> Floats:
+        """Return the elastic energy F^2/(2 s), J/m, shape (m,)."""
+        return np.asarray(0.5 * self.force**2 / bolts.stiffness)
+
+
+def untouched(count: int) -> BoltStates:
+    """Return so many springs before they are installed."""
+    never, no = np.full(count, np.nan), np.zeros(count, np.bool_)
+    return BoltStates(
+        rest=never,
+        plastic=np.zeros(count),
+        force=np.zeros(count),
+        yielded_at=never,
+        broken_at=never,
+        locked=no,
+        lost=no,
+        counted=no,
+    )
+
+
+@dataclass(frozen=True)
+class Bolting:
+    """The bolts of the model."""
+
+    def begin(self, model: Model) -> BoltStates:
+        """Return the springs as they are installed at the start; the others wait."""
+        none = untouched(len(model.bolts.stiffness))
+        return taken_up(model, none, lengths(model, model.bolts.at))
+
+    def share(self, start: StepStart, own: BoltStates) -> Share:
+        """Return the springs of all bolts that bear between blocks that can move."""
+        points = start.state.points[start.model.point_slices.bolts]
+        length = lengths(start.model, points)
+        return Share(springs=_springs(start, taken_up(start.model, own, length), length))
+
+    def finish(self, start: StepStart, own: BoltStates, share: Share, solution: Solution) -> Done:
+        """Return what the bolts have done: they store energy, yield and break.
+
+        What jacks do, and what bolts are installed with, comes from outside as ``loads``; what was
+        in a bolt whose block is gone is taken out.
+        """
+        model, bolts = start.model, start.model.bolts
+        before = lengths(model, start.state.points[model.point_slices.bolts])
+        after = lengths(model, solution.points[model.point_slices.bolts])
+        begun = taken_up(model, own, before)
+        pulled = stretched(bolts, begun, after, start.end)
+        ended = ruptured(bolts, pulled, start.end)
+        work = 0.0
+        if share.springs is not None:
+            work, _ = energy_of_springs(share.springs, solution)
+        was = np.where(own.counted, own.energy(bolts), 0.0)
+        fresh, jacked = begun.bears & ~own.counted, begun.bears & ~begun.locked
+        installed = np.where(fresh, begun.energy(bolts), 0.0)
+        by_jacks = np.where(jacked, bolts.pretension * (before - after), 0.0)
+        flow = pulled.plastic != begun.plastic
+        plastic = np.where(flow, pulled.force * (pulled.plastic - begun.plastic), 0.0)
+        broken = pulled.energy(bolts) - ended.energy(bolts)
+        ledger = Ledger(
+            bolts=float(np.sum(ended.energy(bolts) - was)),
+            loads=float(np.sum(installed + by_jacks)),
+            yielding=float(np.sum(plastic + broken)),
+            removed=float(np.sum(was[begun.lost])),
+        )
+        return Done(work=work, ledger=ledger, own=ended)
+
+
+def lengths(model: Model, points: Floats) -> Floats:
+    """Return the length of each spring, m, shape (m,), from the points of bolts (q, 2), m."""
+    ends = points[model.bolts.ends]
+    return np.asarray(np.hypot(*(ends[:, 0] - ends[:, 1]).T))
+
+
+def taken_up(model: Model, own: BoltStates, length: Floats) -> BoltStates:
+    """Return the springs when a step begins, at lengths (m,), m.
+
+    Those installed since take their length as the one at rest, those whose jack is off go on from
+    the length they have, and those whose block is gone bear nothing more.
+    """
+    bolts = model.bolts
+    there = bolts.installed[bolts.of_spring]
+    gone = getattr(model, "gone", None)
+    lost = own.lost if gone is None else own.lost | (there & gone[bolts.blocks].any(axis=1))
+    fresh = there & np.isnan(own.rest) & ~lost
+    return replace(
+        own,
+        rest=np.where(fresh, length, own.rest),
+        force=np.where(fresh, bolts.pretension, np.where(lost, 0.0, own.force)),
+        lost=lost,
+        locked=there & (~bolts.jacked | bolts.locked[bolts.of_spring]),
+    )
+
+
+def stretched(bolts: Bolts, own: BoltStates, length: Floats, time: float) -> BoltStates:
+    """Return the springs at other lengths (m,), m: their forces, and what yields of them.
+
+    Where a jack holds it the length at rest follows, so that it goes on from there when locked.
+    """
+    held = own.bears & ~own.locked
+    rest = np.where(held, length, own.rest)
+    straight = bolts.pretension + bolts.stiffness * (length - rest - own.plastic)
+    straight = np.where(own.bears, straight, 0.0)
+    low = np.where(bolts.compression, -bolts.yield_force, 0.0)
+    force = np.clip(straight, low, bolts.yield_force)
+    yields = (straight > bolts.yield_force) | (straight < -bolts.yield_force)
+    yields &= bolts.compression | (straight > 0.0)
+    flow = np.where(yields, (straight - force) / bolts.stiffness, 0.0)
+    return replace(
+        own,
+        rest=rest,
+        force=force,
+        plastic=own.plastic + flow,
+        yielded_at=np.where(yields & np.isnan(own.yielded_at), time, own.yielded_at),
+        counted=own.counted | own.bears,
+    )
+
+
+def ruptured(bolts: Bolts, own: BoltStates, time: float) -> BoltStates:
+    """Return the springs with those broken that are too long for it."""
+    breaks = own.bears & (own.elongation(bolts) > bolts.rupture)
+    return replace(
+        own,
+        force=np.where(breaks, 0.0, own.force),
+        broken_at=np.where(breaks, time, own.broken_at),
+    )
+
+
+def _springs(start: StepStart, own: BoltStates, length: Floats) -> Springs | None:
+    """Return the links of the springs that bear, None where there are none.
+
+    The force of a link is that on its first block along the line from the second one, compression
+    positive.
+    """
+    model, bolts = start.model, start.model.bolts
+    acts = np.flatnonzero(own.bears & ~model.fixed[bolts.blocks].all(axis=1))
+    if not len(acts):
+        return None
+    points = start.state.points[model.point_slices.bolts][bolts.ends[acts]]
+    block = bolts.blocks[acts]
+    offset = points - start.frames.centroid[block]
+    way, size = points[:, 0] - points[:, 1], length[acts]
+    apart = size > 0.0
+    line = np.where(apart[:, None], way / np.where(apart, size, 1.0)[:, None], [1.0, 0.0])
+    tension, strength = bolts.pretension[acts], bolts.yield_force[acts]
+    held, none = ~own.locked[acts], np.zeros(len(acts))
+    stretch = np.where(held, 0.0, size - own.rest[acts] - own.plastic[acts])
+    slack = np.where(bolts.compression[acts], strength, 0.0)
+    across = np.where(apart, np.maximum(own.force[acts], 0.0) / np.where(apart, size, 1.0), 0.0)
+    found, _ = table(
+        vertex_block=block[:, 0],
+        edge_block=block[:, 1],
+        levers=np.concatenate([line, offset[:, 0], offset[:, 1]], axis=1),
+        gap=stretch,
+        slip=none,
+        normal=Clipped(
+            at_zero=-tension,
+            stiffness=bolts.stiffness[acts],
+            low=np.where(held, -tension, -strength),
+            high=np.where(held, -tension, slack),
+        ),
+        shear=Clipped(at_zero=none, stiffness=across, low=none - np.inf, high=none + np.inf),
+    )
+    return found

@@ -1,0 +1,157 @@
+"""Rock bolts: what a kind of bolt bears, and the springs that the bolts of a model consist of.
+
+A bolt between two points is one spring; a grouted one has a spring wherever it crosses a joint.
+Forces are N per metre of thickness, tension positive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoltKind:
+    """What a bolt bears: its stiffness, where it yields and breaks, and its pretension."""
+
+    name: str
+    """Name by which bolts refer to it."""
+    stiffness: float | None = None
+    """Force by elongation s, N/m per m; None: E A/(L a) of the next three."""
+    young: float | None = None
+    """Young's modulus E of the bolt, Pa."""
+    area: float | None = None
+    """Cross-section A of one bolt, m2."""
+    out_of_plane_spacing: float | None = None
+    """Distance a of the bolts along the thickness, m."""
+    yield_force: float | None = None
+    """Force at which it yields, N/m; None: it is elastic."""
+    rupture_elongation: float | None = None
+    """Elongation, plastic one included, beyond which it is broken, m; None: it does not break."""
+    rupture_strain: float | None = None
+    """The same as a share of its length."""
+    pretension: float = 0.0
+    """Force that it is installed with, N/m."""
+    compression: bool = False
+    """True where it bears compression, as a bar does; cables bear none."""
+
+    def stiffness_of(self, length: Floats) -> Floats:
+        """Return the stiffness of springs of lengths (m,), m, in N/m per m, shape (m,)."""
+        if self.stiffness is not None:
+            return np.full(len(length), self.stiffness)
+        axial = (self.young or 0.0) * (self.area or 0.0) / (self.out_of_plane_spacing or 1.0)
+        return np.asarray(axial / length)
+
+    def rupture_of(self, length: Floats) -> Floats:
+        """Return the elongation at which springs of lengths (m,) break, m, inf: never, (m,)."""
+        limit = np.full(len(length), np.inf)
+        if self.rupture_elongation is not None:
+            limit = np.minimum(limit, self.rupture_elongation)
+        if self.rupture_strain is not None:
+            limit = np.minimum(limit, self.rupture_strain * length)
+        return limit
+
+
+def _no_floats() -> Floats:
+    return np.zeros(0)
+
+
+def _no_points() -> Floats:
+    return np.zeros((0, 2))
+
+
+def _no_ints() -> Ints:
+    return np.zeros(0, np.int64)
+
+
+def _no_pairs() -> Ints:
+    return np.zeros((0, 2), np.int64)
+
+
+def _no_bools() -> Bools:
+    return np.zeros(0, np.bool_)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Bolts:
+    """The bolts of a model: k bolts, the q points that they lie along, and m springs."""
+
+    name: tuple[str, ...] = ()
+    """Name of each bolt."""
+    kind: tuple[str, ...] = ()
+    """Name of the kind of each bolt."""
+    group: tuple[str, ...] = ()
+    """Name of the pattern that each bolt is of, "" for none."""
+    stage: tuple[str, ...] = ()
+    """Name of the stage that installs each bolt, "" where it is there from the start."""
+    installed: Bools = field(default_factory=_no_bools)
+    """True where a bolt is there, shape (k,)."""
+    locked: Bools = field(default_factory=_no_bools)
+    """True where the jack of a bolt is off; only jacked ones ask for it, shape (k,)."""
+    block: Ints = field(default_factory=_no_ints)
+    """Block that each point moves with, shape (q,)."""
+    at: Floats = field(default_factory=_no_points)
+    """Points at the start, from head to toe of one bolt after the other, m, shape (q, 2)."""
+    bolt: Ints = field(default_factory=_no_ints)
+    """Bolt of each point, shape (q,)."""
+    ends: Ints = field(default_factory=_no_pairs)
+    """Points between which each spring acts, shape (m, 2)."""
+    stiffness: Floats = field(default_factory=_no_floats)
+    """Stiffness of each spring s, N/m per m, shape (m,)."""
+    yield_force: Floats = field(default_factory=_no_floats)
+    """Force at which each spring yields, N/m, inf: never, shape (m,)."""
+    rupture: Floats = field(default_factory=_no_floats)
+    """Elongation at which each spring breaks, m, inf: never, shape (m,)."""
+    pretension: Floats = field(default_factory=_no_floats)
+    """Force that each spring is installed with, N/m, shape (m,)."""
+    compression: Bools = field(default_factory=_no_bools)
+    """True where a spring bears compression, shape (m,)."""
+    jacked: Bools = field(default_factory=_no_bools)
+    """True where a jack holds the pretension until it is locked, shape (m,)."""
+
+    def __len__(self) -> int:
+        return len(self.name)
+
+    def __repr__(self) -> str:
+        there = int(self.installed.sum())
+        return f"Bolts({len(self)}, {there} installed, {len(self.stiffness)} springs)"
+
+    @property
+    def of_spring(self) -> Ints:
+        """Bolt of each spring, shape (m,)."""
+        return np.asarray(self.bolt[self.ends[:, 0]])
+
+    @property
+    def blocks(self) -> Ints:
+        """The two blocks of each spring, shape (m, 2)."""
+        return np.asarray(self.block[self.ends])
+
+    def named(self, names: Iterable[str]) -> Bools:
+        """Return True for bolts whose name, pattern or kind is among ``names``, shape (k,)."""
+        wanted = set(names)
+        called = zip(self.name, self.group, self.kind, strict=True)
+        return np.array([bool(wanted & set(each)) for each in called], np.bool_)
+
+    def at_stage(self, stage: str, install: Iterable[str] = ()) -> Bolts:
+        """Return the bolts when a stage begins: jacks are locked, and it installs its bolts.
+
+        Those are the ones that name the ``stage``, and those with a name, pattern or kind in
+        ``install``.
+        """
+        own = np.array([one == stage for one in self.stage], np.bool_)
+        return replace(
+            self,
+            locked=self.locked | self.installed,
+            installed=self.installed | own | self.named(install),
+        )
+
+    def without(self, names: Iterable[str]) -> Bolts:
+        """Return the bolts with those of these names, patterns or kinds not yet installed."""
+        return replace(self, installed=self.installed & ~self.named(names))

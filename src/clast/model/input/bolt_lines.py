@@ -1,0 +1,126 @@
+"""The blocks that a straight line runs through, and the joints between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+
+from clast.errors import ModelError
+from clast.model.checks import TOUCHING, Outlines, point_text
+from clast.model.model import Floats, Ints
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pieces:
+    """The parts of a line that lie in blocks, in their order along it."""
+
+    block: Ints
+    """Block of each part, shape (p,)."""
+    ends: Floats
+    """Where it begins and ends along the line, m, shape (p, 2)."""
+
+    def __len__(self) -> int:
+        return len(self.block)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ground:
+    """The blocks that bolts are set in, about the origin."""
+
+    outlines: Outlines
+    tree: Any
+    """shapely.STRtree of their polygons."""
+    moved: float = 0.0
+    """How far vertices may have moved since they were drawn, m."""
+
+    def text(self, at: Floats) -> str:
+        """Return a point (2,) about the origin as messages write it."""
+        return point_text(at + self.outlines.origin)
+
+    def pieces(self, line: Floats) -> Pieces:
+        """Return the parts of a line (2, 2) that lie in blocks."""
+        length = float(np.hypot(*(line[1] - line[0])))
+        along, shape = (line[1] - line[0]) / length, shapely.linestrings(line)
+        near = self.tree.query(shape, predicate="intersects")
+        common = shapely.intersection(self.tree.geometries[near], shape)
+        parts, owner = shapely.get_parts(common, return_index=True)
+        long = shapely.length(parts) > TOUCHING * length
+        parts, owner = parts[long], owner[long]
+        ends = np.array(
+            [(shapely.get_coordinates(one)[[0, -1]] - line[0]) @ along for one in parts]
+        )
+        ends = np.sort(ends.reshape(-1, 2), axis=1)
+        order = np.lexsort((near[owner], ends[:, 0]))
+        return _joined(near[owner][order].astype(np.int64), ends[order], TOUCHING * length)
+
+
+def _joined(block: Ints, ends: Floats, close: float) -> Pieces:
+    """Return the parts with those of one block that follow each other as one."""
+    kept_block: list[int] = []
+    kept_ends: list[list[float]] = []
+    for number, (first, last) in zip(block.tolist(), ends.tolist(), strict=True):
+        if kept_block and kept_block[-1] == number and first <= kept_ends[-1][1] + close:
+            kept_ends[-1][1] = max(last, kept_ends[-1][1])
+            continue
+        kept_block.append(number)
+        kept_ends.append([first, last])
+    return Pieces(
+        block=np.array(kept_block, np.int64), ends=np.array(kept_ends, float).reshape(-1, 2)
+    )
+
+
+def joints_between(pieces: Pieces, line: Floats, ground: Ground, label: str, widest: float) -> None:
+    """Refuse a grouted line that begins or ends in no block, leaves rock, or crosses no joint.
+
+    Joints may be open by ``widest``, m.
+    """
+    length = float(np.hypot(*(line[1] - line[0])))
+    close = TOUCHING * max(length, float(np.sqrt(np.abs(ground.outlines.area)).max()))
+    for k, (name, gap) in enumerate(_outside(pieces, length)):
+        if gap > close + ground.moved:
+            raise ModelError(
+                f"its {name} lies outside every block; {_nearest(line[k], ground)}",
+                where=f"{label} at {ground.text(line[k])}",
+                remedy="move it into a block or onto its boundary",
+            )
+    along = (line[1] - line[0]) / length
+    for k, gap in enumerate(pieces.ends[1:, 0] - pieces.ends[:-1, 1]):
+        here = ground.text(line[0] + pieces.ends[k, 1] * along)
+        pair = [ground.outlines.label(int(b)) for b in pieces.block[k : k + 2]]
+        if gap < -close:
+            raise ModelError(
+                f"runs along the joint between {pair[0]} and {pair[1]} from "
+                f"{ground.text(line[0] + pieces.ends[k + 1, 0] * along)} on",
+                where=label,
+                remedy="move or turn it so that it crosses joints",
+            )
+        if gap > widest:
+            raise ModelError(
+                f"runs through {gap:.3g} m of void from {here} on",
+                where=label,
+                remedy="end it before, or make two bolts of it",
+            )
+    if len(pieces) < 2:
+        raise ModelError(
+            f"crosses no joint: all of it is in {ground.outlines.label(int(pieces.block[0]))}",
+            where=label,
+            remedy="a grouted bolt acts where it crosses joints: lengthen or move it",
+        )
+
+
+def _outside(pieces: Pieces, length: float) -> list[tuple[str, float]]:
+    """Return how far the rock is from start and end of a line, m, along it; all of it for none."""
+    if not len(pieces):
+        return [("start", length), ("end", length)]
+    return [("start", float(pieces.ends[0, 0])), ("end", length - float(pieces.ends[:, 1].max()))]
+
+
+def _nearest(at: Floats, ground: Ground) -> str:
+    """Return which block is nearest to a point, and how far away."""
+    point = shapely.points(at)
+    block = int(ground.tree.nearest(point))
+    away = float(shapely.distance(point, ground.tree.geometries[block]))
+    return f"the nearest is {ground.outlines.label(block)}, {away:.3g} m away"
