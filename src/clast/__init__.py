@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from clast import studies as studies
     from clast.case.case_file import Case as Case
     from clast.case.case_file import load as load
+    from clast.case.resuming import resume as resume
     from clast.case.script import ModelBuilder as ModelBuilder
     from clast.case.script import simulate as simulate
     from clast.errors import CaseError as CaseError
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
 HOME = {
     "Case": "clast.case.case_file",
     "load": "clast.case.case_file",
+    "resume": "clast.case.resuming",
     "check_law": "clast.run.law_check",
     "CaseError": "clast.errors",
     "ClastError": "clast.errors",

@@ -195,10 +195,15 @@ class Case(BaseModel):
         ``"joint.default.friction_angle=30"``, leave them out unless they set them too.  Raises
         CaseError naming file, table, key and remedy.
         """
-        settings = list(settings)
         is_text = isinstance(source, str) and "\n" in source
         file = "case" if is_text else str(source)
         text = str(source) if is_text else case_text.read_text(Path(source))
+        return cls.from_text(text, file, settings)
+
+    @classmethod
+    def from_text(cls, text: str, file: str, settings: Iterable[str] = ()) -> Case:
+        """Return the case of a TOML text as if it stood in ``file``; else as ``from_toml``."""
+        settings = list(settings)
         content = case_text.parse(text, file)
         if settings:
             content = case_text.with_values(content, settings)
@@ -309,6 +314,11 @@ class Case(BaseModel):
             yield from ((name, one) for name, one in named if isinstance(one, Table))
 
     @property
+    def file(self) -> str:
+        """The file that the case stands in, or what is said in its place."""
+        return self._file
+
+    @property
     def _folder(self) -> Path:
         """Where the file is, and files that it names."""
         return Path(self._file).parent
@@ -328,6 +338,10 @@ class Case(BaseModel):
         model = self.model()
         sanity = self._examined(model, self.method(model))
         return dataclasses.replace(sanity, warnings=(*sanity.warnings, *self._not_compared()))
+
+    def foreseen(self, model: Model, method: Method) -> tuple[str, ...]:
+        """Return what is to be warned of before the first step of a run."""
+        return self._examined(model, method).warnings
 
     def _examined(self, model: Model, method: Method) -> Sanity:
         """Return what the case consists of, with what its run warns of."""
@@ -388,13 +402,14 @@ class Case(BaseModel):
         model = self.model()
         method = self.method(model)
 
+        from clast.case.resuming import case_source, checkpoints
         from clast.results import RunRecorder
         from clast.run.progress import shown
         from clast.run.simulate import simulate
 
         schedule = self.schedule()
         with shown(progress) as watch:
-            warnings = self._examined(model, method).warnings
+            warnings = self.foreseen(model, method)
             if warn:
                 for warning in warnings:
                     warn(warning)
@@ -405,7 +420,19 @@ class Case(BaseModel):
                 contacts=self.output.contacts,
             )
             return simulate(
-                model, method, schedule, recorder=recorder, watch=watch, warnings=warnings
+                model,
+                method,
+                schedule,
+                recorder=recorder,
+                watch=watch,
+                keep=checkpoints(
+                    recorder,
+                    lambda: case_source(self, model, method, schedule),
+                    output=output,
+                    every=self.output.checkpoint_every,
+                    tell=warn,
+                ),
+                warnings=warnings,
             )
 
     def __repr__(self) -> str:

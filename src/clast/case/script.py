@@ -98,6 +98,8 @@ class Keys(TypedDict, total=False):
     """Time between frames, s; a hundredth of the run if absent."""
     contacts: bool
     """True keeps the contact forces of every frame."""
+    checkpoint_every: float
+    """Wall time between checkpoints, s."""
 
 
 TABLES: dict[str, type[Table]] = {"time": TimeTable, "method": MethodTable, "output": OutputTable}
@@ -268,6 +270,7 @@ def simulate(
     tables = _tables(keys)
     _refuse_both(tables, {"method": method, "time": schedule})
     # a bad model is refused before anything slow is loaded
+    from clast.case.resuming import checkpoints, script_source
     from clast.run.preflight import examine
     from clast.run.progress import shown
     from clast.run.simulate import simulate as march
@@ -285,7 +288,20 @@ def simulate(
     )
     with shown(progress) as watch:
         warnings = examine(model, method, schedule).warnings
-        return march(model, method, schedule, recorder=recorder, watch=watch, warnings=warnings)
+        return march(
+            model,
+            method,
+            schedule,
+            recorder=recorder,
+            watch=watch,
+            keep=checkpoints(
+                recorder,
+                lambda: script_source(settings if text else None, model, method, schedule),
+                output=output,
+                every=settings.output.checkpoint_every,
+            ),
+            warnings=warnings,
+        )
 
 
 def usual_step(model: Model) -> float:

@@ -1,12 +1,12 @@
-"""Commands on case files: new, check, schema, run, compare."""
+"""Commands on case files: new, check, schema, run, resume, compare."""
 
 from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -25,6 +25,10 @@ from clast.cli.terminal import print_json, print_table, say, status, tell, warn
 from clast.errors import CaseError, RunStopped, shortened
 from clast.run.interrupts import heard
 from clast.spelling import visible
+
+if TYPE_CHECKING:
+    from clast.results import Run
+    from clast.studies import Deviation
 
 LONGEST_FILE_NAME = 255
 """Bytes of the longest name of a file."""
@@ -52,6 +56,22 @@ def _run(case: Path, target: Path, settings: Sequence[str], as_json: bool, quiet
     from clast.studies import deviations
 
     loaded = Case.from_toml(case, settings)
+    _shown(
+        lambda foresee: loaded.run(progress=not quiet, output=target, warn=foresee),
+        lambda done: deviations(loaded, done),
+        as_json=as_json,
+        quiet=quiet,
+    )
+
+
+def _shown(
+    simulate: Callable[[Callable[[str], None]], Run],
+    compared: Callable[[Run], Sequence[Deviation]],
+    *,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Simulate, with a function to call for every warning; print how it went."""
     foreseen: list[str] = []
 
     def foresee(warning: str) -> None:
@@ -59,18 +79,61 @@ def _run(case: Path, target: Path, settings: Sequence[str], as_json: bool, quiet
         warn([warning])
 
     try:
-        done = loaded.run(progress=not quiet, output=target, warn=foresee)
+        done = simulate(foresee)
     except RunStopped as stopped:
         partial: Any = stopped.run
         warn(text for text in partial.report.warnings if text not in foreseen)
-        print_run(partial, deviations(loaded, partial), as_json=as_json, quiet=quiet)
-        say(f"the results until then are in {target}")
+        print_run(partial, compared(partial), as_json=as_json, quiet=quiet)
+        say(f"the results until then are in {partial.output}{_way_on(partial)}")
         raise
     warn(text for text in done.report.warnings if text not in foreseen)
-    print_run(done, deviations(loaded, done), as_json=as_json, quiet=quiet)
+    print_run(done, compared(done), as_json=as_json, quiet=quiet)
     if not done.report.finished:
-        say(f"{done.report.outcome}; the results until then are in {target}")
+        say(f"{done.report.outcome}; the results until then are in {done.output}{_way_on(done)}")
         raise typer.Exit(SIGNALLED + done.ended_by)
+
+
+def _way_on(run: Run) -> str:
+    """Return how a run that has ended before its time goes on."""
+    return f"; clast resume {run.checkpoint} goes on" if run.checkpoint else ""
+
+
+def resume(
+    checkpoint: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Checkpoint of a run (.checkpoint.h5).")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Go on in another file; in the run's own if absent."),
+    ] = None,
+    settings: Settings = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Go on with a run from its checkpoint to its end."""
+    from clast.case.resuming import resume as go_on
+
+    with heard():
+        _shown(
+            lambda foresee: go_on(
+                checkpoint, settings or (), output=output, progress=not quiet, warn=foresee
+            ),
+            _compared,
+            as_json=as_json,
+            quiet=quiet,
+        )
+
+
+def _compared(run: Run) -> Sequence[Deviation]:
+    """Return how far a run is from the references of the case in its result file."""
+    from clast.case.case_file import Case
+    from clast.results import read_results
+    from clast.studies import deviations
+
+    if run.output is None:
+        return ()
+    return deviations(Case.from_text(read_results(run.output).case_text, "case"), run)
 
 
 def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) -> None:

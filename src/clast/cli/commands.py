@@ -90,6 +90,7 @@ def _main(
 
 COMMANDS = (
     cases.run,
+    cases.resume,
     cases.check,
     rock_masses.cut,
     importing.import_,

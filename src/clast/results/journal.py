@@ -21,6 +21,7 @@ they never write.  The checksums behind the end (``clast.results.pages``) change
 
 from __future__ import annotations
 
+import errno
 import os
 import struct
 import zlib
@@ -32,6 +33,7 @@ import numpy as np
 
 from clast.results import locks
 from clast.results.pages import (
+    END_PLACE,
     PAGE,
     FileObject,
     Piece,
@@ -40,6 +42,7 @@ from clast.results.pages import (
     page_count,
     read_at,
     sums_length,
+    unpacked,
 )
 
 RECORD = struct.Struct("<QQ")
@@ -50,9 +53,9 @@ MARK = b"clastjnl"
 class JournalledFile(FileObject):
     """A file object for h5py to write into; only ``commit`` changes what was there before.
 
-    ``file`` is open and empty.  It never fails while HDF5 writes, which HDF5 would not recover
-    from: what finds no room on the disk stays in memory, and ``commit`` raises OSError; it may be
-    called again.
+    ``file`` is open and empty (or see ``again``).  It never fails while HDF5 writes, which HDF5
+    would not recover from: what finds no room on the disk stays in memory, and ``commit`` raises
+    OSError; it may be called again.
     """
 
     def __init__(self, file: BinaryIO) -> None:
@@ -65,6 +68,24 @@ class JournalledFile(FileObject):
         self._sums: Sums = np.zeros(0, np.uint32)
         self._touched: set[int] = set()
         self._process = os.getpid()
+
+    @classmethod
+    def again(cls, file: BinaryIO) -> JournalledFile:
+        """Return the file object of a whole file that was written before, as its last commit was.
+
+        A journal that a kill has left takes effect; what lies behind the end is passed over.
+        """
+        size, one = _complete(file), cls(file)
+        one._end = int.from_bytes(read_at(file, END_PLACE, 8), "little")
+        sums = unpacked(read_at(file, one._end, sums_length(one._end)), one._end)
+        if one._end > size or sums is None:
+            raise OSError(errno.EIO, "its checksums are missing")
+        one._sums, one._committed = sums, one._end + sums_length(one._end)
+        return one
+
+    def sync(self) -> None:
+        """Have all that has taken effect written to the disk itself."""
+        os.fsync(self._file.fileno())
 
     def write(self, data: memoryview) -> int:
         """Append the bytes, or keep them for the next commit where they change what is there."""

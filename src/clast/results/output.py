@@ -91,6 +91,18 @@ def claimed(path: Path) -> BinaryIO:
     return file
 
 
+def taken_up(path: Path) -> BinaryIO:
+    """Return a result file, open and locked for a run that goes on with it.
+
+    Raises CaseError where another run has it.
+    """
+    file = open(path, "r+b", buffering=0)
+    if not locks.claim(file) or not _is_at(file, path):
+        file.close()
+        raise _in_use(path)
+    return file
+
+
 def _in_use(path: Path) -> CaseError:
     return CaseError(
         "another run is writing to it",

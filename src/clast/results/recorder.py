@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from clast.errors import ResultsLost, RunStopped
 from clast.model.model import Model
 from clast.model.state import LEDGER_ENTRIES, State
-from clast.results.layout import ENERGY_ROW, STEP_ROW, bolts_row
+from clast.results.checkpoints.checkpoint import Recorded
+from clast.results.layout import ENERGY_ROW, FRAME_ROW, STEP_ROW, bolts_row
 from clast.results.run import Report, Run
 from clast.results.tables import Table, no_contacts, points_row
 from clast.step.method import StepResult
@@ -27,14 +29,33 @@ MEMORY_LIMIT = 2e9
 _ledger_entries = attrgetter(*LEDGER_ENTRIES)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Mark:
+    """How far a run was recorded after one of its steps."""
+
+    frames: int = 0
+    """Frames kept."""
+    frame: tuple[float, int, int, int] = (0.0, 0, 0, 0)
+    """Row of the last of them: time, s, and how many steps, instants and contacts there were."""
+    counts: Mapping[str, int] = field(default_factory=dict)
+    """Rows of each table after it."""
+    lengths: Mapping[str, int] = field(default_factory=dict)
+    """Rows of each growing dataset of the file after it."""
+    now: Mapping[str, int] = field(default_factory=dict)
+    """Rows of each table after the step."""
+    result: StepResult | None = None
+    """The step."""
+
+
 class RunRecorder:
     """Records one run: every step in memory, frames in the file ``output`` or in memory as well.
 
     The output is looked at when the recorder is made, so that a bad path is known before the
     first step, and written from ``start`` on; a good result of an earlier run under the same name
     is kept until then.  ``contacts=False`` leaves contact forces out of the frames.  Without an
-    output, frames beyond ``memory_limit`` bytes are not kept, but for the last.  Raises CaseError
-    for an output that cannot be written.
+    output, frames beyond ``memory_limit`` bytes are not kept, but for the last.  With ``recorded``
+    the output goes on from there, as if the run had never ended.  Raises CaseError for an output
+    that cannot be written.
     """
 
     def __init__(
@@ -44,6 +65,7 @@ class RunRecorder:
         output: Path | str | None = None,
         contacts: bool = True,
         memory_limit: float = MEMORY_LIMIT,
+        recorded: Recorded | None = None,
     ) -> None:
         # Compiled kernels are slow to import; who only reads results does not need them.
         from clast.results.frames_in_memory import FramesInMemory
@@ -62,12 +84,18 @@ class RunRecorder:
         self._state: State | None = None
         self._result: StepResult | None = None
         self._frame_times: list[float] = []
+        self._framed = Mark()
+        self._recorded = recorded
+        self.checkpoint: Path | None = None
+        """The last checkpoint written of the run."""
         self._kept = FramesInMemory(model, memory_limit) if output is None else None
         self._file = None
         if output is not None:
-            from clast.results.writing import ResultFile
+            from clast.results.writing import ResultFile, reopened
 
-            self._file = ResultFile(Path(output), model, case_text)
+            path = Path(output)
+            storage = None if recorded is None else reopened(path, model, recorded)
+            self._file = ResultFile(path, model, case_text, storage)
 
     @property
     def state(self) -> State:
@@ -83,8 +111,28 @@ class RunRecorder:
         """
         if self._file is not None:
             self._file.about = about or {}
+        if self._recorded is not None:
+            self._go_on(self._recorded)
+            self._state = state
+            return
         self._record(state)
         self.frame(state)
+
+    def _go_on(self, recorded: Recorded) -> None:
+        """Take over what was recorded until a checkpoint."""
+        if self._file is None:
+            raise RuntimeError("what goes on is a file")
+        times, before = self._file.go_on(recorded)
+        self._frame_times = times.tolist()
+        for name, table in self._tables().items():
+            table.extend(before[name])
+            table.extend(recorded.since[name])
+        self._framed = Mark(
+            frames=recorded.frames,
+            frame=recorded.frame[0].item(),
+            counts=recorded.counts,
+            lengths=recorded.lengths,
+        )
 
     def step(self, result: StepResult, step: float) -> None:
         """Record an accepted step of length ``step``, s."""
@@ -112,23 +160,70 @@ class RunRecorder:
         rows = no_contacts()
         if self._with_contacts and contacts is not None and response is not None:
             rows = self._fields.contacts(state, contacts, response)
+        self._keep(state, rows)
+
+    def _keep(self, state: State, rows: NDArray[Any]) -> None:
+        """Keep a frame with a row for every contact."""
         if self._kept is not None:
             self._kept.add(state, rows)
         if self._file is not None:
             points = state.points[self._model.point_slices.bolts] + self._model.origin
             self._file.frame(state.time, self._fields.of(state), rows, self._tables(), points)
         self._frame_times.append(state.time)
+        self._framed = Mark(
+            frames=len(self._frame_times),
+            frame=(
+                state.time,
+                len(self._steps),
+                len(self._energy),
+                self._framed.frame[3] + len(rows),
+            ),
+            counts=self._counts(),
+            lengths={} if self._file is None else dict(self._file.lengths),
+        )
+
+    def mark(self) -> Mark:
+        """Return how far the run is recorded, at the cost of a few numbers."""
+        return replace(self._framed, now=self._counts(), result=self._result)
+
+    def recorded(self, mark: Mark, wall: float) -> Recorded:
+        """Return what a checkpoint needs to know of what was recorded until a mark.
+
+        ``wall`` is the time that the run has taken, s.  The frames until then are on the disk.
+        """
+        if self._file is None:
+            raise RuntimeError("a run in memory has no checkpoints")
+        self._file.sync()
+        contacts = no_contacts() if self._recorded is None else self._recorded.contacts
+        if mark.result is not None and self._with_contacts:
+            last = mark.result
+            contacts = self._fields.contacts(last.state, last.contacts, last.response)
+        at = mark.counts["energy"]
+        return Recorded(
+            file=self._file.path.name,
+            frames=mark.frames,
+            frame=np.array([mark.frame], FRAME_ROW),
+            energy=self._energy.rows[at - 1 : at].copy(),
+            lengths=mark.lengths,
+            counts=mark.counts,
+            since={
+                name: table.rows[mark.counts[name] : mark.now[name]].copy()
+                for name, table in self._tables().items()
+            },
+            contacts=contacts,
+            wall=wall + (0.0 if self._recorded is None else self._recorded.wall),
+        )
 
     def finish(self, report: Report) -> Run:
         """Close the file with the last state and the report; return what was recorded.
 
         Raises RunStopped, with what was recorded in its ``run``, where they cannot be written.
         """
-        last = self._result
         report = replace(report, notes=(*report.notes, *self._said_of_bolts()))
+        if self._recorded is not None:
+            report = replace(report, wall_seconds=report.wall_seconds + self._recorded.wall)
         try:
-            if last is not None and last.state.time not in self._frame_times[-1:]:
-                self.frame(last.state, last.contacts, last.response)
+            self._last_frame()
             if self._file is not None:
                 self._file.finish(report, self._tables())
         except ResultsLost as lost:
@@ -141,12 +236,23 @@ class RunRecorder:
             report = replace(report, notes=(*report.notes, f"{note}: name an output file"))
         return self._run(report)
 
+    def _last_frame(self) -> None:
+        """Keep a frame of the last state, if it is in none yet."""
+        last, before = self._result, self._recorded
+        if self.state.time in self._frame_times[-1:]:
+            return
+        if last is not None:
+            self.frame(last.state, last.contacts, last.response)
+        elif before is not None:
+            self._keep(self.state, before.contacts)
+
     def _run(self, report: Report) -> Run:
         return Run(
             model=self._model,
             state=self.state,
             report=report,
             output=self._file.path if self._file else None,
+            checkpoint=self.checkpoint,
             point_rows=self._points.rows,
             bolt_rows=self._bolts.rows,
             energy_rows=self._energy.rows,
@@ -170,6 +276,10 @@ class RunRecorder:
         from clast.results.sampling import own_of_bolts
 
         return story_of(own_of_bolts(self._model, self._state), self._model)
+
+    def _counts(self) -> dict[str, int]:
+        """Return how many rows each table has."""
+        return {name: len(table) for name, table in self._tables().items()}
 
     def _tables(self) -> dict[str, Table]:
         return {

@@ -143,6 +143,8 @@ class Run:
     """Frames in memory; None where they are in the file."""
     ended_by: int = 0
     """Number of the signal that ended the run early, 0 where none did."""
+    checkpoint: Path | None = None
+    """The last checkpoint of the run, which ``clast resume`` goes on from; None without any."""
 
     @property
     def final(self) -> State:

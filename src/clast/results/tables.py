@@ -36,6 +36,13 @@ class Table:
         self._buffer[self._count] = row
         self._count += 1
 
+    def extend(self, rows: NDArray[Any]) -> None:
+        """Add rows as another table gave them."""
+        kept = np.zeros(max(len(self._buffer), 2 * (self._count + len(rows))), self._buffer.dtype)
+        kept[: self._count] = self.rows
+        kept[self._count : self._count + len(rows)] = rows
+        self._buffer, self._count = kept, self._count + len(rows)
+
     @property
     def rows(self) -> NDArray[Any]:
         """All rows so far (a view), shape (t,)."""

@@ -19,6 +19,8 @@ from numpy.typing import DTypeLike, NDArray
 
 from clast.errors import CaseError, ResultsLost
 from clast.model.model import Floats, Ints, Model
+from clast.results.checkpoints.checkpoint import Recorded
+from clast.results.checkpoints.cutting_back import check_fit, cut_back
 from clast.results.journal import JournalledFile
 from clast.results.layout import (
     ABOUT,
@@ -35,10 +37,10 @@ from clast.results.layout import (
     bolts_row,
     history_path,
 )
-from clast.results.output import check_output, claimed, hidden
+from clast.results.output import check_output, claimed, hidden, taken_up
 from clast.results.provenance import about_model
 from clast.results.run import Report
-from clast.results.tables import Table, rows_of_point
+from clast.results.tables import Table, points_row, rows_of_point
 
 # Newer formats mark a file as being written, and nothing opens it after the process was killed.
 FILE_FORMAT = ("v108", "v108")
@@ -48,6 +50,7 @@ PACKED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle
 LARGE = 64
 """Rows that a frame must have for a chunk of its own."""
 CHECKED = {"fletcher32": True}
+GO_ON_ELSEWHERE = "clast resume CHECKPOINT -o FILE writes a file of what comes from there on"
 CHUNK_ROWS = 512
 """Rows that small things share a chunk of the file with."""
 
@@ -60,19 +63,23 @@ class ResultFile:
     one, whole or not at all, through a journal.
     """
 
-    def __init__(self, path: Path, model: Model, case_text: str) -> None:
+    def __init__(
+        self, path: Path, model: Model, case_text: str, storage: JournalledFile | None = None
+    ) -> None:
         _check_texts(model)
         self.path = check_output(path)
         self._model = model
         self._case_text = case_text
         self.about: Mapping[str, Any] = {}
         """How the run is simulated (results.provenance), to be set before the first frame."""
-        self._storage = JournalledFile(claimed(self.path))
+        self._storage = storage or JournalledFile(claimed(self.path))
         self._file: Any = None
         self._columns: dict[str, _Column] = {}
         self._frames = 0
         self._saved = {"energy": 0, "steps": 0, "history": 0, "bolts": 0}
         self._contacts = 0
+        self.lengths: dict[str, int] = {}
+        """Rows of each dataset that grows, after the last frame."""
         weakref.finalize(self, _let_go, self._storage, hidden(self.path))
 
     def frame(
@@ -104,6 +111,29 @@ class ResultFile:
             self._file.close()
             _let_go(self._storage, hidden(self.path))
             raise
+
+    def go_on(self, recorded: Recorded) -> tuple[Floats, dict[str, NDArray[Any]]]:
+        """Cut an earlier run's file back to the frames of a checkpoint, and go on from them.
+
+        Returns the times of these frames, s, and the rows of each table until the last of them.
+        """
+        with self._guarded():
+            self._open(h5py.File(self._storage, "r+", libver=FILE_FORMAT))
+            self._frames, self._contacts = recorded.frames, int(recorded.frame["contacts"][0])
+            self.lengths, self._saved = dict(recorded.lengths), dict(recorded.counts)
+            cut_back(self._file, self._frames, self.lengths)
+            first = self._frames // CHUNK_ROWS * CHUNK_ROWS
+            self._put_offsets(first)
+            write_source(self._file["model"], self._model, self._case_text, self.about)
+            self._file.flush()
+            self._storage.commit()
+            times: Floats = self._file["frames"]["time"]
+            return times, self._read_tables()
+
+    def sync(self) -> None:
+        """Have all frames written to the disk itself."""
+        with self._guarded():
+            self._storage.sync()
 
     def finish(self, report: Report, tables: Mapping[str, Table]) -> None:
         """Write what is left and the report, and close the file."""
@@ -159,10 +189,7 @@ class ResultFile:
         for name, rows in arrays.items():
             self._column(f"VTKHDF/{name}").put(number * len(rows), rows)
         if number % CHUNK_ROWS == 0:
-            # Known beforehand: a chunk of them is written at once.
-            frames = np.arange(number, number + CHUNK_ROWS)
-            for name, offsets in _step_offsets(self._model, frames).items():
-                self._column(f"VTKHDF/Steps/{name}").put(number, offsets)
+            self._put_offsets(number)
         self._column("contacts").put(self._contacts, contacts)
         if len(bolt_points):
             self._column("bolt_points").put(number * len(bolt_points), bolt_points)
@@ -179,10 +206,32 @@ class ResultFile:
         self._storage.commit()
         self._frames, self._contacts = number + 1, contact_end
         self._saved = {name: len(table) for name, table in tables.items()}
+        self.lengths |= {name: column.length for name, column in self._columns.items()}
+
+    def _put_offsets(self, number: int) -> None:
+        """Put the offsets of a chunk of frames, which are known beforehand, from ``number`` on."""
+        frames = np.arange(number, number + CHUNK_ROWS)
+        for name, offsets in _step_offsets(self._model, frames).items():
+            self._column(f"VTKHDF/Steps/{name}").put(number, offsets)
 
     def _new_rows(self, tables: Mapping[str, Table]) -> dict[str, NDArray[Any]]:
         """Return the rows of each table that came after the last frame."""
         return {name: table.rows[self._saved[name] :] for name, table in tables.items()}
+
+    def _read_tables(self) -> dict[str, NDArray[Any]]:
+        """Return all rows of each table in the file: those that ``_put_tables`` has put there."""
+        energy, steps = self._file["energy"][()], self._file["steps"][()]
+        names = self._model.measured_points.name
+        history = np.zeros(len(energy), points_row(len(names)))
+        history["time"] = energy["time"]
+        for index, name in enumerate(names):
+            rows = self._file[history_path(name)][()]
+            for part in ("displacement", "velocity", "rotation"):
+                history[part][:, index] = rows[part]
+        bolts = np.zeros(0, bolts_row(len(self._model.bolts)))
+        if len(self._model.bolts):
+            bolts = self._file["bolts"][()]
+        return {"energy": energy, "steps": steps, "history": history, "bolts": bolts}
 
     def _put_tables(self, new: Mapping[str, NDArray[Any]]) -> None:
         self._column("energy").put(self._saved["energy"], new["energy"])
@@ -194,12 +243,32 @@ class ResultFile:
             self._column(history_path(name)).put(self._saved["history"], rows)
 
 
+def reopened(path: Path, model: Model, recorded: Recorded) -> JournalledFile:
+    """Return the result file that a checkpoint goes on from, taken for the run.
+
+    Raises CaseError where it is missing, in use, or not what the checkpoint knows.
+    """
+    try:
+        check_fit(path, model, recorded)
+        file = taken_up(check_output(path))
+    except CaseError as error:
+        raise CaseError(
+            error.what, where=error.where, remedy=error.remedy or GO_ON_ELSEWHERE
+        ) from None
+    try:
+        check_fit(path, model, recorded)  # nobody else changes it from here on
+        return JournalledFile.again(file)
+    except BaseException:
+        file.close()
+        raise
+
+
 class _Column:
     """A dataset that grows, written at h5py's low level: a fifth of the high level's time."""
 
     def __init__(self, dataset: Any) -> None:
         self._id = dataset.id
-        self._length, *self._tail = dataset.shape
+        self.length, *self._tail = dataset.shape
         self._type = h5py.h5t.py_create(dataset.dtype, logical=True)
         self._dtype = dataset.dtype
 
@@ -209,9 +278,9 @@ class _Column:
             return
         rows = np.ascontiguousarray(rows, self._dtype)
         shape, end = (len(rows), *self._tail), first + len(rows)
-        if end > self._length:
+        if end > self.length:
             self._id.set_extent((end, *self._tail))
-            self._length = end
+            self.length = end
         place = self._id.get_space()
         place.select_hyperslab((first, *(0 for _ in self._tail)), shape)
         self._id.write(h5py.h5s.create_simple(shape), place, rows, self._type)
@@ -219,7 +288,7 @@ class _Column:
     def end_at(self, length: int) -> None:
         """Leave out all rows behind ``length``."""
         self._id.set_extent((length, *self._tail))
-        self._length = length
+        self.length = length
 
 
 def _let_go(storage: JournalledFile, part: Path) -> None:
@@ -330,8 +399,7 @@ def _write_model(group: Any, model: Model, case_text: str, about: Mapping[str, A
     for package, number in _versions().items():
         group.attrs[f"version of {package}"] = number
     text = h5py.string_dtype()
-    group["case"] = case_text
-    group["about"] = json.dumps({**about, **about_model(model)}, ensure_ascii=False, default=float)
+    write_source(group, model, case_text, about)
     group.create_dataset("block_name", data=list(model.block_name), dtype=text)
     group.create_dataset("rock_name", data=[rock.name for rock in model.rocks], dtype=text)
     joints = [joint.name for joint in model.joint_table.joints]
@@ -352,6 +420,15 @@ def _write_bolts(group: Any, model: Model) -> None:
     group.create_dataset("bolt_name", data=list(bolts.name), dtype=text)
     group.create_dataset("bolt_kind", data=list(bolts.kind), dtype=text)
     _fixed(group, "bolt_of_point", bolts.bolt)
+
+
+def write_source(group: Any, model: Model, case_text: str, about: Mapping[str, Any]) -> None:
+    """Write the text of the case and how it is simulated, in the place of what was there."""
+    told = json.dumps({**about, **about_model(model)}, ensure_ascii=False, default=float)
+    for name, text in {"case": case_text, "about": told}.items():
+        if name not in group or group[name].asstr()[()] != text:
+            group.pop(name, None)
+            group[name] = text
 
 
 def _versions() -> dict[str, str]:

@@ -19,6 +19,7 @@ from clast.model.state import Ledger, State, initial_state
 from clast.results import Report, Run, RunRecorder
 from clast.results.provenance import about_method
 from clast.run import law_check
+from clast.run.checkpointing import last_checkpoint
 from clast.run.in_situ import in_equilibrium
 from clast.run.interrupts import held_back
 from clast.run.method_warnings import check_overlaps
@@ -201,6 +202,7 @@ def simulate(
         except KeyboardInterrupt as asked:
             ended_by = getattr(asked, "number", signal.SIGINT)
             outcome = f"interrupted{_by(ended_by)} at t = {recorder.state.time:.6g} s"
+        warnings += last_checkpoint(keep, outcome, finished=not failure and not ended_by)
         report = march.report(
             working_time() - start, outcome, finished=not failure and not ended_by, said=warnings
         )

@@ -78,6 +78,9 @@ class OutputTable(Table):
     """Time between frames, s; a hundredth of the run, or a step, if absent."""
     contacts: StrictBool = True
     """True keeps the contact forces of every frame."""
+    checkpoint_every: Interval | None = None
+    """Wall time between checkpoints, s, from which ``clast resume`` goes on after a kill; if absent
+    there is one where a run ends before its time."""
 
     def interval(self, time: TimeTable) -> float:
         """Return the time between frames, s."""

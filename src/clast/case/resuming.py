@@ -1,0 +1,345 @@
+"""Going on from a checkpoint: what a run came from is made again, and must be what it was.
+
+run = clast.resume("wall.checkpoint.h5")
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from clast.case.case_file import Case
+from clast.case.tables.time_and_output import OutputTable
+from clast.errors import CaseError, shortened
+from clast.model.model import Model
+from clast.results import Run, RunRecorder
+from clast.results.checkpoints.checkpoint import OBJECTS, SETTINGS, TEXT, Checkpoint, Source
+from clast.results.checkpoints.files import (
+    check_place,
+    checkpoint_path,
+    read_checkpoint,
+)
+from clast.results.checkpoints.fingerprints import fingerprints
+from clast.results.checkpoints.plain import classes_near
+from clast.results.checkpoints.taking_over import taken_over
+
+if TYPE_CHECKING:
+    from clast.run.checkpointing import Checkpointing
+    from clast.run.schedule import Progress, Schedule
+    from clast.step.method import Method
+
+NAMING = ("file", "vertical")
+"""Keys of a case that name files beside it."""
+LATER = frozenset({"time.end", "output.checkpoint_every"})
+"""Keys that change nothing of what a run has done before a checkpoint."""
+NAMED = 6
+"""Parts that a message lists, at most."""
+
+
+# where a run comes from ------------------------------------------------------------------------
+
+
+def checkpoints(
+    recorder: RunRecorder,
+    describe: Callable[[], Source],
+    *,
+    output: str | Path | None,
+    every: float | None,
+    tell: Callable[[str], None] | None = None,
+) -> Checkpointing | None:
+    """Return what writes the checkpoints of a run to a file, None for a run without one.
+
+    Raises CaseError where checkpoints are wanted and something else is in their place.
+    """
+    from clast.run.checkpointing import Checkpointing
+
+    if output is None:
+        return None
+    path = Path(output).resolve()
+    if every is not None:
+        check_place(checkpoint_path(path))
+    return Checkpointing(recorder=recorder, output=path, describe=describe, every=every, tell=tell)
+
+
+def case_source(case: Case, model: Model, method: Method, schedule: Schedule) -> Source:
+    """Return where the run of a case comes from."""
+    return Source(
+        text=case.text,
+        gives=TEXT if _is_whole(case) else OBJECTS,
+        file=str(Path(case.file).absolute()),
+        files=dict(_named_files(case.model_dump(by_alias=True), Path(case.file).parent)),
+        schedule=schedule,
+        fingerprints=fingerprints(model=model, method=method),
+    )
+
+
+def script_source(
+    settings: Case | None, model: Model, method: Method, schedule: Schedule
+) -> Source:
+    """Return where the run of a script comes from: its keys, None where it gave objects."""
+    whole = settings is not None and _is_whole(settings)
+    return Source(
+        text=settings.text if settings else "",
+        gives=SETTINGS if whole else OBJECTS,
+        schedule=schedule,
+        fingerprints=fingerprints(model=model, method=method),
+    )
+
+
+def _is_whole(case: Case) -> bool:
+    """Return whether a text can hold all of a case."""
+    try:
+        case.to_toml()
+    except CaseError:
+        return False
+    return True
+
+
+def _named_files(value: Any, folder: Path, key: str = "") -> Iterator[tuple[str, str]]:
+    """Give the files that a case names, each with its fingerprint, empty where there is none."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from _named_files(inner, folder, str(name))
+    elif isinstance(value, list | tuple):
+        for inner in value:
+            yield from _named_files(inner, folder, key)
+    elif isinstance(value, str) and key in NAMING:
+        yield value, _print_of(folder / value)
+
+
+# going on --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Given:
+    """What a script gives again, where a text cannot hold it."""
+
+    model: Model | None = None
+    method: Method | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prepared:
+    """What a run goes on with."""
+
+    model: Model
+    method: Method
+    source: Source
+    """Where it comes from, with its changed settings."""
+    output: OutputTable | None
+    """What it keeps; None where a script gave no keys."""
+    warnings: tuple[str, ...]
+    """What is said of it beforehand."""
+
+
+def resume(
+    path: str | Path,
+    settings: Sequence[str] = (),
+    *,
+    output: str | Path | None = None,
+    model: Model | None = None,
+    method: Method | None = None,
+    progress: bool | Callable[[Progress], None] = False,
+    warn: Callable[[str], None] | None = None,
+) -> Run:
+    """Return the run that a checkpoint is of, from there to its end.
+
+    It appends to its result file, which is first cut back to the checkpoint: what it holds in the
+    end is what it would hold if the run had never been interrupted, to the bit.  ``output`` is
+    another file to go on in: a copy, or without the old one a file of what comes from there on.
+    ``settings`` may be ``["time.end=2"]``, which lets the run go on for longer.  A script gives its
+    ``model`` again, and its ``method`` where that holds objects of its own.  ``progress`` and
+    ``warn`` are those of ``Case.run``.
+
+    Raises CaseError for what is no checkpoint, for a model that is not the same, and for a result
+    file that does not fit; RunStopped where the run cannot go on.
+    """
+    path = Path(path)
+    checkpoint = read_checkpoint(path, {} if model is None else classes_near(model.actions))
+    now = _prepared(checkpoint, path, settings, Given(model=model, method=method))
+
+    from clast.run.progress import shown
+    from clast.run.simulate import simulate
+
+    with shown(progress) as watch:
+        if warn:
+            for warning in (*_of_versions(checkpoint), *now.warnings):
+                warn(warning)
+        target, recorded = taken_over(path, now.model, checkpoint.recorded, output, warn)
+        recorder = RunRecorder(
+            now.model,
+            case_text=now.source.text,
+            output=target,
+            contacts=now.output.contacts if now.output else True,
+            recorded=recorded,
+        )
+        every = now.output.checkpoint_every if now.output else None
+        return simulate(
+            now.model,
+            now.method,
+            now.source.schedule,
+            recorder=recorder,
+            watch=watch,
+            keep=checkpoints(recorder, lambda: now.source, output=target, every=every, tell=warn),
+            begin=checkpoint.run,
+            warnings=now.warnings,
+        )
+
+
+def _prepared(
+    checkpoint: Checkpoint, path: Path, settings: Sequence[str], given: Given
+) -> Prepared:
+    """Return what a run goes on with; raises CaseError where it is not what it was."""
+    source = checkpoint.source
+    _check_settings(settings)
+    _check_given(source, path, given)
+    case = None if source.gives == OBJECTS else _case(source, path, settings)
+    end = _end(case, settings, checkpoint, path)
+    schedule = dataclasses.replace(source.schedule, end=end)
+    model = given.model or _known(case).model()
+    method = given.method or _known(case).method(model)
+    _check_same(path, checkpoint, fingerprints(model=model, method=method))
+    return Prepared(
+        model=model,
+        method=method,
+        source=dataclasses.replace(
+            source,
+            text=case.text if case else source.text,
+            file=case.file if case else source.file,
+            schedule=schedule,
+        ),
+        output=case.output if case else None,
+        warnings=_warnings(case if source.gives == TEXT else None, model, method, schedule),
+    )
+
+
+def _known(case: Case | None) -> Case:
+    """Return a case that is there."""
+    if case is None:
+        raise RuntimeError("what no text gives, the script must")
+    return case
+
+
+def _warnings(
+    case: Case | None, model: Model, method: Method, schedule: Schedule
+) -> tuple[str, ...]:
+    """Return what is said of a run before its first step."""
+    if case is not None:
+        return case.foreseen(model, method)
+    from clast.run.preflight import examine
+
+    return examine(model, method, schedule).warnings
+
+
+def _of_versions(checkpoint: Checkpoint) -> Iterator[str]:
+    """Say where another clast has written the checkpoint."""
+    from clast.run.checkpointing import own_version
+
+    if checkpoint.version != own_version():
+        yield (
+            f"the checkpoint is of clast {checkpoint.version}, this is {own_version()}: what comes "
+            "may differ from what would have come in its last digits"
+        )
+
+
+def _check_given(source: Source, path: Path, given: Given) -> None:
+    """Raise CaseError where a script must give what no text holds."""
+    missing = {
+        TEXT: (),
+        SETTINGS: ("model",) * (given.model is None),
+        OBJECTS: tuple(name for name in ("model", "method") if getattr(given, name) is None),
+    }[source.gives]
+    if missing:
+        wanted = ", ".join(f"{name}=..." for name in missing)
+        raise CaseError(
+            "comes from a script, which must give again what no text can hold",
+            where=str(path),
+            remedy=f"in the script: clast.resume('{path.name}', {wanted})",
+        )
+
+
+def _check_settings(settings: Sequence[str]) -> None:
+    """Refuse settings that would have changed what was done before."""
+    for setting in settings:
+        key = setting.partition("=")[0].strip()
+        if key not in LATER:
+            raise CaseError(
+                f"'{shortened(key)}' would have changed the run before its checkpoint",
+                where="--set",
+                remedy="a run that goes on may change time.end and output.checkpoint_every; for "
+                "other changes run the case again",
+            )
+
+
+def _case(source: Source, path: Path, settings: Sequence[str]) -> Case:
+    """Return the case of a text with settings; frames stay where they were to be."""
+    folder = _folder(source, path)
+    file = str(folder / Path(source.file).name) if source.gives == TEXT else source.file
+    case = Case.from_text(source.text, file)
+    if not settings:
+        return case
+    kept = () if case.output.every else (f"output.every={source.schedule.every!r}",)
+    return Case.from_text(source.text, file, (*settings, *kept))
+
+
+def _folder(source: Source, path: Path) -> Path:
+    """Return the folder with the files that a case names, as they were.
+
+    The folder of the case file is looked at first, then that of the checkpoint.
+    """
+    folders = Path(source.file).parent, path.resolve().parent
+    changed: list[str] = []
+    for folder in folders:
+        wrong = [name for name, was in source.files.items() if _print_of(folder / name) != was]
+        if not wrong:
+            return folder
+        changed = changed or wrong
+    raise CaseError(
+        f"the case names {shortened(changed[0], 100)}, which is missing or has changed since the "
+        "checkpoint was written",
+        where=str(folders[0] / changed[0]),
+        remedy=f"put it back as it was, there or in {folders[1]}",
+    )
+
+
+def _print_of(path: Path) -> str:
+    """Return the fingerprint of a file, empty where there is none."""
+    try:
+        return sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return ""
+
+
+def _end(case: Case | None, settings: Sequence[str], checkpoint: Checkpoint, path: Path) -> float:
+    """Return the end of the run, s: that of before, or what the settings say."""
+    end: float = checkpoint.source.schedule.end
+    if not any(setting.partition("=")[0].strip() == "time.end" for setting in settings):
+        return end
+    end = _known(case).time.end
+    if end < checkpoint.time:
+        raise CaseError(
+            f"{end:g} s is over: the checkpoint is of t = {checkpoint.time:.6g} s",
+            where="--set time.end",
+            remedy="set a later end, or run the case again",
+        )
+    return end
+
+
+def _check_same(path: Path, checkpoint: Checkpoint, now: Mapping[str, str]) -> None:
+    """Raise CaseError where model or method are not what they were, and name what differs."""
+    before = checkpoint.source.fingerprints
+    names = sorted(set(before) | set(now))
+    other = [name for name in names if before.get(name) != now.get(name)]
+    if other:
+        more = f" and {len(other) - NAMED} more" if len(other) > NAMED else ""
+        raise CaseError(
+            "is the checkpoint of another run: these parts are not what they were: "
+            f"{', '.join(other[:NAMED])}{more}",
+            where=str(path),
+            remedy=f"give the model and the method of that run (clast {checkpoint.version}), or "
+            "run the case again",
+        )

@@ -1,0 +1,76 @@
+"""What a checkpoint holds, and how far a run was recorded when it was written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from numpy.typing import NDArray
+
+TEXT, SETTINGS, OBJECTS = "a case file", "the settings of a script", "objects of a script"
+"""What the text of a case gives: all of a run, all but its blocks, or neither."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """Where a run came from."""
+
+    text: str
+    """The case as TOML."""
+    gives: str = TEXT
+    """What the text gives of the run: one of the texts above."""
+    file: str = "case"
+    """The case file, whose folder has the files that it names."""
+    files: Mapping[str, str] = field(default_factory=dict)
+    """Fingerprints of these files by the names that the case gives them."""
+    schedule: Any = None
+    """When it simulates and keeps frames (``clast.run.schedule.Schedule``)."""
+    fingerprints: Mapping[str, str] = field(default_factory=dict)
+    """Fingerprints of the parts of its model and its method."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recorded:
+    """How far a run was recorded."""
+
+    file: str
+    """Name of the result file, which lies beside the checkpoint."""
+    frames: int
+    """Frames in it."""
+    frame: NDArray[Any]
+    """Row of the last of them in its table of frames, shape (1,)."""
+    energy: NDArray[Any]
+    """Row of that instant in its table of energies, shape (1,)."""
+    lengths: Mapping[str, int]
+    """Rows of each growing dataset of the file after that frame."""
+    counts: Mapping[str, int]
+    """Rows of each table of the run after that frame."""
+    since: Mapping[str, NDArray[Any]]
+    """Rows of each table that came after it."""
+    contacts: NDArray[Any]
+    """Contacts of the last step, a row for each that carries a force."""
+    wall: float = 0.0
+    """Time that the run has taken, s of wall clock, without what a signal or a kill cost."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Checkpoint:
+    """All that a run needs to go on."""
+
+    version: str
+    """Version of clast."""
+    time: float
+    """Time that the run had come to, s."""
+    outcome: str = ""
+    """How the run ended, in words; empty where it went on."""
+    finished: bool = False
+    """True where the run had reached its end."""
+    stage: str = ""
+    """The stage that had just ended, where the checkpoint was written for that."""
+    source: Source
+    """Where the run came from."""
+    recorded: Recorded
+    """How far it was recorded."""
+    run: Any
+    """What it carries from step to step (``clast.run.simulate.RunState``)."""

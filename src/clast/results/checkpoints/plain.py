@@ -1,0 +1,156 @@
+"""Plain data as a text and a list of arrays, and back, to the bit.
+
+Plain are None, truth values, numbers, texts, arrays, enumerations, and tuples, lists, sets,
+mappings and dataclasses of plain data.  Classes go by their names.  A name is looked up among
+clast's own dataclasses and enumerations, and among classes that are handed in: reading a file
+never runs what the file names.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from enum import Enum
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Arrays = list[NDArray[Any]]
+"""Arrays that a text refers to by their numbers."""
+OURS = "clast."
+
+
+class NotPlainError(Exception):
+    """A value that is no plain data; ``place`` says where it is, ``kind`` what it is."""
+
+    def __init__(self, kind: str, place: str) -> None:
+        self.kind = kind
+        self.place = place
+        super().__init__(f"{place} is a {kind}")
+
+
+class UnknownClassError(Exception):
+    """A text that names a class which is not known, or has other fields than it had."""
+
+
+def name_of(kind: type) -> str:
+    """Return the name that a class goes by: module and name in it."""
+    return f"{kind.__module__}:{kind.__qualname__}"
+
+
+# writing ---------------------------------------------------------------------------------------
+
+
+def taken_apart(value: Any, arrays: Arrays, place: str = "") -> Any:
+    """Return a value as JSON has it; its arrays go into ``arrays``.
+
+    Raises NotPlainError, with the place, for what is no plain data.
+    """
+    if value is None or type(value) in (bool, int, float, str):
+        return value
+    if isinstance(value, Enum):
+        return {"enum": name_of(type(value)), "name": value.name}
+    if isinstance(value, np.generic):
+        return {"scalar": _kept(np.asarray(value), arrays, place)}
+    if isinstance(value, np.ndarray):
+        return {"array": _kept(value, arrays, place)}
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        parts = {
+            entry.name: taken_apart(getattr(value, entry.name), arrays, f"{place}.{entry.name}")
+            for entry in dataclasses.fields(value)
+        }
+        return {"is": name_of(type(value)), "with": parts}
+    if isinstance(value, Mapping):
+        pairs = [
+            [taken_apart(one, arrays, f"{place}[...]") for one in pair] for pair in value.items()
+        ]
+        return {"map": pairs}
+    name = next((name for name, kind in ROWS.items() if type(value) is kind), None)
+    if name is None:
+        raise NotPlainError(type(value).__name__, place.removeprefix("."))
+    return {name: [taken_apart(one, arrays, f"{place}[{at}]") for at, one in enumerate(value)]}
+
+
+ROWS: dict[str, Any] = {"tuple": tuple, "list": list, "set": frozenset}
+"""What holds things one after the other."""
+
+
+def _kept(array: NDArray[Any], arrays: Arrays, place: str) -> int:
+    """Put an array into the list; return its number."""
+    if array.dtype.hasobject:
+        raise NotPlainError("array of objects", place.removeprefix("."))
+    arrays.append(array)
+    return len(arrays) - 1
+
+
+# reading ---------------------------------------------------------------------------------------
+
+
+def put_together(written: Any, arrays: Sequence[NDArray[Any]], known: Mapping[str, type]) -> Any:
+    """Return the value that ``taken_apart`` gave; ``known`` are classes that are not clast's own.
+
+    Raises UnknownClassError for a class that is not known, KeyError, IndexError, TypeError or
+    ValueError for what ``taken_apart`` never writes.
+    """
+    if not isinstance(written, dict):
+        return written
+    if "array" in written:
+        return arrays[written["array"]]
+    if "scalar" in written:
+        return arrays[written["scalar"]][()]
+    if "enum" in written:
+        return _class(written["enum"], known)[written["name"]]  # type: ignore[index]
+    if "is" in written:
+        parts = written["with"].items()
+        values = {name: put_together(part, arrays, known) for name, part in parts}
+        return _made(_class(written["is"], known), values)
+    if "map" in written:
+        pairs = ([put_together(one, arrays, known) for one in pair] for pair in written["map"])
+        return {key: value for key, value in pairs}
+    name = next(iter(written))
+    return ROWS[name](put_together(one, arrays, known) for one in written[name])
+
+
+def _class(name: str, known: Mapping[str, type]) -> type:
+    """Return the class of a name: a dataclass or an enumeration."""
+    module, _, inner = name.partition(":")
+    found: Any = known.get(name)
+    if found is None and module.startswith(OURS):
+        try:
+            found = import_module(module)
+            for part in inner.split("."):
+                found = getattr(found, part)
+        except (ImportError, AttributeError):
+            found = None
+    if not isinstance(found, type) or not (
+        dataclasses.is_dataclass(found) or issubclass(found, Enum)
+    ):
+        raise UnknownClassError(f"{inner} of {module} is not known")
+    return found
+
+
+def _made(kind: type, values: Mapping[str, Any]) -> Any:
+    """Return an object with these fields, as they were: nothing is checked or computed anew."""
+    fields = {entry.name for entry in dataclasses.fields(kind)}
+    if fields != set(values):
+        raise UnknownClassError(f"{kind.__qualname__} has other fields than it had")
+    one: Any = object.__new__(kind)
+    for name, value in values.items():
+        object.__setattr__(one, name, value)
+    return one
+
+
+def classes_near(things: Iterable[Any]) -> dict[str, type]:
+    """Return the dataclasses and enumerations that stand beside the classes of things, by name."""
+    modules = {type(thing).__module__ for thing in things}
+    kinds = (kind for name in modules for kind in _classes_in(sys.modules.get(name)))
+    return {name_of(kind): kind for kind in (*kinds, *map(type, things))}
+
+
+def _classes_in(module: Any) -> Iterator[type]:
+    for value in vars(module).values() if module is not None else ():
+        if isinstance(value, type) and (dataclasses.is_dataclass(value) or issubclass(value, Enum)):
+            yield value

@@ -1,0 +1,63 @@
+"""An action of one's own with a state of a class of one's own: a door closer that wears out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from clast.actions.action import Done, Share, Solution, StepStart
+from clast.model.model import Floats, Model
+from clast.model.state import Ledger
+
+
+@dataclass(frozen=True)
+class Wear:
+    """What a closer remembers."""
+
+    work: float
+    ways: Floats
+    words: tuple[str, ...] = ("new",)
+    counts: dict[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Closer:
+    """Pushes a block to the left with a force that falls with the way that it has done."""
+
+    block: str
+    force: float
+
+    def begin(self, model: Model) -> Wear:
+        return Wear(0.0, np.zeros(2))
+
+    def share(self, start: StepStart, own: Wear) -> Share:
+        force = np.zeros((1, 6))
+        force[0, 0] = -self.force * float(np.exp(-10.0 * own.ways[1]))
+        return Share(block=np.array([start.model.block_name.index(self.block)]), force=force)
+
+    def finish(self, start: StepStart, own: Wear, share: Share, solution: Solution) -> Done:
+        way = solution.displacement[share.block][0, :2]
+        work = float(np.sum(share.force * solution.displacement[share.block]))
+        new = Wear(
+            own.work + work,
+            own.ways + np.array([way[0], np.hypot(*way)]),
+            ("worn", *own.words)[:3],
+            {**own.counts, "steps": own.counts.get("steps", 0) + 1},
+        )
+        return Done(work=work, ledger=Ledger(loads=work), own=new)
+
+
+@dataclass(frozen=True)
+class Forgetful:
+    """An action whose own state no checkpoint can hold."""
+
+    def begin(self, model: Model) -> Any:
+        return iter([1.0])
+
+    def share(self, start: StepStart, own: Any) -> Share:
+        return Share()
+
+    def finish(self, start: StepStart, own: Any, share: Share, solution: Solution) -> Done:
+        return Done(work=0.0, ledger=Ledger(), own=own)
