@@ -99,7 +99,11 @@ class Ended:
 def balance(begun: Begun, solved: Solved, ended: Ended) -> tuple[Ledger, tuple[Any, ...]]:
     """Return the ledger at the end of a step, and the own state of each action."""
     ledger = _with_blocks_and_contacts(begun, solved, ended)
-    solution = Solution(displacement=solved.unknowns, linearised_at=solved.linearised_at)
+    solution = Solution(
+        displacement=solved.unknowns,
+        linearised_at=solved.linearised_at,
+        gained=ended.velocity - solved.velocity,
+    )
     changes: list[Ledger] = []
     own = []
     for action, mine, share in zip(begun.actions, begun.own, begun.shares, strict=True):
