@@ -15,17 +15,19 @@ from clast.actions.in_situ import Outline
 from clast.actions.loads import Loads
 from clast.actions.pressure import Pressures
 from clast.actions.supports import Supports
+from clast.actions.viscous_edges import ViscousBoundary
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
 from clast.model.state import State
 
 
-def actions_of(model: Model, fixed_point_stiffness: float) -> tuple[Action, ...]:
+def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> tuple[Action, ...]:
     """Return what acts on the blocks: gravity first, then what the model has, then the user's own.
 
-    ``fixed_point_stiffness`` is that of the supports, N/m per m.
+    ``fixed_point_stiffness`` is that of the supports, N/m per m.  Some ``damping`` there is always,
+    were it none: stages may change it, and own states belong to actions by their places.
     """
-    found: list[Action] = [Gravity()]
+    found: list[Action] = [Gravity(), damping]
     if not isinstance(model.ground_motion, Still):
         found.append(GroundAcceleration())
     if len(model.point_loads.block) or len(model.line_loads.block):
@@ -38,6 +40,8 @@ def actions_of(model: Model, fixed_point_stiffness: float) -> tuple[Action, ...]
         found.append(Outline(model.in_situ, fixed_point_stiffness))
     if len(model.fixed_points.block):
         found.append(Supports(fixed_point_stiffness))
+    if len(model.viscous_edges):
+        found.append(ViscousBoundary(fixed_point_stiffness))
     return *found, *model.actions
 
 

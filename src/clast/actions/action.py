@@ -59,6 +59,8 @@ class Share:
     """How these fall with the displacement of their block, -df/dd, shape (k, 6, 6)."""
     springs: Springs | None = None
     """Clipped springs between points of two blocks."""
+    carried: float = 1.0
+    """Share of the velocities of the last step with which the blocks enter this one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +73,8 @@ class Solution:
     """Material points at the end, in the order of ``Model.material_points``, m, shape (np, 2)."""
     linearised_at: Floats | None = None
     """Displacements about which the equations held the springs linear, shape (n, 6); None: at d."""
+    gained: Floats = field(default_factory=_no_forces)
+    """Velocity that the forces of the step have given each block, shape (n, 6)."""
 
     def spring_forces(self, springs: Springs) -> tuple[Floats, Floats]:
         """Return N and T (m,), N/m, that the equations held in springs at the end of the step."""

@@ -57,6 +57,8 @@ class Outline:
         along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
         held, slid = (self.stiffness * share for share in self.stress.held)
         hold = held * _squares(normal) + slid * _squares(along)
+        # dashpots, and springs before them, are what viscous edges have beside the load
+        hold[np.isin(ends[:, 0], model.viscous_edges.edge)] = 0.0
         vertex = ends.T.reshape(-1)
         return LoadedEnds(
             vertex=vertex,

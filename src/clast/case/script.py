@@ -45,7 +45,7 @@ from clast.case.writing import as_plain, table_of
 from clast.errors import CaseError
 from clast.model import builder as model_builder
 from clast.model.checks import Outlines
-from clast.model.ground_motion import GroundMotion, InertialForce, MovingBase, Still
+from clast.model.ground_motion import GroundMotion, Recorded, Still
 from clast.model.model import Model, Plane
 from clast.results import Run, RunRecorder
 
@@ -372,7 +372,7 @@ def _ground_motion(motion: GroundMotion) -> dict[str, Any]:
     if isinstance(motion, Still):
         return {}
     for name, kind in GROUND_MOTIONS.items():
-        if isinstance(motion, InertialForce | MovingBase) and type(motion) is kind:
+        if isinstance(motion, Recorded) and type(motion) is kind:
             record = motion.accelerogram
             values = {"acts": name, "time": record.time, "acceleration": record.acceleration[:, 0]}
             if record.acceleration[:, 1].any():

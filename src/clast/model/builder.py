@@ -36,6 +36,7 @@ from clast.model.input.joints import JointEntry, joint_table, joints_of_edges, p
 from clast.model.input.points import Place, Places, located
 from clast.model.input.pressures import pressed_edges
 from clast.model.input.supports_and_loads import SupportsAndLoads
+from clast.model.input.viscous_boundaries import check_incoming, viscous_edges
 from clast.model.mending import Mended, Mending
 from clast.model.model import (
     WELD_STRENGTH,
@@ -262,6 +263,9 @@ class ModelBuilder(SupportsAndLoads):
         )
         pressures, uncovered = pressed_edges(self._pressures, block_number, factor_number, outlines)
         value_checks.check_ground_motion(self.ground_motion, len(fixed.block))
+        held = self._fixed(outlines)
+        viscous = viscous_edges(self._viscous_boundaries, outlines, polygons, held)
+        check_incoming(self.ground_motion, viscous, outlines)
         value_checks.check_actions(self.actions)
         area, gravity = (
             outlines.area,
@@ -280,11 +284,12 @@ class ModelBuilder(SupportsAndLoads):
             block_name=outlines.names,
             block_start=outlines.start,
             block_rock=block_rock,
-            fixed=self._fixed(outlines),
+            fixed=held,
             vertices=outlines.vertices,
             velocity=self._velocities(outlines),
             initial_stress=self._initial_stresses(outlines, block_rock, in_situ),
             in_situ=in_situ,
+            viscous_edges=viscous,
             area=area,
             fixed_points=MaterialPoints(block=fixed.block, at=fixed.at),
             point_loads=PointLoads(

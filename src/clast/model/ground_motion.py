@@ -1,4 +1,4 @@
-"""Ground motion: an accelerogram, and the two ways in which it reaches the blocks.
+"""Ground motion: an accelerogram, and the ways in which it reaches the blocks.
 
 The accelerogram is linear between its instants and is integrated exactly,
 
@@ -92,6 +92,10 @@ class GroundMotion(Protocol):
         """Return how far the anchors of the fixed points have moved, m, shape (2,)."""
         ...
 
+    def incoming_velocity(self, start: float, end: float) -> Floats:
+        """Return the mean velocity of a wave from below in a step, m/s, shape (2,)."""
+        ...
+
 
 NOTHING = np.zeros(2)
 
@@ -106,6 +110,10 @@ class Still:
 
     def anchor_displacement(self, time: float) -> Floats:
         """Return zero."""
+        return NOTHING
+
+    def incoming_velocity(self, start: float, end: float) -> Floats:
+        """Return zero: no wave comes in."""
         return NOTHING
 
 
@@ -129,6 +137,10 @@ class InertialForce:
         """Return zero: the ground is the frame of reference."""
         return NOTHING
 
+    def incoming_velocity(self, start: float, end: float) -> Floats:
+        """Return zero: no wave comes in."""
+        return NOTHING
+
 
 @dataclass(frozen=True)
 class MovingBase:
@@ -149,9 +161,42 @@ class MovingBase:
         """Return the displacement of the ground."""
         return self.accelerogram.displacement(time)
 
+    def incoming_velocity(self, start: float, end: float) -> Floats:
+        """Return zero: no wave comes in."""
+        return NOTHING
+
+
+@dataclass(frozen=True)
+class IncomingWave:
+    """A wave that comes up through the viscous edges that face down, with the record's velocity.
+
+    What leaves the model there is taken up by the dashpots of these edges.  At a free surface the
+    motion doubles: the record of an outcrop has twice the velocity of the wave.
+    """
+
+    accelerogram: Accelerogram
+    """Acceleration of the wave on its way up."""
+
+    def body_acceleration(self, start: float, end: float) -> Floats:
+        """Return zero: motion is absolute."""
+        return NOTHING
+
+    def anchor_displacement(self, time: float) -> Floats:
+        """Return zero: fixed points stand still."""
+        return NOTHING
+
+    def incoming_velocity(self, start: float, end: float) -> Floats:
+        """Return the wave's mean velocity, so that every step brings its exact impulse."""
+        moved = self.accelerogram.displacement(end) - self.accelerogram.displacement(start)
+        return np.asarray(moved / (end - start))
+
+
+Recorded = InertialForce | MovingBase | IncomingWave
+"""Ground motions that have an accelerogram."""
+
 
 def ending_note(motion: GroundMotion) -> tuple[str, ...]:
     """Return how the motion of an accelerogram ends, nothing for other ground motions."""
-    if isinstance(motion, InertialForce | MovingBase):
+    if isinstance(motion, Recorded):
         return (motion.accelerogram.ending(),)
     return ()

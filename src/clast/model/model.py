@@ -20,6 +20,7 @@ from clast.model.bolts import Bolts
 from clast.model.factors import Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.in_situ import InSituStress
+from clast.model.viscous_edges import ViscousEdges
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -295,6 +296,8 @@ class Model:
     """What else acts on blocks: objects with the methods of ``clast.actions.action.Action``."""
     ground_motion: GroundMotion = field(default_factory=Still)
     """What the ground does: nothing, a body force, or a motion of the fixed points."""
+    viscous_edges: ViscousEdges = field(default_factory=ViscousEdges)
+    """Edges behind which rock goes on that takes up waves."""
     in_situ: InSituStress | None = None
     """Stress in the rock before anything is dug; None where there is none."""
     overlaps: StartOverlaps = field(default_factory=StartOverlaps)
@@ -329,6 +332,15 @@ class Model:
         """Elasticity matrix E' of each block, Pa, shape (n, 3, 3)."""
         by_rock = np.array([self.plane.elasticity(r.young, r.poisson) for r in self.rocks])
         return by_rock[self.block_rock]
+
+    @cached_property
+    def impedances(self) -> Floats:
+        """rho c_p and rho c_s of each block, Pa s/m, shape (n, 2).
+
+        c_p^2 = E'_11/rho, c_s^2 = G/rho: of waves in the plane, by the plane assumption.
+        """
+        moduli = self.elasticity[:, [0, 2], [0, 2]]
+        return np.asarray(np.sqrt(self.density[:, None] * moduli))
 
     @cached_property
     def compliance(self) -> Floats:

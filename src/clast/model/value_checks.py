@@ -13,7 +13,7 @@ import numpy as np
 from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.model import ranges
-from clast.model.ground_motion import GroundMotion, InertialForce, MovingBase
+from clast.model.ground_motion import GroundMotion, MovingBase, Recorded
 from clast.model.model import Floats, Joint, Plane, PlaneStrain, Rock
 
 SMALL_ANGLE = 1.6
@@ -110,7 +110,7 @@ def check_actions(actions: Sequence[object]) -> None:
 def check_ground_motion(motion: GroundMotion, fixed_points: int) -> None:
     """Refuse accelerograms that are none, and a moving base without fixed points."""
     where = "ground_motion"
-    if isinstance(motion, InertialForce | MovingBase):
+    if isinstance(motion, Recorded):
         time, acceleration = motion.accelerogram.time, motion.accelerogram.acceleration
         if time.ndim != 1 or len(time) < 2 or acceleration.shape != (len(time), 2):
             raise ModelError(

@@ -16,7 +16,9 @@ from typing import Any
 import numpy as np
 
 from clast.actions.acting import actions_of, own_states
+from clast.actions.damping import Undamped
 from clast.actions.in_situ import Outline, tractions
+from clast.actions.viscous_edges import ViscousBoundary
 from clast.block import elasticity, polygon
 from clast.block.displacement import basis
 from clast.contact.contacts import ContactResponse, Contacts
@@ -74,7 +76,8 @@ def in_equilibrium(
             where="in_situ",
             remedy='use the law "penalty" or "augmented-lagrangian", or contacts = "none"',
         )
-    actions = actions_of(model, method.fixed_point_stiffness)
+    model = _held_fast(model)
+    actions = actions_of(model, method.fixed_point_stiffness, method.damping)
     state = replace(state, actions=own_states(actions, model, state))
     balance = _at_first(model, method, state, stress.in_contacts, step)
     left: list[float] = []
@@ -85,6 +88,18 @@ def in_equilibrium(
         if left[-1] <= enough or len(left) > SOLUTIONS:
             return _begun(method, balance), _said(left[0], left[-1], balance.capped)
         balance = _shifted(model, method, balance, solve(method.solver, system))
+
+
+def _held_fast(model: Model) -> Model:
+    """Return the model with springs, not dashpots, on its viscous edges: what they bear stays."""
+    edges = model.viscous_edges
+    never = np.full(len(edges), np.inf)
+    return replace(model, viscous_edges=replace(edges, begins=never)) if len(edges) else model
+
+
+def _still(method: Method) -> Method:
+    """Return the method of what does not move."""
+    return replace(method, dynamic_ratio=0.0, damping=Undamped())
 
 
 def _at_first(model: Model, method: Method, state: State, share: float, step: float) -> Balance:
@@ -106,7 +121,7 @@ def _at_first(model: Model, method: Method, state: State, share: float, step: fl
 
 def _of_stress(model: Model, method: Method, state: State, share: float, step: float) -> Balance:
     """Return the forces of the mean stress on the contacts that there are with what bears."""
-    begun = begin(model, replace(method, dynamic_ratio=0.0), state, step, None)
+    begun = begin(model, _still(method), state, step, None)
     contacts = begun.contacts(search_within_step(method, travel_expected(begun)), begun.drift)
     mean = 0.5 * (state.stress[contacts.vertex_block] + state.stress[contacts.edge_block])
     force = share * contacts.length[:, None] * tractions(mean, contacts.normal)
@@ -141,8 +156,7 @@ def _bearing(law: Penalty, contacts: Contacts) -> tuple[Contacts, ContactRespons
 
 def _equations(model: Model, method: Method, balance: Balance, step: float) -> BlockSystem:
     """Return the static equations: their right-hand side is what is out of balance."""
-    still = replace(method, dynamic_ratio=0.0)
-    begun = begin(model, still, balance.state, step, None)
+    begun = begin(model, _still(method), balance.state, step, None)
     long = float(np.sqrt(model.mass.max() / (RESTING * model.stiffest)))
     base = diagonal_terms(begun, np.zeros_like(begun.velocity), Scheme(theta=1.0, step=long))
     contacts, response = _bearing(Penalty(model.stiffest), balance.contacts)
@@ -196,7 +210,7 @@ def _stretched(model: Model, state: State, unknowns: Floats) -> Floats:
 
 def _held(model: Model, method: Method, state: State, unknowns: Floats) -> tuple[Any, ...]:
     """Return the own states of actions, the outline's with what its springs have to bear."""
-    actions = actions_of(model, method.fixed_point_stiffness)
+    actions = actions_of(model, method.fixed_point_stiffness, method.damping)
     centroid = _centroids(model, state)
     found = []
     for action, own in zip(actions, state.actions, strict=True):
@@ -204,6 +218,8 @@ def _held(model: Model, method: Method, state: State, unknowns: Floats) -> tuple
             rows = basis(state.vertices[own.vertex] - centroid[own.block])
             moved = np.einsum("kxi,ki->kx", rows, unknowns[own.block])
             own = replace(own, force=own.force - np.einsum("kxy,ky->kx", own.hold, moved))
+        if isinstance(action, ViscousBoundary):
+            own = action.after(model, own, state.vertices, centroid, unknowns)
         found.append(own)
     return tuple(found)
 

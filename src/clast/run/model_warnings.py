@@ -8,7 +8,7 @@ import numpy as np
 
 from clast.block.polygon import edges
 from clast.errors import shortened
-from clast.model.ground_motion import InertialForce, MovingBase
+from clast.model.ground_motion import MovingBase, Recorded
 from clast.model.model import WELD_STRENGTH, Floats, Ints, Model
 
 SOFTEST, HARDEST = 1e8, 2e12
@@ -166,7 +166,7 @@ def _gravity_warnings(model: Model) -> Iterator[str]:
         or model.point_loads.force.any()
         or model.line_loads.traction.any()
         or model.pressures.pressure.any()
-        or isinstance(model.ground_motion, InertialForce | MovingBase)
+        or isinstance(model.ground_motion, Recorded)
     )
     if not driven:
         yield (
@@ -303,7 +303,7 @@ def _thickness(model: Model) -> tuple[Floats, Ints]:
 def _motion_warnings(model: Model, end: float) -> Iterator[str]:
     """Warn of ground motions outside of the run, with a drift, or of an unlikely strength."""
     motion = model.ground_motion
-    if not isinstance(motion, InertialForce | MovingBase):
+    if not isinstance(motion, Recorded):
         return
     record = motion.accelerogram
     first, last = float(record.time[0]), float(record.time[-1])
@@ -351,7 +351,7 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
 def _coarse_steps(model: Model, step: float) -> Iterator[str]:
     """Warn of steps that are too long for the intervals of a ground motion."""
     motion = model.ground_motion
-    if not isinstance(motion, InertialForce | MovingBase):
+    if not isinstance(motion, Recorded):
         return
     intervals = np.diff(motion.accelerogram.time)
     usual = float(np.median(intervals[intervals > 0.0]))

@@ -105,7 +105,10 @@ def balance(
     """
     ledger = _with_blocks_and_contacts(begun, solved, ended)
     solution = Solution(
-        displacement=solved.unknowns, points=points, linearised_at=solved.linearised_at
+        displacement=solved.unknowns,
+        points=points,
+        linearised_at=solved.linearised_at,
+        gained=ended.velocity - solved.velocity,
     )
     changes: list[Ledger] = []
     own = []

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from clast.actions.action import Action
+from clast.actions.damping import Undamped
 from clast.block.rotation import RotationRule
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.corner_rules import CornerRule
@@ -140,5 +142,7 @@ class Method:
     """Largest vertex movement allowed in a step against blocks that may be touched, m."""
     dynamic_ratio: float = 1.0
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
+    damping: Action = Undamped()
+    """What takes energy from all blocks: Undamped, Rayleigh, Adaptive, Kinetic."""
     notes: tuple[str, ...] = ()
     """What was chosen automatically, and why."""

@@ -9,6 +9,7 @@ rotation.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -98,16 +99,18 @@ def begin(
 ) -> Begun:
     """Return the step of length ``step``, s, that begins at ``state``."""
     at = StepStart(model=model, state=state, frames=block_frames(model, state), step=step)
-    actions = actions_of(model, method.fixed_point_stiffness)
+    actions = actions_of(model, method.fixed_point_stiffness, method.damping)
     own = own_states(actions, model, state)
+    shares = shares_of(actions, at, own)
+    carried = method.dynamic_ratio * math.prod(share.carried for share in shares)
     return Begun(
         at=at,
         method=method,
         workspace=workspace or Workspace(),
-        velocity=method.dynamic_ratio * state.velocity,
+        velocity=carried * state.velocity,
         actions=actions,
         own=own,
-        shares=shares_of(actions, at, own),
+        shares=shares,
     )
 
 

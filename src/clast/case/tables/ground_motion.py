@@ -30,11 +30,18 @@ from clast.case.tables.table import Acceleration, Instant, Table
 from clast.errors import CaseError, ModelError, shortened
 from clast.model import ranges
 from clast.model.builder import ModelBuilder
-from clast.model.ground_motion import Accelerogram, GroundMotion, InertialForce, MovingBase
+from clast.model.ground_motion import (
+    Accelerogram,
+    GroundMotion,
+    IncomingWave,
+    InertialForce,
+    MovingBase,
+)
 
-GROUND_MOTIONS: dict[str, type[InertialForce] | type[MovingBase]] = {
+GROUND_MOTIONS: dict[str, type[InertialForce] | type[MovingBase] | type[IncomingWave]] = {
     "body-force": InertialForce,
     "base": MovingBase,
+    "incoming": IncomingWave,
 }
 OFFSET = 0.05
 """Mean acceleration, as a share of the peak, above which a record's base line is off."""
@@ -88,10 +95,11 @@ class GroundMotionTable(Table):
     velocity that it then has.
     """
 
-    acts: Literal["body-force", "base"]
+    acts: Literal["body-force", "base", "incoming"]
     """"body-force": minus the acceleration on the mass of every block, motion is relative to the
     ground; "base": the fixed points move with the ground.  Fixed blocks do not move: a base that
-    moves is held by fixed points."""
+    moves is held by fixed points; "incoming": the motion is that of a wave that comes up through
+    the viscous edges that face down, half of the motion of an outcrop."""
     file: StrictStr | None = None
     """Record beside the case file, instead of lists: columns t, ax and, if wanted, ay, or another
     format."""

@@ -16,6 +16,7 @@ from clast.model.input.bolt_patterns import PatternEntry, bolts_round
 from clast.model.input.bolts import BoltEntry, bolts_of
 from clast.model.input.points import Place
 from clast.model.input.pressures import LinePressure
+from clast.model.input.viscous_boundaries import ViscousBoundary
 from clast.model.model import Floats
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ class SupportsAndLoads:
     _point_loads: list[Place] = field(default_factory=list, init=False)
     _line_loads: list[Place] = field(default_factory=list, init=False)
     _pressures: list[LinePressure] = field(default_factory=list, init=False)
+    _viscous_boundaries: list[ViscousBoundary] = field(default_factory=list, init=False)
     _factors: list[Factor] = field(default_factory=list, init=False)
     _measured_points: list[Place] = field(default_factory=list, init=False)
     _measured_names: list[str] = field(default_factory=list, init=False)
@@ -96,6 +98,36 @@ class SupportsAndLoads:
         label = f"pressure {len(self._pressures) + 1}"
         self._pressures.append(
             LinePressure(label=label, start=start, end=end, value=value, block=block, factor=factor)
+        )
+
+    def viscous_boundary(
+        self,
+        *,
+        side: str | None = None,
+        edges: Sequence[tuple[Vector, Vector]] | None = None,
+        polygon: Sequence[Vector] | None = None,
+        normal: float = 1.0,
+        tangential: float = 1.0,
+        static: str = "hold",
+        begins: float = 0.0,
+    ) -> None:
+        """Let waves leave through outer edges: on a ``side``, along lines ``edges``, in a polygon.
+
+        ``normal`` and ``tangential`` are multiples of rho c_p and rho c_s of the block behind.
+        Until ``begins``, s, springs hold the edges; what they bear, or what in-situ stress brings,
+        stays as a traction with static = "hold" and is dropped with "none".
+        """
+        self._viscous_boundaries.append(
+            ViscousBoundary(
+                label=f"viscous boundary {len(self._viscous_boundaries) + 1}",
+                side=side,
+                edges=edges,
+                polygon=polygon,
+                normal=normal,
+                tangential=tangential,
+                static=static,
+                begins=begins,
+            )
         )
 
     def measured_point(self, name: str, at: Vector, block: str | None = None) -> None:
