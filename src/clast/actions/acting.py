@@ -14,6 +14,7 @@ from clast.actions.in_situ import Outline
 from clast.actions.loads import Loads
 from clast.actions.pressure import Pressures
 from clast.actions.supports import Supports
+from clast.actions.water import WaterPressure
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
 from clast.model.state import State
@@ -31,6 +32,8 @@ def actions_of(model: Model, fixed_point_stiffness: float) -> tuple[Action, ...]
         found.append(Loads())
     if len(model.pressures.block):
         found.append(Pressures())
+    if model.water:
+        found.append(WaterPressure())
     if model.in_situ is not None:
         found.append(Outline(model.in_situ, fixed_point_stiffness))
     if len(model.fixed_points.block):

@@ -34,6 +34,7 @@ from clast.model.input.joints import JointEntry, joint_table, joints_of_edges, p
 from clast.model.input.points import Place, Places, located
 from clast.model.input.pressures import pressed_edges
 from clast.model.input.supports_and_loads import SupportsAndLoads
+from clast.model.input.water import Bed, waters_in
 from clast.model.mending import Mended, Mending
 from clast.model.model import (
     WELD_STRENGTH,
@@ -263,6 +264,9 @@ class ModelBuilder(SupportsAndLoads):
             check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION),
         )
         density = np.array([rock.density for rock in self._rocks])[block_rock]
+        own_joints = joints_of_edges(table, edge_joint)
+        bed = Bed(outlines, table, own_joints, block_rock, gravity, tuple(self._factors))
+        water, wet = waters_in(self._waters, bed)
         in_situ = stress_in_situ(self.in_situ, density * area, area, gravity, outlines.top)
         return Model(
             title=self.title,
@@ -271,7 +275,7 @@ class ModelBuilder(SupportsAndLoads):
             origin=outlines.origin,
             rocks=tuple(self._rocks),
             joint_table=table,
-            edge_joint=joints_of_edges(table, edge_joint),
+            edge_joint=own_joints,
             block_name=outlines.names,
             block_start=outlines.start,
             block_rock=block_rock,
@@ -293,6 +297,7 @@ class ModelBuilder(SupportsAndLoads):
                 factor=lines.factor,
             ),
             pressures=pressures,
+            water=water,
             factors=tuple(self._factors),
             measured_points=MeasuredPoints(
                 block=measured.block, at=measured.at, name=tuple(self._measured_names)
@@ -305,6 +310,7 @@ class ModelBuilder(SupportsAndLoads):
                 *self.notes,
                 *model_checks.turned_note(outlines, clockwise),
                 *uncovered,
+                *wet,
                 *ending_note(self.ground_motion),
             ),
         )

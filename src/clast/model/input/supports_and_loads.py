@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from clast.errors import shortened
 from clast.model.factors import Factor, checked_factor
 from clast.model.input.blocks import Vector
 from clast.model.input.points import Place
 from clast.model.input.pressures import LinePressure
+from clast.model.input.water import WaterEntry
+from clast.model.model import Floats
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from clast.model.input.water import WaterKeys
 
 
 @dataclass(kw_only=True)
@@ -20,6 +28,7 @@ class SupportsAndLoads:
     _point_loads: list[Place] = field(default_factory=list, init=False)
     _line_loads: list[Place] = field(default_factory=list, init=False)
     _pressures: list[LinePressure] = field(default_factory=list, init=False)
+    _waters: list[WaterEntry] = field(default_factory=list, init=False)
     _factors: list[Factor] = field(default_factory=list, init=False)
     _measured_points: list[Place] = field(default_factory=list, init=False)
     _measured_names: list[str] = field(default_factory=list, init=False)
@@ -78,6 +87,29 @@ class SupportsAndLoads:
         label = f"pressure {len(self._pressures) + 1}"
         self._pressures.append(
             LinePressure(label=label, start=start, end=end, value=value, block=block, factor=factor)
+        )
+
+    def water(
+        self,
+        level: float | None = None,
+        *,
+        line: Sequence[Vector] | Floats | None = None,
+        acts_on: str = "both",
+        name: str | None = None,
+        **keys: Unpack[WaterKeys],
+    ) -> None:
+        """Let water press on what lies below a level y, m, or a phreatic line of points (x, y), m.
+
+        ``acts_on`` is "faces": edges that no other block covers; "joints": both faces of where
+        blocks lie along each other; or "both".  The pressure is rho g times the depth, times
+        ``factor``: a share of the full head, 0 to 1, or the name of a table of such shares.
+        ``density`` in kg/m3 (1000); ``joints`` names those that it gets into (all); at points
+        ``drained_at`` of joints there is no pressure, and along the joints it falls towards them;
+        ``wetted`` is "open-and-closed", or "closed": joints that open lose their water.
+        """
+        label = f"water {len(self._waters) + 1}"
+        self._waters.append(
+            WaterEntry(label=label, name=name, level=level, line=line, acts_on=acts_on, keys=keys)
         )
 
     def measured_point(self, name: str, at: Vector, block: str | None = None) -> None:
