@@ -110,6 +110,8 @@ class WaterPressure:
 
 def _summed(block: Ints, force: Floats, count: int) -> Share:
     """Return one force for each block, in the order of the parts: fewer to be added up later."""
-    sums = np.stack([np.bincount(block, column, count) for column in force.T], axis=1)
+    sums: Floats = np.stack(
+        [np.bincount(block, column, count).astype(float) for column in force.T], axis=1
+    )
     some = np.flatnonzero(sums.any(axis=1))
     return Share(block=some, force=sums[some])

@@ -35,6 +35,7 @@ from clast.results.layout import (
     history_path,
 )
 from clast.results.output import check_output, claimed, hidden
+from clast.results.parts.water import write_water
 from clast.results.provenance import about_model
 from clast.results.run import Report
 from clast.results.tables import Table, rows_of_point
@@ -323,6 +324,7 @@ def _write_model(group: Any, model: Model, case_text: str, about: Mapping[str, A
     _fixed(group, "block_rock", model.block_rock)
     _fixed(group, "fixed", model.fixed)
     _fixed(group, "edge_joint", model.edge_joint)
+    write_water(group, model.water)
 
 
 def _versions() -> dict[str, str]:

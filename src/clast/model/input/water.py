@@ -104,6 +104,13 @@ def waters_in(entries: Sequence[WaterEntry], bed: Bed) -> tuple[tuple[Water, ...
 
 def _water(entry: WaterEntry, bed: Bed, edges: Edges, facing: Facing) -> tuple[Water, list[str]]:
     """Return one water, and what is to be said of it."""
+    for key in entry.keys:
+        if key not in WaterKeys.__annotations__:
+            raise ModelError(
+                f"there is no key '{key}'",
+                where=entry.label,
+                remedy=spelling.advice(key, WaterKeys.__annotations__, kind="key"),
+            )
     surface = _surface(entry, bed.outlines)
     share, factor = _share(entry, bed.factors)
     weight = _density(entry) * _gravity(entry, bed.gravity)
@@ -381,7 +388,7 @@ def _said(entry: WaterEntry, water: Water, edges: Edges) -> str:
     if len(faces.line):
         line = faces.ends[:, 1] - faces.ends[:, 0]
         pressed = 0.5 * faces.head.sum(axis=1)[:, None] * line
-        x, y = weight * np.array([-pressed[:, 1].sum(), pressed[:, 0].sum()])
+        x, y = weight * np.array([-pressed[:, 1].sum(), pressed[:, 0].sum()]) + 0.0
         parts.append(
             f"{np.hypot(*line.T).sum():.6g} m of outer faces, on which it presses with "
             f"({x:.6g}, {y:.6g}) N/m"
