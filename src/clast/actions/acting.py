@@ -16,6 +16,7 @@ from clast.actions.loads import Loads
 from clast.actions.pressure import Pressures
 from clast.actions.supports import Supports
 from clast.actions.viscous_edges import ViscousBoundary
+from clast.actions.water import WaterPressure
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
 from clast.model.state import State
@@ -36,6 +37,8 @@ def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> t
         found.append(Pressures())
     if len(model.bolts):
         found.append(Bolting())
+    if model.water:
+        found.append(WaterPressure())
     if model.in_situ is not None:
         found.append(Outline(model.in_situ, fixed_point_stiffness))
     if len(model.fixed_points.block):

@@ -49,6 +49,7 @@ from clast.case.tables.supports_and_loads import (
 )
 from clast.case.tables.table import Acceleration, Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
+from clast.case.tables.water import WaterTable
 from clast.errors import ModelError
 from clast.model.builder import ModelBuilder
 from clast.model.model import Model, PlaneStrain, PlaneStress
@@ -122,6 +123,8 @@ class Case(BaseModel):
     """Rock bolts."""
     bolt_pattern: list[BoltPatternTable] = []
     """Rock bolts round openings."""
+    water: list[WaterTable] = []
+    """Water on outer faces and in joints."""
     in_situ: InSituTable | None = None
     """Stress in the rock before anything is dug."""
     ground_motion: GroundMotionTable | None = None

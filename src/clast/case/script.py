@@ -41,6 +41,7 @@ from clast.case.tables.supports_and_loads import (
 )
 from clast.case.tables.table import Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
+from clast.case.tables.water import WaterTable
 from clast.case.writing import as_plain, table_of
 from clast.errors import CaseError
 from clast.model import builder as model_builder
@@ -163,6 +164,19 @@ class ModelBuilder(model_builder.ModelBuilder):
                     PressureTable, {"start": p.start, "end": p.end, "value": p.value, **_choice(p)}
                 )
                 for p in self._pressures
+            ],
+            "water": [
+                table_of(
+                    WaterTable,
+                    {
+                        **w.keys,
+                        "name": w.name,
+                        "level": w.level,
+                        "line": w.line,
+                        "acts_on": w.acts_on,
+                    },
+                )
+                for w in self._waters
             ],
             "table": {
                 factor.name: table_of(FactorTable, _unnamed(factor)) for factor in self._factors

@@ -12,7 +12,7 @@ import numpy as np
 from clast.block.polygon import SMALL_ANGLE, turn_at, vertex_after, vertex_before
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
-from clast.model.model import Bools, Floats, Ints, JointTable, Model
+from clast.model.model import Floats, Ints, JointTable, Model
 
 LEAST = 1e-3
 """Least length of joint that springs stand for, in units of critdis: corners that only coincide."""
@@ -27,25 +27,12 @@ def joints_of(
     blocks of pairs, ``direction`` (nv, 2) the unit vectors of edges.
     """
     table = model.joint_table
-    of_pairs, named = _of_pairs(table, model.block_rock, pairs)
+    of_pairs, named = table.of_pairs(model.block_rock, pairs)
     joint = of_pairs[ends[4]]
     if model.edge_joint.max(initial=-1) >= 0:
         places = ends[0], ends[1], model.block_start[ends[2]], model.block_start[ends[2] + 1]
         _along_edges(len(joint), places, model.edge_joint, direction, named[ends[4]], joint)
     return joint
-
-
-def _of_pairs(table: JointTable, block_rock: Ints, pairs: Ints) -> tuple[Ints, Bools]:
-    """Return the joint of each pair of blocks (q,), and whether it names the blocks (q,)."""
-    joint = table.rock_pair[block_rock[pairs[:, 0]], block_rock[pairs[:, 1]]]
-    if len(table.block_pair) == 0:
-        return joint, np.zeros(len(pairs), np.bool_)
-    width = len(block_rock)
-    own = table.block_pair[:, 0] * width + table.block_pair[:, 1]
-    wanted = pairs[:, 0] * width + pairs[:, 1]
-    at = np.minimum(np.searchsorted(own, wanted), len(own) - 1)
-    named = own[at] == wanted
-    return np.where(named, table.block_pair_joint[at], joint), named
 
 
 @shared(CONTACTS)

@@ -37,6 +37,7 @@ from clast.model.input.points import Place, Places, located
 from clast.model.input.pressures import pressed_edges
 from clast.model.input.supports_and_loads import SupportsAndLoads
 from clast.model.input.viscous_boundaries import check_incoming, viscous_edges
+from clast.model.input.water import Bed, waters_in
 from clast.model.mending import Mended, Mending
 from clast.model.model import (
     WELD_STRENGTH,
@@ -272,6 +273,9 @@ class ModelBuilder(SupportsAndLoads):
             check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION),
         )
         density = np.array([rock.density for rock in self._rocks])[block_rock]
+        own_joints = joints_of_edges(table, edge_joint)
+        bed = Bed(outlines, table, own_joints, block_rock, gravity, tuple(self._factors))
+        water, wet = waters_in(self._waters, bed)
         in_situ = stress_in_situ(self.in_situ, density * area, area, gravity, outlines.top)
         return Model(
             title=self.title,
@@ -280,7 +284,7 @@ class ModelBuilder(SupportsAndLoads):
             origin=outlines.origin,
             rocks=tuple(self._rocks),
             joint_table=table,
-            edge_joint=joints_of_edges(table, edge_joint),
+            edge_joint=own_joints,
             block_name=outlines.names,
             block_start=outlines.start,
             block_rock=block_rock,
@@ -304,6 +308,7 @@ class ModelBuilder(SupportsAndLoads):
             ),
             pressures=pressures,
             bolts=bolts,
+            water=water,
             factors=tuple(self._factors),
             measured_points=MeasuredPoints(
                 block=measured.block, at=measured.at, name=tuple(self._measured_names)
@@ -316,6 +321,7 @@ class ModelBuilder(SupportsAndLoads):
                 *self.notes,
                 *model_checks.turned_note(outlines, clockwise),
                 *uncovered,
+                *wet,
                 *ending_note(self.ground_motion),
             ),
         )

@@ -21,6 +21,7 @@ from clast.model.factors import Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.in_situ import InSituStress
 from clast.model.viscous_edges import ViscousEdges
+from clast.model.water.water import Water
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -216,6 +217,21 @@ class JointTable:
             np.array([one.shear_stiffness for one in self.joints], float),
         )
 
+    def of_pairs(self, block_rock: Ints, pairs: Ints) -> tuple[Ints, Bools]:
+        """Return the joint of each pair of blocks (q, 2), and whether it names the blocks, (q,).
+
+        ``block_rock`` (n,) is the rock of each block.
+        """
+        joint = self.rock_pair[block_rock[pairs[:, 0]], block_rock[pairs[:, 1]]]
+        if len(self.block_pair) == 0:
+            return joint, np.zeros(len(pairs), np.bool_)
+        width = len(block_rock)
+        own = self.block_pair[:, 0] * width + self.block_pair[:, 1]
+        wanted = pairs[:, 0] * width + pairs[:, 1]
+        at = np.minimum(np.searchsorted(own, wanted), len(own) - 1)
+        named = own[at] == wanted
+        return np.where(named, self.block_pair_joint[at], joint), named
+
 
 @dataclass(frozen=True, kw_only=True)
 class StartOverlaps:
@@ -290,6 +306,8 @@ class Model:
     """Pressures on edges."""
     bolts: Bolts = field(default_factory=Bolts)
     """Rock bolts."""
+    water: tuple[Water, ...] = ()
+    """Water that presses on outer faces and in joints."""
     factors: tuple[Factor, ...] = ()
     """Tables of time by which loads are multiplied."""
     actions: tuple[Any, ...] = ()
@@ -316,6 +334,13 @@ class Model:
     def vertex_block(self) -> Ints:
         """Block index of each vertex, shape (nv,)."""
         return np.repeat(np.arange(self.block_count), np.diff(self.block_start))
+
+    @cached_property
+    def vertex_after(self) -> Ints:
+        """Vertex after each one in its block, shape (nv,)."""
+        after = np.arange(1, len(self.vertices) + 1)
+        after[self.block_start[1:] - 1] = self.block_start[:-1]
+        return after
 
     @cached_property
     def density(self) -> Floats:

@@ -71,7 +71,7 @@ def arrows_of(
     thinned = len(shown) < count
     size = size[shown]
     largest = largest_but_few(size, np.ones(len(size)), FEW)
-    longest = max(_arrow_length(results, low, high), 0.5 * apart)
+    longest = max(length_of_longest(results, low, high), 0.5 * apart)
     length = longest * np.minimum(1.0, size / largest) if len(size) else size
     vector = force[shown] * (length / size)[:, None]
     at = at[shown]
@@ -166,7 +166,7 @@ def _words(arrows: Arrows, shown: float) -> list[str]:
     return [f"{force} ({which}{counted}){cut}", f"{force} ({counted}){cut}", f"{force} ({counted})"]
 
 
-def _arrow_length(results: Recording, low: Floats, high: Floats) -> float:
+def length_of_longest(results: Recording, low: Floats, high: Floats) -> float:
     """Return the length of the longest arrow, m: about a block, but seen in the picture."""
     shown = float(np.hypot(*(high - low)))
     outlines = outlines_of(results, results.vertices(0))

@@ -17,6 +17,7 @@ from clast.pictures.history import plot_history
 from clast.pictures.joints import edges_by_joint
 from clast.pictures.look import NO_WISHES, Look
 from clast.pictures.strokes import Edges, draw_edges, handles_of
+from clast.pictures.water import draw_water, handles_of_water, pressures_of, with_levels
 from clast.results import Recording
 
 if TYPE_CHECKING:
@@ -47,7 +48,8 @@ def plot_results(
 
     ``results`` are a run, or what a result file holds: ``clast.plot_results(run, "run.png")``.
     The start is outlined behind; ``contacts`` draws the contact forces as arrows, on both blocks
-    of each contact, the largest in each place where they are many.  ``look`` has limits of the
+    of each contact, the largest in each place where they are many.  Water is drawn with its level
+    and its pressures: outside faces, and across joints.  ``look`` has limits of the
     colours, size, resolution and the part that is shown.  The format follows from the ending of
     ``path``.  Raises CaseError for what is not there or cannot be drawn or written.
     """
@@ -58,7 +60,12 @@ def plot_results(
     bars = int(field in SCALARS)
     title = results.title or results.name
     edges = _edges(results, field, here, start, part)
-    handles = [*_legend_handles(results, field), *handles_of(edges, part)]
+    water = pressures_of(results, number, here)
+    handles = [
+        *_legend_handles(results, field),
+        *handles_of(edges, part),
+        *handles_of_water(results, water),
+    ]
     size, keys, narrowest = canvas.sizes(part, look, title, handles, bars, 1)
     arrows = None
     zoomed = look.zoom is not None
@@ -79,6 +86,7 @@ def plot_results(
     free = blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0)
     shown = blocks.within(results, here, *whole)
     blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
+    draw_water(axes, results, water, whole)
     draw_edges(axes, edges, whole, size[0], int(shown.sum()))
     if arrows is not None:
         draw_arrows(figure, sheet, axes, arrows)
@@ -94,7 +102,7 @@ def _part(results: Recording, here: Floats, start: Floats, look: Look) -> canvas
     low = np.minimum(here.min(axis=0), start.min(axis=0))
     high = np.maximum(here.max(axis=0), start.max(axis=0))
     if look.zoom is None:
-        return low, high
+        return with_levels(results, (low, high))
     part = np.array(look.zoom[:2]), np.array(look.zoom[2:])
     if not blocks.within(results, here, *part).any():
         raise canvas.empty_part(low, high)

@@ -13,7 +13,8 @@
     /energy        table, a row per instant: time and the entries of the energy ledger
     /steps         table, a row per step: time, size, passes, contacts, penetration, travel
     /model         the case file's text, how it is simulated (about, JSON), versions, names and
-                   numbers of the blocks, names of the joints and the joint of each edge
+                   numbers of the blocks, names of the joints and the joint of each edge; water
+                   and what it wets
     /report        how the run went; only in a file that was finished
 
 A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after its data have

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints
+from clast.model.water.water import Water
 from clast.results import structure
 from clast.results.frames import (
     KIND_FIELDS,
@@ -90,6 +91,10 @@ class Results:
     """The joints; None where an earlier clast wrote the file."""
     bolt_lines: BoltLines = field(default_factory=BoltLines, repr=False)
     """The bolts."""
+    origin: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
+    """Point that coordinates of the model are relative to, m, shape (2,)."""
+    water: tuple[Water, ...] = field(default=(), repr=False)
+    """Water on outer faces and in joints."""
     layout: int = FORMAT
     """Version of the file's layout."""
     frame_rows: NDArray[Any] = field(repr=False)
@@ -305,6 +310,8 @@ def _results(path: Path, file: Any) -> Results:
         rock_name=blocks.rock_name,
         joints=structure.joints_of(file, blocks),
         bolt_lines=structure.bolts_of(file, frames),
+        origin=np.asarray(about["origin"]),
+        water=structure.water_of(file, blocks),
         point_name=points[0],
         point_start=points[1],
         report=structure.report_of(file),

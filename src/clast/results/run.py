@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, Overlap, State
+from clast.model.water.water import Water
 from clast.results.frames import (
     VERTICES,
     Frame,
@@ -240,6 +241,16 @@ class Run:
         -1: none of its own; its contacts take that of their blocks or rocks, or the default.
         """
         return self.model.edge_joint
+
+    @property
+    def origin(self) -> Floats:
+        """Point that coordinates of the model are relative to, m, shape (2,)."""
+        return self.model.origin
+
+    @property
+    def water(self) -> tuple[Water, ...]:
+        """Water on outer faces and in joints."""
+        return self.model.water
 
     @property
     def point_name(self) -> tuple[str, ...]:

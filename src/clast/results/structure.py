@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from clast.model.model import Bools, Floats, Ints
 from clast.model.state import Ledger
+from clast.model.water.water import Water
 from clast.results.layout import (
     CELL_ARRAYS,
     CONTACT_ROW,
@@ -29,6 +30,7 @@ from clast.results.layout import (
     history_path,
 )
 from clast.results.opening import MalformedError
+from clast.results.parts.water import waters_in
 from clast.results.provenance import about_in
 from clast.results.run import Report, report_from_dict
 
@@ -225,6 +227,14 @@ def about_of(file: Any) -> dict[str, Any]:
         return about_in(text(file, "model/about"))
     except (TypeError, ValueError, RecursionError) as error:
         raise MalformedError(f"{error}") from error
+
+
+def water_of(file: Any, blocks: Blocks) -> tuple[Water, ...]:
+    """Return the water of a file; raises MalformedError."""
+    found = waters_in(file["model"], int(blocks.start[-1]))
+    if found is None:
+        raise MalformedError("/model/water does not hold what it should")
+    return found
 
 
 def names(file: Any, place: str) -> tuple[str, ...]:

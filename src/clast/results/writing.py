@@ -38,6 +38,7 @@ from clast.results.layout import (
     history_path,
 )
 from clast.results.output import check_output, claimed, hidden, taken_up
+from clast.results.parts.water import write_water
 from clast.results.provenance import about_model
 from clast.results.run import Report
 from clast.results.tables import Table, points_row, rows_of_point
@@ -412,6 +413,7 @@ def _write_model(group: Any, model: Model, case_text: str, about: Mapping[str, A
     _fixed(group, "edge_joint", model.edge_joint)
     if len(model.bolts):
         _write_bolts(group, model)
+    write_water(group, model.water)
 
 
 def _write_bolts(group: Any, model: Model) -> None:

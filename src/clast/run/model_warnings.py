@@ -10,6 +10,7 @@ from clast.block.polygon import edges
 from clast.errors import shortened
 from clast.model.ground_motion import MovingBase, Recorded
 from clast.model.model import WELD_STRENGTH, Floats, Ints, Model
+from clast.model.water.water import Water
 
 SOFTEST, HARDEST = 1e8, 2e12
 """Young's moduli outside look like kPa, MPa or GPa, Pa."""
@@ -33,6 +34,8 @@ DRIFTING = 0.1
 """Drift of the ground after its record, as a share of the smallest block, that is warned of."""
 SOFTEST_SHAKING, HARDEST_SHAKING = 1e-4 * 9.80665, 5.0 * 9.80665
 """Peak accelerations outside are imperceptible, or beyond any recorded earthquake, m/s2."""
+LIGHTEST_WATER, HEAVIEST_WATER = 950.0, 1300.0
+"""Densities outside are not those of water, nor of a slurry, kg/m3."""
 STEPS_OF_INTERVAL = 2
 """Fewer steps in an interval of a ground motion leave out what it holds."""
 NAMED = 5
@@ -50,6 +53,7 @@ def model_warnings(model: Model, step: float, end: float) -> list[str]:
         *_shape_warnings(model),
         *_motion_warnings(model, end),
         *_coarse_steps(model, step),
+        *_water_warnings(model),
     ]
 
 
@@ -139,6 +143,8 @@ def _idle_warnings(model: Model) -> Iterator[str]:
         )
     numbers = [points.factor, lines.factor, model.pressures.factor]
     idle = np.setdiff1d(np.arange(len(model.factors)), np.concatenate(numbers))
+    of_water = {water.factor.name for water in model.water if water.factor}
+    idle = np.array([k for k in idle if model.factors[k].name not in of_water], np.int64)
     for number in idle[:NAMED].tolist():
         name = shortened(model.factors[number].name)
         yield f"no load has the factor '{name}': name the table in a load, or remove it"
@@ -361,3 +367,41 @@ def _coarse_steps(model: Model, step: float) -> Iterator[str]:
             f"{usual:g} s: what is faster than the steps is averaged. Lower time.step to "
             f"{usual / STEPS_OF_INTERVAL:g}"
         )
+
+
+def _water_warnings(model: Model) -> Iterator[str]:
+    """Warn of water without effect, over everything, of odd density, or twice in one joint."""
+    top = float(model.vertices[:, 1].max())
+    gravity = float(np.hypot(*model.gravity))
+    for number, water in enumerate(model.water, 1):
+        called = f"water {number}" + (f" '{shortened(water.name)}'" if water.name else "")
+        owner = model.vertex_block
+        wetted = [owner[water.faces.edge], owner[water.joints.edge.ravel()]]
+        never = water.share == 0.0 or (water.factor and not water.factor.value.any())
+        if never or model.fixed[np.concatenate(wetted)].all():
+            why = "its factor is zero" if never else "all blocks that it touches are fixed"
+            yield f"{called} has no effect: {why}. Remove it, or give it something to press on"
+        if float(water.surface[:, 1].min()) > top:
+            over = float(water.surface[:, 1].min()) - top
+            yield (
+                f"{called} stands {over:.3g} m above the highest block: everything is under water. "
+                "Lower it if that is not meant"
+            )
+        density = water.weight / gravity
+        if not LIGHTEST_WATER <= density <= HEAVIEST_WATER:
+            yield f"{called} has a density of {density:g} kg/m3; water has 1000, sea water 1025"
+    for one, first in enumerate(model.water):
+        for other, second in enumerate(model.water[one + 1 :], one + 1):
+            both = np.intersect1d(_joints_of(first, model), _joints_of(second, model))
+            if len(both):
+                yield (
+                    f"waters {one + 1} and {other + 1} are both in {len(both)} joints, where their "
+                    "pressures add up: give each the joints that are its own, unless stages change "
+                    "from one to the other"
+                )
+
+
+def _joints_of(water: Water, model: Model) -> Ints:
+    """Return a number for each pair of edges between which a water is, shape (k,)."""
+    first, second = water.joints.edge.T
+    return np.asarray(first * len(model.vertices) + second)

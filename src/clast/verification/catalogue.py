@@ -32,7 +32,13 @@ from clast.verification.problems.friction import (
 )
 from clast.verification.problems.masonry import arch, overhang, rocking, three_hinges
 from clast.verification.problems.method import energy, invariance, order
-from clast.verification.problems.slopes import active_passive, plane_failure, slide_topple, toppling
+from clast.verification.problems.slopes import (
+    active_passive,
+    plane_failure,
+    slide_topple,
+    toppling,
+    wet_slope,
+)
 from clast.verification.problems.underground import jointed_rock, key_block
 from clast.verification.problems.waves import moving_base, newmark, wave
 
@@ -65,6 +71,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
     "slopes": (
         slide_topple.PROBLEM,
         plane_failure.PROBLEM,
+        wet_slope.PROBLEM,
         toppling.PROBLEM,
         active_passive.PROBLEM,
     ),

@@ -17,6 +17,7 @@ from clast.model.input.bolts import BoltEntry, bolts_of
 from clast.model.input.points import Place
 from clast.model.input.pressures import LinePressure
 from clast.model.input.viscous_boundaries import ViscousBoundary
+from clast.model.input.water import WaterEntry
 from clast.model.model import Floats
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
     from clast.model.input.bolt_kinds import BoltNumbers
     from clast.model.input.bolts import BoltChoices
+    from clast.model.input.water import WaterKeys
 
 
 @dataclass(kw_only=True)
@@ -35,6 +37,7 @@ class SupportsAndLoads:
     _line_loads: list[Place] = field(default_factory=list, init=False)
     _pressures: list[LinePressure] = field(default_factory=list, init=False)
     _viscous_boundaries: list[ViscousBoundary] = field(default_factory=list, init=False)
+    _waters: list[WaterEntry] = field(default_factory=list, init=False)
     _factors: list[Factor] = field(default_factory=list, init=False)
     _measured_points: list[Place] = field(default_factory=list, init=False)
     _measured_names: list[str] = field(default_factory=list, init=False)
@@ -128,6 +131,29 @@ class SupportsAndLoads:
                 static=static,
                 begins=begins,
             )
+        )
+
+    def water(
+        self,
+        level: float | None = None,
+        *,
+        line: Sequence[Vector] | Floats | None = None,
+        acts_on: str = "both",
+        name: str | None = None,
+        **keys: Unpack[WaterKeys],
+    ) -> None:
+        """Let water press on what lies below a level y, m, or a phreatic line of points (x, y), m.
+
+        ``acts_on`` is "faces": edges that no other block covers; "joints": both faces of where
+        blocks lie along each other; or "both".  The pressure is rho g times the depth, times
+        ``factor``: a share of the full head, 0 to 1, or the name of a table of such shares.
+        ``density`` in kg/m3 (1000); ``joints`` names those that it gets into (all); at points
+        ``drained_at`` of joints there is no pressure, and along the joints it falls towards them;
+        ``wetted`` is "open-and-closed", or "closed": joints that open lose their water.
+        """
+        label = f"water {len(self._waters) + 1}"
+        self._waters.append(
+            WaterEntry(label=label, name=name, level=level, line=line, acts_on=acts_on, keys=keys)
         )
 
     def measured_point(self, name: str, at: Vector, block: str | None = None) -> None:

@@ -1,0 +1,117 @@
+"""Water: pressure on outer faces and in joints, as the blocks lie at the start of a step.
+
+    F_i = int T_i^T p n ds,    F_j = -int T_j^T p n ds
+
+A joint's water lies halfway between its two faces, and presses on both with the same p n ds there:
+the two forces and their moments cancel to the last bit, whatever the blocks do.  What contacts bear
+beside it is the effective stress.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.actions.pressure import pressure_forces
+from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.state import Ledger
+from clast.model.water.water import (
+    Water,
+    ends_of_faces,
+    faces_of_joints,
+    filled,
+    wetted,
+)
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """Pressures on parts of lines: of outer faces, or of both faces of joints."""
+
+    block: Ints
+    """Block that lies to the left of each part, shape (k,)."""
+    other: Ints
+    """Block to its right, -1 where there is none, shape (k,)."""
+    ends: Floats
+    """Ends, m, shape (k, 2, 2)."""
+    pressure: Floats
+    """Pressure at the ends, Pa, shape (k, 2)."""
+
+    def forces(self, centroid: Floats) -> tuple[Floats, Floats]:
+        """Return the generalised forces on the blocks to the left and to the right, (k, 6) each."""
+        left = pressure_forces(self.ends - centroid[self.block][:, None], self.pressure)
+        right = pressure_forces(self.ends - centroid[self.other][:, None], -self.pressure)
+        right[self.other < 0] = 0.0
+        return left, right
+
+
+def pressed_by(water: Water, model: Model, vertices: Floats, time: float) -> Pressed:
+    """Return where a water presses at a time, s, with blocks at ``vertices`` (nv, 2), m.
+
+    Blocks that are gone are pressed no more, and the joints that they had are empty.
+    """
+    owner, after = model.vertex_block, model.vertex_after
+    weight = water.pressure_of_head(time)
+    faces = wetted(water.surface, ends_of_faces(water.faces, vertices, after))
+    one, other = faces_of_joints(water.joints, vertices, after)
+    joint, ends, lowered = filled(water.joints, one, other)
+    joints = wetted(water.surface, ends, lowered)
+    pair = owner[water.joints.edge[joint[joints.line]]]
+    single = owner[water.faces.edge[faces.line]]
+    found = Pressed(
+        np.concatenate([single, pair[:, 0]]),
+        np.concatenate([np.full(len(single), -1), pair[:, 1]]),
+        np.concatenate([faces.ends, joints.ends]),
+        weight * np.concatenate([faces.head, joints.head]),
+    )
+    gone = _gone(model)
+    if not gone.any():
+        return found
+    there = ~gone[found.block] & ((found.other < 0) | ~gone[found.other])
+    return Pressed(found.block[there], found.other[there], found.ends[there], found.pressure[there])
+
+
+def _gone(model: Model) -> Bools:
+    """Return the blocks that have been excavated, shape (n,)."""
+    return np.asarray(getattr(model, "gone", np.zeros(model.block_count, np.bool_)))
+
+
+@dataclass(frozen=True)
+class WaterPressure:
+    """The water of the model."""
+
+    def begin(self, model: Model) -> None:
+        """Return nothing: where water is follows from where the blocks are."""
+
+    def share(self, start: StepStart, own: None) -> Share:
+        """Return the sum of the generalised forces of all water on each block."""
+        model = start.model
+        block: list[Ints] = []
+        force: list[Floats] = []
+        for water in model.water:
+            if not water.pressure_of_head(start.end):
+                continue
+            found = pressed_by(water, model, start.state.vertices, start.end)
+            left, right = found.forces(start.frames.centroid)
+            paired = found.other >= 0
+            block += [found.block, found.other[paired]]
+            force += [left, right[paired]]
+        if not block:
+            return Share()
+        return _summed(np.concatenate(block), np.concatenate(force), model.block_count)
+
+    def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
+        """Return the work of the water, which comes from outside."""
+        work, _ = energy_of_linear(share, solution.displacement)
+        return Done(work=work, ledger=Ledger(water=work))
+
+
+def _summed(block: Ints, force: Floats, count: int) -> Share:
+    """Return one force for each block, in the order of the parts: fewer to be added up later."""
+    sums: Floats = np.stack(
+        [np.bincount(block, column, count).astype(float) for column in force.T], axis=1
+    )
+    some = np.flatnonzero(sums.any(axis=1))
+    return Share(block=some, force=sums[some])

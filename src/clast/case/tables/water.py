@@ -1,0 +1,96 @@
+"""[[water]]: water that presses on outer faces and in joints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Discriminator, Field, StrictStr, Tag, model_validator
+
+from clast.case.choices import Number, within
+from clast.case.faults import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.case.tables.table import Coordinate, Loop, Point, Table
+from clast.errors import CaseError, ModelError
+from clast.model import ranges
+from clast.model.builder import ModelBuilder
+
+
+class LineFileTable(Table):
+    """A phreatic line in a file beside the case file."""
+
+    file: StrictStr
+    """Table with the columns x, y and a row for each point (.csv), beside the case file."""
+
+
+def _kind_of_factor(value: Any) -> str:
+    """Return the tag of a factor: a number, or the name of a table."""
+    return TABLE if isinstance(value, str) else PLAIN
+
+
+class WaterTable(Table):
+    """Water that presses on what lies below its surface, and follows the blocks."""
+
+    name: StrictStr | None = None
+    """Name by which stages call it."""
+    level: Coordinate | None = None
+    """Height y of a horizontal surface, m; or give a line."""
+    line: (
+        Annotated[
+            Annotated[Loop, Tag(PLAIN)] | Annotated[LineFileTable, Tag(TABLE)],
+            Discriminator(kind_of),
+        ]
+        | None
+    ) = None
+    """Points [x, y] of a phreatic line, m, or {file = "line.csv"}; beyond its ends it goes on
+    level."""
+    acts_on: Literal["faces", "joints", "both"] = "both"
+    """What it presses on: "faces": edges that no other block covers; "joints": both faces of where
+    blocks lie along each other; "both"."""
+    density: Annotated[Number, within(ranges.DENSITY)] = 1000.0
+    """Density, kg/m3."""
+    joints: list[StrictStr] | None = None
+    """Joints that it gets into, by name; all if absent."""
+    factor: Annotated[
+        Annotated[Number, Tag(PLAIN)] | Annotated[StrictStr, Tag(TABLE)],
+        Discriminator(_kind_of_factor),
+    ] = 1.0
+    """Share of the full head, 0 to 1; or the [table.NAME] of such shares: water that rises."""
+    drained_at: list[Point] = Field([])
+    """Points [x, y] of joints where there is no pressure, m; along the joints it falls towards
+    them."""
+    wetted: Literal["open-and-closed", "closed"] = "open-and-closed"
+    """Whether a joint that opens keeps its pressure, or loses it ("closed")."""
+
+    @model_validator(mode="after")
+    def _has_one_surface(self) -> Self:
+        if (self.level is None) == (self.line is None):
+            what = "has neither level nor line" if self.level is None else "has both level and line"
+            remedy = "give the level y of a horizontal surface, or the points of a phreatic line"
+            raise refusal(Fault(what=what, remedy=remedy))
+        return self
+
+    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
+        """Add the water."""
+        line = self.line
+        keys = dict(self)
+        keys["line"] = _points(folder / line.file) if isinstance(line, LineFileTable) else line
+        builder.water(**keys)
+
+
+def _points(path: Path) -> list[tuple[float, float]]:
+    """Return the points of a phreatic line in a file, m."""
+    from clast.rockmass.drawings.csv_lines import table_of
+
+    try:
+        table = table_of(path)
+        for column in ("x", "y"):
+            if column not in table.columns:
+                raise CaseError(
+                    f"has no column {column}",
+                    where=f"{table.file}: its heading",
+                    remedy="a phreatic line has the heading x,y and a row for each point",
+                )
+        return [(row.number("x"), row.number("y")) for row in table.rows]
+    except CaseError as error:
+        place = f"[[water]], line: {error.where}"
+        raise ModelError(error.what, where=place, remedy=error.remedy) from None

@@ -1,0 +1,107 @@
+"""Where edges of two blocks lie along each other, and which parts of edges nothing covers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+NEAR = 1e-3
+"""Edges lie along each other within this share of the smaller block's size."""
+SAME = 1e-9
+"""What is nearer to a corner than this share of the edge is at the corner."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Edges:
+    """The edges of all blocks; edge e goes from vertex e to ``after[e]``."""
+
+    vertices: Floats
+    """Vertices, m, counter-clockwise by block, shape (nv, 2)."""
+    after: Ints
+    """Vertex after each one in its block, shape (nv,)."""
+    owner: Ints
+    """Block of each edge, shape (nv,)."""
+    near: Floats
+    """How far beside each one another lies along it, m, shape (nv,)."""
+
+
+@dataclass(frozen=True)
+class Facing:
+    """Parts of two edges that lie along each other, k of them."""
+
+    edge: Ints
+    """Edges of both blocks, the lower block first, shape (k, 2)."""
+    share: Floats
+    """Where either edge (k, side) has the ends of the part, as the first one runs, (k, 2, 2)."""
+
+
+def edges_of(vertices: Floats, after: Ints, owner: Ints, area: Floats) -> Edges:
+    """Return the edges of blocks with their areas, m2, (n,)."""
+    near = NEAR * np.sqrt(np.abs(area))[owner]
+    return Edges(vertices=vertices, after=after, owner=owner, near=near)
+
+
+def facing_edges(edges: Edges) -> Facing:
+    """Return where edges of two blocks lie along each other, T-joints included."""
+    here, there = edges.vertices, edges.vertices[edges.after]
+    lines = shapely.linestrings(np.stack([here, there], axis=1))
+    tree = shapely.STRtree(lines)
+    one, other = tree.query(lines, predicate="dwithin", distance=edges.near)
+    lower = edges.owner[one] < edges.owner[other]
+    one, other = _both_ways(one, other, lower)
+    length = np.hypot(*(there - here).T)
+    along = (there - here) / length[:, None]
+    a, b = along[one], along[other]
+    against = (a * b).sum(axis=1) < 0.0
+    one, other = one[against], other[against]
+    near = np.minimum(edges.near[one], edges.near[other])
+    a = along[one]
+    # the other edge seen from the first: it runs against it
+    low = ((there[other] - here[one]) * a).sum(axis=1)
+    high = ((here[other] - here[one]) * a).sum(axis=1)
+    long = np.minimum(high, length[one]) - np.maximum(low, 0.0) > near
+    one, other, near, low, high = one[long], other[long], near[long], low[long], high[long]
+    ends = np.stack([np.maximum(low, 0.0), np.minimum(high, length[one])], axis=1)
+    at = (high[:, None] - ends) / (high - low)[:, None]  # share of the other edge
+    place = here[other, None] + at[..., None] * (there - here)[other, None]
+    foot = here[one, None] + ends[..., None] * along[one, None]
+    beside = np.hypot(*np.moveaxis(place - foot, -1, 0)).max(axis=1) <= near
+    one, other = one[beside], other[beside]
+    shares = np.stack([ends[beside] / length[one, None], at[beside]], axis=1)
+    # what ends at a corner ends there to the last digit
+    shares = np.where(shares < SAME, 0.0, np.where(shares > 1.0 - SAME, 1.0, shares))
+    return Facing(np.stack([one, other], axis=1).astype(np.int64), shares)
+
+
+def _both_ways(one: Ints, other: Ints, lower: NDArray[np.bool_]) -> tuple[Ints, Ints]:
+    """Return each pair of edges once, that of the lower block first, in their order."""
+    one, other = one[lower], other[lower]
+    order = np.lexsort((other, one))
+    return one[order], other[order]
+
+
+def outer_parts(edges: Edges, facing: Facing) -> tuple[Ints, Floats]:
+    """Return the parts of edges that no other block covers: edge (k,), share (k, 2)."""
+    count = len(edges.vertices)
+    every = np.arange(count)
+    covered = np.sort(facing.share, axis=2)
+    edge = np.concatenate([every, facing.edge[:, 0], facing.edge[:, 1], every])
+    zero, one = np.zeros(count), np.ones(count)
+    start = np.concatenate([zero, covered[:, 0, 0], covered[:, 1, 0], one])
+    end = np.concatenate([zero, covered[:, 0, 1], covered[:, 1, 1], one])
+    order = np.lexsort((end, start, edge))
+    edge, start, end = edge[order], start[order], end[order]
+    # edges one after the other on a line, with a gap between them
+    reached = np.maximum.accumulate(2.0 * edge + end)[:-1]
+    before = np.clip(reached - 2.0 * edge[:-1], 0.0, 1.0)
+    length = np.hypot(*(edges.vertices[edges.after] - edges.vertices).T)
+    free = (edge[1:] == edge[:-1]) & (
+        (start[1:] - before) * length[edge[1:]] > edges.near[edge[1:]]
+    )
+    return edge[1:][free], np.stack([before, start[1:]], axis=1)[free]

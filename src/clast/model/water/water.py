@@ -1,0 +1,195 @@
+"""Water in a model: what it can wet, and how it presses there.
+
+    p = rho g s(t) max(0, y_w(x) - l - y)
+
+at (x, y); y_w is the water level, or the phreatic line above x, l by how much drains lower the
+head there, and s the share of the full head.  Between the corners of the phreatic line p is linear
+along a straight line that lies under water: such parts of edges and joints are what ``wetted``
+gives.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clast.model.factors import Factor
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SHORTEST = 1e-300
+"""What a length is divided by at least, m."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WetFaces:
+    """Parts of edges that no other block covers at the start."""
+
+    edge: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Edge of each part: the index of the edge's first vertex, shape (k,)."""
+    share: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """Where it begins and ends, 0 at the first vertex of the edge and 1 at the next, (k, 2)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WetJoints:
+    """Parts of two edges that lie along each other at the start: two faces of a joint."""
+
+    edge: Ints = field(default_factory=lambda: np.zeros((0, 2), np.int64))
+    """Edges of either face, shape (k, 2)."""
+    share: Floats = field(default_factory=lambda: np.zeros((0, 2, 2)))
+    """Where either face, (k, face), begins and ends as the first one runs, shape (k, 2, 2)."""
+    lowered: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """By how much drains lower the head where it begins and ends, m, shape (k, 2)."""
+    widest: Floats = field(default_factory=lambda: np.zeros(0))
+    """Distance of its faces beyond which the water has run out, m, shape (k,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Water:
+    """Water under one level or phreatic line."""
+
+    name: str
+    """Name by which stages call it."""
+    surface: Floats
+    """Points of the phreatic line about the model's origin, m, x rising; one: a level, (m, 2).
+
+    Beyond its ends it goes on level.
+    """
+    weight: float
+    """Weight of water rho g, N/m3."""
+    share: float = 1.0
+    """Share of the full head, 0 to 1."""
+    factor: Factor | None = None
+    """The same as it changes with time; None: it is constant."""
+    faces: WetFaces = field(default_factory=WetFaces)
+    """Outer edges on which it presses."""
+    joints: WetJoints = field(default_factory=WetJoints)
+    """Joints in which it presses on both faces."""
+
+    def pressure_of_head(self, time: float) -> float:
+        """Return the pressure of one metre of water, Pa/m, at a time, s."""
+        share = self.share if self.factor is None else self.share * self.factor.at(time)
+        return self.weight * share
+
+
+def surface_at(surface: Floats, x: Floats) -> Floats:
+    """Return the height of a phreatic line (m, 2) at x, m; beyond its ends it goes on level."""
+    return np.asarray(np.interp(x, surface[:, 0], surface[:, 1]))
+
+
+@dataclass(frozen=True)
+class Wetted:
+    """Parts of lines that are under water, r of them."""
+
+    line: Ints
+    """Line of each part, shape (r,)."""
+    ends: Floats
+    """Its ends, m, shape (r, 2, 2)."""
+    head: Floats
+    """Head of water at either, m, 0 or more, shape (r, 2)."""
+
+
+def wetted(surface: Floats, ends: Floats, lowered: Floats | None = None) -> Wetted:
+    """Return the parts of straight lines that are under water, and the head at their ends, m.
+
+    ``ends`` (k, 2, 2) are those of the lines, m, ``lowered`` (k, 2) by how much drains lower the
+    head there.  Lines are divided under the corners of the phreatic line, and at the level.
+    """
+    line = np.arange(len(ends))
+    if lowered is None:
+        lowered = np.zeros(ends.shape[:2])
+    if len(surface) > 1:
+        line, ends, lowered = _divided(surface, ends, lowered)
+    # a part lies under one straight piece of the surface: its corners belong to either piece
+    head = surface_at(surface, ends[..., 0]) - ends[..., 1] - lowered
+    under = (head > 0.0).any(axis=1)
+    line, ends, head = line[under], ends[under], head[under]
+    partly = np.flatnonzero((head < 0.0).any(axis=1))
+    if len(partly):
+        first, last = head[partly].T
+        at = (first / (first - last))[:, None]
+        cut = ends[partly, 0] + at * (ends[partly, 1] - ends[partly, 0])
+        dry = (head[partly, 1] < 0.0).astype(np.int64)
+        ends[partly, dry], head[partly, dry] = cut, 0.0
+    return Wetted(line, ends, head)
+
+
+def _divided(surface: Floats, ends: Floats, lowered: Floats) -> tuple[Ints, Floats, Floats]:
+    """Return the parts of lines between the corners of a phreatic line: line, ends, lowered."""
+    corner, x = surface[:, 0], ends[..., 0]
+    before = np.searchsorted(corner, x.min(axis=1), side="right")
+    past = np.searchsorted(corner, x.max(axis=1), side="left")
+    inner = np.maximum(past - before, 0)  # corners strictly between the ends
+    line = np.repeat(np.arange(len(ends)), inner + 1)
+    if not inner.any():
+        return line, ends.copy(), lowered
+    number = np.arange(len(line)) - np.repeat(np.cumsum(inner + 1) - inner - 1, inner + 1)
+    # corners are met in the direction of the line
+    width = x[:, 1] - x[:, 0]
+    across = np.where(width == 0.0, 1.0, width)[line]
+    back, many = (width < 0.0)[line], inner[line]
+
+    def share_at(count: Ints) -> Floats:
+        """Return where on its line a part has its ``count``-th dividing point."""
+        rank = np.where(back, many - count, count - 1)
+        found = (corner[np.clip(before[line] + rank, 0, len(corner) - 1)] - x[line, 0]) / across
+        return np.where(count == 0, 0.0, np.where(count > many, 1.0, found))
+
+    share = np.stack([share_at(number), share_at(number + 1)], axis=1)
+    start, end = ends[line, 0], ends[line, 1]
+    parts = start[:, None] + share[..., None] * (end - start)[:, None]
+    fall = lowered[line, 1] - lowered[line, 0]
+    return line, parts, lowered[line, :1] + share * fall[:, None]
+
+
+def ends_of_faces(faces: WetFaces, vertices: Floats, after: Ints) -> Floats:
+    """Return the ends of parts of edges, m, shape (k, 2, 2), as their blocks lie now.
+
+    ``after`` (nv,) is the vertex after each one in its block.
+    """
+    return _along(vertices, faces.edge, after, faces.share)
+
+
+def faces_of_joints(joints: WetJoints, vertices: Floats, after: Ints) -> tuple[Floats, Floats]:
+    """Return the ends of either face of joints, m, shape (k, 2, 2) each, in the same direction."""
+    one = _along(vertices, joints.edge[:, 0], after, joints.share[:, 0])
+    return one, _along(vertices, joints.edge[:, 1], after, joints.share[:, 1])
+
+
+def filled(joints: WetJoints, one: Floats, other: Floats) -> tuple[Ints, Floats, Floats]:
+    """Return the parts of joints that can hold water: joint (r,), ends (r, 2, 2), lowered (r, 2).
+
+    ``one`` and ``other`` (k, 2, 2) are the ends of their faces, m.  Halfway between these lies the
+    water; where they are farther apart than it can bridge, it has run out.
+    """
+    ends = 0.5 * (one + other)
+    line = np.arange(len(ends))
+    away = other - one
+    along = ends[:, 1] - ends[:, 0]
+    length = np.maximum(np.hypot(*along.T), SHORTEST)
+    # the second face lies to the right of the first, whose block is to its left
+    across = away[..., 0] * along[:, None, 1] - away[..., 1] * along[:, None, 0]
+    over = across / length[:, None] - joints.widest[:, None]
+    slip = 0.5 * np.abs((away.sum(axis=1) * along).sum(axis=1)) / length
+    over[slip > length] = 1.0  # past each other
+    if not (over > 0.0).any():
+        return line, ends, joints.lowered
+    held = (over <= 0.0).any(axis=1)
+    line, ends, over, lowered = line[held], ends[held], over[held], joints.lowered[held].copy()
+    partly = np.flatnonzero((over > 0.0).any(axis=1))
+    first, last = over[partly].T
+    at = first / (first - last)
+    wide = (last > 0.0).astype(np.int64)
+    cut = ends[partly, 0] + at[:, None] * (ends[partly, 1] - ends[partly, 0])
+    there = lowered[partly, 0] + at * (lowered[partly, 1] - lowered[partly, 0])
+    ends[partly, wide], lowered[partly, wide] = cut, there
+    return line, ends, lowered
+
+
+def _along(vertices: Floats, edge: Ints, after: Ints, share: Floats) -> Floats:
+    first, last = vertices[edge], vertices[after[edge]]
+    return np.asarray(first[:, None] + share[:, :, None] * (last - first)[:, None])

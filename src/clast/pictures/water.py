@@ -1,0 +1,150 @@
+"""Water on a picture: its level with a triangle, and the pressures on what it wets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from clast.model.model import Floats
+from clast.model.water.water import (
+    Water,
+    ends_of_faces,
+    faces_of_joints,
+    filled,
+    surface_at,
+    wetted,
+)
+from clast.pictures.canvas import Part
+from clast.pictures.fields import prefixed
+from clast.pictures.forces import length_of_longest
+from clast.pictures.strokes import following
+from clast.results import Recording
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+BLUE, PALE = "#1f6fb4", "#5aa5dc"
+"""Colours of the level and of pressures."""
+ABOVE = 0.5
+"""How far above the blocks a level is still shown, in their heights."""
+BESIDE = 0.06
+"""Where the triangle stands, from the left, as a share of what is shown."""
+POINTS = 8.0
+"""Size of the triangle, points."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pressures:
+    """Pressures to be drawn: k diagrams on lines under water."""
+
+    ends: Floats
+    """Ends of the lines, m, shape (k, 2, 2)."""
+    pressure: Floats
+    """Pressure at their ends, Pa, shape (k, 2)."""
+    sides: Floats
+    """How much of a diagram stands to the left and to the right of its line, shape (k, 2)."""
+
+    @property
+    def largest(self) -> float:
+        """Largest pressure, Pa."""
+        return float(self.pressure.max(initial=0.0))
+
+
+def pressures_of(results: Recording, frame: int, here: Floats) -> Pressures:
+    """Return the pressures of all water in a frame with vertices ``here`` (nv, 2), m."""
+    vertices, after = here - results.origin, following(results.block_start)
+    ends, pressure = [np.zeros((0, 2, 2))], [np.zeros((0, 2))]
+    sides = [np.zeros((0, 2))]
+    for water in results.water:
+        weight = water.pressure_of_head(float(results.times[frame]))
+        faces = wetted(water.surface, ends_of_faces(water.faces, vertices, after))
+        one, other = faces_of_joints(water.joints, vertices, after)
+        _, middle, lowered = filled(water.joints, one, other)
+        joints = wetted(water.surface, middle, lowered)
+        for found, beside in ((faces, (0.0, 1.0)), (joints, (0.5, 0.5))):
+            ends.append(found.ends + results.origin)
+            pressure.append(weight * found.head)
+            sides.append(np.tile(beside, (len(found.line), 1)))
+    return Pressures(
+        ends=np.concatenate(ends),
+        pressure=np.concatenate(pressure),
+        sides=np.concatenate(sides),
+    )
+
+
+def with_levels(results: Recording, part: Part) -> Part:
+    """Return what is shown, made so high that levels not far above the blocks are in it."""
+    low, high = part
+    most = float(high[1] + ABOVE * (high[1] - low[1]))
+    tops = [float(_points(water, results, part)[:, 1].max()) for water in results.water]
+    seen = [top for top in tops if top <= most]
+    return low, np.array([high[0], max([float(high[1]), *seen])])
+
+
+def _points(water: Water, results: Recording, part: Part) -> Floats:
+    """Return the points of a surface from one side of a part to the other, m, shape (k, 2)."""
+    low, high = part[0] - results.origin, part[1] - results.origin
+    inner = water.surface[:, 0]
+    x = np.concatenate([[low[0]], inner[(inner > low[0]) & (inner < high[0])], [high[0]]])
+    return np.stack([x, surface_at(water.surface, x)], axis=1) + results.origin
+
+
+def handles_of_water(results: Recording, pressures: Pressures) -> list[Any]:
+    """Return what the legend explains of water, nothing where there is none."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    if not results.water:
+        return []
+    level = {"marker": "v", "mfc": "white", "mec": BLUE, "ms": 5.0, "label": "water level"}
+    handles: list[Any] = [Line2D([], [], color=BLUE, lw=0.9, **level)]
+    if pressures.largest > 0.0:
+        factor, unit = prefixed(pressures.largest, "Pa")
+        label = f"water pressure, up to {pressures.largest * factor:.3g} {unit}"
+        handles.append(Patch(fc=PALE, ec=BLUE, lw=0.4, alpha=0.6, label=label))
+    return handles
+
+
+def draw_water(axes: Axes, results: Recording, pressures: Pressures, part: Part) -> None:
+    """Draw the levels and the pressures: outside faces, and across joints."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.transforms import ScaledTranslation
+
+    if not results.water:
+        return
+    if pressures.largest > 0.0:
+        axes.add_collection(
+            PolyCollection(
+                list(_diagrams(pressures, length_of_longest(results, *part))),
+                facecolors=PALE,
+                edgecolors=BLUE,
+                linewidths=0.4,
+                alpha=0.6,
+                zorder=3.5,
+            )
+        )
+    figure = axes.get_figure(root=True)
+    up = ScaledTranslation(0.0, 0.5 * POINTS / 72.0, figure.dpi_scale_trans) if figure else None
+    for number, water in enumerate(results.water):
+        points = _points(water, results, part)
+        axes.plot(*points.T, color=BLUE, lw=0.9, zorder=5.5)
+        x = float(part[0][0] + (1.0 + 0.7 * number) * BESIDE * (part[1][0] - part[0][0]))
+        y = np.interp(x, *points.T)
+        tip = axes.transData + up if up else axes.transData
+        axes.plot(
+            [x], [y], "v", ms=POINTS, mfc="white", mec=BLUE, mew=0.9, zorder=5.6, transform=tip
+        )
+
+
+def _diagrams(pressures: Pressures, longest: float) -> Floats:
+    """Return the outlines of diagrams, m, shape (k, 4, 2); the largest pressure is so long, m."""
+    ends = pressures.ends
+    along = ends[:, 1] - ends[:, 0]
+    along = along / np.maximum(np.hypot(*along.T), 1e-300)[:, None]
+    right = np.stack([along[:, 1], -along[:, 0]], axis=1)[:, None]
+    high = (longest / pressures.largest * pressures.pressure)[..., None]
+    left, beside = pressures.sides[:, :1, None], pressures.sides[:, 1:, None]
+    upper, lower = ends - left * high * right, ends + beside * high * right
+    return np.concatenate([upper, lower[:, ::-1]], axis=1)

@@ -1,0 +1,1 @@
+"""What a result file keeps of the parts of a model, a file for each of them."""

@@ -1,0 +1,202 @@
+"""Plane failure with water in a tension crack and on the plane, of two slopes with cohesion.
+
+    F = (c A + (W cos a - U - V sin a) tan phi)/(W sin a + V cos a),
+    U = 1/2 w zw A,    V = 1/2 w zw2
+
+for a block on a plane of dip a and length A, with a vertical crack of depth z behind it that is
+filled to zw; on the plane the pressure falls from that at the foot of the crack to none at the toe.
+The block holds with its strength divided by a little less than F, and slides with it divided by a
+little more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, WATER = 9.81, 1000.0
+WEIGHT = 26e3
+"""Weight of the rock, N/m3."""
+STEP, STEPS = 4e-3, 300
+BISECTIONS, SPAN = 5, 0.04
+"""Bisections of the factor of safety, and the half of what is searched as a share of it."""
+RESOLUTION = f"bisected to {100 * 2 * SPAN / 2**BISECTIONS:.2g} %"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slope:
+    """A slope with a plane through its toe and a vertical crack behind its crest."""
+
+    height: float
+    """Height, m."""
+    face: float
+    """Dip of the face, degrees."""
+    plane: float
+    """Dip of the plane, degrees."""
+    crack: float
+    """Distance of the crack from the toe, m."""
+    cohesion: float
+    """Cohesion of the plane, Pa."""
+    friction_angle: float
+    """Friction angle of the plane, degrees."""
+
+    @property
+    def foot(self) -> Floats:
+        """Foot of the crack, seen from the toe, m, shape (2,)."""
+        return np.array([self.crack, self.crack * np.tan(np.radians(self.plane))])
+
+    @property
+    def depth(self) -> float:
+        """Depth of the crack z, m."""
+        return self.height - float(self.foot[1])
+
+    def exact_factor(self, water: float) -> float:
+        """Return the factor of safety with ``water`` m of water in the crack."""
+        dip, length = np.radians(self.plane), float(np.hypot(*self.foot))
+        crest = self.height / np.tan(np.radians(self.face))
+        # the quadrangle of toe, foot and top of the crack, and crest
+        area = 0.5 * (self.height * (self.crack - crest) + self.crack * self.depth)
+        weight = WEIGHT * area
+        lifts = 0.5 * WATER * GRAVITY * water * length
+        pushes = 0.5 * WATER * GRAVITY * water**2
+        presses = weight * np.cos(dip) - lifts - pushes * np.sin(dip)
+        drives = weight * np.sin(dip) + pushes * np.cos(dip)
+        friction = np.tan(np.radians(self.friction_angle))
+        return float((self.cohesion * length + presses * friction) / drives)
+
+
+def critical_slope() -> Slope:
+    """Return a slope of 60 m with its crack where a dry one is weakest (Hoek & Bray)."""
+    height, face, plane = 60.0, np.radians(50.0), np.radians(35.0)
+    return Slope(
+        height=height,
+        face=50.0,
+        plane=35.0,
+        crack=height / float(np.sqrt(np.tan(face) * np.tan(plane))),
+        cohesion=1e5,
+        friction_angle=35.0,
+    )
+
+
+def steep_slope() -> Slope:
+    """Return a slope of 15 m with a crack 3 m behind its crest."""
+    crest = 15.0 / float(np.tan(np.radians(75.0)))
+    return Slope(
+        height=15.0,
+        face=75.0,
+        plane=40.0,
+        crack=crest + 3.0,
+        cohesion=35e3,
+        friction_angle=35.0,
+    )
+
+
+def slope_model(slope: Slope, water: float, divided_by: float = 1.0) -> Model:
+    """Return the slope with ``water`` m of water in its crack and its strength divided."""
+    crest = (slope.height / float(np.tan(np.radians(slope.face))), slope.height)
+    foot, top = tuple(slope.foot.tolist()), (slope.crack, slope.height)
+    back = slope.crack + 0.5 * slope.height
+    builder = ModelBuilder(title="Wet slope", gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=20e9, poisson=0.2, density=WEIGHT / GRAVITY)
+    friction = np.tan(np.radians(slope.friction_angle)) / divided_by
+    builder.add_joint(
+        "plane",
+        between=[("rock", "slab")],
+        friction_angle=float(np.degrees(np.arctan(friction))),
+        cohesion=slope.cohesion / divided_by,
+    )
+    low = -0.2 * slope.height
+    builder.block(
+        name="rock",
+        vertices=[(low, low), (back, low), (back, slope.height), top, foot, (0.0, 0.0), (low, 0.0)],
+        fixed=True,
+    )
+    builder.block(name="slab", vertices=[(0.0, 0.0), foot, top, crest])
+    if water > 0.0:
+        builder.water(foot[1] + water, acts_on="joints", drained_at=[(0.0, 0.0)])
+    builder.measured_point("slab", top, block="slab")
+    return builder.build()
+
+
+def holds(slope: Slope, water: float, factor: float, variant: Variant) -> bool:
+    """Return whether the slab stays with its strength divided by a factor."""
+    moving = unbalanced(
+        slope_model(slope, water, factor),
+        variant,
+        normal_stiffness=2e9,
+        step=STEP,
+        steps=STEPS,
+        max_displacement=0.02,
+    )
+    return moving < AT_REST
+
+
+def factor_of_safety(slope: Slope, water: float, variant: Variant) -> float:
+    """Return by what the strength is divided where the slab begins to slide."""
+    exact = slope.exact_factor(water)
+
+    def stays(share: float) -> bool:
+        return holds(slope, water, exact / share, variant)
+
+    # shares of the exact strength: from a little less, which slides, to a little more
+    return exact / limit(stays, 1.0 - SPAN, 1.0 + SPAN, BISECTIONS)
+
+
+def examine(levels: tuple[float, ...], variant: Variant) -> Outcome:
+    """Compare the factors of safety for some heights of the water in the crack."""
+    rows: list[Comparison] = []
+    critical, found = critical_slope(), []
+    for level in levels:
+        water = level * critical.depth
+        found.append(factor_of_safety(critical, water, variant))
+        quantity = f"factor of safety, slope of 60 m, water at {level:g} of the crack"
+        exact = critical.exact_factor(water)
+        rows.append(relative(quantity, "-", found[-1], exact, 0.01, RESOLUTION))
+    steep = steep_slope()
+    water = steep.depth - 2.0
+    factor = factor_of_safety(steep, water, variant)
+    quantity = "factor of safety, slope of 15 m, water 2 m below the top of the crack"
+    rows.append(relative(quantity, "-", factor, steep.exact_factor(water), 0.01, RESOLUTION))
+    fine = np.linspace(0.0, 1.0, 41)
+    chart = Chart(
+        title="factor of safety, slope of 60 m",
+        x_label="height of the water / depth of the crack",
+        y_label="factor of safety",
+        curves=(
+            exact_curve(
+                "Hoek & Bray", fine, [critical.exact_factor(x * critical.depth) for x in fine]
+            ),
+            curve(variant.name, levels, found),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+def set_up() -> Model:
+    """Return the slope of 60 m with its crack full to the middle."""
+    slope = critical_slope()
+    return slope_model(slope, 0.5 * slope.depth)
+
+
+PROBLEM = Problem(
+    name="wet-slope",
+    title="Plane failure with cohesion and a [[water]] level",
+    text="A slab on a plane through the toe of a slope, with a vertical crack behind its crest; "
+    "water stands in the crack and runs out at the toe (drained_at). The factor by which the "
+    "strength is divided is bisected. p = 2 GPa, h = 4 ms, static (dynamic_ratio = 0).",
+    formula="F = (c A + (W cos a - U - V sin a) tan phi)/(W sin a + V cos a)",
+    source="limit equilibrium of Hoek & Bray (1974)",
+    set_up=set_up,
+    examine=partial(examine, (0.0, 0.25, 0.5, 1.0)),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(),
+)

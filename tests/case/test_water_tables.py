@@ -1,0 +1,225 @@
+"""[[water]] in case files and scripts: what is refused, warned of, said, and written back."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import clast
+from clast.errors import CaseError, ModelError
+
+CASE = """
+schema = 1
+gravity = [0.0, -9.81]
+time = {step = 1e-3, end = 0.1}
+rock = {stone = {young = 1e9, poisson = 0.2, density = 2500}}
+joint = {default = {friction_angle = 30}, bed = {friction_angle = 20, between = [["base", "wall"]]}}
+table = {ramp = {time = [0, 1, 2], value = [0, 1, 1]}, wild = {time = [0, 1], value = [0, 2]}}
+[[block]]
+name = "base"
+vertices = [[0, -1], [4, -1], [4, 0], [0, 0]]
+fixed = true
+[[block]]
+name = "wall"
+vertices = [[0, 0], [1, 0], [1, 2], [0, 2]]
+[[water]]
+level = 1.5
+"""
+
+BROKEN = {
+    "no surface": (["water.1={}"], ["[[water]] 1", "neither level nor line", "height|level y"]),
+    "two surfaces": (["water.1.line=[[0, 1], [1, 1]]"], ["[[water]] 1", "both level and line"]),
+    "no function": (
+        ["water.1={line=[[0, 1], [2, 1], [1, 2]]}"],
+        ["water 1, line", "goes back at (1, 2)", "order the points by x"],
+    ),
+    "falls upright": (["water.1={line=[[0, 1], [1, 1], [1, 0]]}"], ["goes back at (1, 0)"]),
+    "one point": (["water.1={line=[[0, 1]]}"], ["water 1, line", "has 1 points", "a level"]),
+    "below everything": (
+        ["water.1.level=-3"],
+        ["water 1", "below all blocks, by 2 m", "block 1 'base', vertex", "not a depth"],
+    ),
+    "line below everything": (["water.1={line=[[0, -2], [4, -9]]}"], ["below all blocks, by 1 m"]),
+    "level is nan": (["water.1.level=nan"], ["[[water]] 1 level", "finite"]),
+    "t/m3": (["water.1.density=1.025"], ["water 1, density", "t/m3", "write 1025"]),
+    "kN/m3": (["water.1.density=9.81"], ["water 1, density", "kN/m3", "write 1000"]),
+    "a gas": (["water.1.density=50"], ["water 1, density", "no liquid"]),
+    "negative density": (["water.1.density=-1000"], ["water 1, density", "no density"]),
+    "unknown joint": (
+        ['water.1.joints=["bedd"]'],
+        ["water 1, joints", "no joint 'bedd'", "mean 'bed'"],
+    ),
+    "joint of nothing": (['water.1.joints=["default"]'], ["no two blocks lie along", "'default'"]),
+    "joints of faces": (
+        ['water.1.joints=["bed"]', "water.1.acts_on=faces"],
+        ["water 1", "outer faces alone", 'acts_on = "joints"'],
+    ),
+    "unknown table": (["water.1.factor=rmap"], ["water 1, factor", "'rmap'", "mean 'ramp'"]),
+    "table beyond one": (["water.1.factor=wild"], ["water 1, factor", "goes from 0 to 2"]),
+    "share beyond one": (["water.1.factor=1.5"], ["water 1, factor", "1.5 is no share"]),
+    "drain beside": (
+        ["water.1.drained_at=[[0.5, 0.3]]"],
+        ["water 1, drained_at, point 1", "(0.5, 0.3) is on no joint", "0.3 m away"],
+    ),
+    "no weight": (["gravity=[0, 0]"], ["water 1", "no level", "-9.81"]),
+    "gravity aslant": (["gravity=[1, -9]"], ["water 1", "[1, -9]", "ground_motion"]),
+    "nothing wet": (
+        ["water.1.level=-0.5", "water.1.acts_on=joints"],
+        ["water 1", "wets no edge", "raise the level"],
+    ),
+    "unknown place": (["water.1.acts_on=edges"], ["[[water]] 1 acts_on", "faces"]),
+    "unknown state": (["water.1.wetted=open"], ["[[water]] 1 wetted", "closed"]),
+    "unknown key": (["water.1.height=3"], ["[[water]] 1 height"]),
+    "no file": (['water.1={line={file="none.csv"}}'], ["[[water]], line", "none.csv"]),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_what_cannot_be_is_refused_with_the_remedy(name: str):
+    settings, said = BROKEN[name]
+    with pytest.raises((CaseError, ModelError)) as caught:
+        clast.Case.from_toml(CASE, settings).model()
+    text = str(caught.value)
+    for words in said:
+        assert any(word in text for word in words.split("|")), text
+
+
+SCRIPTS = {
+    "unknown key": ({"wettted": "closed"}, ["no key 'wettted'", "mean 'wetted'"]),
+    "unknown place": ({"acts_on": "edges"}, ["acts_on", "'edges'", "faces"]),
+    "unknown state": ({"wetted": "never"}, ["wetted", "'never'", "closed"]),
+    "no number": ({"level": "high"}, ["level", "'high'"]),
+    "no points": ({"level": None, "line": 3.0}, ["line", "no points"]),
+    "no list of joints": ({"joints": "bed"}, ["joints", '["bed"]']),
+    "no share": ({"factor": None}, ["factor", "no number"]),
+}
+
+
+def script(**keys: object) -> clast.ModelBuilder:
+    builder = clast.ModelBuilder(gravity=(0.0, -9.81))
+    builder.add_rock("stone", young=1e9, poisson=0.2, density=2500.0)
+    builder.add_joint("bed", friction_angle=20.0, between=[("base", "wall")])
+    builder.block(name="base", vertices=[(0, -1), (4, -1), (4, 0), (0, 0)], fixed=True)
+    builder.block(name="wall", vertices=[(0, 0), (1, 0), (1, 2), (0, 2)])
+    builder.water(**{"level": 1.5, **keys})  # type: ignore[arg-type]
+    return builder
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_scripts_are_told_as_well(name: str):
+    keys, said = SCRIPTS[name]
+    with pytest.raises(ModelError) as caught:
+        script(**keys).build()
+    assert all(words in str(caught.value) for words in ("water 1", *said)), caught.value
+
+
+def test_two_waters_of_one_name_are_refused():
+    builder = script(name="pool")
+    builder.water(1.0, name="pool")
+    with pytest.raises(ModelError, match="two waters of that name"):
+        builder.build()
+
+
+def test_what_is_wetted_is_said():
+    """Faces of the wall to 1.5 m, those of the base, and the bed of 1 m."""
+    (note,) = clast.Case.from_toml(CASE).model().notes
+    assert "water 1 wets 12 m of outer faces" in note  # 3 of the wall, 9 of the base
+    assert "1 m of joints, which it presses apart with 14715 N/m in all" in note
+    assert "up to 2.452e+04 Pa" in note
+
+
+WARNED = {
+    "nothing to press on": (
+        ["water.1.level=-0.5", "water.1.acts_on=faces", "block.2.fixed=true"],
+        "water 1 has no effect: all blocks that it touches are fixed",
+    ),
+    "factor of zero": (["water.1.factor=0.0"], "water 1 has no effect: its factor is zero"),
+    "above everything": (["water.1.level=7"], "water 1 stands 5 m above the highest block"),
+    "odd density": (["water.1.density=800"], "water 1 has a density of 800 kg/m3"),
+}
+
+
+@pytest.mark.parametrize("name", WARNED)
+def test_what_is_odd_is_warned_of(name: str):
+    settings, said = WARNED[name]
+    warnings = clast.Case.from_toml(CASE, settings).examine().warnings
+    assert any(said in text for text in warnings), warnings
+
+
+def test_sound_water_is_not_warned_of():
+    settings = ["water.1.factor=ramp", "table.wild=" + "{time=[0, 1], value=[0, 1]}"]
+    warnings = clast.Case.from_toml(CASE, settings).examine().warnings
+    assert not any("water" in text for text in warnings)
+    assert not any("'ramp'" in text for text in warnings)
+    assert any("no load has the factor 'wild'" in text for text in warnings)
+
+
+def test_two_waters_in_one_joint_are_warned_of():
+    builder = script(acts_on="joints")
+    builder.water(1.0, acts_on="joints")
+    warnings = builder.case(end=0.1).examine().warnings
+    assert any("waters 1 and 2 are both in 1 joints" in text for text in warnings)
+
+
+def test_a_line_may_stand_in_a_file(tmp_path: Path):
+    (tmp_path / "line.csv").write_text("x,y\n-1,1.5\n0.5,1.0\n3,0.2\n", encoding="utf-8")
+    text = CASE.replace("level = 1.5", 'line = {file = "line.csv"}')
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    model = clast.load(tmp_path / "case.toml").model()
+    points = [(-1.0, 1.5), (0.5, 1.0), (3.0, 0.2)]
+    np.testing.assert_array_equal(model.water[0].surface + model.origin, points)
+    back = clast.Case.from_toml(
+        CASE.replace("level = 1.5", f"line = {list(map(list, points[::-1]))}")
+    )
+    np.testing.assert_array_equal(back.model().water[0].surface, model.water[0].surface)
+
+
+def test_a_file_without_columns_is_refused(tmp_path: Path):
+    (tmp_path / "line.csv").write_text("a,b\n0,1\n", encoding="utf-8")
+    text = CASE.replace("level = 1.5", 'line = {file = "line.csv"}')
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(ModelError, match="has no column x"):
+        clast.load(tmp_path / "case.toml").model()
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {},
+        {"name": "pool", "acts_on": "joints", "density": 1025.0, "wetted": "closed"},
+        {"level": None, "line": [(0.0, 1.5), (2.0, 0.5)], "factor": 0.5},
+        {"joints": ["bed"], "drained_at": [(0.5, 0.0)], "factor": "ramp"},
+    ],
+)
+def test_a_script_writes_its_water_as_a_case_file(keys: dict[str, object]):
+    builder = script(**keys)
+    builder.add_table("ramp", [0.0, 1.0], [0.0, 1.0])
+    one = builder.build().water
+    other = clast.Case.from_toml(builder.to_toml(end=0.1)).model().water
+    assert len(one) == len(other) == 1
+    for first, second in ((one[0], other[0]), (one[0].joints, other[0].joints)):
+        for key, value in vars(first).items():
+            if isinstance(value, np.ndarray):
+                np.testing.assert_array_equal(value, vars(second)[key])
+            elif isinstance(value, str | float):
+                assert value == vars(second)[key]
+
+
+def test_joints_are_chosen_by_what_lies_along_them():
+    """By pair, by edge, by rock and by default, as contacts have them."""
+    builder = clast.ModelBuilder(gravity=(0.0, -9.81))
+    builder.add_rock("stone", young=1e9, poisson=0.2, density=2500.0)
+    builder.add_rock("chalk", young=1e9, poisson=0.2, density=2500.0)
+    builder.add_joint("pair", between=[("1", "2")])
+    builder.add_joint("edge")
+    builder.add_joint("rocks", between_rocks=[("stone", "chalk")])
+    for k, rock in enumerate(("stone", "stone", "stone", "chalk", "chalk")):
+        corners = [(k, 0), (k + 1, 0), (k + 1, 1), (k, 1)]
+        names = ["", "edge", "", ""] if k == 1 else None
+        builder.block(name=str(k + 1), vertices=corners, rock=rock, edge_joint=names)
+    for name, at in (("pair", 1.0), ("edge", 2.0), ("rocks", 3.0), ("default", 4.0)):
+        builder.water(5.0, name=name, acts_on="joints", joints=[name])
+        model = builder.build()
+        edges = model.water[-1].joints.edge
+        assert len(edges) == 1
+        assert model.vertices[edges[0, 0], 0] + model.origin[0] == at
