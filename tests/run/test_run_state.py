@@ -25,6 +25,8 @@ def same(one: object, other: object) -> bool:
     if dataclasses.is_dataclass(one):
         names = [entry.name for entry in dataclasses.fields(one) if entry.name != "seconds"]
         return all(same(getattr(one, name), getattr(other, name)) for name in names)
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(same, one, other))
     if isinstance(one, np.ndarray):
         return one.dtype == np.asarray(other).dtype and np.array_equal(one, other, equal_nan=True)
     return bool(one == other)
