@@ -13,6 +13,7 @@ from clast.actions.ground_motion import GroundAcceleration
 from clast.actions.in_situ import Outline
 from clast.actions.loads import Loads
 from clast.actions.pressure import Pressures
+from clast.actions.relaxation import Relaxation
 from clast.actions.supports import Supports
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
@@ -35,6 +36,8 @@ def actions_of(model: Model, fixed_point_stiffness: float) -> tuple[Action, ...]
         found.append(Outline(model.in_situ, fixed_point_stiffness))
     if len(model.fixed_points.block):
         found.append(Supports(fixed_point_stiffness))
+    if model.openings or model.gone.any():
+        found.append(Relaxation())
     return *found, *model.actions
 
 

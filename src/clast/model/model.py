@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from clast.model.factors import Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.in_situ import InSituStress
+from clast.model.openings import Opening
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -266,7 +267,7 @@ class Model:
     block_rock: Ints
     """Rock index of each block, shape (n,)."""
     fixed: Bools
-    """True where a block cannot move at all, shape (n,)."""
+    """True where a block cannot move at all, shape (n,); those that are ``gone`` included."""
     vertices: Floats
     """Vertices at the start, counter-clockwise by block, m, shape (nv, 2)."""
     velocity: Floats
@@ -293,6 +294,13 @@ class Model:
     """What the ground does: nothing, a body force, or a motion of the fixed points."""
     in_situ: InSituStress | None = None
     """Stress in the rock before anything is dug; None where there is none."""
+    openings: tuple[Opening, ...] = ()
+    """Blocks that stages may excavate together."""
+    gone: Bools
+    """True where a block has been excavated: nothing meets it or acts on it, shape (n,).
+
+    It keeps its place in all arrays, and is ``fixed``, too.
+    """
     overlaps: StartOverlaps = field(default_factory=StartOverlaps)
     """Blocks that overlap at the start, as contacts in penetration do."""
     repairs: tuple[Repair, ...] = ()

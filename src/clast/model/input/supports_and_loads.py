@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 from clast.errors import shortened
 from clast.model.factors import Factor, checked_factor
 from clast.model.input.blocks import Vector
+from clast.model.input.openings import OpeningEntry
 from clast.model.input.points import Place
 from clast.model.input.pressures import LinePressure
 
@@ -23,6 +25,7 @@ class SupportsAndLoads:
     _factors: list[Factor] = field(default_factory=list, init=False)
     _measured_points: list[Place] = field(default_factory=list, init=False)
     _measured_names: list[str] = field(default_factory=list, init=False)
+    _openings: list[OpeningEntry] = field(default_factory=list, init=False)
 
     def fixed_point(self, at: Vector, block: str | None = None) -> None:
         """Hold a point (x, y), m, of a block in place with a stiff spring."""
@@ -87,3 +90,13 @@ class SupportsAndLoads:
         """
         self._measured_names.append(name)
         self._measured_points.append(Place(f"measured point '{shortened(str(name))}'", at, block))
+
+    def opening(self, name: str, blocks: Iterable[str], weld: str | None = None) -> str:
+        """Let stages excavate ``blocks`` (their names) together under a name; return this.
+
+        ``weld`` names a joint (``add_weld``): the edges that have it hold together what is inside
+        and outside until the opening is excavated, and then have no joint of their own any more.
+        """
+        names = (blocks,) if isinstance(blocks, str) else tuple(map(str, blocks))
+        self._openings.append(OpeningEntry(str(name), names, weld))
+        return str(name)
