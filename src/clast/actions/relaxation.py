@@ -2,9 +2,9 @@
 
     f(t) = (1 - relax) f_0 (1 - (t - t_0)/T),    t_0 <= t <= t_0 + T
 
-f_0 is what the contacts of a block bore on the blocks beside it when it was excavated at t_0, at the
-points where they touched: on the edges of the neighbours, and at their corners.  These move with
-their blocks; the forces keep their directions.
+f_0 is what the contacts of a block bore on the blocks beside it when it was excavated at t_0, where
+they touched: on the edges of the neighbours, and at their corners.  These points move with their
+blocks; the forces keep their directions.
 """
 
 from __future__ import annotations
@@ -95,7 +95,9 @@ class Relaxation:
             block=own.block, force=np.einsum("kxi,kx->ki", rows, left[:, None] * own.force)
         )
 
-    def finish(self, start: StepStart, own: SupportForces, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: SupportForces, share: Share, solution: Solution
+    ) -> Done:
         """Return the work of the forces: it is that of blocks that were taken out."""
         if not len(own.block):
             return Done(work=0.0, ledger=Ledger(), own=own)

@@ -204,5 +204,5 @@ def range_of_springs(model: Model, stiffness: float) -> tuple[float, float]:
     if not len(own):
         return stiffness, stiffness
     longest = float(polygon.edges(model.vertices, model.block_start)[1].max())
-    shortest = 0.5 * float(np.sqrt(model.area.min()))
+    shortest = 0.5 * float(np.sqrt(model.smallest))
     return min(stiffness, float(own.min()) * shortest), max(stiffness, float(own.max()) * longest)

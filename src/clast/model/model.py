@@ -329,6 +329,11 @@ class Model:
         return self.density * self.area
 
     @cached_property
+    def smallest(self) -> float:
+        """Area of the smallest block that is not gone, m2."""
+        return float(self.area[~self.gone].min())
+
+    @cached_property
     def elasticity(self) -> Floats:
         """Elasticity matrix E' of each block, Pa, shape (n, 3, 3)."""
         by_rock = np.array([self.plane.elasticity(r.young, r.poisson) for r in self.rocks])

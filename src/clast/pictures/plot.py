@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from clast.model.model import Floats
+from clast.model.model import Bools, Floats
 from clast.pictures import blocks, canvas
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.fields import KINDS, SCALARS, check_field
@@ -18,6 +18,7 @@ from clast.pictures.joints import edges_by_joint
 from clast.pictures.look import NO_WISHES, Look
 from clast.pictures.strokes import Edges, draw_edges, handles_of
 from clast.results import Recording
+from clast.results.frames import gone_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,8 +58,9 @@ def plot_results(
     part = _part(results, here, start, look)
     bars = int(field in SCALARS)
     title = results.title or results.name
-    edges = _edges(results, field, here, start, part)
-    handles = [*_legend_handles(results, field), *handles_of(edges, part)]
+    gone = gone_in_frame(results, number)
+    edges = _edges(results, field, here, start, part, gone)
+    handles = [*_legend_handles(results, field, gone), *handles_of(edges, part)]
     size, keys, narrowest = canvas.sizes(part, look, title, handles, bars, 1)
     arrows = None
     zoomed = look.zoom is not None
@@ -76,14 +78,14 @@ def plot_results(
     time = f"$t$ = {results.times[number]:.4g} s"
     canvas.head(figure, sheet.axes[0], sheet.title, f"{_label(field)} at {time}")
     blocks.draw_start(axes, results, start)
-    free = blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0)
+    free = blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0, gone)
     shown = blocks.within(results, here, *whole)
     blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
     draw_edges(axes, edges, whole, size[0], int(shown.sum()))
     if arrows is not None:
         draw_arrows(figure, sheet, axes, arrows)
     if field == "block":
-        blocks.draw_names(axes, results, here)
+        blocks.draw_names(axes, results, here, gone)
     _draw_points(axes, results, number)
     keys.draw(figure, sheet)
     return canvas.save(figure, Path(path))
@@ -102,12 +104,18 @@ def _part(results: Recording, here: Floats, start: Floats, look: Look) -> canvas
 
 
 def _edges(
-    results: Recording, field: str, here: Floats, start: Floats, part: canvas.Part
+    results: Recording,
+    field: str,
+    here: Floats,
+    start: Floats,
+    part: canvas.Part,
+    gone: Bools,
 ) -> Sequence[Edges]:
     """Return the edges that are drawn in the colours of their joints, if they are asked for."""
     if field != "joint":
         return ()
-    return edges_by_joint(results, here, start, TOGETHER * float((part[1] - part[0]).max()))
+    together = TOGETHER * float((part[1] - part[0]).max())
+    return edges_by_joint(results, here, start, together, gone)
 
 
 def _with_ends(part: canvas.Part, ends: Floats, per_inch: float) -> canvas.Part:
@@ -140,13 +148,16 @@ def _draw_points(axes: Axes, results: Recording, frame: int) -> None:
         )
 
 
-def _legend_handles(results: Recording, field: str) -> list[Any]:
-    """Return what the legend explains: outlines, fixed blocks, rocks."""
+def _legend_handles(results: Recording, field: str, gone: Bools) -> list[Any]:
+    """Return what the legend explains: outlines, fixed and excavated blocks, rocks."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles: list[Any] = [Line2D([], [], color=FAINT, lw=0.8, label="start")]
-    if results.fixed.any():
+    if gone.any():
+        dashed = Line2D([], [], color=FAINT, lw=0.6, ls=blocks.EXCAVATED, label="excavated")
+        handles.append(dashed)
+    if (results.fixed & ~gone).any():
         handles.append(Patch(fc=blocks.FIXED, ec=FAINT, hatch=blocks.HATCH, lw=0.5, label="fixed"))
     if field == "rock":
         handles += [

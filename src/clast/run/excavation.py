@@ -22,7 +22,7 @@ from clast.contact import multipliers
 from clast.contact.contacts import Contacts
 from clast.contact.detection import remembered
 from clast.errors import ModelError
-from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.model import Bools, Ints, Model
 from clast.model.state import ContactMemory, Ledger, State
 from clast.step.method import Method
 
@@ -138,8 +138,9 @@ def _on_neighbours(
     along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
     force = contacts.normal_force[:, None] * normal + contacts.shear_force[:, None] * along
     bears = (contacts.normal_force != 0.0) | (contacts.shear_force != 0.0)
-    of_vertex = bears & leaving[contacts.edge_block] & ~leaving[contacts.vertex_block]
-    of_edge = bears & leaving[contacts.vertex_block] & ~leaving[contacts.edge_block]
+    moves = ~(leaving | model.fixed)
+    of_vertex = bears & leaving[contacts.edge_block] & moves[contacts.vertex_block]
+    of_edge = bears & leaving[contacts.vertex_block] & moves[contacts.edge_block]
     tip, edge = contacts.vertex[of_vertex], contacts.edge[of_edge]
     owner = contacts.edge_block[of_edge]
     end = np.where(edge + 1 < model.block_start[owner + 1], edge + 1, model.block_start[owner])
