@@ -31,6 +31,7 @@ from clast.case.tables.in_situ import in_situ_keys
 from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.measurements import MeasuredPointTable
 from clast.case.tables.method import MethodTable
+from clast.case.tables.rock_mass import OpeningTable
 from clast.case.tables.supports_and_loads import (
     FactorTable,
     FixedPointTable,
@@ -167,6 +168,10 @@ class ModelBuilder(model_builder.ModelBuilder):
             "measured_point": [
                 table_of(MeasuredPointTable, {"name": name, "at": p.at, "block": p.block})
                 for name, p in zip(self._measured_names, self._measured_points, strict=True)
+            ],
+            "opening": [
+                table_of(OpeningTable, {**vars(entry), "blocks": list(entry.blocks)})
+                for entry in self._openings
             ],
             "in_situ": in_situ_keys(self.in_situ),
             "ground_motion": _ground_motion(self.ground_motion),

@@ -67,6 +67,12 @@ def openings_of(
         welded = np.zeros(0, np.int64)
         if one.weld is not None:
             welded = np.flatnonzero(edge_joint == one.weld).astype(np.int64)
+            if not len(welded):
+                raise ModelError(
+                    f"no edge has the joint '{shortened(one.weld)}'",
+                    where=f"{where}, weld",
+                    remedy="name the joint of the edges that hold inside and outside together",
+                )
         block = np.array(sorted(numbers), np.int64)
         found[one.name] = Opening(name=one.name, block=block, welded=welded)
     return tuple(found.values())
