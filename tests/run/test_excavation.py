@@ -9,7 +9,6 @@ import clast
 from clast.actions.relaxation import SupportForces, gone_in
 from clast.errors import ModelError
 from clast.model.model import Model
-from clast.model.openings import blocks_called
 from clast.model.state import Ledger, State
 from clast.run.excavation import as_in, excavated
 from clast.run.schedule import Schedule
@@ -60,7 +59,7 @@ def run(model: Model, method: Method, steps: int, begin: RunState | None = None)
 
 def digging(model, method, now: RunState, names, relax=1.0, relax_time=0.0):
     """Return model and run after an excavation."""
-    blocks = blocks_called(names, model.openings, model.block_name)
+    blocks = model.blocks_called(names)
     left, state = excavated(model, method, now.state, blocks, relax, relax_time)
     return left, replace(now, state=state)
 
@@ -375,8 +374,8 @@ def test_refuses_to_take_everything():
 def test_names_that_are_unknown_or_taken_are_refused():
     model = propped()
     with pytest.raises(ModelError, match="did you mean 'props'"):
-        blocks_called(["prop"], model.openings, model.block_name)
-    assert blocks_called(["props", "left"], model.openings, model.block_name).tolist() == [1, 2]
+        model.blocks_called(["prop"])
+    assert model.blocks_called(["props", "left"]).tolist() == [1, 2]
 
     def opening(*entries: tuple[str, list[str]]) -> Model:
         builder = rock()

@@ -8,6 +8,7 @@ no digits.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import accumulate
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from clast.model.factors import Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.in_situ import InSituStress
-from clast.model.openings import Opening
+from clast.model.openings import Opening, blocks_called
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -388,6 +389,13 @@ class Model:
             line_end=line_end,
             measured=measured,
         )
+
+    def blocks_called(self, names: Iterable[str]) -> Ints:
+        """Return the blocks of openings and blocks by their ``names``, each once, shape (k,).
+
+        Raises ModelError for a name that neither has.
+        """
+        return blocks_called(names, self.openings, self.block_name)
 
     def polygon(self, block: int) -> Floats:
         """Return the start outline of one block in user coordinates, m, shape (k, 2)."""

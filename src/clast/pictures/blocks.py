@@ -68,14 +68,14 @@ def _line_width(blocks: int) -> float:
     return float(np.clip(8.0 / np.sqrt(blocks), 0.12, 0.8))
 
 
-def draw_start(axes: Axes, results: Outlined, start: Floats) -> None:
-    """Outline the blocks where they were at the start."""
+def draw_start(axes: Axes, results: Outlined, start: Floats, gone: Bools | None = None) -> None:
+    """Outline the blocks that are not ``gone`` (n,) where they were at the start."""
     from matplotlib.collections import PolyCollection
 
     outlines = outlines_of(results, start)
     axes.add_collection(
         PolyCollection(
-            outlines,
+            outlines if gone is None else [outlines[b] for b in np.flatnonzero(~gone)],
             facecolors="none",
             edgecolors=FAINT,
             linewidths=0.8 * _line_width(len(outlines)),

@@ -77,7 +77,7 @@ def plot_results(
     canvas.view(axes, *whole, size)
     time = f"$t$ = {results.times[number]:.4g} s"
     canvas.head(figure, sheet.axes[0], sheet.title, f"{_label(field)} at {time}")
-    blocks.draw_start(axes, results, start)
+    blocks.draw_start(axes, results, start, gone)
     free = blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0, gone)
     shown = blocks.within(results, here, *whole)
     blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
