@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from clast.results import RunRecorder as RunRecorder
     from clast.results import read as read
     from clast.results import read_results as read_results
+    from clast.run.excavation import excavated as excavated
     from clast.run.law_check import check_law as check_law
     from clast.run.schedule import Schedule as Schedule
     from clast.step.method import Method as Method
@@ -58,6 +59,7 @@ HOME = {
     "load": "clast.case.case_file",
     "resume": "clast.case.resuming",
     "check_law": "clast.run.law_check",
+    "excavated": "clast.run.excavation",
     "CaseError": "clast.errors",
     "ClastError": "clast.errors",
     "ModelError": "clast.errors",

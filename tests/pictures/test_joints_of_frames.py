@@ -28,7 +28,13 @@ ROWS, COLUMNS = 4, 3
 
 def lengths(results: Results, frame: int, apart: float) -> dict[str, float]:
     """Return the length that is drawn of each kind of edge, m."""
-    found = edges_by_joint(results, results.vertices(frame), results.vertices(0), apart)
+    found = edges_by_joint(
+        results,
+        results.vertices(frame),
+        results.vertices(0),
+        apart,
+        np.zeros(len(results.block_name), bool),
+    )
     return {one.stroke.label: float(one.lengths.sum()) for one in found}
 
 

@@ -32,5 +32,6 @@ def of_the_first_version(file: Any) -> None:
     """Leave out what later versions added: how the run was made, and the joints."""
     for name in ("about", "joint_name", "edge_joint"):
         del file["model"][name]
+    del file["VTKHDF/CellData/gone"], file["VTKHDF/Steps/CellDataOffsets/gone"]
     columns = [name for name in file["contacts"].dtype.names if name != "joint"]
     replaced("contacts", recfunctions.repack_fields(file["contacts"][...][columns]))(file)

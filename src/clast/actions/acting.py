@@ -14,6 +14,7 @@ from clast.actions.ground_motion import GroundAcceleration
 from clast.actions.in_situ import Outline
 from clast.actions.loads import Loads
 from clast.actions.pressure import Pressures
+from clast.actions.relaxation import Relaxation
 from clast.actions.supports import Supports
 from clast.actions.viscous_edges import ViscousBoundary
 from clast.actions.water import WaterPressure
@@ -45,6 +46,8 @@ def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> t
         found.append(Supports(fixed_point_stiffness))
     if len(model.viscous_edges):
         found.append(ViscousBoundary(fixed_point_stiffness))
+    if model.openings or model.gone.any():
+        found.append(Relaxation())
     return *found, *model.actions
 
 

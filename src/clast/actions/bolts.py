@@ -144,8 +144,7 @@ def taken_up(model: Model, own: BoltStates, length: Floats) -> BoltStates:
     """
     bolts = model.bolts
     there = bolts.installed[bolts.of_spring]
-    gone = getattr(model, "gone", None)
-    lost = own.lost if gone is None else own.lost | (there & gone[bolts.blocks].any(axis=1))
+    lost = own.lost | (there & model.gone[bolts.blocks].any(axis=1))
     fresh = there & np.isnan(own.rest) & ~lost
     return replace(
         own,

@@ -50,6 +50,8 @@ class Supports:
         if not moved.any():
             return Done(work=work, ledger=Ledger(fixed_points=stored))
         rows, drift = self._rows(start)
+        # what held an excavated block does not stretch any more
+        moved = np.where(start.model.gone[share.block, None], 0.0, moved)
         held = drift + np.einsum("kxi,ki->kx", rows, solution.displacement[share.block])
         brought = -self.stiffness * float(np.sum(held * moved))
         stored -= self.stiffness * float(np.sum((drift + 0.5 * moved) * moved))

@@ -15,7 +15,7 @@ import numpy as np
 
 from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
 from clast.actions.pressure import pressure_forces
-from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.model import Floats, Ints, Model
 from clast.model.state import Ledger
 from clast.model.water.water import (
     Water,
@@ -66,16 +66,11 @@ def pressed_by(water: Water, model: Model, vertices: Floats, time: float) -> Pre
         np.concatenate([faces.ends, joints.ends]),
         weight * np.concatenate([faces.head, joints.head]),
     )
-    gone = _gone(model)
+    gone = model.gone
     if not gone.any():
         return found
     there = ~gone[found.block] & ((found.other < 0) | ~gone[found.other])
     return Pressed(found.block[there], found.other[there], found.ends[there], found.pressure[there])
-
-
-def _gone(model: Model) -> Bools:
-    """Return the blocks that have been excavated, shape (n,)."""
-    return np.asarray(getattr(model, "gone", np.zeros(model.block_count, np.bool_)))
 
 
 @dataclass(frozen=True)

@@ -102,7 +102,7 @@ class Case(BaseModel):
     trace: list[TraceTable] = []
     """Joints that cut the domain, as they were drawn."""
     opening: list[OpeningTable] = []
-    """Openings in the domain."""
+    """Openings in the domain, and blocks that are excavated together."""
     region: list[RegionTable] = []
     """Rocks of the domain by place."""
     block_pattern: list[BlockPatternTable] = []
@@ -164,15 +164,19 @@ class Case(BaseModel):
         if rock_mass is not None:
             faults = list(rock_mass.faults())
         else:
-            tables = ("joint_set", "trace", "opening", "region", "block_pattern")
+            given = {
+                **{key: getattr(self, key) for key in ("joint_set", "trace")},
+                "opening": [one for one in self.opening if not one.blocks],
+                **{key: getattr(self, key) for key in ("region", "block_pattern")},
+            }
             faults = [
                 Fault(
                     place=(name, 0),
                     what="there is no [domain] to cut",
                     remedy="give [domain] with its boundary",
                 )
-                for name in tables
-                if getattr(self, name)
+                for name, tables in given.items()
+                if tables
             ]
         if faults:
             raise refusal(*faults)
@@ -302,7 +306,7 @@ class Case(BaseModel):
             domain=self.domain,
             joint_sets=self.joint_set,
             traces=self.trace,
-            openings=self.opening,
+            openings=[one for one in self.opening if not one.blocks],
             regions=self.region,
             patterns=self.block_pattern,
             rocks=list(self.rock),

@@ -259,13 +259,19 @@ class CutCase:
         builder.line_joints += self.line_joints
         builder.opening_outlines.update(self.outlines)
         builder.notes += [*self.notes, *_findings(self.cut.report)]
-        builder.blocks(
+        names = builder.blocks(
             vertices=self.cut.vertices,
             start=self.cut.block_start,
             rock=self.rocks,
             fixed=self.fixed,
             edge_joint=joints,
         )
+        for number, name in enumerate(self.cut.opening_names):
+            inside = np.flatnonzero(self.cut.opening == number)
+            weld = f"{CONSTRUCTION}{name}"
+            if len(inside):  # it is no void from the start
+                own = (names[block] for block in inside)
+                builder.opening(name, own, weld if weld in joints else None)
 
 
 # Sides -------------------------------------------------------------------------------------------

@@ -32,6 +32,7 @@ from clast.case.tables.in_situ import in_situ_keys
 from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.measurements import MeasuredPointTable
 from clast.case.tables.method import MethodTable
+from clast.case.tables.rock_mass import OpeningTable
 from clast.case.tables.supports_and_loads import (
     FactorTable,
     FixedPointTable,
@@ -189,6 +190,10 @@ class ModelBuilder(model_builder.ModelBuilder):
                 kind.name: table_of(BoltKindTable, _unnamed(kind)) for kind in self._bolt_kinds
             },
             "bolt": self._bolt_tables(),
+            "opening": [
+                table_of(OpeningTable, {**vars(entry), "blocks": list(entry.blocks)})
+                for entry in self._openings
+            ],
             "in_situ": in_situ_keys(self.in_situ),
             "ground_motion": _ground_motion(self.ground_motion),
         }

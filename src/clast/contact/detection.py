@@ -16,7 +16,7 @@ from clast.block.edge_lists import FEW, edges_around, first_at_least
 from clast.block.polygon import depth_inside, vertex_after
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
-from clast.contact.candidates import Candidates, SearchDistance, find_candidates
+from clast.contact.candidates import SearchDistance, find_candidates
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.crossings import Chosen, with_crossings
@@ -44,7 +44,9 @@ def detect(
     around = reach.front + max(reach.critdis, reach.tip)
     travel = reach.travel_of(model.block_count)
     near = near or VerletList()
-    pairs = near_pairs(near, state.vertices, model.block_start, model.fixed, around, travel)
+    pairs = near_pairs(
+        near, state.vertices, model.block_start, model.fixed, around, travel, model.gone
+    )
     shift = None
     if drift is not None:
         block = model.vertex_block
@@ -65,7 +67,24 @@ def detect(
         travel,
         reach.critdis,
     )
-    return _contacts(model, state, centroid, pairs, found, chosen, reach)
+    edges = found.direction, found.length
+    return _contacts(model, state, centroid, pairs, edges, chosen, reach.critdis)
+
+
+def remembered(model: Model, state: State, centroid: Floats, critdis: float) -> Contacts:
+    """Return the contacts that a state remembers, as its last step left them.
+
+    Their gaps are those of the memory; ``centroid`` (n, 2) in m.
+    """
+    memory, count = state.memory, model.block_count
+    own = model.vertex_block[memory.vertex]
+    key = np.minimum(own, memory.block) * count + np.maximum(own, memory.block)
+    order = np.argsort(key, kind="stable")
+    keys, pair = np.unique(key[order], return_inverse=True)
+    pairs = np.stack([keys // count, keys % count], axis=1)
+    chosen = memory.vertex[order], memory.edge[order], pair, memory.gap[order]
+    edges = polygon.edges(state.vertices, model.block_start)
+    return _contacts(model, state, centroid, pairs, edges, chosen, critdis)
 
 
 def _contacts(
@@ -73,26 +92,30 @@ def _contacts(
     state: State,
     centroid: Floats,
     pairs: Ints,
-    found: Candidates,
+    edges: tuple[Floats, Floats],
     chosen: Chosen,
-    reach: SearchDistance,
+    critdis: float,
 ) -> Contacts:
-    """Return the contacts of vertex, edge, pair and gap (m,) with memory, strength and levers."""
+    """Return the contacts of vertex, edge, pair and gap (m,) with memory, strength and levers.
+
+    ``edges`` are the directions (nv, 2) and the lengths (nv,) of all edges.
+    """
+    direction, edge_length = edges
     vertex, edge, pair, gap = chosen
     begins = np.diff(pair, prepend=-1) != 0  # of every pair that shares contacts the first one
     pair, touching = np.cumsum(begins) - 1, pairs[pair[begins]]
     i, j = model.vertex_block.take(vertex), model.vertex_block.take(edge)
     foot, levers = np.empty((len(gap), 2)), np.empty((len(gap), 6))
-    outlines = state.vertices, found.direction
+    outlines = state.vertices, direction
     _geometry(len(gap), (vertex, edge, i, j), gap, outlines, centroid, foot, levers)
     # bonds exist only along joints that are closed at the start of the run
-    bond_reach = reach.critdis if state.time == 0.0 else -1.0
+    bond_reach = critdis if state.time == 0.0 else -1.0
     row = recall(state.memory, vertex, j, edge)
     ends = vertex, edge, i, j, pair
-    joint = joints_of(model, ends, touching, found.direction)
+    joint = joints_of(model, ends, touching, direction)
     carried = _carried(row, gap, bond_reach, state.memory, joint, model.joint_table)
-    of_edges = state.vertices, model.block_start, found.direction, found.length
-    length, of_springs = contact_lengths(ends, of_edges, reach.critdis)
+    of_edges = state.vertices, model.block_start, direction, edge_length
+    length, of_springs = contact_lengths(ends, of_edges, critdis)
     normal, shear = springs_of_joints(model.joint_table, joint, of_springs)
     return Contacts(
         joint=joint,
@@ -189,7 +212,7 @@ def find_tunnelled(
     From where the vertices (nv, 2) were ``before`` the step.  (0, -1, -1) where no vertex has got
     deeper into a block than the contacts of the two have.
     """
-    pairs = near_pairs(near, vertices, model.block_start, model.fixed, 0.0)
+    pairs = near_pairs(near, vertices, model.block_start, model.fixed, 0.0, gone=model.gone)
     box = polygon.boxes(vertices, model.block_start)
     known = pair_penetration(model.vertex_block, pairs, memory)
     jump, vertex, block = np.zeros(len(pairs)), np.full(len(pairs), -1), np.full(len(pairs), -1)

@@ -189,6 +189,6 @@ def range_of_springs(model: Model, stiffness: float) -> tuple[float, float]:
     own = normal[~np.isnan(normal)]
     if not len(own):
         return stiffness, stiffness
-    shortest = 0.5 * float(np.sqrt(model.area.min()))
+    shortest = 0.5 * float(np.sqrt(model.smallest))
     softest, stiffest = float(own.min()) * shortest, float(own.max()) * model.longest_edge
     return min(stiffness, softest), max(stiffness, stiffest)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import compress
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from clast.exports.targets import check_ending, check_free, numbered
 from clast.model.model import Floats
 from clast.pictures.fields import round_below
 from clast.results import FrameContacts, Recording
+from clast.results.frames import gone_in_frame
 from clast.rockmass.drawings.dxf_out import Extras, write_blocks_dxf
 
 LONGEST = 0.05
@@ -26,7 +28,8 @@ def write_dxf(
 
     A block is a closed LWPOLYLINE on the layer of its rock, edges with a joint are LINEs on the
     layer JOINTS_name, contact forces LINEs on CONTACTS: in the direction of the force, as long as
-    it is large, the contact in the middle; the layer's description says what 1 m stands for.  For
+    it is large, the contact in the middle; the layer's description says what 1 m stands for.
+    Blocks that have been excavated are left out.  For
     several frames (None: all) ``path`` out.dxf becomes out-0000.dxf and so on, of one scale.
     Raises CaseError for what exists already or cannot be written, and where ezdxf is not
     installed.
@@ -43,13 +46,16 @@ def write_dxf(
     length = _length_of_forces(results, chosen)
     for frame, file in zip(chosen, paths, strict=True):
         lines = _force_lines(results.contacts(frame), length)
+        left = ~gone_in_frame(results, frame)
+        counts = np.diff(results.block_start)
+        edge = np.repeat(left, counts)
         about = f"contact forces, 1 m for {1.0 / length:g} N/m; t = {results.times[frame]:.6g} s"
         write_blocks_dxf(
             file,
-            results.vertices(frame),
-            results.block_start,
-            rocks,
-            joints,
+            results.vertices(frame)[edge],
+            np.cumsum([0, *counts[left]]),
+            list(compress(rocks, left)),
+            None if joints is None else list(compress(joints, edge)),
             Extras(layer="CONTACTS", about=about, lines=lines),
         )
     return paths

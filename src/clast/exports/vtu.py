@@ -31,7 +31,8 @@ def write_vtu(
 
     Points: displacement, m, and the number of the joint of the edge that begins there (-1: none of
     its own).  Cells: number of block and rock, fixed, displacement, velocity, rotation, stress (xx,
-    yy, xy) and its principal values, SI, as in the result file.  One frame goes to ``path``
+    yy, xy) and its principal values, SI, and gone (1 where it has been excavated), as in the result
+    file.  One frame goes to ``path``
     out.vtu; several to out-0000.vtu and so on, listed with their times in ``path`` out.pvd, which
     is the first of the paths returned.  Raises CaseError for what exists already or cannot be
     written.

@@ -33,6 +33,7 @@ from clast.model.in_situ import InSituStress, Overburden, stress_in_situ
 from clast.model.input.blocks import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
 from clast.model.input.bolt_lines import Ground
 from clast.model.input.joints import JointEntry, joint_table, joints_of_edges, pairs_of_names
+from clast.model.input.openings import openings_of
 from clast.model.input.points import Place, Places, located
 from clast.model.input.pressures import pressed_edges
 from clast.model.input.supports_and_loads import SupportsAndLoads
@@ -315,6 +316,8 @@ class ModelBuilder(SupportsAndLoads):
             ),
             ground_motion=self.ground_motion,
             actions=tuple(self.actions),
+            openings=openings_of(self._openings, block_number, edge_joint),
+            gone=np.zeros(len(area), np.bool_),
             overlaps=overlaps,
             repairs=mended.repairs,
             notes=(

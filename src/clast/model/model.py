@@ -8,6 +8,7 @@ no digits.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import accumulate
@@ -20,6 +21,7 @@ from clast.model.bolts import Bolts
 from clast.model.factors import Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.in_situ import InSituStress
+from clast.model.openings import Opening, blocks_called
 from clast.model.viscous_edges import ViscousEdges
 from clast.model.water.water import Water
 
@@ -285,7 +287,7 @@ class Model:
     block_rock: Ints
     """Rock index of each block, shape (n,)."""
     fixed: Bools
-    """True where a block cannot move at all, shape (n,)."""
+    """True where a block cannot move at all, shape (n,); those that are ``gone`` included."""
     vertices: Floats
     """Vertices at the start, counter-clockwise by block, m, shape (nv, 2)."""
     velocity: Floats
@@ -318,6 +320,13 @@ class Model:
     """Edges behind which rock goes on that takes up waves."""
     in_situ: InSituStress | None = None
     """Stress in the rock before anything is dug; None where there is none."""
+    openings: tuple[Opening, ...] = ()
+    """Blocks that stages may excavate together."""
+    gone: Bools
+    """True where a block has been excavated: nothing meets it or acts on it, shape (n,).
+
+    It keeps its place in all arrays, and is ``fixed``, too.
+    """
     overlaps: StartOverlaps = field(default_factory=StartOverlaps)
     """Blocks that overlap at the start, as contacts in penetration do."""
     repairs: tuple[Repair, ...] = ()
@@ -351,6 +360,11 @@ class Model:
     def mass(self) -> Floats:
         """Mass of each block, kg per metre of thickness, shape (n,); constant."""
         return self.density * self.area
+
+    @cached_property
+    def smallest(self) -> float:
+        """Area of the smallest block that is not gone, m2."""
+        return float(self.area[~self.gone].min())
 
     @cached_property
     def elasticity(self) -> Floats:
@@ -427,6 +441,13 @@ class Model:
             bolts=bolts,
             measured=measured,
         )
+
+    def blocks_called(self, names: Iterable[str]) -> Ints:
+        """Return the blocks of openings and blocks by their ``names``, each once, shape (k,).
+
+        Raises ModelError for a name that neither has.
+        """
+        return blocks_called(names, self.openings, self.block_name)
 
     def polygon(self, block: int) -> Floats:
         """Return the start outline of one block in user coordinates, m, shape (k, 2)."""

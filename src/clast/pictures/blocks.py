@@ -12,6 +12,7 @@ from clast.pictures.fields import KINDS, SCALARS, prefixed
 from clast.pictures.scale import Scale, scale_of
 from clast.pictures.strokes import GROUND
 from clast.results import Recording
+from clast.results.frames import gone_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,6 +23,8 @@ MOST_NAMES = 40
 """Blocks that get their names written into them, at most."""
 FIXED = "#dcdcdc"
 """Fill of fixed blocks."""
+EXCAVATED = (0, (4.0, 3.0))
+"""Dashes of the outlines of excavated blocks."""
 HATCH = "////"
 """Hatching of fixed blocks."""
 KIND_COLOURS = (
@@ -65,14 +68,14 @@ def _line_width(blocks: int) -> float:
     return float(np.clip(8.0 / np.sqrt(blocks), 0.12, 0.8))
 
 
-def draw_start(axes: Axes, results: Outlined, start: Floats) -> None:
-    """Outline the blocks where they were at the start."""
+def draw_start(axes: Axes, results: Outlined, start: Floats, gone: Bools | None = None) -> None:
+    """Outline the blocks that are not ``gone`` (n,) where they were at the start."""
     from matplotlib.collections import PolyCollection
 
     outlines = outlines_of(results, start)
     axes.add_collection(
         PolyCollection(
-            outlines,
+            outlines if gone is None else [outlines[b] for b in np.flatnonzero(~gone)],
             facecolors="none",
             edgecolors=FAINT,
             linewidths=0.8 * _line_width(len(outlines)),
@@ -82,17 +85,33 @@ def draw_start(axes: Axes, results: Outlined, start: Floats) -> None:
 
 
 def draw_blocks(
-    axes: Axes, results: Outlined, vertices: Floats, share: float = 1.0
+    axes: Axes,
+    results: Outlined,
+    vertices: Floats,
+    share: float = 1.0,
+    gone: Bools | None = None,
 ) -> PolyCollection:
     """Draw all blocks, the fixed ones hatched, and return those that are to be coloured.
 
-    Outlines have a ``share`` of their width, 0 where something else draws them.
+    Outlines have a ``share`` of their width, 0 where something else draws them.  Of blocks that are
+    ``gone`` (n,) there is a thin outline only.
     """
     from matplotlib.collections import PolyCollection
 
     outlines = outlines_of(results, vertices)
     width = share * _line_width(len(outlines))
-    fixed, free = np.flatnonzero(results.fixed), np.flatnonzero(~results.fixed)
+    there = np.ones(len(outlines), np.bool_) if gone is None else ~gone
+    fixed, free = np.flatnonzero(results.fixed & there), np.flatnonzero(~results.fixed & there)
+    axes.add_collection(
+        PolyCollection(
+            [outlines[b] for b in np.flatnonzero(~there)],
+            facecolors="none",
+            edgecolors=FAINT,
+            linewidths=0.6 * _line_width(len(outlines)),
+            linestyles=EXCAVATED,
+            zorder=1,
+        )
+    )
     axes.add_collection(
         PolyCollection(
             [outlines[b] for b in fixed],
@@ -118,11 +137,11 @@ def colour(
     shown: Bools,
     limits: tuple[float, float] | None,
 ) -> None:
-    """Colour the free blocks by a field and explain the colours.
+    """Colour the free blocks that are there by a field and explain the colours.
 
     The scale is that of the blocks ``shown`` (n,), unless its ``limits`` are given.
     """
-    free = ~results.fixed
+    free = ~(results.fixed | gone_in_frame(results, frame))
     if not free.any():
         return
     if field == "joint":
@@ -193,12 +212,13 @@ def kind_colour(kind: int) -> str:
     return KIND_COLOURS[(kind + kind // len(KIND_COLOURS)) % len(KIND_COLOURS)]
 
 
-def draw_names(axes: Axes, results: Recording, vertices: Floats) -> None:
-    """Write the names of the blocks into them, where they are few."""
+def draw_names(axes: Axes, results: Recording, vertices: Floats, gone: Bools) -> None:
+    """Write the names of the blocks that are not ``gone`` (n,) into them, where they are few."""
     outlines = outlines_of(results, vertices)
     if len(outlines) > MOST_NAMES:
         return
-    for name, outline in zip(results.block_name, outlines, strict=True):
+    for block in np.flatnonzero(~gone):
+        name, outline = results.block_name[block], outlines[block]
         axes.annotate(
             literal(name),
             outline.mean(axis=0),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from clast.model.model import Floats
+from clast.model.model import Bools, Floats
 from clast.pictures import blocks, canvas
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.fields import KINDS, SCALARS, check_field
@@ -19,6 +19,7 @@ from clast.pictures.look import NO_WISHES, Look
 from clast.pictures.strokes import Edges, draw_edges, handles_of
 from clast.pictures.water import draw_water, handles_of_water, pressures_of, with_levels
 from clast.results import Recording
+from clast.results.frames import gone_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,10 +60,11 @@ def plot_results(
     part = _part(results, here, start, look)
     bars = int(field in SCALARS)
     title = results.title or results.name
-    edges = _edges(results, field, here, start, part)
+    gone = gone_in_frame(results, number)
+    edges = _edges(results, field, here, start, part, gone)
     water = pressures_of(results, number, here)
     handles = [
-        *_legend_handles(results, field),
+        *_legend_handles(results, field, gone),
         *handles_of(edges, part),
         *handles_of_water(results, water),
     ]
@@ -82,8 +84,8 @@ def plot_results(
     canvas.view(axes, *whole, size)
     time = f"$t$ = {results.times[number]:.4g} s"
     canvas.head(figure, sheet.axes[0], sheet.title, f"{_label(field)} at {time}")
-    blocks.draw_start(axes, results, start)
-    free = blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0)
+    blocks.draw_start(axes, results, start, gone)
+    free = blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0, gone)
     shown = blocks.within(results, here, *whole)
     blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
     draw_water(axes, results, water, whole)
@@ -91,7 +93,7 @@ def plot_results(
     if arrows is not None:
         draw_arrows(figure, sheet, axes, arrows)
     if field == "block":
-        blocks.draw_names(axes, results, here)
+        blocks.draw_names(axes, results, here, gone)
     _draw_points(axes, results, number)
     keys.draw(figure, sheet)
     return canvas.save(figure, Path(path))
@@ -110,12 +112,18 @@ def _part(results: Recording, here: Floats, start: Floats, look: Look) -> canvas
 
 
 def _edges(
-    results: Recording, field: str, here: Floats, start: Floats, part: canvas.Part
+    results: Recording,
+    field: str,
+    here: Floats,
+    start: Floats,
+    part: canvas.Part,
+    gone: Bools,
 ) -> Sequence[Edges]:
     """Return the edges that are drawn in the colours of their joints, if they are asked for."""
     if field != "joint":
         return ()
-    return edges_by_joint(results, here, start, TOGETHER * float((part[1] - part[0]).max()))
+    together = TOGETHER * float((part[1] - part[0]).max())
+    return edges_by_joint(results, here, start, together, gone)
 
 
 def _with_ends(part: canvas.Part, ends: Floats, per_inch: float) -> canvas.Part:
@@ -148,13 +156,16 @@ def _draw_points(axes: Axes, results: Recording, frame: int) -> None:
         )
 
 
-def _legend_handles(results: Recording, field: str) -> list[Any]:
-    """Return what the legend explains: outlines, fixed blocks, rocks."""
+def _legend_handles(results: Recording, field: str, gone: Bools) -> list[Any]:
+    """Return what the legend explains: outlines, fixed and excavated blocks, rocks."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles: list[Any] = [Line2D([], [], color=FAINT, lw=0.8, label="start")]
-    if results.fixed.any():
+    if gone.any():
+        dashed = Line2D([], [], color=FAINT, lw=0.6, ls=blocks.EXCAVATED, label="excavated")
+        handles.append(dashed)
+    if (results.fixed & ~gone).any():
         handles.append(Patch(fc=blocks.FIXED, ec=FAINT, hatch=blocks.HATCH, lw=0.5, label="fixed"))
     if field == "rock":
         handles += [

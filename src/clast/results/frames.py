@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from clast import spelling
 from clast.errors import CaseError
-from clast.model.model import Floats, Ints
+from clast.model.model import Bools, Floats, Ints
 from clast.results.tables import BlockHistory, FrameBolts, FrameContacts
 
 BLOCK_ROW = np.dtype(
@@ -40,6 +40,8 @@ COMPONENTS = {
     "sigma_xy": ("stress", 2),
 }
 """Parts of fields that may be asked for by a name of their own."""
+GONE = "gone"
+"""Field that is 1 for blocks that have been excavated."""
 VERTICES = "vertices"
 """What ``field`` calls the vertices, which are no field of the blocks."""
 
@@ -142,6 +144,31 @@ def field_of(store: FrameStore, name: str, frame: int | None) -> NDArray[Any]:
     number = frame_number(store, frame)
     one: NDArray[Any] = store.series(name, range(number, number + 1), 0, count)[0]
     return one
+
+
+class Fields(Protocol):
+    """Fields of the blocks, frame by frame: a run, or what a result file holds."""
+
+    @property
+    def block_start(self) -> Ints:
+        """Index of each block's first vertex; the last entry is the vertex count, (n + 1,)."""
+        ...
+
+    @property
+    def field_names(self) -> tuple[str, ...]:
+        """Names of the fields of the blocks."""
+        ...
+
+    def field(self, name: str, frame: int | None = None) -> NDArray[Any]:
+        """Return a field of the blocks in a frame."""
+        ...
+
+
+def gone_in_frame(results: Fields, frame: int) -> Bools:
+    """Return which blocks have been excavated in a frame, shape (n,)."""
+    if GONE not in results.field_names:  # an earlier clast wrote the file
+        return np.zeros(len(results.block_start) - 1, np.bool_)
+    return np.asarray(results.field(GONE, frame) != 0.0)
 
 
 def contacts_of(store: FrameStore, frame: int) -> FrameContacts:

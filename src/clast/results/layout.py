@@ -57,8 +57,12 @@ CELL_ARRAYS: dict[str, tuple[int, ...]] = {
     "CellData/sigma_1": (),
     "CellData/sigma_3": (),
     "CellData/max_shear": (),
+    "CellData/gone": (),
 }
 """Arrays with a row per block and frame: name -> shape of a row."""
+
+SINCE = {"CellData/gone": "blocks could be excavated"}
+"""Arrays that files of earlier versions do not have -> since when they are written."""
 
 PLANE_VECTORS = ("displacement", "velocity")
 """Fields that VTK wants with a third component, which is zero."""
@@ -73,6 +77,7 @@ ABOUT = {
     "CellData/sigma_1": "largest principal stress in the plane, Pa, tension positive",
     "CellData/sigma_3": "smallest principal stress in the plane, Pa, tension positive",
     "CellData/max_shear": "largest shear stress in the plane, Pa",
+    "CellData/gone": "1 where the block has been excavated, else 0",
     "CellData/block": "number of the block, from 0",
     "CellData/rock": "number of the rock, from 0",
     "CellData/fixed": "1 where the block cannot move",

@@ -24,6 +24,7 @@ from clast.results.frames import (
     contacts_of,
     field_of,
     frame_of,
+    gone_in_frame,
     unknown_name,
 )
 from clast.results.layout import FORMAT, PLANE_VECTORS, history_path
@@ -337,6 +338,7 @@ def summary(results: Results) -> dict[str, Any]:
         "time": [float(results.times[0]), float(results.times[-1])],
         "blocks": len(results.block_name),
         "fixed_blocks": int(results.fixed.sum()),
+        "excavated_blocks": int(gone_in_frame(results, -1).sum()),
         "vertices": int(results.block_start[-1]),
         "rocks": list(results.rock_name),
         "joints": list(results.joints.name) if results.joints else [],

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.actions.bolts import Bolting, BoltStates
+from clast.actions.relaxation import gone_in
 from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.model.model import Floats, Ints, Model
@@ -37,7 +38,13 @@ class FrameFields:
             "CellData/sigma_1": sigma_1,
             "CellData/sigma_3": sigma_3,
             "CellData/max_shear": 0.5 * (sigma_1 - sigma_3),
+            "CellData/gone": self._gone(state),
         }
+
+    def _gone(self, state: State) -> Floats:
+        """Return 1 for blocks that have been excavated, else 0, (n,)."""
+        gone = gone_in(state)
+        return np.asarray(self._model.gone if gone is None else gone, np.float64)
 
     def contacts(self, state: State, contacts: Contacts, response: ContactResponse) -> NDArray[Any]:
         """Return a row for every contact that carries a force."""

@@ -25,6 +25,7 @@ from clast.results.layout import (
     POINT_ARRAYS,
     POINT_ROW,
     POLYGON,
+    SINCE,
     STEP_ROW,
     bolts_row,
     history_path,
@@ -157,7 +158,10 @@ def check_arrays(file: Any, frames: NDArray[Any], blocks: Blocks) -> None:
     """Raise MalformedError unless there are arrays and tables for all frames."""
     rows = {name: blocks.start[-1] for name in POINT_ARRAYS}
     rows |= {name: len(blocks.rock) for name in CELL_ARRAYS}
-    for name, tail in {**POINT_ARRAYS, **CELL_ARRAYS}.items():
+    known = {**POINT_ARRAYS, **CELL_ARRAYS}
+    for name, tail in known.items():
+        if name in SINCE and name not in _group(file, "VTKHDF"):
+            continue
         _check_length(_numbers(file, f"VTKHDF/{name}", "f", tail), len(frames) * rows[name])
     for name in ("block", "rock", "fixed"):
         _check_length(_numbers(file, f"VTKHDF/CellData/{name}", "iu"), len(blocks.rock))

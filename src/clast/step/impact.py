@@ -89,7 +89,7 @@ def after_impacts(begun: Begun, contacts: Contacts, graph: Graph, restitution: f
     if not (rate < 0.0).any():
         return unchanged
     back = restitutions(model, contacts, restitution)
-    even = EVEN * float(np.sqrt(model.area.min()))
+    even = EVEN * float(np.sqrt(model.smallest))
     bears = (contacts.normal_force > 0.0) | (contacts.tensile_strength > 0.0)
     # one that gives nothing back passes an impulse on as if it were struck right after
     bears |= (back == 0.0) & (contacts.gap <= even) & (rate >= -impact)

@@ -39,7 +39,7 @@ from clast.verification.problems.slopes import (
     toppling,
     wet_slope,
 )
-from clast.verification.problems.underground import jointed_rock, key_block
+from clast.verification.problems.underground import excavated_stack, jointed_rock, key_block
 from clast.verification.problems.waves import moving_base, newmark, wave
 
 GROUPS: dict[str, tuple[Problem, ...]] = {
@@ -78,6 +78,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
     "underground": (
         key_block.PROBLEM,
         jointed_rock.PROBLEM,
+        excavated_stack.PROBLEM,
     ),
     "masonry": (
         overhang.PROBLEM,

@@ -6,6 +6,7 @@ They add nothing to the system of blocks by themselves: clast.case.cutting cuts 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, StrictBool, StrictInt, StrictStr, Tag, model_validator
@@ -15,6 +16,7 @@ from clast.case.choices import Number, within
 from clast.case.faults import PLAIN, TABLE, Fault, kind_of, refusal
 from clast.case.tables.table import Length, Loop, Point, Positive, Table
 from clast.model import ranges
+from clast.model.builder import ModelBuilder
 
 Side = Literal["bottom", "left", "right", "top"]
 Least = Annotated[Number, Field(ge=0.0), within(ranges.COORDINATE)]
@@ -137,6 +139,12 @@ class OpeningTable(Table):
     """Layer of a DXF drawing that has this outline alone; needed there."""
     unit: StrictStr | None = None
     """Unit of a DXF drawing: m, cm, mm, km, in or ft; that of its heading if absent."""
+    blocks: list[StrictStr] = Field([])
+    """Names of blocks that are there without a domain, and are excavated together; instead of a
+    shape."""
+    weld: StrictStr | None = None
+    """With blocks: [joint.NAME] whose edges hold inside and outside together until it is excavated,
+    and have no joint of their own from then on."""
     excavated: StrictBool = False
     """True for a void from the start; else it is rock."""
     construction_joint: StrictBool = True
@@ -144,6 +152,18 @@ class OpeningTable(Table):
 
     @model_validator(mode="after")
     def _is_one_shape(self) -> Self:
+        if self.blocks:
+            keys = ("shape", "file", "layer", "unit", *SHAPE_KEYS)
+            given = [key for key in keys if getattr(self, key) is not None]
+            check_keys(given, (), (), "opening of blocks")
+            if self.excavated:
+                what = "blocks cannot be a void from the start"
+                remedy = "leave the blocks out, or take excavated = true out"
+                raise refusal(Fault(place=("excavated",), what=what, remedy=remedy))
+            return self
+        if self.weld is not None:
+            remedy = "take it out: the outline of a shape is welded by itself"
+            raise refusal(Fault(place=("weld",), what="there are no blocks", remedy=remedy))
         check_source(self, "shape", 'give shape = "circle" (or another), or a file')
         given = [key for key in SHAPE_KEYS if getattr(self, key) is not None]
         if self.shape is None:
@@ -152,6 +172,11 @@ class OpeningTable(Table):
             _, needed, allowed = SHAPES[self.shape]
             check_keys(given, needed, allowed, self.shape)
         return self
+
+    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
+        """Add an opening of blocks; that of a shape comes with the domain that is cut."""
+        if self.blocks:
+            builder.opening(self.name, self.blocks, self.weld)
 
 
 def check_keys(

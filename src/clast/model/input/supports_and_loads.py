@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from clast.model.input.bolt_kinds import checked_kind
 from clast.model.input.bolt_lines import Ground
 from clast.model.input.bolt_patterns import PatternEntry, bolts_round
 from clast.model.input.bolts import BoltEntry, bolts_of
+from clast.model.input.openings import OpeningEntry
 from clast.model.input.points import Place
 from clast.model.input.pressures import LinePressure
 from clast.model.input.viscous_boundaries import ViscousBoundary
@@ -46,6 +47,7 @@ class SupportsAndLoads:
     _bolt_patterns: list[PatternEntry] = field(default_factory=list, init=False)
     opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
     """Outlines of openings by name, counter-clockwise, m, (c, 2) each: for patterns of bolts."""
+    _openings: list[OpeningEntry] = field(default_factory=list, init=False)
 
     def fixed_point(self, at: Vector, block: str | None = None) -> None:
         """Hold a point (x, y), m, of a block in place with a stiff spring."""
@@ -244,3 +246,13 @@ class SupportsAndLoads:
             for bolt in bolts_round(entry, self.opening_outlines, ground)
         ]
         return bolts_of(self._bolt_kinds, [*self._bolts, *round_openings], ground)
+
+    def opening(self, name: str, blocks: Iterable[str], weld: str | None = None) -> str:
+        """Let stages excavate ``blocks`` (their names) together under a name; return this.
+
+        ``weld`` names a joint (``add_weld``): the edges that have it hold together what is inside
+        and outside until the opening is excavated, and then have no joint of their own any more.
+        """
+        names = (blocks,) if isinstance(blocks, str) else tuple(map(str, blocks))
+        self._openings.append(OpeningEntry(str(name), names, weld))
+        return str(name)

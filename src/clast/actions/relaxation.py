@@ -1,0 +1,106 @@
+"""What excavated blocks bore on their neighbours, taken away little by little.
+
+    f(t) = (1 - relax) f_0 (1 - (t - t_0)/T),    t_0 <= t <= t_0 + T
+
+f_0 is what the contacts of a block bore on the blocks beside it when it was excavated at t_0, where
+they touched: on the edges of the neighbours, and at their corners.  These points move with their
+blocks; the forces keep their directions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.block.displacement import basis
+from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.state import Ledger, State
+
+
+@dataclass(frozen=True, kw_only=True)
+class SupportForces:
+    """Forces on the edges of blocks that fall to nothing, k of them."""
+
+    gone: Bools
+    """Blocks that have been excavated, shape (n,)."""
+    block: Ints
+    """Block that each acts on, shape (k,)."""
+    vertex: Ints
+    """The vertices of the block between which it acts, shape (k, 2)."""
+    share: Floats
+    """Where: 0 at the first of them, 1 at the second, shape (k,)."""
+    force: Floats
+    """Force (x, y) at its beginning, N/m, shape (k, 2)."""
+    since: Floats
+    """When it began, s, shape (k,)."""
+    duration: Floats
+    """In what time it falls to nothing, s, shape (k,)."""
+
+    def rows(self, kept: Bools) -> SupportForces:
+        """Return those forces that are ``kept`` (k,)."""
+        return replace(self, **{name: getattr(self, name)[kept] for name in OF_FORCES})
+
+    def plus(self, others: SupportForces) -> SupportForces:
+        """Return these forces and others, with the blocks that are gone for these."""
+        joined = {
+            name: np.concatenate([getattr(self, name), getattr(others, name)]) for name in OF_FORCES
+        }
+        return replace(self, **joined)
+
+
+OF_FORCES = tuple(one.name for one in fields(SupportForces))[1:]
+"""Names of what there is of each force."""
+
+
+def no_forces(gone: Bools) -> SupportForces:
+    """Return no forces, with the blocks that are ``gone`` (n,)."""
+    return SupportForces(
+        gone=gone,
+        block=np.zeros(0, np.int64),
+        vertex=np.zeros((0, 2), np.int64),
+        share=np.zeros(0),
+        force=np.zeros((0, 2)),
+        since=np.zeros(0),
+        duration=np.zeros(0),
+    )
+
+
+def gone_in(state: State) -> Bools | None:
+    """Return which blocks are gone in a state, shape (n,); None where nothing is ever excavated."""
+    for own in state.actions:
+        if isinstance(own, SupportForces):
+            return own.gone
+    return None
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """The forces of excavated blocks on those that are left."""
+
+    def begin(self, model: Model) -> SupportForces:
+        """Return no forces."""
+        return no_forces(model.gone)
+
+    def share(self, start: StepStart, own: SupportForces) -> Share:
+        """Return what is left of the forces at the end of the step."""
+        if not len(own.block):
+            return Share()
+        first, second = start.state.vertices[own.vertex.T]
+        at = first + own.share[:, None] * (second - first)
+        rows = basis(at - start.frames.centroid[own.block])
+        left = np.clip(1.0 - (start.end - own.since) / own.duration, 0.0, 1.0)
+        return Share(
+            block=own.block, force=np.einsum("kxi,kx->ki", rows, left[:, None] * own.force)
+        )
+
+    def finish(
+        self, start: StepStart, own: SupportForces, share: Share, solution: Solution
+    ) -> Done:
+        """Return the work of the forces: it is that of blocks that were taken out."""
+        if not len(own.block):
+            return Done(work=0.0, ledger=Ledger(), own=own)
+        work, _ = energy_of_linear(share, solution.displacement)
+        acting = own.since + own.duration > start.end
+        return Done(work=work, ledger=Ledger(removed=-work), own=own.rows(acting))

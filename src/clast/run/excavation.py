@@ -1,0 +1,223 @@
+"""Blocks that are excavated: they leave the equations, and what they bore is taken away.
+
+Their energy goes to the ledger's ``removed``: kinetic and strain energy, what their weight has
+gained or lost since the start, and that of their contacts and supports.  The forces that they
+exerted on their neighbours are let go at once or little by little (actions/relaxation.py).  Welds
+along an opening end with it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from clast.actions.acting import actions_of, own_states
+from clast.actions.in_situ import LoadedEnds
+from clast.actions.relaxation import Relaxation, SupportForces, gone_in, no_forces
+from clast.block import polygon
+from clast.block.inertia import block_frames
+from clast.contact import multipliers
+from clast.contact.contacts import Contacts
+from clast.contact.detection import remembered
+from clast.errors import ModelError
+from clast.model.model import Bools, Ints, Model
+from clast.model.state import ContactMemory, Ledger, State
+from clast.step.method import Method
+
+
+def excavated(
+    model: Model,
+    method: Method,
+    state: State,
+    blocks: Ints,
+    relax: float = 1.0,
+    relax_time: float = 0.0,
+) -> tuple[Model, State]:
+    """Return model and state without ``blocks`` (k,), which keep their places in all arrays.
+
+    The share ``relax`` (0 to 1) of the forces that they exert on their neighbours ends at once, the
+    rest falls to nothing within ``relax_time``, s.  Blocks that are gone already count no more.
+    Raises ModelError for shares and times out of range, and where no block would be left.
+    """
+    _check(relax, relax_time)
+    leaving = np.zeros(model.block_count, np.bool_)
+    leaving[blocks] = True
+    leaving &= ~model.gone
+    if not leaving.any():
+        return model, state
+    gone = model.gone | leaving
+    if gone.all():
+        raise ModelError(
+            "no block would be left", where="excavate", remedy="excavate some of the blocks"
+        )
+    contacts = _contacts(model, method, state)
+    left = without(model, gone)
+    forces = no_forces(gone)
+    if relax < 1.0 and relax_time > 0.0:
+        forces = _on_neighbours(model, state, contacts, leaving, 1.0 - relax, relax_time)
+    own = _own_states(model, left, method, state, forces)
+    velocity, stress = state.velocity.copy(), state.stress.copy()
+    velocity[leaving], stress[leaving] = 0.0, 0.0
+    taken = _energy(model, method, state, contacts, leaving)
+    ledger = state.ledger.plus(_negative(taken), Ledger(removed=taken.stored))
+    memory = _of_others(model, state.memory, leaving)
+    return left, replace(
+        state, velocity=velocity, stress=stress, memory=memory, ledger=ledger, actions=own
+    )
+
+
+def without(model: Model, gone: Bools) -> Model:
+    """Return the model without blocks that are ``gone`` (n,), and without welds along them.
+
+    A weld ends where its opening is gone, and where what it held is.
+    """
+    edge_joint = model.edge_joint.copy()
+    for one in model.openings:
+        ends = gone[one.block].all() | _alone(model, one.welded, gone)
+        edge_joint[one.welded[ends]] = -1
+    return replace(model, gone=gone, fixed=model.fixed | gone, edge_joint=edge_joint)
+
+
+def as_in(model: Model, state: State) -> Model:
+    """Return the model without the blocks that are gone in a state of its run."""
+    gone = gone_in(state)
+    return model if gone is None or not gone.any() else without(model, gone)
+
+
+def _check(relax: float, relax_time: float) -> None:
+    if not 0.0 <= relax <= 1.0:
+        raise ModelError(
+            f"{relax:g} is no share",
+            where="relax",
+            remedy="give the share of the forces that ends at once, 0 to 1",
+        )
+    if not 0.0 <= relax_time < np.inf:
+        raise ModelError(
+            f"{relax_time:g} s is no time that passes",
+            where="relax_time",
+            remedy="give the time in which the rest of the forces ends, s, or 0",
+        )
+
+
+def _alone(model: Model, edges: Ints, gone: Bools) -> Bools:
+    """Return which edges (k,) lay on an edge of a block that is ``gone`` at the start, (k,)."""
+    onwards = np.arange(1, len(model.vertices) + 1)
+    onwards[model.block_start[1:] - 1] = model.block_start[:-1]
+    here = model.vertices + 0.0  # so that there is one zero only
+    out = np.flatnonzero(gone[model.vertex_block])
+    opposite = np.concatenate([here[onwards[out]], here[out]], axis=1)
+    known = {ends.tobytes() for ends in opposite}
+    own = np.concatenate([here[edges], here[onwards[edges]]], axis=1)
+    return np.array([ends.tobytes() in known for ends in own], np.bool_)
+
+
+# contacts and forces -----------------------------------------------------------------------------
+
+
+def _contacts(model: Model, method: Method, state: State) -> Contacts:
+    """Return the contacts that the last step left."""
+    centroid = polygon.moments(state.vertices, model.block_start)[1]
+    return remembered(model, state, centroid, method.critdis)
+
+
+def _on_neighbours(
+    model: Model,
+    state: State,
+    contacts: Contacts,
+    leaving: Bools,
+    share: float,
+    duration: float,
+) -> SupportForces:
+    """Return a share of what blocks that are ``leaving`` (n,) bear on others, where they touch.
+
+    N n + T t acts on the block of the vertex, the opposite of it on that of the edge.
+    """
+    normal = contacts.normal
+    along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+    force = contacts.normal_force[:, None] * normal + contacts.shear_force[:, None] * along
+    bears = (contacts.normal_force != 0.0) | (contacts.shear_force != 0.0)
+    moves = ~(leaving | model.fixed)
+    of_vertex = bears & leaving[contacts.edge_block] & moves[contacts.vertex_block]
+    of_edge = bears & leaving[contacts.vertex_block] & moves[contacts.edge_block]
+    tip, edge = contacts.vertex[of_vertex], contacts.edge[of_edge]
+    owner = contacts.edge_block[of_edge]
+    end = np.where(edge + 1 < model.block_start[owner + 1], edge + 1, model.block_start[owner])
+    way = state.vertices[end] - state.vertices[edge]
+    foot = contacts.foot[of_edge] - state.vertices[edge]
+    place = np.einsum("kx,kx->k", foot, way) / np.einsum("kx,kx->k", way, way)
+    count = len(tip) + len(edge)
+    return SupportForces(
+        gone=model.gone | leaving,
+        block=np.concatenate([contacts.vertex_block[of_vertex], owner]),
+        vertex=np.concatenate([np.stack([tip, tip], axis=1), np.stack([edge, end], axis=1)]),
+        share=np.concatenate([np.zeros(len(tip)), place]),
+        force=share * np.concatenate([force[of_vertex], -force[of_edge]]),
+        since=np.full(count, state.time),
+        duration=np.full(count, duration),
+    )
+
+
+def _own_states(
+    model: Model, left: Model, method: Method, state: State, forces: SupportForces
+) -> tuple[Any, ...]:
+    """Return the own states of all actions of the model that is ``left``, with new ``forces``."""
+    before = actions_of(model, method.fixed_point_stiffness, method.damping)
+    after = actions_of(left, method.fixed_point_stiffness, method.damping)
+    own = list(own_states(before, model, state))
+    at = next(k for k, action in enumerate(after) if isinstance(action, Relaxation))
+    if len(before) < len(after):
+        own.insert(at, no_forces(model.gone))
+    known = own[at]
+    own[at] = forces.plus(known.rows(~forces.gone[known.block]))
+    return tuple(own)
+
+
+def _of_others(model: Model, memory: ContactMemory, leaving: Bools) -> ContactMemory:
+    """Return the memory of contacts of which neither block is ``leaving`` (n,)."""
+    stays = ~(leaving[memory.block] | leaving[model.vertex_block[memory.vertex]])
+    names = (one.name for one in fields(memory))
+    return replace(memory, **{name: getattr(memory, name)[stays] for name in names})
+
+
+# energy ------------------------------------------------------------------------------------------
+
+
+def _energy(
+    model: Model, method: Method, state: State, contacts: Contacts, leaving: Bools
+) -> Ledger:
+    """Return what blocks that are ``leaving`` (n,) hold, by the entries of the ledger, J/m."""
+    frames = block_frames(model, state)
+    velocity, stress = state.velocity[leaving], state.stress[leaving]
+    strain = np.einsum("nab,nb->na", model.compliance[leaving], stress)
+    fallen = frames.centroid - polygon.moments(model.vertices, model.block_start)[1]
+    law, none = method.contact_law, np.zeros(len(contacts))
+    touching = leaving[contacts.vertex_block] | leaving[contacts.edge_block]
+    springs = law.respond(multipliers.begin(law, contacts), contacts.gap, none).energy
+    return Ledger(
+        kinetic=0.5
+        * float(np.einsum("ni,nij,nj", velocity, frames.mass_matrix[leaving], velocity)),
+        elastic=0.5 * float(model.area[leaving] @ np.einsum("na,na->n", stress, strain)),
+        gravity=-float((model.mass[leaving] @ fallen[leaving]) @ model.gravity),
+        contact=float(springs[touching].sum()),
+        fixed_points=_in_supports(model, method, state, leaving),
+    )
+
+
+def _in_supports(model: Model, method: Method, state: State, leaving: Bools) -> float:
+    """Return the energy in springs that hold blocks that are ``leaving`` (n,), J/m."""
+    points = model.fixed_points
+    anchors = points.at + model.ground_motion.anchor_displacement(state.time)
+    drift = (state.points[model.point_slices.fixed] - anchors)[leaving[points.block]]
+    held = 0.5 * method.fixed_point_stiffness * float(np.sum(drift**2))
+    for own in state.actions:
+        if isinstance(own, LoadedEnds):
+            some = leaving[own.block]
+            moved = (state.vertices - model.vertices)[own.vertex[some]]
+            held += 0.5 * float(np.einsum("kx,kxy,ky", moved, own.hold[some], moved))
+    return held
+
+
+def _negative(ledger: Ledger) -> Ledger:
+    return Ledger(**{one.name: -getattr(ledger, one.name) for one in fields(ledger)})

@@ -1,0 +1,124 @@
+"""A stack of blocks of which the upper ones are excavated: what is left grows.
+
+The blocks that are taken out weighed W.  Below them the pressure falls by W/b, b being the width:
+each block of height h grows by
+
+    W h/(b E),
+
+and each joint of n contacts on springs p opens by W/(n p): n = 2 on the floor, which is wider, and
+n = 4 between blocks of one width, whose corners coincide.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.excavation import excavated
+from clast.run.schedule import Schedule
+from clast.run.simulate import RunState, simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, YOUNG, DENSITY = 9.8, 10e9, 2500.0
+HEIGHT, WIDTH, BLOCKS, LEFT = 2.0, 1.0, 5, 2
+"""Height and width of a block, m, how many there are and how many stay."""
+STIFFNESS = 1e9
+"""Normal stiffness p, N/m per m."""
+CONTACTS = (2, 4)
+"""Contacts of the joint below each block that stays."""
+RELAX, RELAX_TIME = 0.3, 0.5
+"""Share of the weight that ends at once, and the time in which the rest does, s."""
+STEP, SETTLING, DURATION = 2e-3, 1.0, 2.0
+SHOWN = 25
+"""Every so many steps have a point in the figure."""
+TOLERANCE = 1e-3
+REASON = "the blocks are compressed by 2e-5 already when the load is taken off: second order"
+
+
+def stack() -> Model:
+    """Return five blocks on a wider floor; the upper three are an opening."""
+    builder = ModelBuilder(title="Excavated stack", gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
+    builder.add_joint("default", friction_angle=30.0)
+    builder.block(name="floor", vertices=[(-1, -1), (2, -1), (2, 0), (-1, 0)], fixed=True)
+    for k in range(BLOCKS):
+        low, high = k * HEIGHT, (k + 1) * HEIGHT
+        corners = [(0, low), (WIDTH, low), (WIDTH, high), (0, high)]
+        builder.block(name=str(k + 1), vertices=corners)
+    builder.opening("overburden", [str(k + 1) for k in range(LEFT, BLOCKS)])
+    for k in range(LEFT):
+        for name, y in (("foot", k * HEIGHT), ("head", (k + 1) * HEIGHT)):
+            builder.measured_point(f"{name} {k + 1}", (0.5 * WIDTH, y), block=str(k + 1))
+    return builder.build()
+
+
+def exact_moves() -> list[float]:
+    """Return how far foot and head of each block that stays rise, from below, m."""
+    weight = (BLOCKS - LEFT) * HEIGHT * WIDTH * DENSITY * GRAVITY
+    moves = [0.0]
+    for contacts in CONTACTS:
+        moves.append(moves[-1] + weight / (contacts * STIFFNESS))
+        moves.append(moves[-1] + weight * HEIGHT / (WIDTH * YOUNG))
+    return moves[1:]
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare how far the blocks that stay rise, and how much each grows."""
+    model = stack()
+    method = variant.method(
+        model, normal_stiffness=STIFFNESS, max_displacement=0.01, dynamic_ratio=0.0
+    )
+    kept: list[RunState] = []
+    settled = Schedule(step=STEP, end=SETTLING, every=SETTLING)
+    simulate(model, method, settled, keep=kept.append)
+    blocks = model.blocks_called(["overburden"])
+    left, state = excavated(model, method, kept[-1].state, blocks, RELAX, RELAX_TIME)
+    rest = Schedule(step=STEP, end=DURATION, every=DURATION)
+    run = simulate(left, method, rest, begin=replace(kept[-1], state=state))
+    history = [run.history(f"{name} {k + 1}") for k in range(LEFT) for name in ("foot", "head")]
+    rise = [float(one.displacement[-1, 1] - one.displacement[0, 1]) for one in history]
+    exact = exact_moves()
+    rows: list[Comparison] = []
+    for k in range(LEFT):
+        growth, wanted = (moves[2 * k + 1] - moves[2 * k] for moves in (rise, exact))
+        rows.append(relative(f"growth of block {k + 1}", "m", growth, wanted, TOLERANCE, REASON))
+        below = (moves[2 * k] - (moves[2 * k - 1] if k else 0.0) for moves in (rise, exact))
+        if variant.contact_law["name"] == "penalty":
+            opening, wanted = below
+            name = f"opening of joint {k + 1}, {CONTACTS[k]} contacts"
+            rows.append(relative(name, "m", opening, wanted, TOLERANCE, REASON))
+    foot, head = (one.displacement[:, 1] for one in history[:2])
+    time, growth_1 = history[0].time, head - foot
+    share = np.clip(1.0 - (1.0 - RELAX) * (1.0 - (time - SETTLING) / RELAX_TIME), RELAX, 1.0)
+    share[0] = 0.0
+    chart = Chart(
+        title="growth of the lowest block after the excavation",
+        x_label="time, s",
+        y_label="growth, µm",
+        curves=(
+            exact_curve("share of the weight released", time, 1e6 * (exact[1] - exact[0]) * share),
+            curve(variant.name, time[::SHOWN], 1e6 * (growth_1 - growth_1[0])[::SHOWN]),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="excavated-stack",
+    title="Excavated stack of blocks",
+    text="Five blocks of 1 m x 2 m rest on each other and on a wider floor; E = 10 GPa, nu = 0, "
+    "rho = 2500 kg/m3, g = 9.8 m/s2, p = 1 GPa, h = 2 ms, static (dynamic_ratio = 0). After 1 s "
+    "the upper three are excavated: three tenths of what they bore ends at once, the rest within "
+    "0.5 s.",
+    formula="a block grows by W h/(b E), a joint of n contacts opens by W/(n p), W what was taken",
+    source="statics",
+    set_up=stack,
+    examine=examine,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
+    quick=(CONVEX,),
+)
