@@ -12,6 +12,7 @@ import numpy as np
 
 from clast.errors import ResultsLost, RunStopped
 from clast.model.model import Model
+from clast.model.stages.reference import Reference
 from clast.model.state import LEDGER_ENTRIES, State
 from clast.results.layout import ENERGY_ROW, STEP_ROW
 from clast.results.run import Report, Run
@@ -60,6 +61,8 @@ class RunRecorder:
         self._state: State | None = None
         self._result: StepResult | None = None
         self._frame_times: list[float] = []
+        self._stages: list[str] = []
+        self._stage = 0
         self._kept = FramesInMemory(model, memory_limit) if output is None else None
         self._file = None
         if output is not None:
@@ -79,10 +82,26 @@ class RunRecorder:
 
         ``about`` says how the run is simulated (``clast.results.provenance``).
         """
+        about = about or {}
+        self._stages = list(about.get("stages", ()))
         if self._file is not None:
-            self._file.about = about or {}
+            self._file.about = about
         self._record(state)
         self.frame(state)
+
+    def enter(self, stage: int, reference: Reference | None) -> None:
+        """Record what follows as of a stage, by its number among those of ``about``.
+
+        Displacements count from ``reference`` on, if there is one.
+        """
+        from clast.results.sampling import FrameFields, PointTracker
+
+        self._stage = stage
+        if reference is not None:
+            self._tracker = PointTracker(self._model, reference)
+            self._fields = FrameFields(self._model, reference)
+            if self._kept is not None:
+                self._kept.count_from(self._fields)
 
     def step(self, result: StepResult, step: float) -> None:
         """Record an accepted step of length ``step``, s."""
@@ -111,8 +130,9 @@ class RunRecorder:
         if self._with_contacts and contacts is not None and response is not None:
             rows = self._fields.contacts(state, contacts, response)
         if self._kept is not None:
-            self._kept.add(state, rows)
+            self._kept.add(state, rows, self._stages[self._stage] if self._stages else "")
         if self._file is not None:
+            self._file.stage = self._stage
             self._file.frame(state.time, self._fields.of(state), rows, self._tables())
         self._frame_times.append(state.time)
 

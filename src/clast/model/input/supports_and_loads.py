@@ -10,6 +10,7 @@ from clast.model.factors import Factor, checked_factor
 from clast.model.input.blocks import Vector
 from clast.model.input.points import Place
 from clast.model.input.pressures import LinePressure
+from clast.model.value_checks import check_names
 
 
 @dataclass(kw_only=True)
@@ -38,14 +39,22 @@ class SupportsAndLoads:
         return name
 
     def point_load(
-        self, at: Vector, force: Vector, block: str | None = None, factor: str | None = None
+        self,
+        at: Vector,
+        force: Vector,
+        block: str | None = None,
+        factor: str | None = None,
+        name: str | None = None,
     ) -> None:
         """Apply a force (x, y), N per metre of thickness, at a point, m, of a block.
 
-        ``factor`` names a table by whose value at the end of each step the force is multiplied.
+        ``factor`` names a table by whose value at the end of each step the force is multiplied;
+        ``name`` is that by which stages refer to it, and to others of the same name.
         """
         label = f"point load {len(self._point_loads) + 1}"
-        self._point_loads.append(Place(label, at, block, load=force, factor=factor))
+        self._point_loads.append(
+            Place(label, at, block, load=force, factor=factor, name=_name_of(name, label))
+        )
 
     def line_load(
         self,
@@ -54,13 +63,17 @@ class SupportsAndLoads:
         traction: Vector,
         block: str | None = None,
         factor: str | None = None,
+        name: str | None = None,
     ) -> None:
         """Apply a traction (x, y), N/m per metre of thickness, along a line of a block.
 
-        ``start`` and ``end`` (x, y) in m; ``factor`` as for point loads.
+        ``start`` and ``end`` (x, y) in m; ``factor`` and ``name`` as for point loads.
         """
         label = f"line load {len(self._line_loads) + 1}"
-        self._line_loads.append(Place(label, start, block, end=end, load=traction, factor=factor))
+        named = _name_of(name, label)
+        self._line_loads.append(
+            Place(label, start, block, end=end, load=traction, factor=factor, name=named)
+        )
 
     def pressure(
         self,
@@ -69,15 +82,25 @@ class SupportsAndLoads:
         value: float | Vector,
         block: str | None = None,
         factor: str | None = None,
+        name: str | None = None,
     ) -> None:
         """Press on the edges along a straight line, normal to them as they turn with their blocks.
 
         ``value`` is one pressure, Pa, or that at ``start`` and at ``end`` (x, y), m, positive into
-        the blocks.  ``block`` is needed where edges of two blocks meet; ``factor`` as above.
+        the blocks.  ``block`` is needed where edges of two blocks meet; ``factor`` and
+        ``name`` as above.
         """
         label = f"pressure {len(self._pressures) + 1}"
         self._pressures.append(
-            LinePressure(label=label, start=start, end=end, value=value, block=block, factor=factor)
+            LinePressure(
+                label=label,
+                start=start,
+                end=end,
+                value=value,
+                block=block,
+                factor=factor,
+                name=_name_of(name, label),
+            )
         )
 
     def measured_point(self, name: str, at: Vector, block: str | None = None) -> None:
@@ -87,3 +110,10 @@ class SupportsAndLoads:
         """
         self._measured_names.append(name)
         self._measured_points.append(Place(f"measured point '{shortened(str(name))}'", at, block))
+
+
+def _name_of(name: str | None, label: str) -> str:
+    """Return the name of a load, "" where it has none; refuse names that are none."""
+    if name is not None:
+        check_names(label, [name])
+    return name or ""
