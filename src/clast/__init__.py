@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from clast.model.model import PlaneStrain as PlaneStrain
     from clast.model.model import PlaneStress as PlaneStress
     from clast.model.model import Rock as Rock
+    from clast.model.stages.stage import Stage as Stage
     from clast.model.state import State as State
     from clast.pictures.look import Look as Look
     from clast.pictures.plot import plot_history as plot_history
@@ -85,6 +86,7 @@ HOME = {
     "read": "clast.results",
     "read_results": "clast.results",
     "Schedule": "clast.run.schedule",
+    "Stage": "clast.model.stages.stage",
     "State": "clast.model.state",
 }
 """Public name -> module that defines it."""

@@ -8,8 +8,9 @@ and the ground's motion are actions; an object of one's own with the same method
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -145,4 +146,16 @@ class Action(Protocol):
 
     def finish(self, start: StepStart, own: Any, share: Share, solution: Solution) -> Done:
         """Return what its forces have done in a step that is solved."""
+        ...
+
+
+@runtime_checkable
+class Telling(Protocol):
+    """An action that says what has happened to what it acts by; others need not."""
+
+    def told(self, model: Model, before: Any, after: Any) -> Iterable[tuple[str, str, str]]:
+        """Return kind, name and sentence of what has happened in a step, for the run's events.
+
+        ``before`` and ``after`` are its own states: ("yielded", "bolt 3", "bolt 3 yields").
+        """
         ...

@@ -40,6 +40,7 @@ from clast.case.tables.rock_mass import (
     RegionTable,
     TraceTable,
 )
+from clast.case.tables.stages import StageTable
 from clast.case.tables.supports_and_loads import (
     FactorTable,
     FixedPointTable,
@@ -133,6 +134,8 @@ class Case(BaseModel):
     """Points recorded every step."""
     reference: list[ReferenceTable] = []
     """Displacements known from elsewhere; clast run and clast compare print the error."""
+    stage: list[StageTable] = []
+    """Parts of the run, one after the other."""
     method_: MethodTable = Field(default_factory=MethodTable, alias="method")
     """How to simulate."""
     output: OutputTable = Field(default_factory=OutputTable)
@@ -362,11 +365,12 @@ class Case(BaseModel):
 
     def _not_compared(self) -> Iterator[str]:
         """Say which references the run does not reach; the run itself says so at its end."""
+        end = self.schedule().latest
         for number, reference in enumerate(self.reference, start=1):
-            if reference.time is not None and reference.time > self.time.end:
+            if reference.time is not None and reference.time > end:
                 yield (
                     f"[[reference]] {number} is for {reference.time:g} s, but the run ends at "
-                    f"{self.time.end:g} s: it is not compared. Raise time.end, or lower its time"
+                    f"{end:g} s: it is not compared. Raise time.end, or lower its time"
                 )
 
     @contextmanager
@@ -384,12 +388,17 @@ class Case(BaseModel):
         """Return when to simulate and when to keep a frame."""
         from clast.run.schedule import Schedule
 
-        return Schedule(
+        with self._located():
+            stages = tuple(table.stage() for table in self.stage)
+        schedule = Schedule(
             step=self.time.step,
             end=self.time.end,
-            every=self.output.interval(self.time),
+            every=self.time.step,
             smallest_step=self.time.smallest_step,
+            stages=stages,
         )
+        every = self.output.interval(self.time.step, schedule.latest)
+        return dataclasses.replace(schedule, every=every)
 
     def run(
         self,

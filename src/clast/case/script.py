@@ -17,7 +17,8 @@ times a power of ten (1 ms for blocks of 1 m); an end at 1 s; a hundred frames.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
@@ -33,6 +34,7 @@ from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.measurements import MeasuredPointTable
 from clast.case.tables.method import MethodTable
 from clast.case.tables.rock_mass import OpeningTable
+from clast.case.tables.stages import stage_keys
 from clast.case.tables.supports_and_loads import (
     FactorTable,
     FixedPointTable,
@@ -49,6 +51,7 @@ from clast.model import builder as model_builder
 from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Recorded, Still
 from clast.model.model import Model, Plane
+from clast.model.stages.stage import Stage
 from clast.results import Run, RunRecorder
 
 if TYPE_CHECKING:
@@ -116,23 +119,25 @@ class ModelBuilder(model_builder.ModelBuilder):
     Nothing is judged before ``build``, ``case`` or ``to_toml``.
     """
 
-    def case(self, **keys: Unpack[Keys]) -> Case:
+    def case(self, *, stages: Sequence[Stage] = (), **keys: Unpack[Keys]) -> Case:
         """Return the case of these blocks; ``keys`` are those of [time], [method] and [output].
 
         ``builder.case(end=2.0, process="modified").run()``.  A step that is not given follows from
-        the blocks, the end is 1 s.  Raises CaseError and ModelError, naming place and remedy.
+        the blocks, the end is 1 s; ``stages`` are the parts of the run.  Raises CaseError and
+        ModelError, naming place and remedy.
         """
         # what cannot be built is no case either, be it two rocks of one name
         tables = _with_time(_tables(keys), self.build())
-        return Case.validated({**self._content(), **tables}, "script")
+        parts = {"stage": [stage_keys(one) for one in stages]} if stages else {}
+        return Case.validated({**self._content(), **tables, **parts}, "script")
 
-    def to_toml(self, **keys: Unpack[Keys]) -> str:
+    def to_toml(self, *, stages: Sequence[Stage] = (), **keys: Unpack[Keys]) -> str:
         """Return these blocks as the text of a case file, which gives the same Model to the bit.
 
-        ``keys`` as in ``case``.  Raises CaseError for what no file can hold: objects of a
-        script.
+        ``stages`` and ``keys`` as in ``case``.  Raises CaseError for what no file can hold: objects
+        of a script.
         """
-        return self.case(**keys).to_toml()
+        return self.case(stages=stages, **keys).to_toml()
 
     def _content(self) -> dict[str, Any]:
         """Return the tables of a case file that hold the system of blocks."""
@@ -266,6 +271,7 @@ def simulate(
     output: Path | str | None = None,
     progress: bool | Callable[[Progress], None] = False,
     recorder: RunRecorder | None = None,
+    stages: Sequence[Stage] = (),
     **keys: Unpack[Keys],
 ) -> Run:
     """Return the run of a model from rest, or its initial velocities, to the end.
@@ -275,7 +281,7 @@ def simulate(
     (the step, 1 s for the end).  ``method`` and ``schedule`` are in the place of these keys where
     they are given.  ``output`` is the result file to write (.vtkhdf); without it frames are kept in
     memory.  ``progress`` is True for a line on the terminal, or a function to call after every
-    step.
+    step.  ``stages`` are the parts of the run, one after the other.
 
     Raises CaseError and ModelError for what cannot be simulated, RunStopped where the run cannot go
     on, with the partial results in its ``run``.
@@ -299,6 +305,10 @@ def simulate(
     text = settings.text if method is None and schedule is None else ""
     method = method or settings.method(model)
     schedule = schedule or settings.schedule()
+    if stages:
+        schedule = replace(schedule, stages=tuple(stages))
+        every = settings.output.interval(schedule.step, schedule.latest)
+        schedule = replace(schedule, every=every) if "every" not in keys else schedule
     recorder = recorder or RunRecorder(
         model,
         case_text=text,
@@ -374,8 +384,8 @@ def _unnamed(thing: Any) -> dict[str, Any]:
 
 
 def _choice(load: Place | LinePressure) -> dict[str, str | None]:
-    """Return the block and the table that a load names."""
-    return {"block": load.block, "factor": load.factor}
+    """Return the block and the table that a load names, and its own name."""
+    return {"block": load.block, "factor": load.factor, "name": load.name or None}
 
 
 def _plane_name(plane: Plane) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from clast.cli.options import FrameNumber, FrameTime, ResultFile, frame_asked, words
+from clast.cli.options import FrameNumber, FrameTime, ResultFile, StageName, frame_asked, words
 from clast.cli.terminal import tell
 from clast.errors import CaseError
 
@@ -46,6 +46,7 @@ def export(
     ] = None,
     frame: FrameNumber = None,
     time: FrameTime = None,
+    stage: StageName = None,
     every: Annotated[
         bool, typer.Option("--all", help="Write all frames, as csv and vtu do anyway.")
     ] = False,
@@ -61,7 +62,7 @@ def export(
     from clast.results import read_results
 
     form = FORMS[to]
-    named = frame is not None or time is not None
+    named = any(one is not None for one in (frame, time, stage))
     if named and every:
         raise CaseError("one frame or all, not both", where="--all", remedy="leave one of them out")
     if tables and to != "csv":
@@ -71,7 +72,7 @@ def export(
     results = read_results(file)
     frames = None if every else form.frames
     if named:
-        frames = [frame_asked(results, frame, time)]
+        frames = [frame_asked(results, frame, time, stage)]
     count = len(results.times) if frames is None else len(frames)
     ending = form.one if count == 1 else form.several
     written = form.write(

@@ -8,8 +8,16 @@ from typing import Annotated
 
 import typer
 
-from clast.cli.options import AsJson, FrameNumber, FrameTime, ResultFile, frame_asked, numbers
-from clast.cli.tables import print_points, two_columns
+from clast.cli.options import (
+    AsJson,
+    FrameNumber,
+    FrameTime,
+    ResultFile,
+    StageName,
+    frame_asked,
+    numbers,
+)
+from clast.cli.tables import print_points, print_stages, two_columns
 from clast.cli.terminal import print_json, print_table, tell
 
 
@@ -42,6 +50,7 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
         "made with": ", ".join(f"{k} {v}" for k, v in content["versions"].items() if k != "clast"),
     }
     print_table(two_columns(content["title"], rows))
+    print_stages(results.stages)
     print_points(content["measured_points"])
 
 
@@ -53,6 +62,7 @@ def plot(
     ] = None,
     frame: FrameNumber = None,
     time: FrameTime = None,
+    stage: StageName = None,
     field: Annotated[
         str, typer.Option(help="What colours the blocks; joint: their edges.")
     ] = "displacement",
@@ -79,6 +89,6 @@ def plot(
     )
     target = output or file.with_suffix(".png")
     results = read_results(file)
-    number = frame_asked(results, frame, time)
+    number = frame_asked(results, frame, time, stage)
     plot_results(results, target, frame=number, field=field, contacts=contacts, look=look)
     tell(f"picture: {target}")

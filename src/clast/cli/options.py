@@ -27,6 +27,9 @@ FrameNumber = Annotated[
 FrameTime = Annotated[
     float | None, typer.Option("--time", metavar="T", help="Time, s: the frame nearest to it.")
 ]
+StageName = Annotated[
+    str | None, typer.Option("--stage", metavar="NAME", help="Stage: its last frame.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for a program to read.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
 
@@ -70,13 +73,19 @@ def numbers(option: str, listed: str, *counts: int) -> Any:
     return numbers
 
 
-def frame_asked(results: Results, frame: int | None, time: float | None) -> int:
-    """Return the number of the frame that --frame or --time asks for, the last for neither."""
-    if frame is not None and time is not None:
+def frame_asked(
+    results: Results, frame: int | None, time: float | None, stage: str | None = None
+) -> int:
+    """Return the number of the frame that --frame, --time or --stage asks for, else the last."""
+    asked = {"--frame": frame, "--time": time, "--stage": stage}
+    given = [option for option, value in asked.items() if value is not None]
+    if len(given) > 1:
         raise CaseError(
-            "a frame has one number and one time", where="--time", remedy="leave one of them out"
+            "a frame is asked for by its number, its time or its stage",
+            where=given[-1],
+            remedy="leave one of them out",
         )
-    return results.frame(-1 if frame is None else frame, at=time).number
+    return results.frame(-1 if frame is None else frame, at=time, stage=stage).number
 
 
 def words(listed: str) -> list[str]:

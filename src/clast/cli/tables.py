@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from clast.model.model import Repair
+    from clast.model.stages.records import StageRecord
     from clast.model.state import Ledger
     from clast.results import Report, Run
     from clast.run.preflight import Sanity
@@ -41,6 +42,7 @@ def print_run(run: Run, deviations: Sequence[Deviation], *, as_json: bool, quiet
         print_json({**content, **run.report.as_dict(), **known})
     elif not quiet:
         print_table(report_table(run))
+        print_stages(run.stages)
         print_points(points)
         for one in deviations:
             source = f" ({one.source})" if one.source else ""
@@ -135,6 +137,28 @@ def print_points(points: dict[str, dict[str, Any]]) -> None:
     for name, last in points.items():
         numbers = (*last["displacement"], *last["velocity"], last["rotation"])
         table.add_row(Text(name), *(f"{number:.5g}" for number in numbers))
+    print_table(table)
+
+
+def print_stages(stages: Sequence[StageRecord]) -> None:
+    """Print how the stages went, if there are any."""
+    if not stages:
+        return
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title="stages", title_justify="left")
+    table.add_column("stage", overflow="fold")
+    for head in ("from, s", "to, s", "steps"):
+        table.add_column(head, justify="right", no_wrap=True)
+    table.add_column("outcome", no_wrap=True)
+    table.add_column("unbalanced", justify="right", no_wrap=True)
+    table.add_column("largest mover", overflow="fold")
+    table.add_column("wall, s", justify="right", no_wrap=True)
+    for one in stages:
+        numbers = f"{one.start:.6g}", f"{one.end:.6g}", f"{one.steps}"
+        ending = f"{one.force_ratio:.2g}", str(one.mover), f"{one.seconds:.3g}"
+        table.add_row(*map(Text, (one.name, *numbers, one.outcome, *ending)))
     print_table(table)
 
 

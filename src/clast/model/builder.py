@@ -298,7 +298,11 @@ class ModelBuilder(SupportsAndLoads):
             area=area,
             fixed_points=MaterialPoints(block=fixed.block, at=fixed.at),
             point_loads=PointLoads(
-                block=points.block, at=points.at, force=points.load, factor=points.factor
+                block=points.block,
+                at=points.at,
+                force=points.load,
+                factor=points.factor,
+                name=points.name,
             ),
             line_loads=LineLoads(
                 block=lines.block,
@@ -306,6 +310,7 @@ class ModelBuilder(SupportsAndLoads):
                 end=lines.end,
                 traction=lines.load,
                 factor=lines.factor,
+                name=lines.name,
             ),
             pressures=pressures,
             bolts=bolts,

@@ -135,6 +135,8 @@ class PointLoads(MaterialPoints):
     """Force (x, y), N per metre of thickness, shape (k, 2)."""
     factor: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     """Which of ``Model.factors`` each is multiplied by, NO_FACTOR: none, shape (k,)."""
+    name: tuple[str, ...] = ()
+    """Name of each, by which stages refer to it, "" for none; empty where none has one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,6 +153,8 @@ class LineLoads:
     """Force per length of the line (x, y), N/m per metre of thickness, shape (k, 2)."""
     factor: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     """Which of ``Model.factors`` each is multiplied by, NO_FACTOR: none, shape (k,)."""
+    name: tuple[str, ...] = ()
+    """Name of each, by which stages refer to it, "" for none; empty where none has one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,6 +171,8 @@ class EdgePressures:
     """Pressure where it begins and ends, Pa, positive into the block, shape (k, 2)."""
     factor: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     """Which of ``Model.factors`` each is multiplied by, NO_FACTOR: none, shape (k,)."""
+    name: tuple[str, ...] = ()
+    """Name of each, by which stages refer to it, "" for none; empty where none has one."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clast.model.model import Bools, Floats
+from clast.model.stages.records import counted_from
 from clast.pictures import blocks, canvas
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.fields import KINDS, SCALARS, check_field
@@ -139,10 +140,12 @@ def _label(field: str) -> str:
 
 def _draw_points(axes: Axes, results: Recording, frame: int) -> None:
     """Mark the measured points where they are now."""
-    for name, start in list(zip(results.point_name, results.point_start, strict=True))[:MOST_NAMES]:
+    places = list(zip(results.point_name, results.point_start, strict=True))[:MOST_NAMES]
+    for number, (name, start) in enumerate(places):
         history = results.history(name)
         row = int(np.abs(history.time - results.times[frame]).argmin())
-        at = start + history.displacement[row]
+        before = counted_from(results.stages, number, float(history.time[row]))
+        at = start + before + history.displacement[row]
         axes.plot(*at, "o", ms=3.5, mfc="white", mec=INK, mew=0.9, zorder=6)
         axes.annotate(
             canvas.literal(name),

@@ -64,6 +64,11 @@ class FrameStore(Protocol):
         """Names of the fields of the blocks."""
         ...
 
+    @property
+    def frame_stages(self) -> tuple[str, ...]:
+        """Name of the stage of each frame; empty where the run has no stages."""
+        ...
+
     def series(self, name: str, frames: range, first: int, past: int) -> NDArray[Any]:
         """Return rows ``first`` to ``past`` - 1 of a field in some frames, (frames, rows, ...)."""
         ...
@@ -87,6 +92,12 @@ class Frame:
     """Time, s."""
     store: FrameStore = field(repr=False)
     """Where it is kept."""
+
+    @property
+    def stage(self) -> str:
+        """Name of its stage, "" where the run has no stages."""
+        stages = self.store.frame_stages
+        return stages[self.number] if stages else ""
 
     @property
     def vertices(self) -> Floats:
@@ -114,9 +125,11 @@ def frame_number(store: FrameStore, frame: int) -> int:
     return frame % count
 
 
-def frame_of(store: FrameStore, number: int, at: float | None) -> Frame:
-    """Return a frame by its number, or the one nearest to a time ``at``, s."""
+def frame_of(store: FrameStore, number: int, at: float | None, stage: str | None) -> Frame:
+    """Return a frame by its number, the one nearest to a time ``at``, s, or the last of a stage."""
     times = store.times
+    if stage is not None:
+        number = last_of_stage(store, stage)
     if at is not None:
         slack = 1e-9 * max(float(np.ptp(times)), abs(at))
         if not times[0] - slack <= at <= times[-1] + slack:
@@ -127,6 +140,14 @@ def frame_of(store: FrameStore, number: int, at: float | None) -> Frame:
         number = int(np.abs(times - at).argmin())
     number = frame_number(store, number)
     return Frame(number=number, time=float(times[number]), store=store)
+
+
+def last_of_stage(store: FrameStore, stage: str) -> int:
+    """Return the number of the last frame of a stage."""
+    found = [number for number, name in enumerate(store.frame_stages) if name == stage]
+    if not found:
+        raise unknown_name("stage", stage, tuple(dict.fromkeys(store.frame_stages)))
+    return found[-1]
 
 
 def field_of(store: FrameStore, name: str, frame: int | None) -> NDArray[Any]:
@@ -187,7 +208,8 @@ def block_of(store: FrameStore, name: str, names: Sequence[str]) -> BlockHistory
     for field_name in (BLOCK_ROW.names or ())[1:]:
         rows[field_name] = store.series(field_name, frames, number, number + 1)[:, 0]
     first, past = (int(end) for end in store.block_start[number : number + 2])
-    return BlockHistory(rows, name, number, store.series(VERTICES, frames, first, past))
+    vertices = store.series(VERTICES, frames, first, past)
+    return BlockHistory(rows, name, number, vertices, store.frame_stages)
 
 
 def bolts_of(

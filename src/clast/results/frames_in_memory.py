@@ -24,14 +24,19 @@ class FramesInMemory:
     def __init__(self, model: Model, limit: float) -> None:
         self._model = model
         self._fields = FrameFields(model)
-        self._frames: list[tuple[State, NDArray[Any]]] = []
+        self._frames: list[tuple[State, NDArray[Any], FrameFields]] = []
+        self._stages: list[str] = []
         self._bytes = 0
         self._limit = limit
         self.left_out_from: float | None = None
         """Time from which frames found no room, s; the last is kept all the same."""
 
-    def add(self, state: State, contacts: NDArray[Any]) -> None:
-        """Keep a state and the rows of its contacts."""
+    def count_from(self, fields: FrameFields) -> None:
+        """Let ``fields`` compute what is asked for of the frames that follow."""
+        self._fields = fields
+
+    def add(self, state: State, contacts: NDArray[Any], stage: str) -> None:
+        """Keep a state, the rows of its contacts and the name of its stage."""
         state = replace(state, memory=ContactMemory())
         arrays = (state.vertices, state.velocity, state.stress, state.rotation, contacts)
         self._bytes += sum(array.nbytes for array in arrays)
@@ -39,12 +44,19 @@ class FramesInMemory:
             if self.left_out_from is None:
                 self.left_out_from = self._frames[-1][0].time
             self._frames.pop()
-        self._frames.append((state, contacts))
+            self._stages.pop()
+        self._frames.append((state, contacts, self._fields))
+        self._stages.append(stage)
 
     @property
     def times(self) -> Floats:
         """Time of each frame, s, shape (frames,)."""
-        return np.array([state.time for state, _ in self._frames])
+        return np.array([state.time for state, *_ in self._frames])
+
+    @property
+    def frame_stages(self) -> tuple[str, ...]:
+        """Name of the stage of each frame; empty where the run has no stages."""
+        return tuple(self._stages) if any(self._stages) else ()
 
     @property
     def block_start(self) -> Ints:
@@ -59,7 +71,7 @@ class FramesInMemory:
 
     def series(self, name: str, frames: range, first: int, past: int) -> NDArray[Any]:
         """Return rows ``first`` to ``past`` - 1 of a field in some frames, (frames, rows, ...)."""
-        return np.stack([self._one(name, self._frames[frame][0])[first:past] for frame in frames])
+        return np.stack([self._one(name, frame)[first:past] for frame in frames])
 
     def contact_rows(self, frame: int) -> NDArray[Any]:
         """Return a row for every contact of a frame that carries a force."""
@@ -70,9 +82,10 @@ class FramesInMemory:
         rows = self._model.point_slices.bolts
         return np.asarray(self._frames[frame][0].points[rows] + self._model.origin)
 
-    def _one(self, name: str, state: State) -> NDArray[Any]:
-        """Return a field of one state, shape (n, ...), or its vertices, (nv, 2)."""
+    def _one(self, name: str, frame: int) -> NDArray[Any]:
+        """Return a field of one frame, shape (n, ...), or its vertices, (nv, 2)."""
         model = self._model
+        state, _, fields = self._frames[frame]
         kinds: dict[str, NDArray[Any]] = {
             "block": np.arange(model.block_count),
             "rock": model.block_rock,
@@ -80,5 +93,5 @@ class FramesInMemory:
         }
         if name in kinds:
             return kinds[name]
-        values = self._fields.of(state)["Points" if name == VERTICES else f"CellData/{name}"]
+        values = fields.of(state)["Points" if name == VERTICES else f"CellData/{name}"]
         return values[:, :2] if name in (*PLANE_VECTORS, VERTICES) else values

@@ -5,6 +5,8 @@
                    Connectivity, Offsets and Types once, used by every frame through Steps
     /frames        table, a row per frame: time, and how many rows of the tables below belong to
                    the frames until then
+    /frame_stage   number of the stage of each frame, from 0; only where the run has stages, whose
+                   names are in about of /model
     /contacts      table, a row per contact that carries a force, frame after frame
     /history/NAME  table, a row per instant (the start and every step) of a measured point
     /bolts         table, a row per instant: force, elongation and state of each rock bolt; only
@@ -69,10 +71,10 @@ PLANE_VECTORS = ("displacement", "velocity")
 
 ABOUT = {
     "Points": "vertices, m",
-    "PointData/displacement": "displacement of the vertex since the start, m",
-    "CellData/displacement": "displacement of the centroid since the start, m",
+    "PointData/displacement": "displacement of the vertex since the start or a reset, m",
+    "CellData/displacement": "displacement of the centroid since the start or a reset, m",
     "CellData/velocity": "velocity of the centroid, m/s",
-    "CellData/rotation": "rotation since the start, rad, counter-clockwise",
+    "CellData/rotation": "rotation since the start or a reset, rad, counter-clockwise",
     "CellData/stress": "stress (xx, yy, xy), Pa, tension positive",
     "CellData/sigma_1": "largest principal stress in the plane, Pa, tension positive",
     "CellData/sigma_3": "smallest principal stress in the plane, Pa, tension positive",
@@ -86,7 +88,8 @@ ABOUT = {
 
 FRAME_ROW = np.dtype([("time", "f8"), ("steps", "i8"), ("instants", "i8"), ("contacts", "i8")])
 """A frame: time, s, and the rows of /steps, of /energy and /history, of /contacts until then."""
-
+FRAME_STAGE = "frame_stage"
+"""Numbers of the stages of the frames."""
 
 ENERGY_ROW = np.dtype([("time", "f8"), *((name, "f8") for name in LEDGER_ENTRIES)])
 """Time and every entry of the energy ledger."""

@@ -41,6 +41,8 @@ def about_in(text: str) -> dict[str, Any]:
     )
     if not known or not all(_is_rock(rock) for rock in about.get("rocks", ())):
         raise ValueError("/model/about does not say how the run was made")
+    if not all(isinstance(name, str) for name in about.get("stages", ())):
+        raise ValueError("/model/about has a stage without a name")
     parts = (about[key] for key in ("process", "contact_law") if key in about)
     if not all(isinstance(part.get("name"), str) for part in parts):
         raise ValueError("/model/about has a part without a name")
@@ -58,6 +60,7 @@ SHAPES: dict[str, type] = {
     "process": dict,
     "contact_law": dict,
     "rocks": list,
+    "stages": list,
     "step": float,
     "end": float,
 }
@@ -94,6 +97,7 @@ def texts(about: dict[str, Any]) -> dict[str, str]:
         "contact law": _numbers_text(about["contact_law"]),
         "p": f"{_number(about['contact_law'].get('normal_stiffness'))} N/m per m",
         "h": f"{about['step']:g} s, to {about['end']:g} s",
+        **({"stages": ", ".join(about["stages"])} if about.get("stages") else {}),
         "rocks": "\n".join((*rocks, *((more,) if more else ()))),
     }
 

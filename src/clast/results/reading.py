@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints
+from clast.model.stages.records import Event, StageRecord
 from clast.model.water.water import Water
 from clast.results import structure
 from clast.results.frames import (
@@ -98,6 +99,8 @@ class Results:
     """Water on outer faces and in joints."""
     layout: int = FORMAT
     """Version of the file's layout."""
+    frame_stages: tuple[str, ...] = ()
+    """Name of the stage of each frame; empty where the run has no stages."""
     frame_rows: NDArray[Any] = field(repr=False)
     """Table of the frames: time, and the rows of the other tables until then."""
 
@@ -105,6 +108,16 @@ class Results:
     def name(self) -> str:
         """Name of the file."""
         return self.path.name
+
+    @property
+    def stages(self) -> tuple[StageRecord, ...]:
+        """How each stage went; none where the run has no stages, or did not end."""
+        return self.report.stages if self.report else ()
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What happened in the run; nothing is known where it did not end."""
+        return self.report.events if self.report else ()
 
     @property
     def joint_name(self) -> tuple[str, ...]:
@@ -144,12 +157,15 @@ class Results:
         """Return the contacts of a frame that carry a force, as a table."""
         return contacts_of(self, frame)
 
-    def frame(self, number: int = -1, *, at: float | None = None) -> Frame:
-        """Return a frame by its number, or the one nearest to the time ``at``, s.
+    def frame(
+        self, number: int = -1, *, at: float | None = None, stage: str | None = None
+    ) -> Frame:
+        """Return a frame by its number, the one nearest to the time ``at``, s, or of a stage.
 
-        Raises CaseError for a number or a time that lies outside of the run.
+        That is the last one of the stage.  Raises CaseError for a number or a time that lies
+        outside of the run, and for a stage that does not exist.
         """
-        return frame_of(self, number, at)
+        return frame_of(self, number, at, stage)
 
     def block(self, name: str) -> BlockHistory:
         """Return how the block ``name`` moved, a row per frame, as a table.
@@ -292,12 +308,13 @@ def _results(path: Path, file: Any) -> Results:
     structure.check_grid(file, frames, blocks)
     points = structure.points_of(file, layout, frames["instants"][-1])
     about, prefix = file["model"].attrs, "version of "
+    made = structure.about_of(file)
     return Results(
         path=path,
         layout=layout,
         title=str(about["title"]),
         case_text=structure.text(file, "model/case"),
-        about=structure.about_of(file),
+        about=made,
         versions={
             key.removeprefix(prefix): str(number)
             for key, number in about.items()
@@ -316,6 +333,7 @@ def _results(path: Path, file: Any) -> Results:
         point_name=points[0],
         point_start=points[1],
         report=structure.report_of(file),
+        frame_stages=structure.stages_of(file, made.get("stages", ()), len(frames)),
         frame_rows=frames,
     )
 
@@ -342,6 +360,7 @@ def summary(results: Results) -> dict[str, Any]:
         "vertices": int(results.block_start[-1]),
         "rocks": list(results.rock_name),
         "joints": list(results.joints.name) if results.joints else [],
+        "stages": list(results.about.get("stages", ())),
         "fields": list(results.field_names),
         "largest_displacement": float(moved.max()),
         "contacts": len(results.contacts(-1)),

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from clast.errors import ResultsLost, RunStopped
 from clast.model.model import Model
+from clast.model.stages.reference import Reference
 from clast.model.state import LEDGER_ENTRIES, State
 from clast.results.checkpoints.checkpoint import Recorded
 from clast.results.layout import ENERGY_ROW, FRAME_ROW, STEP_ROW, bolts_row
@@ -88,6 +89,8 @@ class RunRecorder:
         self._recorded = recorded
         self.checkpoint: Path | None = None
         """The last checkpoint written of the run."""
+        self._stages: list[str] = []
+        self._stage = 0
         self._kept = FramesInMemory(model, memory_limit) if output is None else None
         self._file = None
         if output is not None:
@@ -109,8 +112,10 @@ class RunRecorder:
 
         ``about`` says how the run is simulated (``clast.results.provenance``).
         """
+        about = about or {}
+        self._stages = list(about.get("stages", ()))
         if self._file is not None:
-            self._file.about = about or {}
+            self._file.about = about
         if self._recorded is not None:
             self._go_on(self._recorded)
             self._state = state
@@ -133,6 +138,20 @@ class RunRecorder:
             counts=recorded.counts,
             lengths=recorded.lengths,
         )
+
+    def enter(self, stage: int, reference: Reference | None) -> None:
+        """Record what follows as of a stage, by its number among those of ``about``.
+
+        Displacements count from ``reference`` on, if there is one.
+        """
+        from clast.results.sampling import FrameFields, PointTracker
+
+        self._stage = stage
+        if reference is not None:
+            self._tracker = PointTracker(self._model, reference)
+            self._fields = FrameFields(self._model, reference)
+            if self._kept is not None:
+                self._kept.count_from(self._fields)
 
     def step(self, result: StepResult, step: float) -> None:
         """Record an accepted step of length ``step``, s."""
@@ -165,9 +184,10 @@ class RunRecorder:
     def _keep(self, state: State, rows: NDArray[Any]) -> None:
         """Keep a frame with a row for every contact."""
         if self._kept is not None:
-            self._kept.add(state, rows)
+            self._kept.add(state, rows, self._stages[self._stage] if self._stages else "")
         if self._file is not None:
             points = state.points[self._model.point_slices.bolts] + self._model.origin
+            self._file.stage = self._stage
             self._file.frame(state.time, self._fields.of(state), rows, self._tables(), points)
         self._frame_times.append(state.time)
         self._framed = Mark(

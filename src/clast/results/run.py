@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.stages.records import Event, StageRecord, events_from, records_from
 from clast.model.state import Ledger, Overlap, State
 from clast.model.water.water import Water
 from clast.results.frames import (
@@ -74,6 +75,10 @@ class Report:
     """What was chosen automatically, and why."""
     counts: Mapping[str, int] = field(default_factory=dict)
     """Sums over the accepted steps of what the process counts: passes, line searches, ..."""
+    stages: tuple[StageRecord, ...] = ()
+    """How each stage went; none where the run has no stages."""
+    events: tuple[Event, ...] = ()
+    """What happened in the run."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return the report as plain numbers and texts, ready for JSON."""
@@ -84,6 +89,8 @@ class Report:
         plain["warnings"] = list(self.warnings)
         plain["overlaps"] = [dataclasses.asdict(one) for one in self.overlaps]
         plain["notes"] = list(self.notes)
+        plain["stages"] = [dataclasses.asdict(one) for one in self.stages]
+        plain["events"] = [dataclasses.asdict(one) for one in self.events]
         return plain
 
     def __repr__(self) -> str:
@@ -96,6 +103,7 @@ class Report:
             f"{self.ledger.impacts:.4g}, numerical {self.ledger.numerical:.4g}, "
             f"unaccounted {self.ledger.unaccounted:.2g} J/m",
         ]
+        lines += [f"  {stage}" for stage in self.stages]
         if self.warnings:
             lines.append(f"  {len(self.warnings)} warnings: .warnings")
         return "\n".join(lines)
@@ -112,6 +120,8 @@ def report_from_dict(plain: Mapping[str, Any]) -> Report:
     entries["overlaps"] = tuple(
         Overlap(**{**one, "blocks": tuple(one["blocks"])}) for one in plain.get("overlaps", ())
     )
+    entries["stages"] = records_from(plain.get("stages", ()))
+    entries["events"] = events_from(plain.get("events", ()))
     return Report(**entries)
 
 
@@ -200,6 +210,21 @@ class Run:
         return sizes
 
     @property
+    def stages(self) -> tuple[StageRecord, ...]:
+        """How each stage went; none where the run has no stages."""
+        return self.report.stages
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What happened in the run."""
+        return self.report.events
+
+    @property
+    def frame_stages(self) -> tuple[str, ...]:
+        """Name of the stage of each frame; empty where the run has no stages."""
+        return self._frames.frame_stages
+
+    @property
     def title(self) -> str:
         """Title of the case."""
         return self.model.title
@@ -286,12 +311,15 @@ class Run:
         """Return the contacts of a frame that carry a force, as a table."""
         return contacts_of(self._frames, frame)
 
-    def frame(self, number: int = -1, *, at: float | None = None) -> Frame:
-        """Return a frame by its number, or the one nearest to the time ``at``, s.
+    def frame(
+        self, number: int = -1, *, at: float | None = None, stage: str | None = None
+    ) -> Frame:
+        """Return a frame by its number, the one nearest to the time ``at``, s, or of a stage.
 
-        Raises CaseError for a number or a time that lies outside of the run.
+        That is the last one of the stage.  Raises CaseError for a number or a time that lies
+        outside of the run, and for a stage that does not exist.
         """
-        return frame_of(self._frames, number, at)
+        return frame_of(self._frames, number, at, stage)
 
     def block(self, name: str) -> BlockHistory:
         """Return how the block ``name`` moved, a row per frame, as a table.

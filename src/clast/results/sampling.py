@@ -12,16 +12,22 @@ from clast.actions.relaxation import gone_in
 from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.model.model import Floats, Ints, Model
+from clast.model.stages.reference import Reference
 from clast.model.state import State
 from clast.results.layout import CONTACT_ROW
 
 
 class FrameFields:
-    """Turns the states of one model into the arrays of frames, in user coordinates."""
+    """Turns the states of one model into the arrays of frames, in user coordinates.
 
-    def __init__(self, model: Model) -> None:
+    Displacements and rotations count from ``reference``, or from the start of the run.
+    """
+
+    def __init__(self, model: Model, reference: Reference | None = None) -> None:
         self._model = model
-        _, self._start, _ = polygon.moments(model.vertices, model.block_start)
+        self._vertices = model.vertices if reference is None else reference.vertices
+        self._rotation = None if reference is None else reference.rotation
+        _, self._start, _ = polygon.moments(self._vertices, model.block_start)
 
     def of(self, state: State) -> dict[str, Floats]:
         """Return the arrays of a frame by their place in /VTKHDF (``layout.FRAME_ARRAYS``)."""
@@ -30,10 +36,10 @@ class FrameFields:
         sigma_1, sigma_3 = principal_stresses(state.stress)
         return {
             "Points": with_z(state.vertices + model.origin),
-            "PointData/displacement": with_z(state.vertices - model.vertices),
+            "PointData/displacement": with_z(state.vertices - self._vertices),
             "CellData/displacement": with_z(centroid - self._start),
             "CellData/velocity": with_z(state.velocity[:, :2]),
-            "CellData/rotation": state.rotation,
+            "CellData/rotation": counted(state.rotation, self._rotation),
             "CellData/stress": state.stress,
             "CellData/sigma_1": sigma_1,
             "CellData/sigma_3": sigma_3,
@@ -59,6 +65,11 @@ class FrameFields:
         rows["mode"] = response.mode[loaded]
         rows["joint"] = contacts.joint[loaded]
         return rows
+
+
+def counted(rotation: Floats, reference: Floats | None) -> Floats:
+    """Return rotations (n,), rad, as they count from those of ``reference``, if there are any."""
+    return rotation if reference is None else rotation - reference
 
 
 def with_z(plane: Floats) -> Floats:
@@ -103,14 +114,18 @@ class BoltTracker:
 
 
 class PointTracker:
-    """Follows the measured points of a model through its states."""
+    """Follows the measured points of a model through its states.
 
-    def __init__(self, model: Model) -> None:
+    Their displacements and rotations count from ``reference``, or from the start of the run.
+    """
+
+    def __init__(self, model: Model, reference: Reference | None = None) -> None:
         points = model.measured_points
         total = len(model.material_points.block)
         self._rows = slice(total - len(points.block), total)
-        self._start = points.at
+        self._start = points.at if reference is None else reference.points[self._rows]
         self._block = points.block
+        self._rotation = None if reference is None else reference.rotation[points.block]
         # Centroids are wanted of the points' blocks only: their vertices, block after block.
         blocks, self._outline = np.unique(points.block, return_inverse=True)
         outlines = [np.arange(model.block_start[b], model.block_start[b + 1]) for b in blocks]
@@ -122,7 +137,8 @@ class PointTracker:
         at = state.points[self._rows]
         _, centroid, _ = polygon.moments(state.vertices[self._vertices], self._outline_start)
         velocity = point_velocity(at - centroid[self._outline], state.velocity[self._block])
-        return state.time, at - self._start, velocity, state.rotation[self._block]
+        rotation = counted(state.rotation[self._block], self._rotation)
+        return state.time, at - self._start, velocity, rotation
 
 
 def point_velocity(offset: Floats, velocity: Floats) -> Floats:

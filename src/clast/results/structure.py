@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, get_origin, get_type_hints
 
@@ -22,6 +22,7 @@ from clast.results.layout import (
     CONTACT_ROW,
     FIRST_CONTACT_ROW,
     FRAME_ROW,
+    FRAME_STAGE,
     POINT_ARRAYS,
     POINT_ROW,
     POLYGON,
@@ -109,6 +110,18 @@ def frames_of(file: Any) -> NDArray[Any]:
     if not forward or (np.diff(ends, axis=0, prepend=0) < 0).any():
         raise MalformedError("/frames does not go forward")
     return rows
+
+
+def stages_of(file: Any, stages: Sequence[str], frames: int) -> tuple[str, ...]:
+    """Return the name of the stage of each frame, none without stages; raises MalformedError."""
+    if FRAME_STAGE not in file:
+        return ()
+    rows = _numbers(file, FRAME_STAGE, "iu")
+    _check_length(rows, frames)
+    number = rows[:frames]
+    if number.min() < 0 or number.max() >= len(stages) or (np.diff(number) < 0).any():
+        raise MalformedError(f"/{FRAME_STAGE} has frames of stages that do not exist")
+    return tuple(stages[one] for one in number)
 
 
 def points_of(file: Any, layout: int, instants: int) -> tuple[tuple[str, ...], Floats]:

@@ -83,7 +83,7 @@ class Motion(Columns):
 
     @property
     def displacement(self) -> Floats:
-        """Displacement (x, y) since the start, m, shape (t, 2)."""
+        """Displacement (x, y) since the start, or since a stage has reset it, m, shape (t, 2)."""
         return self.rows["displacement"]
 
     @property
@@ -93,7 +93,7 @@ class Motion(Columns):
 
     @property
     def rotation(self) -> Floats:
-        """Rotation of its block since the start, rad, counter-clockwise, shape (t,)."""
+        """Rotation of its block since then, rad, counter-clockwise, shape (t,)."""
         return self.rows["rotation"]
 
 
@@ -111,8 +111,17 @@ class BlockHistory(Motion):
     stress_yy, stress_xy.
     """
 
-    def __init__(self, rows: NDArray[Any], name: str, number: int, vertices: Floats) -> None:
+    def __init__(
+        self,
+        rows: NDArray[Any],
+        name: str,
+        number: int,
+        vertices: Floats,
+        stage: tuple[str, ...] = (),
+    ) -> None:
         super().__init__(rows)
+        self.stage = stage
+        """Name of the stage of each row; empty where the run has no stages."""
         self.name = name
         """Its name."""
         self.number = number

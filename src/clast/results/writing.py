@@ -29,6 +29,7 @@ from clast.results.layout import (
     ENERGY_ROW,
     FORMAT,
     FRAME_ROW,
+    FRAME_STAGE,
     POINT_ARRAYS,
     POINT_ROW,
     POLYGON,
@@ -74,6 +75,8 @@ class ResultFile:
         self.about: Mapping[str, Any] = {}
         """How the run is simulated (results.provenance), to be set before the first frame."""
         self._storage = storage or JournalledFile(claimed(self.path))
+        self.stage = 0
+        """Number of the stage of the next frame, where ``about`` has stages."""
         self._file: Any = None
         self._columns: dict[str, _Column] = {}
         self._frames = 0
@@ -197,6 +200,8 @@ class ResultFile:
         self._put_tables(new)
         ends = (time, len(tables["steps"]), len(tables["energy"]), contact_end)
         self._column("frames").put(number, np.array([ends], FRAME_ROW))
+        if self.about.get("stages"):
+            self._column(FRAME_STAGE).put(number, np.array([self.stage]))
         # Viewers read along: for them a frame counts when all of it is in the file.
         self._file.flush()
         self._file["VTKHDF/Steps"].attrs.modify("NSteps", np.int64(number + 1))
@@ -337,6 +342,8 @@ def _write_start(file: Any, model: Model, case_text: str, about: Mapping[str, An
     _write_grid(file.create_group("VTKHDF"), model)
     _write_model(file.create_group("model"), model, case_text, about)
     _growing(file, "frames", dtype=FRAME_ROW)
+    if about.get("stages"):
+        _growing(file, FRAME_STAGE, dtype="i8")
     _growing(file, "contacts", dtype=CONTACT_ROW, batch=CHUNK_ROWS)
     _growing(file, "energy", dtype=ENERGY_ROW)
     _growing(file, "steps", dtype=STEP_ROW)

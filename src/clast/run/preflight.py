@@ -14,6 +14,7 @@ from clast.compute.compilation import working_time
 from clast.contact.detection import detect
 from clast.errors import StepRejected
 from clast.model.model import Bools, Model, Repair
+from clast.model.stages.checks import check_stages
 from clast.model.state import State, initial_state
 from clast.run.method_warnings import check_overlaps, method_warnings
 from clast.run.model_warnings import model_warnings
@@ -92,9 +93,11 @@ class Sanity:
 def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
     """Return what a case consists of, and the warnings about it.
 
-    Raises ModelError where blocks overlap by more than contacts of this stiffness explain.
+    Raises ModelError where blocks overlap by more than contacts of this stiffness explain, and for
+    stages that cannot be.
     """
     check_overlaps(model, method)
+    check_stages(schedule.stages, model)
     start = initial_state(model)
     contacts = _contacts(model, method, start)
     unsupported = _unsupported(model, contacts)
@@ -121,7 +124,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
         contacts=len(contacts),
         touching_pairs=len(contacts.pairs),
         unsupported=tuple(model.block_name[block] for block in np.flatnonzero(unsupported)),
-        steps=int(np.ceil(schedule.end / schedule.step - 1e-9)),
+        steps=int(np.ceil(schedule.latest / schedule.step - 1e-9)),
         max_displacement=method.max_displacement,
         critdis=method.critdis,
         stability_number=number,
@@ -129,7 +132,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
         warnings=(
             *_duration_warnings(model, method, schedule, start),
             *method.process.advice(model, method, start, schedule.step),
-            *model_warnings(model, schedule.step, schedule.end),
+            *model_warnings(model, *schedule.of_motion),
             *method_warnings(model, method, schedule),
         ),
         repairs=model.repairs,
@@ -145,7 +148,7 @@ def _duration_warnings(
     Where a guess leaves that open, the first step is made some times: what is compiled for the
     first of them does not count.
     """
-    steps = schedule.end / schedule.step
+    steps = schedule.latest / schedule.step
     base, more = QUICKEST
     if steps < MANY_STEPS and steps * (base + more * model.block_count) < 0.1 * LONG:
         return

@@ -94,7 +94,7 @@ class Line:
         self._shown = perf_counter()
         self._bar.update(
             self._task,
-            completed=progress.time / progress.end,
+            completed=(progress.time - progress.start) / (progress.end - progress.start),
             description=status_text(progress, self._speed(working_time(), progress.time)),
         )
 
@@ -105,12 +105,19 @@ class Line:
 
 
 def status_text(progress: Progress, speed: float) -> str:
-    """Return where a run is: simulated time, step size, contacts, speed, time left."""
+    """Return where a run is: simulated time, step size, contacts, speed, time left.
+
+    In a stage also how far from equilibrium it is; the time left is that to its limit.
+    """
     parts = [
+        *([progress.stage] if progress.stage else []),
         f"t {progress.time:.4g} of {progress.end:.4g} s",
         f"step {progress.step:.2g} s",
         f"{progress.contacts} contacts",
     ]
+    if progress.force_ratio is not None and progress.speed is not None:
+        parts.append(f"unbalanced {progress.force_ratio:.1e}")
+        parts.append(f"fastest {progress.speed:.1e} m/s")
     if speed > 0.0:
         left = round((progress.end - progress.time) / speed)
         parts.append(f"{speed:.2g} s/s")

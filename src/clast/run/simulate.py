@@ -9,21 +9,29 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from clast.compute.compilation import COMPILATION, working_time
 from clast.compute.threads import threads_worth
 from clast.contact.contacts import Contacts
 from clast.errors import ResultsLost, RunStopped, StepOutcome, StepRejected
 from clast.model.model import Model
+from clast.model.stages.records import Event, StageRecord
+from clast.model.stages.stage import Stage
 from clast.model.state import Ledger, State, initial_state
 from clast.results import Report, Run, RunRecorder
 from clast.results.provenance import about_method
 from clast.run import law_check
 from clast.run.checkpointing import last_checkpoint
+from clast.run.events import Listener
 from clast.run.in_situ import in_equilibrium
 from clast.run.interrupts import held_back
 from clast.run.method_warnings import check_overlaps
 from clast.run.schedule import Progress, Schedule
+from clast.run.stages.course import Course
+from clast.run.stages.equilibrium import Judge
+from clast.run.stages.position import Position
+from clast.run.stages.transition import Setting
 from clast.run.tally import Tally
 from clast.run.watch import Watch, Watched
 from clast.step import energy_balance
@@ -61,17 +69,38 @@ class RunState:
     """What the run will be warned of."""
     notes: tuple[str, ...] = ()
     """What the run says about its start."""
+    events: tuple[Event, ...] = ()
+    """What has happened in it."""
+    position: Position | None = None
+    """Where it is among its stages; None: it has none."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stepping:
-    """What all steps of a run have in common."""
+    """What all steps of a run, or of one of its stages, have in common."""
 
     model: Model
     method: Method
     schedule: Schedule
     watch: Watch
     workspace: Workspace
+    listener: Listener
+    judge: Judge | None = None
+    """Judges the steps of a stage."""
+
+    @classmethod
+    def of(cls, setting: Setting, workspace: Workspace, stage: Stage | None) -> Stepping:
+        """Return what the steps of a setting have in common."""
+        model, method = setting.model, setting.method
+        return cls(
+            model=model,
+            method=method,
+            schedule=setting.schedule,
+            watch=Watch(model=model, method=method),
+            workspace=workspace,
+            listener=Listener(model=model, method=method, stage=stage.name if stage else ""),
+            judge=None if stage is None else Judge(model=model, method=method, stage=stage),
+        )
 
     def begin(self) -> RunState:
         """Return the run before its first step: at rest, or with its initial velocities."""
@@ -89,7 +118,9 @@ class Stepping:
         )
 
     def is_over(self, now: RunState) -> bool:
-        """Return whether the end of the schedule is reached."""
+        """Return whether the end of the schedule is reached, or the equilibrium of the stage."""
+        if self.judge is not None and now.position is not None and self.judge.is_over(now.position):
+            return True
         return self.schedule.end - now.state.time <= ROUNDING * self.schedule.step
 
     def next(self, now: RunState) -> tuple[RunState, StepResult]:
@@ -103,6 +134,9 @@ class Stepping:
         first = now.first
         if now.state.time == 0.0:
             first = energy_balance.with_overlap(first, self.method, result.contacts)
+        position = now.position
+        if self.judge is not None and position is not None:
+            position = self.judge.after(position, now.state, result, taken)
         return (
             replace(
                 now,
@@ -112,23 +146,30 @@ class Stepping:
                 first=first,
                 tally=tally,
                 seen=self.watch.with_step(now.seen, result),
+                events=(*now.events, *self.listener.heard(now.state, result.state)),
+                position=position,
             ),
             result,
         )
 
     def frame_is_due(self, now: RunState) -> bool:
-        """Return whether a frame is to be kept."""
+        """Return whether a frame is to be kept; a stage ends with one."""
         due = now.frame * self.schedule.every
+        if self.judge is not None and self.is_over(now):
+            return True
         return now.state.time >= due - ROUNDING * self.schedule.step
 
     def with_frame(self, now: RunState) -> RunState:
         """Return the run after a frame has been kept."""
-        time = now.state.time + ROUNDING * self.schedule.step
         return replace(
             now,
-            frame=int(time / self.schedule.every) + 1,
+            frame=self.next_frame(now.state.time),
             seen=self.watch.with_frame(now.seen, now.state),
         )
+
+    def next_frame(self, time: float) -> int:
+        """Return the number of the frame that is due after a time, s."""
+        return int((time + ROUNDING * self.schedule.step) / self.schedule.every) + 1
 
     def _accepted(self, state: State, step: float) -> tuple[StepResult, float, int]:
         """Return the longest step that is accepted, cutting from ``step``, s; its length; cuts.
@@ -177,20 +218,13 @@ def simulate(
     schedule that has it as ``begin`` goes on from there, and records from there on.
     """
     check_overlaps(model, method)
-    recorder = recorder or RunRecorder(model)
+    course = Course(base=Setting(model=model, method=method, schedule=schedule))
     start = working_time()
-    stepping = Stepping(
-        model=model,
-        method=method,
-        schedule=schedule,
-        watch=Watch(model=model, method=method),
-        workspace=Workspace(),
-    )
-    now = begin or stepping.begin()
-    advice = method.process.advice(model, method, now.state, schedule.step)
+    march = _March.begun(course, recorder or RunRecorder(model), begin)
+    march.watch, march.keep = watch, keep
+    advice = method.process.advice(model, method, march.now.state, schedule.step)
     warnings = tuple(dict.fromkeys((*warnings, *advice)))
-    recorder.start(now.state, about_method(method, schedule.step, schedule.end))
-    march = _March(stepping, recorder, watch, keep, now)
+    march.recorder.start(march.now.state, _about(method, schedule))
     failure, outcome, ended_by = "", "the run reached its end", 0
     with held_back() as let_go, threads_worth(model.block_count):
         try:
@@ -198,10 +232,10 @@ def simulate(
         except (StepRejected, ResultsLost) as gave_up:
             march.count_cuts(getattr(gave_up, "cuts", 0))
             failure = str(gave_up)
-            outcome = f"stopped at t = {recorder.state.time:.6g} s: {failure}"
+            outcome = f"stopped at t = {march.recorder.state.time:.6g} s: {failure}"
         except KeyboardInterrupt as asked:
             ended_by = getattr(asked, "number", signal.SIGINT)
-            outcome = f"interrupted{_by(ended_by)} at t = {recorder.state.time:.6g} s"
+            outcome = f"interrupted{_by(ended_by)} at t = {march.recorder.state.time:.6g} s"
         warnings += last_checkpoint(keep, outcome, finished=not failure and not ended_by)
         report = march.report(
             working_time() - start, outcome, finished=not failure and not ended_by, said=warnings
@@ -209,10 +243,17 @@ def simulate(
         compiling = COMPILATION.unreported()
         if compiling > 0.0:
             report = replace(report, seconds={**report.seconds, "compilation": compiling})
-        run = replace(recorder.finish(report), ended_by=ended_by)
+        run = replace(march.recorder.finish(report), ended_by=ended_by)
     if failure:
         raise RunStopped(f"the run {outcome}", run)
     return run
+
+
+def _about(method: Method, schedule: Schedule) -> dict[str, Any]:
+    """Return how a run is simulated, ready for JSON."""
+    about = about_method(method, schedule.step, schedule.latest)
+    names = [stage.name for stage in schedule.stages]
+    return {**about, "stages": names} if names else about
 
 
 def _by(number: int) -> str:
@@ -224,19 +265,46 @@ def _by(number: int) -> str:
 class _March:
     """A run on its way: where it is, and who is told."""
 
+    course: Course
+    setting: Setting
     stepping: Stepping
     recorder: RunRecorder
-    watch: Callable[[Progress], None] | None
-    keep: Callable[[RunState], None] | None
     now: RunState
+    watch: Callable[[Progress], None] | None = None
+    keep: Callable[[RunState], None] | None = None
     touching: Contacts | None = None
     """Contacts of the last step that had any, which a law of one's own is tried on."""
 
+    @classmethod
+    def begun(cls, course: Course, recorder: RunRecorder, begin: RunState | None) -> _March:
+        """Return a run before its first step, or where it is to go on."""
+        position = begin.position if begin else None
+        setting = course.setting_at(position, begin.state) if begin else course.first
+        stage = None if position is None else course.stage(position)
+        stepping = Stepping.of(setting, Workspace(), stage)
+        march = cls(course, setting, stepping, recorder, begin or stepping.begin())
+        if position is not None:
+            recorder.enter(position.number, position.reference)
+        elif course.stages:
+            march.now = replace(march.now, position=Position())
+            march._enter()
+        return march
+
     def to_the_end(self, let_go: Callable[[], None]) -> None:
-        """Step to the end of the schedule.
+        """Step to the end of the schedule, or through all stages.
 
         ``let_go`` is called between steps, and raises KeyboardInterrupt if the key was pressed.
         """
+        self._step_on(let_go)
+        while self.now.position is not None:
+            self._leave()
+            if self.course.is_done(self.now.position):
+                return
+            self._enter()
+            self._step_on(let_go)
+
+    def _step_on(self, let_go: Callable[[], None]) -> None:
+        """Step to the end of the schedule, or of a stage."""
         stepping = self.stepping
         while not stepping.is_over(self.now):
             let_go()
@@ -244,13 +312,37 @@ class _March:
             self.touching = result.contacts if len(result.contacts) else self.touching
             self.recorder.step(result, self.now.taken)
             if self.watch:
-                self.watch(_progress(self.now, result, stepping.schedule))
+                self.watch(_progress(self.now, result, stepping))
             if stepping.frame_is_due(self.now):
                 self.recorder.frame(result.state, result.contacts, result.response)
                 self.now = stepping.with_frame(self.now)
             _reject_created_energy(stepping.model, stepping.method, result.state, self.now.first)
             if self.keep:
                 self.keep(self.now)
+
+    def _enter(self) -> None:
+        """Begin the next stage."""
+        now, course = self.now, self.course
+        position = now.position or Position()
+        self.setting, state, position, events = course.enter(self.setting, now.state, position)
+        workspace, stage = self.stepping.workspace, course.stage(position)
+        self.stepping = Stepping.of(self.setting, workspace, stage)
+        self.now = replace(
+            now,
+            state=state,
+            step=self.setting.schedule.step,
+            frame=self.stepping.next_frame(state.time),
+            events=(*now.events, *events),
+            position=position,
+        )
+        self.recorder.enter(position.number, position.reference)
+
+    def _leave(self) -> None:
+        """End the stage that goes on."""
+        now, judge = self.now, self.stepping.judge
+        if now.position is not None and judge is not None:
+            position, events = self.course.leave(now.position, now.state, judge)
+            self.now = replace(now, position=position, events=(*now.events, *events))
 
     def count_cuts(self, cuts: int) -> None:
         """Count the cuts of a step that was given up."""
@@ -262,6 +354,11 @@ class _March:
         model, method, watch = self.stepping.model, self.stepping.method, self.stepping.watch
         state, tally = self.recorder.state, self.now.tally
         seen = watch.with_frame(self.now.seen, state)
+        position = self.now.position
+        stages: tuple[StageRecord, ...] = ()
+        if position is not None:
+            stages = self.course.all_records(position, state)
+            said = (*said, *self.course.warnings(position))
         warnings = *said, *watch.warnings(seen, state, self.now.taken)
         if self.touching is not None:
             warnings += law_check.warnings_of(method.contact_law, self.touching)
@@ -280,18 +377,29 @@ class _March:
             warnings=warnings,
             overlaps=tuple(seen.overlaps.values()),
             notes=(*map(str, model.repairs), *model.notes, *method.notes, *self.now.notes),
+            stages=stages,
+            events=self.now.events,
         )
 
 
-def _progress(now: RunState, result: StepResult, schedule: Schedule) -> Progress:
+def _progress(now: RunState, result: StepResult, stepping: Stepping) -> Progress:
     """Return where a run is after a step."""
-    return Progress(
+    progress = Progress(
         time=now.state.time,
-        end=schedule.end,
+        end=stepping.schedule.end,
         step=now.taken,
         steps=now.tally.steps,
         contacts=len(result.contacts),
         penetration=result.penetration,
+    )
+    if now.position is None or stepping.judge is None:
+        return progress
+    return replace(
+        progress,
+        stage=stepping.judge.stage.name,
+        start=now.position.start,
+        force_ratio=now.position.judged.force_ratio,
+        speed=now.position.judged.mover.speed,
     )
 
 

@@ -54,6 +54,8 @@ class PointLoadTable(Table):
     """Block; needed only where blocks touch."""
     factor: StrictStr | None = None
     """Table by whose value the load is multiplied; none: it is constant."""
+    name: StrictStr | None = None
+    """Name by which stages refer to it; several loads may share one."""
 
     def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
         """Add the load."""
@@ -73,6 +75,8 @@ class LineLoadTable(Table):
     """Block; needed only where blocks touch."""
     factor: StrictStr | None = None
     """Table by whose value the load is multiplied; none: it is constant."""
+    name: StrictStr | None = None
+    """Name by which stages refer to it; several loads may share one."""
 
     def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
         """Add the load."""
@@ -104,6 +108,8 @@ class PressureTable(Table):
     """Block; needed only where edges of two blocks lie on the line."""
     factor: StrictStr | None = None
     """Table by whose value the pressure is multiplied; none: it is constant."""
+    name: StrictStr | None = None
+    """Name by which stages refer to it; several loads may share one."""
 
     def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
         """Add the pressure."""

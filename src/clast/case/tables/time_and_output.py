@@ -27,7 +27,7 @@ class TimeTable(Table):
     step: Interval
     """Length of a step, s; shorter steps are used where max_displacement asks for them."""
     end: Positive
-    """End of the run, s."""
+    """End of the run, s; with [[stage]] the longest time of a stage that gives none."""
     max_displacement: Length | None = None
     """Largest movement of a vertex in a step against blocks that it might touch, m; 5 % of the size
     (square root of the area) of the smallest block if absent."""
@@ -82,6 +82,6 @@ class OutputTable(Table):
     """Wall time between checkpoints, s, from which ``clast resume`` goes on after a kill; if absent
     there is one where a run ends before its time."""
 
-    def interval(self, time: TimeTable) -> float:
-        """Return the time between frames, s."""
-        return self.every or max(time.step, time.end / FRAMES)
+    def interval(self, step: float, end: float) -> float:
+        """Return the time between frames, s, of a run to ``end``, s, in steps of ``step``, s."""
+        return self.every or max(step, end / FRAMES)

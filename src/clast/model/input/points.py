@@ -29,17 +29,19 @@ class Place:
     end: Vector | None = None
     load: Vector = NO_LOAD
     factor: str | None = None
+    name: str = ""
 
 
 @dataclass(frozen=True)
 class Places:
-    """Where points or lines ended up: blocks (k,), ends (k, 2), loads (k, 2), factors (k,)."""
+    """Where points or lines ended up: blocks (k,), ends (k, 2), loads (k, 2), factors, names."""
 
     block: Ints
     at: Floats
     end: Floats
     load: Floats
     factor: Ints
+    name: tuple[str, ...]
 
 
 def located(
@@ -76,10 +78,10 @@ def located(
     if lines.any():
         shapes = np.array(shapely.linestrings(np.stack([at, end], axis=1)))
     if count == 0:
-        return Places(np.zeros(0, np.int64), at, end, load, factor)
+        return Places(np.zeros(0, np.int64), at, end, load, factor, ())
 
     def where(k: int) -> str:
         return f"{entries[k].label} at {point_text(at[k] + outlines.origin)}"
 
     block = locate(shapes, named, where, outlines, shapely.STRtree(polygons), moved)
-    return Places(block, at, end, load, factor)
+    return Places(block, at, end, load, factor, tuple(entry.name for entry in entries))

@@ -28,6 +28,7 @@ class LinePressure:
     value: Any
     block: str | None
     factor: str | None
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -78,11 +79,13 @@ def pressed_edges(
                 share=share,
                 pressure=ends[0] + (ends[1] - ends[0]) * place / line.length,
                 factor=np.full(len(edge), factor),
+                name=(entry.name,) * len(edge),
             )
         )
     names = ("block", "edge", "share", "pressure", "factor")
     joined = {name: np.concatenate([getattr(one, name) for one in found]) for name in names}
-    return EdgePressures(**joined), tuple(notes)
+    labels = tuple(name for one in found for name in one.name)
+    return EdgePressures(**joined, name=labels), tuple(notes)
 
 
 def _line(entry: LinePressure, outlines: Outlines) -> _Line:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from clast.model.input.bolt_kinds import BoltNumbers
     from clast.model.input.bolts import BoltChoices
     from clast.model.input.water import WaterKeys
+from clast.model.value_checks import check_names
 
 
 @dataclass(kw_only=True)
@@ -63,14 +64,22 @@ class SupportsAndLoads:
         return name
 
     def point_load(
-        self, at: Vector, force: Vector, block: str | None = None, factor: str | None = None
+        self,
+        at: Vector,
+        force: Vector,
+        block: str | None = None,
+        factor: str | None = None,
+        name: str | None = None,
     ) -> None:
         """Apply a force (x, y), N per metre of thickness, at a point, m, of a block.
 
-        ``factor`` names a table by whose value at the end of each step the force is multiplied.
+        ``factor`` names a table by whose value at the end of each step the force is multiplied;
+        ``name`` is that by which stages refer to it, and to others of the same name.
         """
         label = f"point load {len(self._point_loads) + 1}"
-        self._point_loads.append(Place(label, at, block, load=force, factor=factor))
+        self._point_loads.append(
+            Place(label, at, block, load=force, factor=factor, name=_name_of(name, label))
+        )
 
     def line_load(
         self,
@@ -79,13 +88,17 @@ class SupportsAndLoads:
         traction: Vector,
         block: str | None = None,
         factor: str | None = None,
+        name: str | None = None,
     ) -> None:
         """Apply a traction (x, y), N/m per metre of thickness, along a line of a block.
 
-        ``start`` and ``end`` (x, y) in m; ``factor`` as for point loads.
+        ``start`` and ``end`` (x, y) in m; ``factor`` and ``name`` as for point loads.
         """
         label = f"line load {len(self._line_loads) + 1}"
-        self._line_loads.append(Place(label, start, block, end=end, load=traction, factor=factor))
+        named = _name_of(name, label)
+        self._line_loads.append(
+            Place(label, start, block, end=end, load=traction, factor=factor, name=named)
+        )
 
     def pressure(
         self,
@@ -94,15 +107,25 @@ class SupportsAndLoads:
         value: float | Vector,
         block: str | None = None,
         factor: str | None = None,
+        name: str | None = None,
     ) -> None:
         """Press on the edges along a straight line, normal to them as they turn with their blocks.
 
         ``value`` is one pressure, Pa, or that at ``start`` and at ``end`` (x, y), m, positive into
-        the blocks.  ``block`` is needed where edges of two blocks meet; ``factor`` as above.
+        the blocks.  ``block`` is needed where edges of two blocks meet; ``factor`` and
+        ``name`` as above.
         """
         label = f"pressure {len(self._pressures) + 1}"
         self._pressures.append(
-            LinePressure(label=label, start=start, end=end, value=value, block=block, factor=factor)
+            LinePressure(
+                label=label,
+                start=start,
+                end=end,
+                value=value,
+                block=block,
+                factor=factor,
+                name=_name_of(name, label),
+            )
         )
 
     def viscous_boundary(
@@ -256,3 +279,10 @@ class SupportsAndLoads:
         names = (blocks,) if isinstance(blocks, str) else tuple(map(str, blocks))
         self._openings.append(OpeningEntry(str(name), names, weld))
         return str(name)
+
+
+def _name_of(name: str | None, label: str) -> str:
+    """Return the name of a load, "" where it has none; refuse names that are none."""
+    if name is not None:
+        check_names(label, [name])
+    return name or ""

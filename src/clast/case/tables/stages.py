@@ -1,0 +1,128 @@
+"""[[stage]]: the parts of a run, one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, StrictBool, StrictInt, StrictStr
+
+from clast import spelling
+from clast.actions.damping import Adaptive, Kinetic, Undamped
+from clast.case.choices import Number, within
+from clast.case.tables.table import Interval, Positive, Strength, Table
+from clast.errors import CaseError
+from clast.model import ranges
+from clast.model.stages.stage import Stage
+
+DAMPINGS: dict[str, Callable[[], Any]] = {
+    "adaptive": Adaptive,
+    "kinetic": Kinetic,
+    "none": Undamped,
+}
+"""Name of a damping of a stage -> what makes it."""
+
+
+class StrengthTable(Table):
+    """Strengths of a joint from a stage on; what is left out stays."""
+
+    friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
+    """Coulomb friction angle, degrees."""
+    cohesion: Strength | None = None
+    """Cohesion of bonds that are whole, Pa."""
+    tensile_strength: Strength | None = None
+    """Tension cut-off of bonds that are whole, Pa."""
+
+
+class StageTable(Table):
+    """A part of the run: what is done when it begins, how it is simulated, and when it ends."""
+
+    name: StrictStr
+    """Name."""
+    until: Literal["equilibrium", "time"] = "equilibrium"
+    """Lasts until the blocks are in equilibrium, or until its time is over."""
+    time: Annotated[Positive, within(ranges.INTERVAL)] | None = None
+    """Length of the stage, s, or its limit if it lasts until equilibrium; time.end if absent."""
+    damping: StrictStr | None = None
+    """Damping of the stage by name; as without stages if absent."""
+    dynamic_ratio: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
+    """Share of velocity carried to the next step: 0 static, 1 dynamic; time.dynamic_ratio if
+    absent."""
+    force_ratio: Annotated[Number, Field(gt=0.0, le=1.0)] = 1e-4
+    """Unbalanced force on a block, as a share of all forces on it, that is none in equilibrium."""
+    speed: Positive = 1e-6
+    """Speed of a block, as a share of sqrt(g x its size), that is none in equilibrium."""
+    hold: Annotated[StrictInt, Field(ge=1, le=1_000_000)] = 20
+    """Steps in a row in which that holds."""
+    reset_displacement: StrictBool = False
+    """True: displacements count from the end of the stage; positions stay as they are."""
+    step: Interval | None = None
+    """Length of a step, s; time.step if absent."""
+    every: Interval | None = None
+    """Time between frames, s; output.every if absent."""
+    excavate: list[StrictStr] = Field([])
+    """Openings and blocks that are taken out at its start."""
+    relax: Annotated[Number, Field(ge=0.0, le=1.0)] = 1.0
+    """Share of the support forces of what is taken out that is released at once."""
+    relax_time: Annotated[Number, Field(ge=0.0), within(ranges.INTERVAL)] = 0.0
+    """Time over which the rest is released, s."""
+    install: list[StrictStr] = Field([])
+    """Bolts that are put in at its start, by their names or kinds."""
+    joint: dict[str, StrengthTable] = Field({})
+    """Strengths of joints from its start on: {bedding = {friction_angle = 25}}."""
+    loads: list[StrictStr] = Field([])
+    """Names of loads, pressures and tables that act from its start on, and not before."""
+    ground_motion: StrictBool = False
+    """True: [ground_motion] acts in this stage; its record begins with the stage."""
+
+    def stage(self) -> Stage:
+        """Return the stage.  Raises CaseError for a damping that does not exist."""
+        given = {key: value for key, value in self if key not in ("joint", "damping")}
+        for key in ("excavate", "install", "loads"):
+            given[key] = tuple(given[key])
+        joints = {
+            name: {key: value for key, value in strengths if value is not None}
+            for name, strengths in self.joint.items()
+        }
+        return Stage(**given, joints=joints, damping=self._damping())
+
+    def _damping(self) -> Any:
+        """Return the damping of a name, None for none."""
+        if self.damping is None:
+            return None
+        if self.damping not in DAMPINGS:
+            raise CaseError(
+                f"there is no damping '{self.damping}'",
+                where=f"[[stage]] '{self.name}', damping",
+                remedy=spelling.advice(self.damping, DAMPINGS, kind="damping"),
+            )
+        return DAMPINGS[self.damping]()
+
+
+def stage_keys(stage: Stage) -> dict[str, Any]:
+    """Return the keys of the table that makes a stage; those that are as usual are left out."""
+    usual = Stage(name=stage.name)
+    keys: dict[str, Any] = {"name": stage.name}
+    for entry in fields(Stage):
+        value = getattr(stage, entry.name)
+        if value != getattr(usual, entry.name):
+            keys[entry.name] = list(value) if isinstance(value, tuple) else value
+    if "joints" in keys:
+        joints: Mapping[str, Mapping[str, float]] = keys.pop("joints")
+        keys["joint"] = {name: dict(changes) for name, changes in joints.items()}
+    if "damping" in keys:
+        keys["damping"] = _damping_name(stage)
+    return keys
+
+
+def _damping_name(stage: Stage) -> str:
+    """Return the name of a stage's damping in case files."""
+    for name, make in DAMPINGS.items():
+        if make() == stage.damping:
+            return name
+    raise CaseError(
+        f"{type(stage.damping).__name__} is an object of a script, which no case file can hold",
+        where=f"stage '{stage.name}', damping",
+        remedy="run the model itself: clast.simulate(builder.build(), stages=...)",
+    )

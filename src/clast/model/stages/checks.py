@@ -1,0 +1,247 @@
+"""What is refused of stages, against the model that they are of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from clast import spelling
+from clast.errors import ModelError, shortened
+from clast.model import ranges
+from clast.model.ground_motion import Still
+from clast.model.model import Model
+from clast.model.stages.loads import load_names, names_that_act
+from clast.model.stages.stage import EQUILIBRIUM, STRENGTHS, TIME, Stage
+from clast.model.stages.strengths import with_strengths
+from clast.model.value_checks import SMALL_ANGLE, check_joint, check_names, check_number
+
+
+def check_stages(stages: Sequence[Stage], model: Model) -> None:
+    """Raise ModelError for stages that say what cannot be meant, or name what the model lacks."""
+    check_names("stage", [stage.name for stage in stages])
+    for stage in stages:
+        _check_numbers(stage)
+        _check_relaxation(stage)
+        _check_joints(stage, model)
+        _check_ground_motion(stage, model)
+        for names in _NAMED:
+            names.check(stage, model)
+    for names in _NAMED:
+        _check_once(stages, names)
+    _check_bolts(stages, model)
+    _check_acts(stages, model)
+    _check_table_names(stages, model)
+
+
+def excavatable(model: Model) -> tuple[str, ...]:
+    """Return the names that ``excavate`` may have: those of openings, and of blocks."""
+    return *(one.name for one in model.openings), *model.block_name
+
+
+def installable(model: Model) -> tuple[str, ...]:
+    """Return the names that ``install`` may have: those of bolts, their kinds and patterns."""
+    bolts = model.bolts
+    return tuple(name for name in (*bolts.name, *bolts.kind, *bolts.group) if name)
+
+
+@dataclass(frozen=True)
+class _Names:
+    """Names in one key of a stage."""
+
+    key: str
+    kind: str
+    """What they name, for messages."""
+    known: Callable[[Model], Iterable[str]]
+    again: str
+    """What is wrong where two stages name the same."""
+
+    def check(self, stage: Stage, model: Model) -> None:
+        """Refuse names that are none, or unknown."""
+        given: Any = getattr(stage, self.key)
+        if isinstance(given, str) or not all(isinstance(name, str) for name in given):
+            raise ModelError(
+                f"{shortened(repr(given))} is no list of names",
+                where=f"{_where(stage)}, {self.key}",
+                remedy=f'give a list, e.g. {self.key} = ["name"]',
+            )
+        known = tuple(dict.fromkeys(self.known(model)))
+        for name in given:
+            if name not in known:
+                raise ModelError(
+                    f"there is no {self.kind} '{shortened(name)}'",
+                    where=f"{_where(stage)}, {self.key}",
+                    remedy=spelling.advice(name, known, kind=self.kind),
+                )
+
+
+_NAMED = (
+    _Names("excavate", "opening or block", excavatable, "has been excavated"),
+    _Names("install", "bolt or kind of bolt", installable, "has been installed"),
+    _Names("loads", "named load or table", load_names, "acts"),
+)
+
+
+def _where(stage: Stage) -> str:
+    return f"stage '{shortened(str(stage.name))}'"
+
+
+def _check_numbers(stage: Stage) -> None:
+    """Refuse numbers that are none, or outside what they can be."""
+    where = _where(stage)
+    if stage.until not in (EQUILIBRIUM, TIME):
+        raise ModelError(
+            f"{shortened(repr(stage.until))} is nothing to last until",
+            where=f"{where}, until",
+            remedy=f'write "{EQUILIBRIUM}" or "{TIME}"',
+        )
+    if stage.until == TIME and stage.time is None:
+        raise ModelError(
+            "is missing", where=f"{where}, time", remedy="say how long the stage lasts, s"
+        )
+    for key in ("time", "step", "every", "force_ratio", "speed"):
+        value = getattr(stage, key)
+        if value is not None and not check_number(value, f"{where}, {key}") > 0.0:
+            raise ModelError(f"{value:g} is not above 0", where=f"{where}, {key}")
+    for key in ("time", "step", "every"):
+        if getattr(stage, key) is not None:
+            ranges.check_size(getattr(stage, key), ranges.INTERVAL, f"{where}, {key}", "in s")
+    for key in ("force_ratio", "dynamic_ratio", "relax"):
+        value = getattr(stage, key)
+        if value is not None and not 0.0 <= check_number(value, f"{where}, {key}") <= 1.0:
+            raise ModelError(
+                f"{value:g} is no share", where=f"{where}, {key}", remedy="give it from 0 to 1"
+            )
+    if isinstance(stage.hold, bool) or not isinstance(stage.hold, int) or stage.hold < 1:
+        raise ModelError(
+            f"{shortened(repr(stage.hold))} is no number of steps",
+            where=f"{where}, hold",
+            remedy="give a whole number from 1 on; 20 if absent",
+        )
+    if stage.time is not None and stage.step is not None and stage.step > stage.time:
+        raise ModelError(
+            f"{stage.step:g} s is longer than the whole stage of {stage.time:g} s",
+            where=f"{where}, step",
+            remedy="lower step, or raise time",
+        )
+
+
+def _check_relaxation(stage: Stage) -> None:
+    """Refuse support forces that are released of nothing, or never."""
+    where = _where(stage)
+    lasting = check_number(stage.relax_time, f"{where}, relax_time")
+    given = [key for key in ("relax", "relax_time") if getattr(stage, key) != getattr(Stage, key)]
+    if given and not stage.excavate:
+        raise ModelError(
+            "there is nothing to relax: the stage excavates nothing",
+            where=f"{where}, {given[0]}",
+            remedy='name what is taken out, e.g. excavate = ["heading"]',
+        )
+    if lasting < 0.0 or (lasting == 0.0 and stage.relax < 1.0):
+        raise ModelError(
+            f"{lasting:g} s is no time over which {1.0 - stage.relax:.3g} of the support forces "
+            "could be released",
+            where=f"{where}, relax_time",
+            remedy="give it in s, above 0",
+        )
+    if stage.time is not None and lasting > stage.time:
+        raise ModelError(
+            f"{lasting:g} s is longer than the stage, {stage.time:g} s",
+            where=f"{where}, relax_time",
+            remedy="lower it, or raise time",
+        )
+
+
+def _check_joints(stage: Stage, model: Model) -> None:
+    """Refuse joints that do not exist, and numbers that are no strengths."""
+    where = f"{_where(stage)}, joint"
+    joints = {joint.name: joint for joint in model.joint_table.joints}
+    for name, changes in stage.joints.items():
+        if name not in joints:
+            raise ModelError(
+                f"there is no joint '{shortened(str(name))}'",
+                where=where,
+                remedy=spelling.advice(str(name), joints, kind="joint"),
+            )
+        for key, value in changes.items():
+            if key not in STRENGTHS:
+                raise ModelError(
+                    f"a stage cannot change '{shortened(str(key))}'",
+                    where=f"{where}.{name}",
+                    remedy=spelling.advice(str(key), STRENGTHS, kind="strength"),
+                )
+            check_number(value, f"{where}.{name}, {key}")
+    changed = with_strengths(model.joint_table, stage.joints).joints
+    for joint in changed:
+        if joint.name in stage.joints:
+            small = 0.0 < joints[joint.name].friction_angle < SMALL_ANGLE
+            try:
+                check_joint(joint, allow_small_friction_angle=small)
+            except ModelError as error:
+                raise ModelError(
+                    error.what, where=f"{_where(stage)}, {error.where}", remedy=error.remedy
+                ) from None
+
+
+def _check_ground_motion(stage: Stage, model: Model) -> None:
+    """Refuse a motion of the ground that the model does not have."""
+    if stage.ground_motion and isinstance(model.ground_motion, Still):
+        raise ModelError(
+            "there is no motion of the ground",
+            where=f"{_where(stage)}, ground_motion",
+            remedy="give it with [ground_motion], or leave this key out",
+        )
+
+
+def _check_bolts(stages: Sequence[Stage], model: Model) -> None:
+    """Refuse bolts that wait for a stage that does not come."""
+    names = [stage.name for stage in stages]
+    for bolt, name in zip(model.bolts.name, model.bolts.stage, strict=True):
+        if name and name not in names:
+            raise ModelError(
+                f"there is no stage '{shortened(name)}'",
+                where=f"bolt '{shortened(bolt)}', stage",
+                remedy=spelling.advice(name, names, kind="stage")
+                if names
+                else "add [[stage]] with this name, or leave stage out",
+            )
+
+
+def _check_acts(stages: Sequence[Stage], model: Model) -> None:
+    """Refuse a motion of the ground that no stage has."""
+    if isinstance(model.ground_motion, Still) or any(stage.ground_motion for stage in stages):
+        return
+    if stages:
+        raise ModelError(
+            "acts in no stage",
+            where="ground_motion",
+            remedy="add ground_motion = true to the stage that it belongs to, or remove it",
+        )
+
+
+def _check_once(stages: Sequence[Stage], names: _Names) -> None:
+    """Refuse what two stages, or one of them twice, excavate, install or have begin."""
+    first: dict[str, Stage] = {}
+    for stage in stages:
+        for name in getattr(stage, names.key):
+            if name in first:
+                raise ModelError(
+                    f"'{shortened(name)}' {names.again} already since {_where(first[name])}",
+                    where=f"{_where(stage)}, {names.key}",
+                    remedy="name it once",
+                )
+            first[name] = stage
+
+
+def _check_table_names(stages: Sequence[Stage], model: Model) -> None:
+    """Refuse names of loads in stages that are names of tables, too."""
+    loads = set(names_that_act(model))
+    tables = {factor.name for factor in model.factors}
+    for stage in stages:
+        for name in stage.loads:
+            if name in loads & tables:
+                raise ModelError(
+                    f"'{name}' is the name of loads and of a table",
+                    where=f"{_where(stage)}, loads",
+                    remedy="give one of them another name",
+                )

@@ -1,0 +1,111 @@
+"""What is known of stages afterwards: how each of them ended, and what happened when."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+REACHED, MOVING, TIME_OVER, BROKEN_OFF = "equilibrium", "moving", "time over", "broken off"
+"""How a stage ends: in equilibrium, at its limit while blocks move, after its time, or not."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mover:
+    """The block that moved most in a step, against what equilibrium allows."""
+
+    block: str = ""
+    """Its name; "" where no block can move."""
+    speed: float = 0.0
+    """Largest speed of a point of it, m/s."""
+    direction: float = 0.0
+    """Direction in which it moved, degrees counter-clockwise from +x, -180 to 180."""
+
+    def __str__(self) -> str:
+        return f"block '{self.block}' at {self.speed:.3g} m/s, {towards(self.direction)}"
+
+
+def towards(direction: float) -> str:
+    """Return a direction, degrees from +x, in words: "57 degrees below +x", "downwards"."""
+    if abs(abs(direction) - 90.0) < 0.5:
+        return "upwards" if direction > 0.0 else "downwards"
+    side = "-x" if abs(direction) > 90.0 else "+x"
+    steep = 180.0 - abs(direction) if side == "-x" else abs(direction)
+    if steep < 0.5:
+        return f"towards {side}"
+    return f"{steep:.0f} degrees {'above' if direction > 0.0 else 'below'} {side}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class StageRecord:
+    """How a stage went."""
+
+    name: str
+    """Its name."""
+    start: float
+    """Time at which it began, s."""
+    end: float
+    """Time at which it ended, s."""
+    steps: int
+    """Accepted steps in it."""
+    outcome: str
+    """"equilibrium", "moving", "time over" or "broken off"."""
+    force_ratio: float
+    """Largest unbalanced force on a block at its end, as a share of all forces on it."""
+    mover: Mover
+    """Block that moved most in its last step."""
+    seconds: float
+    """Wall time, s."""
+    reset: tuple[tuple[float, float], ...] = ()
+    """What displacements of measured points count from after it, m, where it reset them."""
+
+    def __str__(self) -> str:
+        return (
+            f"{self.name}: {self.outcome} at t = {self.end:.6g} s after {self.steps} steps, "
+            f"unbalanced force {self.force_ratio:.2g}, {self.mover}"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Event:
+    """Something that happened in a run."""
+
+    time: float
+    """When, s."""
+    stage: str
+    """In which stage; "" in a run without stages."""
+    kind: str
+    """What kind of thing it is, e.g. "excavated"."""
+    what: str
+    """Name of the thing that it happened to."""
+    text: str
+    """What happened, in words."""
+
+    def __str__(self) -> str:
+        return f"{self.time:.6g} s: {self.text}"
+
+
+def counted_from(records: Sequence[StageRecord], point: int, time: float) -> tuple[float, float]:
+    """Return how far a measured point had moved, m, where its displacements at a time count from.
+
+    ``point`` is its number; nothing where no stage before the ``time``, s, has reset them.
+    """
+    resets = [one.reset for one in records if one.reset and one.end < time]
+    return resets[-1][point] if resets else (0.0, 0.0)
+
+
+def record_from(plain: Mapping[str, Any]) -> StageRecord:
+    """Return the record of a stage that was written as plain data."""
+    mover = Mover(**plain["mover"])
+    reset = tuple((float(x), float(y)) for x, y in plain.get("reset", ()))
+    return StageRecord(**{**plain, "mover": mover, "reset": reset})
+
+
+def records_from(plain: Iterable[Mapping[str, Any]]) -> tuple[StageRecord, ...]:
+    """Return the records of stages that were written as plain data."""
+    return tuple(record_from(one) for one in plain)
+
+
+def events_from(plain: Iterable[Mapping[str, Any]]) -> tuple[Event, ...]:
+    """Return the events that were written as plain data."""
+    return tuple(Event(**one) for one in plain)

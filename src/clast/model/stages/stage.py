@@ -1,0 +1,54 @@
+"""One stage of a run: what is done when it begins, how it is simulated, and when it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+EQUILIBRIUM, TIME = "equilibrium", "time"
+"""What a stage may last until."""
+STRENGTHS = ("friction_angle", "cohesion", "tensile_strength")
+"""Numbers of a joint that a stage may change."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stage:
+    """A part of a run; stages follow each other, and the state is carried from one to the next."""
+
+    name: str
+    """Name."""
+    until: str = EQUILIBRIUM
+    """When it ends: "equilibrium", or "time", when its time is over."""
+    time: float | None = None
+    """Length of the stage, s, for one until equilibrium at most; None: the end of the schedule."""
+    damping: Any = None
+    """Damping of the stage: an object of the method; None: as without stages."""
+    dynamic_ratio: float | None = None
+    """Share of velocity carried to the next step, 0 static, 1 dynamic; None: as without stages."""
+    force_ratio: float = 1e-4
+    """Unbalanced force on a block, as a share of all forces on it, that is none in equilibrium."""
+    speed: float = 1e-6
+    """Speed of a block, as a share of sqrt(g x its size), that is none in equilibrium."""
+    hold: int = 20
+    """Steps in a row in which that holds."""
+    reset_displacement: bool = False
+    """True: displacements count from the end of the stage; positions stay as they are."""
+    step: float | None = None
+    """Wanted length of a step, s; None: as without stages."""
+    every: float | None = None
+    """Time between frames, s; None: as without stages."""
+    excavate: tuple[str, ...] = ()
+    """Openings and blocks that are taken out at its start."""
+    relax: float = 1.0
+    """Share of the support forces of what is taken out that is released at once."""
+    relax_time: float = 0.0
+    """Time over which the rest is released, s."""
+    install: tuple[str, ...] = ()
+    """Bolts that are put in at its start, by their names or kinds."""
+    joints: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """Strengths of joints from its start on: {"bedding": {"friction_angle": 25.0}}."""
+    loads: tuple[str, ...] = ()
+    """Loads, pressures and tables that act from its start on; what they name no earlier."""
+    ground_motion: bool = False
+    """True: the ground moves in this stage, its record beginning with the stage."""

@@ -1,0 +1,107 @@
+"""The forces on each block that nothing balances.
+
+What is out of balance is what sets a block in motion: its mass times its acceleration, and what the
+equations of the step left open.  Both together are the sum of the forces as they are at the end of
+the step: of contacts, weight, loads, supports and bolts.  Forces of damping are none of them; they
+are those of the blocks as if they stood still.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from clast.actions.acting import actions_of, own_states, shares_of
+from clast.actions.action import StepStart
+from clast.actions.damping import Undamped
+from clast.block.inertia import BlockFrames, block_frames
+from clast.model.model import Floats, Ints, Model
+from clast.model.state import State
+from clast.step.method import Method, StepResult
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForceSums:
+    """Forces on each block, added up."""
+
+    unbalanced: Floats
+    """Size of their sum, the moment divided by the radius of gyration, N/m, shape (n,)."""
+    size: Floats
+    """Sum of their sizes, N/m, shape (n,)."""
+
+
+class _Sums:
+    """Forces and moments of blocks as they are added up."""
+
+    def __init__(self, frames: BlockFrames) -> None:
+        mass = frames.mass_matrix[:, 0, 0]
+        self.mass = mass
+        self.gyration = np.sqrt(frames.mass_matrix[:, 2, 2] / mass)
+        self.force = np.zeros((len(mass), 3))
+        self.size = np.zeros(len(mass))
+
+    def add(self, block: Ints, force: Floats, moment: Floats) -> None:
+        """Add forces (k, 2), N/m, and moments (k,), N, on blocks (k,)."""
+        count = len(self.mass)
+        for part, values in enumerate((force[:, 0], force[:, 1], moment)):
+            self.force[:, part] += np.bincount(block, values, count)
+        self.size += np.bincount(block, np.hypot(*force.T), count)
+
+    def add_pairs(
+        self, blocks: tuple[Ints, Ints], levers: Floats, forces: tuple[Floats, Floats]
+    ) -> None:
+        """Add N and T (m,), N/m, of links between two blocks with levers (m, 6)."""
+        nx, ny = levers[:, 0], levers[:, 1]
+        normal, shear = forces
+        force = np.stack([normal * nx - shear * ny, normal * ny + shear * nx], axis=1)
+        for block, sign, x, y in (
+            (blocks[0], 1.0, levers[:, 2], levers[:, 3]),
+            (blocks[1], -1.0, levers[:, 4], levers[:, 5]),
+        ):
+            self.add(block, sign * force, sign * (x * force[:, 1] - y * force[:, 0]))
+
+    def result(self) -> ForceSums:
+        """Return the sums."""
+        turning = self.force[:, 2] / self.gyration
+        out = np.sqrt(self.force[:, 0] ** 2 + self.force[:, 1] ** 2 + turning**2)
+        return ForceSums(unbalanced=out, size=self.size)
+
+
+def forces_of(model: Model, method: Method, result: StepResult, step: float) -> ForceSums:
+    """Return the forces on each block at the end of a step.
+
+    Loads are those of a step of ``step`` s more, so that loads that change are out of balance.
+    """
+    still = replace(result.state, velocity=np.zeros_like(result.state.velocity))
+    frames = block_frames(model, still)
+    sums = _Sums(frames)
+    contacts, response = result.contacts, result.response
+    sums.add_pairs(
+        (contacts.vertex_block, contacts.edge_block),
+        contacts.levers,
+        (response.normal_force, response.shear_force),
+    )
+    _add_actions(
+        sums, model, method, still, StepStart(model=model, state=still, frames=frames, step=step)
+    )
+    return sums.result()
+
+
+def _add_actions(sums: _Sums, model: Model, method: Method, state: State, start: StepStart) -> None:
+    """Add what acts on the blocks beside contacts."""
+    actions = actions_of(model, method.fixed_point_stiffness, Undamped())
+    everybody = np.arange(model.block_count)
+    for share in shares_of(actions, start, own_states(actions, model, state)):
+        if share.acceleration is not None:
+            sums.add(everybody, sums.mass[:, None] * share.acceleration, np.zeros(len(everybody)))
+        if len(share.block):
+            sums.add(share.block, share.force[:, :2], share.force[:, 2])
+        if share.springs is not None:
+            springs = share.springs
+            bear = springs.at(springs.gap, springs.slip)
+            sums.add_pairs(
+                (springs.vertex_block, springs.edge_block),
+                springs.levers,
+                (bear.normal_force, bear.shear_force),
+            )

@@ -1,0 +1,143 @@
+"""The course of a run through its stages: where one ends, and what begins with the next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from clast.model.model import Floats
+from clast.model.stages.checks import check_stages
+from clast.model.stages.records import (
+    BROKEN_OFF,
+    MOVING,
+    REACHED,
+    TIME_OVER,
+    Event,
+    StageRecord,
+)
+from clast.model.stages.reference import here
+from clast.model.stages.stage import TIME, Stage
+from clast.model.state import State
+from clast.run.stages.equilibrium import Judge
+from clast.run.stages.position import Held, Judged, Position
+from clast.run.stages.transition import (
+    Setting,
+    before_all,
+    entered,
+    entered_again,
+    events_at_start,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Course:
+    """The stages of a run, of which there may be none."""
+
+    base: Setting
+    """Model, method and schedule without stages."""
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """The stages."""
+        return self.base.schedule.stages
+
+    @cached_property
+    def first(self) -> Setting:
+        """The setting with which a run begins.  Raises ModelError for stages that are none."""
+        check_stages(self.stages, self.base.model)
+        return before_all(self.base) if self.stages else self.base
+
+    def setting_at(self, position: Position | None, state: State) -> Setting:
+        """Return the setting of a run that goes on from a position."""
+        if position is None or not position.starts:
+            return self.first
+        return entered_again(self.base, position.starts)
+
+    def is_done(self, position: Position) -> bool:
+        """Return whether no stage is left."""
+        return position.number + 1 >= len(self.stages)
+
+    def enter(
+        self, current: Setting, state: State, position: Position
+    ) -> tuple[Setting, State, Position, tuple[Event, ...]]:
+        """Return setting, state and position where the next stage begins, and what happens."""
+        starts = (*position.starts, state.time)
+        setting, state = entered(self.base, current, state, starts)
+        position = replace(
+            position, starts=starts, steps=0, seconds=0.0, held=Held(), judged=Judged()
+        )
+        return setting, state, position, tuple(events_at_start(self.stage(position), state.time))
+
+    def leave(
+        self, position: Position, state: State, judge: Judge
+    ) -> tuple[Position, tuple[Event, ...]]:
+        """Return the position where a stage is over, and what happens."""
+        stage = judge.stage
+        outcome = REACHED if judge.is_over(position) else MOVING
+        outcome = TIME_OVER if stage.until == TIME else outcome
+        reference = here(state) if stage.reset_displacement else position.reference
+        record = self.record(position, state, outcome)
+        if stage.reset_displacement:
+            record = replace(record, reset=self._moved(state))
+        records = (*position.records, record)
+        position = replace(position, records=records, reference=reference)
+        return position, tuple(_events_at_end(stage, record))
+
+    def record(self, position: Position, state: State, outcome: str = BROKEN_OFF) -> StageRecord:
+        """Return how a stage went that ends in a state."""
+        return StageRecord(
+            name=self.stage(position).name,
+            start=position.start,
+            end=state.time,
+            steps=position.steps,
+            outcome=outcome,
+            force_ratio=position.judged.force_ratio if position.steps else 0.0,
+            mover=position.judged.mover,
+            seconds=position.seconds,
+        )
+
+    def all_records(self, position: Position, state: State) -> tuple[StageRecord, ...]:
+        """Return how all stages went, one that was broken off in a state included."""
+        if len(position.records) == len(position.starts):
+            return position.records
+        return (*position.records, self.record(position, state))
+
+    def stage(self, position: Position) -> Stage:
+        """Return the stage that goes on."""
+        return self.stages[position.number]
+
+    def warnings(self, position: Position) -> Iterator[str]:
+        """Say which stages have ended while blocks moved."""
+        for stage, record in zip(self.stages, position.records, strict=False):
+            if record.outcome == MOVING:
+                lasted = record.end - record.start
+                yield (
+                    f"stage '{record.name}' ended at its limit of {lasted:.6g} s "
+                    f"while blocks were moving: the unbalanced force was {record.force_ratio:.3g} "
+                    f"of the forces on a block (force_ratio {stage.force_ratio:g}), and most moved "
+                    f"{record.mover}. If they come to rest, raise its time, or use "
+                    "dynamic_ratio = 0.0"
+                )
+
+    def _moved(self, state: State) -> tuple[tuple[float, float], ...]:
+        """Return how far the measured points have moved since the start, m."""
+        model = self.base.model
+        moved: Floats = state.points[model.point_slices.measured] - model.measured_points.at
+        return tuple((x, y) for x, y in moved.tolist())
+
+
+def _events_at_end(stage: Stage, record: StageRecord) -> Iterator[Event]:
+    """Give what happens where a stage is over."""
+    texts = {
+        REACHED: f"stage '{stage.name}' is in equilibrium",
+        MOVING: f"stage '{stage.name}' ends while blocks move: {record.mover}",
+        TIME_OVER: f"the time of stage '{stage.name}' is over",
+    }
+    text = texts[record.outcome]
+    yield Event(time=record.end, stage=stage.name, kind="stage ends", what=stage.name, text=text)
+    if stage.reset_displacement:
+        text = "displacements count from here"
+        yield Event(
+            time=record.end, stage=stage.name, kind="displacements reset", what="", text=text
+        )

@@ -1,0 +1,233 @@
+"""Whether blocks are in equilibrium: no force is out of balance, and none of them moves.
+
+A step ends in equilibrium where
+
+1. on every block the unbalanced force is below ``force_ratio`` of the sum of all forces on it,
+2. no point of a block is faster than ``speed`` times sqrt(g x its size),
+3. no contact that bears has changed its mode, and
+4. no load, no ground motion and no relaxation is under way;
+
+a stage is in equilibrium where ``hold`` steps in a row do, in which
+
+5. no block has slid along another without slowing down.
+
+The ratio is that of the worst block: among ten thousand blocks at rest one that falls is a ten
+thousandth of all forces.  The forces are those that act, without what damping takes, and so are
+out of balance where damping alone holds a speed.  Steps of a static run are short falls from rest:
+their speed is g h times what is out of balance, and says little where the step is short; 5 finds
+what slides on (decision 0056).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from clast.block import polygon
+from clast.contact.contacts import OPEN, SLIDE
+from clast.contact.joints import range_of_springs
+from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.stages.loads import are_constant, factors_in
+from clast.model.stages.motion import InStages
+from clast.model.stages.records import Mover
+from clast.model.stages.stage import EQUILIBRIUM, Stage
+from clast.model.state import ContactMemory, State
+from clast.run.stages.balance import ForceSums, forces_of
+from clast.run.stages.position import Held, Judged, Position
+from clast.step.method import Method, StepResult
+
+STANDARD_GRAVITY = 9.8
+"""Acceleration by which speeds are judged where there is no gravity, m/s2."""
+STRAIGHT = 0.9
+"""Net movement, as a share of the way, above which a block moves on and does not tremble."""
+DYING = 0.5
+"""Way in the second half of the steps, as a share of that in the first, that slows down."""
+CREEPING = 1e-3
+"""Speed of a sliding block, as a share of what equilibrium allows, that is none."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judge:
+    """Judges the steps of one stage."""
+
+    model: Model
+    method: Method
+    stage: Stage
+
+    def after(self, position: Position, before: State, result: StepResult, step: float) -> Position:
+        """Return the position after an accepted step of length ``step``, s, from ``before``."""
+        sums = forces_of(self.model, self.method, result, step)
+        way = result.state.vertices - before.vertices
+        judged = self._judged(position, (before, result), sums, way, step)
+        held = Held()
+        if not judged.hindrance:
+            held = self._held(position.held, result, sums, way, step)
+            if held.steps >= self.stage.hold and (name := self._creeping(held)):
+                judged = replace(judged, hindrance=f"block '{name}' slides and does not slow down")
+                held = Held()
+        return replace(
+            position,
+            steps=position.steps + 1,
+            seconds=position.seconds + sum(result.seconds.values()),
+            judged=judged,
+            held=held,
+        )
+
+    def is_over(self, position: Position) -> bool:
+        """Return whether the stage has come to its equilibrium."""
+        return self.stage.until == EQUILIBRIUM and position.held.steps >= self.stage.hold
+
+    @cached_property
+    def _limit(self) -> Floats:
+        """Speed of each block that is none, m/s, shape (n,)."""
+        gravity = float(np.hypot(*self.model.gravity)) or STANDARD_GRAVITY
+        return self.stage.speed * np.sqrt(gravity * np.sqrt(self.model.area))
+
+    @cached_property
+    def _free(self) -> Bools:
+        """True where a block can move, shape (n,)."""
+        return ~self.model.fixed
+
+    @cached_property
+    def _noise(self) -> float:
+        """Force of the stiffest spring by the rounding of coordinates, N/m."""
+        finest = 4.0 * float(np.finfo(float).eps) * float(np.abs(self.model.vertices).max())
+        return finest * range_of_springs(self.model, self.method.contact_law.normal_stiffness)[1]
+
+    def _judged(
+        self,
+        position: Position,
+        states: tuple[State, StepResult],
+        sums: ForceSums,
+        way: Floats,
+        step: float,
+    ) -> Judged:
+        """Return how far from equilibrium a step ended."""
+        stage, result = self.stage, states[1]
+        least = self._noise / stage.force_ratio
+        ratio = np.where(self._free, sums.unbalanced / np.maximum(sums.size, least), 0.0)
+        speed = np.where(self._free, self._speeds(result.state, way, step), 0.0)
+        share = speed / self._limit
+        fastest = int(share.argmax())
+        mover = self._mover(fastest, float(speed[fastest]), way)
+        judged = Judged(
+            force_ratio=float(ratio.max(initial=0.0)),
+            speed=float(share[fastest]) * stage.speed,
+            mover=mover,
+        )
+        return replace(judged, hindrance=self._hindrance(position, judged, states, sums))
+
+    def _hindrance(
+        self,
+        position: Position,
+        judged: Judged,
+        states: tuple[State, StepResult],
+        sums: ForceSums,
+    ) -> str:
+        """Return why a step did not end in equilibrium, "" where it did."""
+        stage, (before, result) = self.stage, states
+        if not judged.force_ratio < stage.force_ratio:
+            return f"the unbalanced force is {judged.force_ratio:.2g} of the forces on a block"
+        if not judged.speed < stage.speed:
+            return f"{judged.mover} moves"
+        if self._changed(before.memory, result.state.memory, sums).any():
+            return "contacts open, close, slide or hold in turn"
+        return self._under_way(position, result.state.time)
+
+    def _under_way(self, position: Position, time: float) -> str:
+        """Return what is still going to change by itself, "" where nothing is."""
+        motion = self.model.ground_motion
+        if not are_constant(factors_in(self.model), time):
+            return "loads still change"
+        if isinstance(motion, InStages) and not motion.is_over(time):
+            return "the ground still moves"
+        if time < position.start + self.stage.relax_time:
+            return "support forces are still released"
+        return ""
+
+    def _speeds(self, state: State, way: Floats, step: float) -> Floats:
+        """Return the largest speed of a point of each block, m/s, shape (n,).
+
+        That of the step, and where velocity is carried on that at its end, too.
+        """
+        speed = polygon.farthest(way, self.model.block_start) / step
+        if self.method.dynamic_ratio == 0.0:
+            return speed
+        u, v, spin = state.velocity[:, :3].T
+        at_end = np.hypot(u, v) + np.abs(spin) * np.sqrt(self.model.area)
+        return np.maximum(speed, at_end)
+
+    def _mover(self, block: int, speed: float, way: Floats) -> Mover:
+        """Return the block as the one that moves most."""
+        if not self._free.any():
+            return Mover()
+        first, past = self.model.block_start[block : block + 2]
+        own = way[first:past]
+        x, y = own[int(np.hypot(*own.T).argmax())]
+        angle = float(np.degrees(np.arctan2(y, x)))
+        return Mover(block=self.model.block_name[block], speed=speed, direction=angle)
+
+    def _bears(self, memory: ContactMemory, sums: ForceSums) -> Bools:
+        """Return which contacts bear more than what counts as no force, shape (k,)."""
+        size = np.where(self._free, sums.size, np.inf)
+        own, other = self.model.vertex_block[memory.vertex], memory.block
+        least = self.stage.force_ratio * np.minimum(size[own], size[other])
+        return np.asarray(memory.normal_force > np.maximum(least, self._noise))
+
+    def _changed(self, before: ContactMemory, after: ContactMemory, sums: ForceSums) -> Bools:
+        """Return which contacts, first those of ``after``, have changed their mode and bear."""
+        count = len(self.model.vertices)
+        old, new = (one.vertex * count + one.edge for one in (before, after))
+        old_bears, new_bears = (self._bears(one, sums) for one in (before, after))
+        row, there = _rows(old, new)
+        was = np.where(there, _taken(before.mode, row), OPEN)
+        bore = there & _taken(old_bears, row)
+        gone = ~np.isin(old, new, assume_unique=True) & old_bears & (before.mode != OPEN)
+        return np.concatenate([(was != after.mode) & (bore | new_bears), gone])
+
+    def _held(
+        self, held: Held, result: StepResult, sums: ForceSums, way: Floats, step: float
+    ) -> Held:
+        """Return the steps in equilibrium with one more."""
+        model, memory = self.model, result.state.memory
+        start = model.block_start
+        moved = np.add.reduceat(way, start[:-1], axis=0) / np.diff(start)[:, None]
+        slides = self._bears(memory, sums) & (memory.mode == SLIDE)
+        sliding = np.zeros(model.block_count, np.bool_)
+        sliding[model.vertex_block[memory.vertex[slides]]] = True
+        sliding[memory.block[slides]] = True
+        first = held.steps == 0
+        path = np.hypot(*moved.T) if first else held.path + np.hypot(*moved.T)
+        steps = held.steps + 1
+        return Held(
+            steps=steps,
+            time=held.time + step,
+            sliding=sliding if first else held.sliding & sliding,
+            net=moved if first else held.net + moved,
+            path=path,
+            half=path if steps <= self.stage.hold // 2 else held.half,
+        )
+
+    def _creeping(self, held: Held) -> str:
+        """Return the name of a block that slides on, "" where none does."""
+        if self.stage.hold < 2:
+            return ""
+        second = held.path - held.half
+        on = held.sliding & self._free & (second > DYING * held.half)
+        on &= np.hypot(*held.net.T) > STRAIGHT * held.path
+        on &= held.path > CREEPING * self._limit * held.time
+        return self.model.block_name[int(on.argmax())] if on.any() else ""
+
+
+def _rows(known: Ints, wanted: Ints) -> tuple[Ints, Bools]:
+    """Return where keys stand among sorted ones that are known, and whether they do, (k,) each."""
+    row = np.minimum(np.searchsorted(known, wanted), max(0, len(known) - 1))
+    there = known[row] == wanted if len(known) else np.zeros(len(wanted), np.bool_)
+    return row, np.asarray(there)
+
+
+def _taken(values: Ints | Bools, row: Ints) -> Ints:
+    """Return values in some rows, zeros where there are no values at all."""
+    return np.asarray(values[row] if len(values) else np.zeros(len(row), values.dtype))

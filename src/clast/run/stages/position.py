@@ -1,0 +1,85 @@
+"""Where a run is among its stages: all that it carries of them from step to step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from clast.model.model import Bools, Floats
+from clast.model.stages.records import Mover, StageRecord
+from clast.model.stages.reference import Reference
+
+
+def _nothing() -> Floats:
+    return np.zeros(0)
+
+
+def _no_motion() -> Floats:
+    return np.zeros((0, 2))
+
+
+def _nobody() -> Bools:
+    return np.zeros(0, np.bool_)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judged:
+    """How far from equilibrium a step ended."""
+
+    force_ratio: float = np.inf
+    """Largest unbalanced force on a block, as a share of all forces on it."""
+    speed: float = np.inf
+    """Largest speed of a block, as a share of sqrt(g x its size)."""
+    mover: Mover = field(default_factory=Mover)
+    """The block that has it."""
+    hindrance: str = ""
+    """Why this is no equilibrium; "" where it is."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Held:
+    """Steps in a row that ended in equilibrium; n blocks, none where there are no such steps."""
+
+    steps: int = 0
+    """How many."""
+    time: float = 0.0
+    """How long they took, s."""
+    sliding: Bools = field(default_factory=_nobody)
+    """True where a block has slid along another in all of them, shape (n,)."""
+    net: Floats = field(default_factory=_no_motion)
+    """Movement of each block in them, m, shape (n, 2)."""
+    path: Floats = field(default_factory=_nothing)
+    """Length of its way, m, shape (n,)."""
+    half: Floats = field(default_factory=_nothing)
+    """The same in the first half of the steps, m, shape (n,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Position:
+    """Where a run is among its stages."""
+
+    starts: tuple[float, ...] = ()
+    """When each stage that has begun did so, s; the last of them is the one that goes on."""
+    steps: int = 0
+    """Accepted steps in this stage."""
+    seconds: float = 0.0
+    """Wall time of these steps, s."""
+    held: Held = field(default_factory=Held)
+    """Steps in a row in equilibrium."""
+    judged: Judged = field(default_factory=Judged)
+    """How the last step ended."""
+    records: tuple[StageRecord, ...] = ()
+    """How the stages before went."""
+    reference: Reference | None = None
+    """Where displacements count from; None: the start of the run."""
+
+    @property
+    def number(self) -> int:
+        """Number of the stage that goes on, from 0; -1 before the first."""
+        return len(self.starts) - 1
+
+    @property
+    def start(self) -> float:
+        """When it began, s."""
+        return self.starts[-1]

@@ -1,0 +1,189 @@
+"""What changes in a run where a stage begins.
+
+Model, method and schedule are replaced, never the shapes of arrays, so that what a run carries
+fits to all of its stages.  The same changes, but for those of the state, are made again where a
+run goes on from a checkpoint.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from clast.model.ground_motion import GroundMotion, Still
+from clast.model.model import Ints, Model
+from clast.model.openings import blocks_called
+from clast.model.stages.installing import installed_by
+from clast.model.stages.loads import with_loads
+from clast.model.stages.motion import InStages
+from clast.model.stages.records import Event
+from clast.model.stages.stage import Stage
+from clast.model.stages.strengths import with_strengths
+from clast.model.state import State
+from clast.run.excavation import excavated, without
+from clast.run.schedule import Schedule
+from clast.step.method import Method
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """What is simulated in a stage, and how."""
+
+    model: Model
+    method: Method
+    schedule: Schedule
+
+
+def before_all(base: Setting) -> Setting:
+    """Return the setting before the first stage: what stages name does not act yet."""
+    stages = base.schedule.stages
+    model = with_loads(base.model, base.model, stages, ())
+    for stage in stages:
+        model = without_bolts(model, stage)
+    return replace(
+        base, model=replace(model, ground_motion=_motion(base.model.ground_motion, stages, ()))
+    )
+
+
+def entered(
+    base: Setting, current: Setting, state: State, starts: Sequence[float]
+) -> tuple[Setting, State]:
+    """Return setting and state of the stage that begins last at ``starts``, s.
+
+    ``current`` is the setting before, ``base`` that without stages.
+    """
+    stage = base.schedule.stages[len(starts) - 1]
+    setting = changed(base, current, starts)
+    if stage.excavate:
+        model, state = excavated(
+            setting.model,
+            setting.method,
+            state,
+            excavated_by(setting.model, stage),
+            stage.relax,
+            stage.relax_time,
+        )
+        setting = replace(setting, model=model)
+    if current.method.dynamic_ratio == 0.0 < setting.method.dynamic_ratio:
+        state = at_rest(state)
+    return setting, state
+
+
+def entered_again(base: Setting, starts: Sequence[float]) -> Setting:
+    """Return the setting of a run that goes on in the stage that began last at ``starts``, s."""
+    setting = before_all(base)
+    for begun in range(1, len(starts) + 1):
+        setting = changed(base, setting, starts[:begun])
+        stage = base.schedule.stages[begun - 1]
+        if stage.excavate:
+            gone = setting.model.gone.copy()
+            gone[excavated_by(setting.model, stage)] = True
+            setting = replace(setting, model=without(setting.model, gone))
+    return setting
+
+
+def changed(base: Setting, current: Setting, starts: Sequence[float]) -> Setting:
+    """Return the setting with what a stage changes of it beside excavation."""
+    stages = base.schedule.stages
+    stage = stages[len(starts) - 1]
+    model = with_loads(current.model, base.model, stages, starts)
+    model = replace(
+        model,
+        joint_table=with_strengths(model.joint_table, stage.joints),
+        ground_motion=_motion(base.model.ground_motion, stages, starts),
+    )
+    if len(starts) > 1:
+        model = with_jacks_off(model)
+    model = with_bolts(model, stage)
+    return Setting(
+        model=model,
+        method=_method(base.method, stage),
+        schedule=_schedule(base.schedule, stage, starts[-1]),
+    )
+
+
+def at_rest(state: State) -> State:
+    """Return a state without velocities: a static run has thrown them away at every step."""
+    ledger = state.ledger
+    gone = replace(ledger, kinetic=0.0, removed=ledger.removed + ledger.kinetic)
+    return replace(state, velocity=np.zeros_like(state.velocity), ledger=gone)
+
+
+def excavated_by(model: Model, stage: Stage) -> Ints:
+    """Return the blocks that a stage excavates, shape (k,)."""
+    return blocks_called(stage.excavate, model.openings, model.block_name)
+
+
+def with_bolts(model: Model, stage: Stage) -> Model:
+    """Return the model with the bolts that a stage installs."""
+    installed = model.bolts.installed | installed_by(model, stage)
+    return replace(model, bolts=replace(model.bolts, installed=installed))
+
+
+def without_bolts(model: Model, stage: Stage) -> Model:
+    """Return the model without the bolts that a stage is going to install."""
+    installed = model.bolts.installed & ~installed_by(model, stage)
+    return replace(model, bolts=replace(model.bolts, installed=installed))
+
+
+def with_jacks_off(model: Model) -> Model:
+    """Return the model with the bolts that are installed locked: jacks are off."""
+    bolts = model.bolts
+    return replace(model, bolts=replace(bolts, locked=bolts.locked | bolts.installed))
+
+
+def events_at_start(stage: Stage, time: float) -> Iterator[Event]:
+    """Give what happens where a stage begins."""
+
+    def event(kind: str, what: str, text: str) -> Event:
+        return Event(time=time, stage=stage.name, kind=kind, what=what, text=text)
+
+    yield event("stage begins", stage.name, f"stage '{stage.name}' begins")
+    for name in stage.excavate:
+        yield event("excavated", name, f"'{name}' is excavated")
+    for name in stage.install:
+        yield event("installed", name, f"'{name}' is installed")
+    for name, changes in stage.joints.items():
+        numbers = ", ".join(f"{key} {value:g}" for key, value in changes.items())
+        yield event("joint changes", name, f"joint '{name}' gets {numbers}")
+    for name in stage.loads:
+        yield event("load begins", name, f"'{name}' begins to act")
+    if stage.ground_motion:
+        yield event("ground motion begins", "", "the ground begins to move")
+
+
+def _motion(motion: GroundMotion, stages: Sequence[Stage], starts: Sequence[float]) -> GroundMotion:
+    """Return the motion of the ground in the stages that have begun."""
+    if isinstance(motion, Still):
+        return motion
+    ends = (*starts[1:], math.inf)
+    parts = tuple(
+        (start, end)
+        for stage, start, end in zip(stages, starts, ends, strict=False)
+        if stage.ground_motion
+    )
+    return InStages(motion=motion, parts=parts)
+
+
+def _method(method: Method, stage: Stage) -> Method:
+    """Return the method of a stage."""
+    if stage.dynamic_ratio is not None:
+        method = replace(method, dynamic_ratio=stage.dynamic_ratio)
+    return method if stage.damping is None else replace(method, damping=stage.damping)
+
+
+def _schedule(schedule: Schedule, stage: Stage, start: float) -> Schedule:
+    """Return the schedule of a stage that begins at ``start``, s."""
+    step = stage.step or schedule.step
+    smallest = schedule.smallest_step
+    return replace(
+        schedule,
+        stages=(),
+        step=step,
+        end=start + (stage.time or schedule.end),
+        every=stage.every or schedule.every,
+        smallest_step=None if smallest is None else min(smallest, step),
+    )

@@ -1,0 +1,182 @@
+"""[[stage]]: what is read, what is refused, and what is written back."""
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+import clast
+from clast.case.case_file import Case
+from clast.errors import CaseError
+
+CASE = """
+schema = 1
+title = "Stages"
+[time]
+step = 1e-3
+end = 2.0
+[rock.rock]
+young = 5e9
+poisson = 0.2
+density = 2500.0
+[joint.default]
+friction_angle = 30.0
+[joint.bedding]
+friction_angle = 35.0
+between = [["floor", "box"]]
+[[block]]
+name = "floor"
+vertices = [[-2, -1], [2, -1], [2, 0], [-2, 0]]
+fixed = true
+[[block]]
+name = "box"
+vertices = [[0, 0], [1, 0], [1, 1], [0, 1]]
+[table.rise]
+time = [0, 1]
+value = [0, 1]
+[[pressure]]
+start = [0, 1]
+end = [1, 1]
+value = 1e3
+name = "pool"
+"""
+GROUND = """
+[ground_motion]
+time = [0, 0.1, 0.2]
+acceleration = [0, 1, 0]
+acts = "body-force"
+"""
+
+
+def sane(stages: str, more: str = "") -> Case:
+    """Return the case with stages, looked at as its run looks at it."""
+    case = Case.from_toml(CASE + more + stages)
+    case.examine()
+    return case
+
+
+def test_stages_are_read_in_their_order():
+    case = sane(
+        """
+[[stage]]
+name = "gravity"
+dynamic_ratio = 0.0
+reset_displacement = true
+[[stage]]
+name = "water"
+loads = ["pool", "rise"]
+joint = {bedding = {friction_angle = 25, cohesion = 1e3}}
+until = "time"
+time = 5.0
+step = 2e-3
+every = 0.5
+"""
+    )
+    schedule = case.schedule()
+    assert schedule.latest == 7.0
+    assert schedule.every == pytest.approx(0.07)
+    gravity, water = schedule.stages
+    assert (gravity.until, gravity.time, gravity.dynamic_ratio) == ("equilibrium", None, 0.0)
+    assert gravity.reset_displacement and (gravity.force_ratio, gravity.hold) == (1e-4, 20)
+    assert (water.until, water.time, water.step, water.every) == ("time", 5.0, 2e-3, 0.5)
+    assert water.loads == ("pool", "rise")
+    assert water.joints == {"bedding": {"friction_angle": 25.0, "cohesion": 1e3}}
+
+
+REFUSED = {
+    "unknown load": ('loads = ["pol"]', "'pol'", "did you mean 'pool'"),
+    "unknown joint": ("joint = {beding = {cohesion = 1e3}}", "'beding'", "did you mean 'bedding'"),
+    "no strength": ("joint = {bedding = {friction = 25}}", "friction", "friction_angle"),
+    "radians": ("joint = {bedding = {friction_angle = 0.5}}", "radians", "28.6"),
+    "unknown opening": ('excavate = ["bix"]', "'bix'", "did you mean 'box'"),
+    "unknown bolt": ('install = ["swellex"]', "'swellex'", "there is no"),
+    "time without time": ('until = "time"', "time", "how long"),
+    "relax without excavate": ("relax = 0.3", "excavates nothing", "excavate ="),
+    "relax never": ('excavate = ["box"]\nrelax = 0.3', "relax_time", "above 0"),
+    "relax too long": (
+        'excavate = ["box"]\nrelax = 0.3\nrelax_time = 9.0\ntime = 5.0',
+        "relax_time",
+        "raise time",
+    ),
+    "no ground motion": ("ground_motion = true", "ground_motion", "[ground_motion]"),
+    "until never": ('until = "rest"', "rest", "equilibrium"),
+    "hold nothing": ("hold = 0", "hold", ""),
+    "step too long": ("step = 3.0\ntime = 1.0", "step", "lower step"),
+    "unknown damping": ('damping = "magic"', "magic", "damping"),
+    "twice the same load": ('loads = ["pool", "pool"]', "acts already", "name it once"),
+    "unknown key": ("reset = true", "reset", "reset_displacement"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_meant_is_refused(name: str):
+    keys, what, remedy = REFUSED[name]
+    with pytest.raises(CaseError) as refused:
+        sane(f'\n[[stage]]\nname = "first"\n{keys}\n').schedule()
+    assert what in str(refused.value)
+    assert remedy in str(refused.value)
+    assert "first" in str(refused.value) or "[[stage]] 1" in str(refused.value)
+
+
+PAIRS = {
+    "same name": ('[[stage]]\nname = "a"\n[[stage]]\nname = "a"\n', "'a'"),
+    "excavated twice": (
+        '[[stage]]\nname = "a"\nexcavate = ["box"]\n[[stage]]\nname = "b"\nexcavate = ["box"]\n',
+        "has been excavated already since stage 'a'",
+    ),
+    "load twice": (
+        '[[stage]]\nname = "a"\nloads = ["rise"]\n[[stage]]\nname = "b"\nloads = ["rise"]\n',
+        "acts already since stage 'a'",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_stages_that_do_not_go_together_are_refused(name: str):
+    stages, what = PAIRS[name]
+    with pytest.raises(CaseError, match=what):
+        sane(f"\n{stages}")
+
+
+def test_a_ground_motion_that_acts_in_no_stage_is_refused():
+    with pytest.raises(CaseError, match="acts in no stage"):
+        sane('\n[[stage]]\nname = "a"\n', GROUND)
+    sane('\n[[stage]]\nname = "a"\nground_motion = true\n', GROUND)
+
+
+def test_a_name_of_a_load_and_a_table_is_refused():
+    both = CASE.replace("[table.rise]", "[table.pool]")
+    with pytest.raises(CaseError, match="of loads and of a table"):
+        Case.from_toml(f'{both}\n[[stage]]\nname = "a"\nloads = ["pool"]\n').examine()
+
+
+def test_a_script_writes_its_stages_and_names_back(tmp_path: Path):
+    builder = clast.ModelBuilder()
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.add_joint("default", friction_angle=30.0)
+    builder.block(vertices=[(0, 0), (1, 0), (1, 1), (0, 1)], name="box")
+    builder.fixed_point((0, 0))
+    builder.fixed_point((1, 0))
+    builder.add_table("rise", time=[0, 1], value=[0, 1])
+    builder.point_load((0, 1), (1e3, 0), name="push", factor="rise")
+    builder.line_load((0, 1), (1, 1), (0, -1e3), name="bank")
+    builder.pressure((0, 1), (1, 1), 1e3, name="pool")
+    stages = (
+        clast.Stage(name="gravity", dynamic_ratio=0.0, hold=7),
+        clast.Stage(
+            name="loads",
+            until="time",
+            time=0.2,
+            loads=("push", "pool"),
+            joints={"default": {"friction_angle": 25.0}},
+            step=2e-3,
+        ),
+    )
+    text = builder.to_toml(step=1e-3, end=0.5, stages=stages)
+    case = Case.from_toml(text)
+    assert case.schedule().stages == stages
+    assert case.model().point_loads.name == ("push",)
+    assert case.model().line_loads.name == ("bank",)
+    assert set(case.model().pressures.name) == {"pool"}
+    with pytest.raises(CaseError, match="object of a script"):
+        builder.to_toml(stages=[dataclasses.replace(stages[0], damping=object())])
