@@ -294,5 +294,5 @@ def test_a_cable_bears_no_compression_a_bar_does(process: str, stiffness: float)
         )
         assert states_of(run).force[0] == pytest.approx(force, abs=1e-2)
         expected = 0.5 * 2e4 / MASS * 0.02**2 if way is None else way
-        assert height(run) == pytest.approx(expected, rel=1e-5)
+        assert height(run) == pytest.approx(expected, rel=1e-4)  # the first step holds the cable
         assert_closed(run)

@@ -66,9 +66,12 @@ def plot(
         str, typer.Option(metavar="W[,H]", help="Width and height of the picture, cm.")
     ] = "",
     dpi: Annotated[int | None, typer.Option(metavar="N", help="Dots per inch.")] = None,
+    bolt: Annotated[
+        str, typer.Option(metavar="NAME", help="Draw the history of this bolt instead of a frame.")
+    ] = "",
 ) -> None:
-    """Draw a frame of a result file."""
-    from clast.pictures.plot import Look, plot_results
+    """Draw a frame of a result file, or what a bolt bore."""
+    from clast.pictures.plot import Look, plot_bolt_history, plot_results
     from clast.results import read_results
 
     look = Look(
@@ -79,6 +82,10 @@ def plot(
     )
     target = output or file.with_suffix(".png")
     results = read_results(file)
+    if bolt:
+        plot_bolt_history(results, target, bolt)
+        tell(f"picture: {target}")
+        return
     number = frame_asked(results, frame, time)
     plot_results(results, target, frame=number, field=field, contacts=contacts, look=look)
     tell(f"picture: {target}")

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from clast.model.model import Floats
-from clast.pictures import blocks, canvas
+from clast.pictures import blocks, bolts, canvas
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.fields import KINDS, SCALARS, check_field
 from clast.pictures.forces import HEAD, arrows_of, draw_arrows
-from clast.pictures.history import plot_history
+from clast.pictures.history import plot_bolt_history, plot_history
 from clast.pictures.joints import edges_by_joint
 from clast.pictures.look import NO_WISHES, Look
 from clast.pictures.strokes import Edges, draw_edges, handles_of
@@ -22,7 +22,7 @@ from clast.results import Recording
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Look", "plot_history", "plot_results"]
+__all__ = ["Look", "plot_bolt_history", "plot_history", "plot_results"]
 
 FEW_BLOCKS = 500
 """Blocks up to which a picture needs no finer dots."""
@@ -58,7 +58,9 @@ def plot_results(
     bars = int(field in SCALARS)
     title = results.title or results.name
     edges = _edges(results, field, here, start, part)
+    bolted = results.bolts(number)
     handles = [*_legend_handles(results, field), *handles_of(edges, part)]
+    handles += bolts.handles_of(bolted)
     size, keys, narrowest = canvas.sizes(part, look, title, handles, bars, 1)
     arrows = None
     zoomed = look.zoom is not None
@@ -80,6 +82,7 @@ def plot_results(
     shown = blocks.within(results, here, *whole)
     blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
     draw_edges(axes, edges, whole, size[0], int(shown.sum()))
+    bolts.draw_bolts(axes, bolted)
     if arrows is not None:
         draw_arrows(figure, sheet, axes, arrows)
     if field == "block":

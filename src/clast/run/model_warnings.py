@@ -35,6 +35,8 @@ SOFTEST_SHAKING, HARDEST_SHAKING = 1e-4 * 9.80665, 5.0 * 9.80665
 """Peak accelerations outside are imperceptible, or beyond any recorded earthquake, m/s2."""
 STEPS_OF_INTERVAL = 2
 """Fewer steps in an interval of a ground motion leave out what it holds."""
+WEAKEST_BOLT = 1e3
+"""Yield forces of bolts below look like kN, N/m."""
 NAMED = 5
 """Blocks or rocks that a warning names, at most."""
 
@@ -50,6 +52,7 @@ def model_warnings(model: Model, step: float, end: float) -> list[str]:
         *_shape_warnings(model),
         *_motion_warnings(model, end),
         *_coarse_steps(model, step),
+        *_bolt_warnings(model),
     ]
 
 
@@ -360,4 +363,22 @@ def _coarse_steps(model: Model, step: float) -> Iterator[str]:
             f"a step of {step:g} s is longer than half the interval of the ground motion, "
             f"{usual:g} s: what is faster than the steps is averaged. Lower time.step to "
             f"{usual / STEPS_OF_INTERVAL:g}"
+        )
+
+
+def _bolt_warnings(model: Model) -> Iterator[str]:
+    """Warn of bolts that can do nothing, and of forces that look like kN."""
+    bolts = model.bolts
+    idle = model.fixed[bolts.blocks].all(axis=1)
+    acting = np.unique(bolts.of_spring[~idle])
+    for k in np.setdiff1d(np.arange(len(bolts)), acting)[:NAMED]:
+        yield (
+            f"bolt '{shortened(bolts.name[k])}' is anchored in blocks that are all fixed: it has "
+            "no effect. Move an end into a block that can move, or leave it out"
+        )
+    forces = bolts.yield_force[np.isfinite(bolts.yield_force)]
+    if len(forces) and forces.max() < WEAKEST_BOLT:
+        yield (
+            f"bolts yield at {forces.max():g} N/m at most: that looks like kN. Give yield_force in "
+            "N per metre of thickness"
         )
