@@ -32,7 +32,14 @@ from clast.verification.problems.friction import (
 )
 from clast.verification.problems.masonry import arch, overhang, rocking, three_hinges
 from clast.verification.problems.method import energy, invariance, order
-from clast.verification.problems.slopes import active_passive, plane_failure, slide_topple, toppling
+from clast.verification.problems.slopes import (
+    active_passive,
+    bolted_block,
+    bolted_toppling,
+    plane_failure,
+    slide_topple,
+    toppling,
+)
 from clast.verification.problems.underground import jointed_rock, key_block
 from clast.verification.problems.waves import moving_base, newmark, wave
 
@@ -67,6 +74,8 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         plane_failure.PROBLEM,
         toppling.PROBLEM,
         active_passive.PROBLEM,
+        bolted_block.PROBLEM,
+        bolted_toppling.PROBLEM,
     ),
     "underground": (
         key_block.PROBLEM,
