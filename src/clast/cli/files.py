@@ -35,6 +35,7 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
         **texts(results.about),
         "largest displacement": f"{content['largest_displacement']:.6g} m",
         "contacts at the end": f"{content['contacts']}",
+        **({"bolts at the end": _bolts(content["bolts"])} if content["bolts"] else {}),
         "fields": ", ".join(content["fields"]),
         "size": f"{content['size_bytes'] / 1e6:.3g} MB",
         **({"warnings": "\n".join(warnings)} if warnings else {}),
@@ -43,6 +44,11 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
     }
     print_table(two_columns(content["title"], rows))
     print_points(content["measured_points"])
+
+
+def _bolts(counts: dict[str, int]) -> str:
+    """Return how many bolts are in which state, in words."""
+    return ", ".join(f"{count} {state}" for state, count in counts.items())
 
 
 def plot(

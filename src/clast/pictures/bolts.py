@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 LOOKS: tuple[tuple[str, str, Any], ...] = (
     ("bolt, not installed", "#8a8a8a", (0, (1, 1.5))),
     ("bolt", "#1b4f9c", "-"),
-    ("bolt, yielded", "#e07b00", "-"),
+    ("bolt, yielded", "#8e24aa", "-"),
     ("bolt, broken", "#c0143c", (0, (3, 1.5))),
 )
 """Label, colour and line of a bolt by its state; those that are lost are not drawn."""
 BROKEN = 3
-THIN, THICK = 0.9, 3.4
+THIN, THICK = 1.3, 3.6
 """Widths of a bolt without a force, and with the largest, points."""
-CASING = 1.2
+CASING = 1.8
 """Width of the white line around it, points."""
 
 

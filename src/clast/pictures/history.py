@@ -66,7 +66,7 @@ CURVES = {"in x": ("#1f6f8b", "-"), "in y": ("#c1440e", "--")}
 """Colour and line of each component."""
 
 
-MARKED = {2: ("yielded", "#e07b00"), 3: ("broke", "#c0143c")}
+MARKED = {2: ("yielded", "#8e24aa"), 3: ("broke", "#c0143c")}
 """State of a bolt -> what is said when it is reached, and its colour."""
 
 
