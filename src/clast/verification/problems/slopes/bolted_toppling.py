@@ -40,8 +40,8 @@ def bolted(force: float | None = None) -> Model:
     toppling.build(builder, float(np.degrees(np.arctan(FRICTION))))
     column = toppling.place(0.5 * toppling.WIDTH, toppling.RISE + 0.5 * toppling.height(1))
     builder.add_bolt_kind("cable", stiffness=2e7, pretension=force or exact_force())
-    toe = (column[0] + 30.0, column[1])
-    builder.bolt(column, toe, kind="cable", pretension_is="jacked")
+    anchor = (column[0] + 20.0, column[1])
+    builder.bolt(column, anchor, kind="cable", pretension_is="jacked")
     return builder.build()
 
 
