@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from clast.model.stages.stage import Stage as Stage
     from clast.model.state import State as State
     from clast.pictures.look import Look as Look
+    from clast.pictures.plot import plot_bolt_history as plot_bolt_history
     from clast.pictures.plot import plot_history as plot_history
     from clast.pictures.plot import plot_results as plot_results
     from clast.results import Run as Run
@@ -79,6 +80,7 @@ HOME = {
     "ModelBuilder": "clast.case.script",
     "simulate": "clast.case.script",
     "Look": "clast.pictures.look",
+    "plot_bolt_history": "clast.pictures.plot",
     "plot_history": "clast.pictures.plot",
     "plot_results": "clast.pictures.plot",
     "Run": "clast.results",

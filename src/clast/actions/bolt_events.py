@@ -42,7 +42,7 @@ def story_of(own: BoltStates, model: Model) -> tuple[str, ...]:
 
 
 def _first(model: Model, times: Floats) -> Floats:
-    """Return the earliest of the times (m,) of each bolt's springs, nan where there is none, (k,)."""
+    """Return the earliest of the times (m,) of the springs of each bolt, nan for none, (k,)."""
     earliest = np.full(len(model.bolts), np.inf)
     np.fmin.at(earliest, model.bolts.of_spring, times)
     return np.where(np.isfinite(earliest), earliest, np.nan)

@@ -54,7 +54,7 @@ def export(
         str,
         typer.Option(
             metavar="NAME,...",
-            help="Only these of blocks, vertices, contacts, histories, energy, steps.",
+            help="Only these of blocks, vertices, contacts, histories, bolts, energy, steps.",
         ),
     ] = "",
 ) -> None:

@@ -43,6 +43,7 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
         **texts(results.about),
         "largest displacement": f"{content['largest_displacement']:.6g} m",
         "contacts at the end": f"{content['contacts']}",
+        **({"bolts at the end": _bolts(content["bolts"])} if content["bolts"] else {}),
         "fields": ", ".join(content["fields"]),
         "size": f"{content['size_bytes'] / 1e6:.3g} MB",
         **({"warnings": "\n".join(warnings)} if warnings else {}),
@@ -52,6 +53,11 @@ def info(file: ResultFile, as_json: AsJson = False) -> None:
     print_table(two_columns(content["title"], rows))
     print_stages(results.stages)
     print_points(content["measured_points"])
+
+
+def _bolts(counts: dict[str, int]) -> str:
+    """Return how many bolts are in which state, in words."""
+    return ", ".join(f"{count} {state}" for state, count in counts.items())
 
 
 def plot(
@@ -76,9 +82,12 @@ def plot(
         str, typer.Option(metavar="W[,H]", help="Width and height of the picture, cm.")
     ] = "",
     dpi: Annotated[int | None, typer.Option(metavar="N", help="Dots per inch.")] = None,
+    bolt: Annotated[
+        str, typer.Option(metavar="NAME", help="Draw the history of this bolt instead of a frame.")
+    ] = "",
 ) -> None:
-    """Draw a frame of a result file."""
-    from clast.pictures.plot import Look, plot_results
+    """Draw a frame of a result file, or what a bolt bore."""
+    from clast.pictures.plot import Look, plot_bolt_history, plot_results
     from clast.results import read_results
 
     look = Look(
@@ -89,6 +98,10 @@ def plot(
     )
     target = output or file.with_suffix(".png")
     results = read_results(file)
+    if bolt:
+        plot_bolt_history(results, target, bolt)
+        tell(f"picture: {target}")
+        return
     number = frame_asked(results, frame, time, stage)
     plot_results(results, target, frame=number, field=field, contacts=contacts, look=look)
     tell(f"picture: {target}")

@@ -16,6 +16,7 @@ from clast.exports.choices import edge_joints, frames_in
 from clast.exports.targets import check_free
 from clast.results import Recording
 from clast.results.frames import KIND_FIELDS
+from clast.results.layout import BOLT_STATES
 from clast.results.tables import PARTS, Columns
 from clast.rockmass.drawings.files import replaced
 
@@ -32,7 +33,7 @@ def write_csv(
     """Write tables to CSV files in a folder and return their paths; all frames and all if absent.
 
     ``blocks``, ``vertices`` and ``contacts`` have a row for each of them in each of the ``frames``;
-    ``histories`` one for each measured point and instant; ``energy`` and ``steps`` one for each
+    ``histories`` and ``bolts`` one for each measured point, or bolt, and instant; ``energy`` and ``steps`` one for each
     instant or step of the run.  Blocks have the mark ``gone`` once they are excavated.  Units are
     SI, numbers have every digit.  The folder is made if it does not exist.  Tables of which the
     results hold nothing are left out, or refused where they are named: raises CaseError then, and
@@ -83,6 +84,8 @@ def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
         yield "contacts", "no contacts are recorded: none bore a force, or they were left out"
     if not results.point_name:
         yield "histories", "no measured points are recorded"
+    if not results.bolt_name:
+        yield "bolts", "there are no bolts"
 
 
 # Tables -------------------------------------------------------------------------------------------
@@ -135,6 +138,14 @@ def _histories(results: Recording, frames: Sequence[int]) -> Rows:
         yield from _with([values.tolist() for values in history.values()], name)
 
 
+def _bolts(results: Recording, frames: Sequence[int]) -> Rows:
+    yield ("bolt", "time", "force", "elongation", "state")
+    for name in results.bolt_name:
+        history = dict(results.bolt_history(name))
+        states = [BOLT_STATES[k] for k in history.pop("state")]
+        yield from _with([*(values.tolist() for values in history.values()), states], name)
+
+
 def _energy(results: Recording, frames: Sequence[int]) -> Rows:
     return _plain(results.energy)
 
@@ -159,6 +170,7 @@ TABLES: dict[str, Callable[[Recording, Sequence[int]], Rows]] = {
     "vertices": _vertices,
     "contacts": _contacts,
     "histories": _histories,
+    "bolts": _bolts,
     "energy": _energy,
     "steps": _steps,
 }

@@ -10,11 +10,11 @@ import numpy as np
 
 from clast.model.model import Bools, Floats
 from clast.model.stages.records import counted_from
-from clast.pictures import blocks, canvas
+from clast.pictures import blocks, bolts, canvas
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.fields import KINDS, SCALARS, check_field
 from clast.pictures.forces import HEAD, arrows_of, draw_arrows
-from clast.pictures.history import plot_history
+from clast.pictures.history import plot_bolt_history, plot_history
 from clast.pictures.joints import edges_by_joint
 from clast.pictures.look import NO_WISHES, Look
 from clast.pictures.strokes import Edges, draw_edges, handles_of
@@ -25,7 +25,7 @@ from clast.results.frames import gone_in_frame
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Look", "plot_history", "plot_results"]
+__all__ = ["Look", "plot_bolt_history", "plot_history", "plot_results"]
 
 FEW_BLOCKS = 500
 """Blocks up to which a picture needs no finer dots."""
@@ -64,10 +64,12 @@ def plot_results(
     gone = gone_in_frame(results, number)
     edges = _edges(results, field, here, start, part, gone)
     water = pressures_of(results, number, here)
+    bolted = results.bolts(number)
     handles = [
         *_legend_handles(results, field, gone),
         *handles_of(edges, part),
         *handles_of_water(results, water),
+        *bolts.handles_of(bolted),
     ]
     size, keys, narrowest = canvas.sizes(part, look, title, handles, bars, 1)
     arrows = None
@@ -91,6 +93,7 @@ def plot_results(
     blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
     draw_water(axes, results, water, whole)
     draw_edges(axes, edges, whole, size[0], int(shown.sum()))
+    bolts.draw_bolts(axes, bolted)
     if arrows is not None:
         draw_arrows(figure, sheet, axes, arrows)
     if field == "block":

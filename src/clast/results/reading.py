@@ -28,7 +28,7 @@ from clast.results.frames import (
     gone_in_frame,
     unknown_name,
 )
-from clast.results.layout import FORMAT, PLANE_VECTORS, history_path
+from clast.results.layout import BOLT_STATES, FORMAT, PLANE_VECTORS, history_path
 from clast.results.opening import AGAIN, ask, check_ours
 from clast.results.provenance import main_parameters
 from clast.results.run import Report
@@ -364,10 +364,17 @@ def summary(results: Results) -> dict[str, Any]:
         "fields": list(results.field_names),
         "largest_displacement": float(moved.max()),
         "contacts": len(results.contacts(-1)),
+        "bolts": _count_bolts(results),
         "measured_points": {name: _last_row(results, name) for name in results.point_name},
         "energy": {name: float(values[-1]) for name, values in results.energy.items()},
         "report": report.as_dict() if report else None,
     }
+
+
+def _count_bolts(results: Results) -> dict[str, int]:
+    """Return how many bolts are in which state at the end."""
+    state = results.bolts(-1).state
+    return {name: int(np.sum(state == k)) for k, name in enumerate(BOLT_STATES) if k in state}
 
 
 def _last_row(results: Results, name: str) -> dict[str, Any]:

@@ -38,6 +38,8 @@ LIGHTEST_WATER, HEAVIEST_WATER = 950.0, 1300.0
 """Densities outside are not those of water, nor of a slurry, kg/m3."""
 STEPS_OF_INTERVAL = 2
 """Fewer steps in an interval of a ground motion leave out what it holds."""
+WEAKEST_BOLT = 1e3
+"""Yield forces of bolts below look like kN, N/m."""
 NAMED = 5
 """Blocks or rocks that a warning names, at most."""
 
@@ -54,6 +56,7 @@ def model_warnings(model: Model, step: float, end: float) -> list[str]:
         *_motion_warnings(model, end),
         *_coarse_steps(model, step),
         *_water_warnings(model),
+        *_bolt_warnings(model),
     ]
 
 
@@ -405,3 +408,21 @@ def _joints_of(water: Water, model: Model) -> Ints:
     """Return a number for each pair of edges between which a water is, shape (k,)."""
     first, second = water.joints.edge.T
     return np.asarray(first * len(model.vertices) + second)
+
+
+def _bolt_warnings(model: Model) -> Iterator[str]:
+    """Warn of bolts that can do nothing, and of forces that look like kN."""
+    bolts = model.bolts
+    idle = model.fixed[bolts.blocks].all(axis=1)
+    acting = np.unique(bolts.of_spring[~idle])
+    for k in np.setdiff1d(np.arange(len(bolts)), acting)[:NAMED]:
+        yield (
+            f"bolt '{shortened(bolts.name[k])}' is anchored in blocks that are all fixed: it has "
+            "no effect. Move an end into a block that can move, or leave it out"
+        )
+    forces = bolts.yield_force[np.isfinite(bolts.yield_force)]
+    if len(forces) and forces.max() < WEAKEST_BOLT:
+        yield (
+            f"bolts yield at {forces.max():g} N/m at most: that looks like kN. Give yield_force in "
+            "N per metre of thickness"
+        )

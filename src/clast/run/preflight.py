@@ -189,4 +189,5 @@ def _unsupported(model: Model, contacts: Contacts) -> Bools:
     held = model.fixed.copy()
     held[model.fixed_points.block] = True
     held[contacts.pairs.ravel()] = True
+    held[model.bolts.blocks.ravel()] = True
     return ~held

@@ -34,6 +34,8 @@ from clast.verification.problems.masonry import arch, overhang, rocking, three_h
 from clast.verification.problems.method import energy, invariance, order
 from clast.verification.problems.slopes import (
     active_passive,
+    bolted_block,
+    bolted_toppling,
     plane_failure,
     slide_topple,
     toppling,
@@ -74,6 +76,8 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         wet_slope.PROBLEM,
         toppling.PROBLEM,
         active_passive.PROBLEM,
+        bolted_block.PROBLEM,
+        bolted_toppling.PROBLEM,
     ),
     "underground": (
         key_block.PROBLEM,

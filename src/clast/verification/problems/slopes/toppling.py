@@ -84,7 +84,14 @@ def place(along: float, up: float) -> tuple[float, float]:
 
 def slope(friction_angle: float = SHOWN) -> Model:
     """Return the stepped base and its columns; ``friction_angle`` in degrees."""
-    builder = ModelBuilder(title="Toppling slope", gravity=(0.0, -GRAVITY))
+    builder = ModelBuilder()
+    build(builder, friction_angle)
+    return builder.build()
+
+
+def build(builder: ModelBuilder, friction_angle: float) -> None:
+    """Add the stepped base and its columns, each with a measured point, to a builder."""
+    builder.title, builder.gravity = "Toppling slope", (0.0, -GRAVITY)
     builder.add_rock("rock", young=20e9, poisson=0.25, density=UNIT_WEIGHT / GRAVITY)
     builder.add_joint("default", friction_angle=friction_angle)
     right, high = COLUMNS * WIDTH, COLUMNS * RISE
@@ -100,7 +107,6 @@ def slope(friction_angle: float = SHOWN) -> Model:
         builder.block(name=str(column), vertices=[place(*corner) for corner in outline])
         middle = place(left + 0.5 * WIDTH, low + 0.5 * height(column))
         builder.measured_point(str(column), middle, block=str(column))
-    return builder.build()
 
 
 def loaded(friction_angle: float, variant: Variant) -> Run:

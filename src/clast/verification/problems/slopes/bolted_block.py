@@ -1,0 +1,140 @@
+"""A block on a plane held by a tensioned bolt: the least force that holds it.
+
+A block of weight W lies on a plane of dip a with friction phi.  A bolt at an angle b to the plane
+pulls it up and onto the plane by T.  With its friction reduced to tan phi/F it is at its limit at
+
+    T = W (sin a - cos a tan phi/F)/(cos b + sin b tan phi/F),
+
+which is least for tan b = tan phi/F.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, DENSITY = 9.81, 2600.0
+DIP, FRICTION = np.radians(35.0), np.radians(30.0)
+WEIGHT, LENGTH = 600e3, 8.0
+"""Weight of the block, N/m, and its length along the plane, m."""
+HEIGHT = WEIGHT / (DENSITY * GRAVITY * LENGTH)
+ALONG = np.array([np.cos(DIP), np.sin(DIP)])
+"""Direction up the plane."""
+UP = np.array([-ALONG[1], ALONG[0]])
+FACTORS = (1.0, 1.25, 1.5)
+"""Factors of safety."""
+STEP, STEPS = 4e-3, 200
+BISECTIONS, SPAN = 4, 0.03
+"""Bisections of the bolt's force, and the half of what is searched as a share of the exact one."""
+RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.1g}"
+ASIDE = 0.01
+"""Share by which the force is raised or lowered to see whether the block holds."""
+
+
+def reduced(factor: float) -> float:
+    """Return tan phi/F."""
+    return float(np.tan(FRICTION)) / factor
+
+
+def steepest(factor: float) -> float:
+    """Return the angle to the plane at which the least force holds, rad."""
+    return float(np.arctan(reduced(factor)))
+
+
+def exact_force(factor: float, angle: float) -> float:
+    """Return the force that just holds the block, N/m."""
+    friction = reduced(factor)
+    lacking = WEIGHT * (np.sin(DIP) - np.cos(DIP) * friction)
+    return float(lacking / (np.cos(angle) + np.sin(angle) * friction))
+
+
+def bolted(
+    force: float = exact_force(1.0, steepest(1.0)),
+    factor: float = 1.0,
+    angle: float = steepest(1.0),
+) -> Model:
+    """Return the plane, a wall above it, and the block on it with its bolt."""
+    toe = 2.0 * ALONG
+    head, up = toe + LENGTH * ALONG, HEIGHT * UP
+    builder = ModelBuilder(title="Bolted block", gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=20e9, poisson=0.2, density=DENSITY)
+    builder.add_joint(friction_angle=float(np.degrees(np.arctan(reduced(factor)))))
+    foot, right = head + 2.0 * ALONG, head + 6.0 * ALONG
+    corner = np.array([right[0], 0.0])
+    ground = [0.0 * toe, corner, right, right + up, foot + up, foot]
+    builder.block(name="slope", vertices=ground, fixed=True)
+    builder.block(name="block", vertices=[toe, head, head + up, toe + up])
+    middle = toe + 0.5 * LENGTH * ALONG + 0.5 * up
+    builder.add_bolt_kind("cable", stiffness=2e7, pretension=force)
+    way = np.cos(angle) * ALONG - np.sin(angle) * UP
+    builder.bolt(middle, middle + 8.0 * way, kind="cable", pretension_is="jacked")
+    builder.measured_point("block", middle, block="block")
+    return builder.build()
+
+
+def holds(force: float, factor: float, angle: float, variant: Variant) -> bool:
+    """Return whether the block stays."""
+    moving = unbalanced(
+        bolted(force, factor, angle),
+        variant,
+        normal_stiffness=2e9,
+        step=STEP,
+        steps=STEPS,
+        max_displacement=0.02,
+    )
+    return moving < AT_REST
+
+
+def examine(factors: tuple[float, ...], variant: Variant) -> Outcome:
+    """Compare the force at the limit for some factors of safety, at two angles each."""
+    rows: list[Comparison] = []
+    found = []
+    for factor in factors:
+        for angle in (steepest(factor), 0.0):
+            exact = exact_force(factor, angle)
+            stays = partial(holds, factor=factor, angle=angle, variant=variant)
+            force = limit(stays, exact * (1.0 - SPAN), exact * (1.0 + SPAN), BISECTIONS)
+            place = f"F = {factor:g}, {np.degrees(angle):.4g} degrees to the plane"
+            rows.append(relative(f"least force, {place}", "N/m", force, exact, 0.01, RESOLUTION))
+            if angle > 0.0:
+                found.append(force)
+    for angle in (steepest(1.0), 0.0):
+        exact = exact_force(1.0, angle)
+        for share, wanted in ((1.0 + ASIDE, 1.0), (1.0 - ASIDE, 0.0)):
+            stays_there = float(holds(share * exact, 1.0, angle, variant))
+            what = f"holds at {share:g} T, {np.degrees(angle):.4g} degrees to the plane"
+            rows.append(absolute(what, "", stays_there, wanted, 0.0, "1: holds, 0: slides"))
+    fine = np.linspace(1.0, 1.5, 41)
+    chart = Chart(
+        title="least force at the best angle",
+        x_label="factor of safety",
+        y_label="force, N/m",
+        curves=(
+            exact_curve("limit equilibrium", fine, [exact_force(f, steepest(f)) for f in fine]),
+            curve(variant.name, factors, found),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="bolted-block",
+    title="A block held by a tensioned bolt",
+    text="A block of 600 kN/m on a plane of 35 degrees with a friction of 30 degrees; a jack holds "
+    "the force of its bolt, which is bisected. p = 2 GPa, h = 4 ms, static (dynamic_ratio = 0).",
+    formula="T = W (sin a - cos a tan phi/F)/(cos b + sin b tan phi/F)",
+    source="limit equilibrium, as in Wyllie & Mah (2004)",
+    set_up=bolted,
+    examine=partial(examine, FACTORS),
+    examine_briefly=partial(examine, FACTORS[:1]),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)

@@ -1,0 +1,78 @@
+"""Goodman and Bray's toppling slope held by a horizontal bolt in its toe column.
+
+At tan phi = 0.65 the toe column is pushed by P more than it bears along its base.  It slides; a
+bolt that dips by d into the slope holds it with
+
+    T = P (1 - tan2 phi)/(tan phi sin(a + d) + cos(a + d)),
+
+a being the dip of the base planes; the bolt is horizontal here, d = 0.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.limits import limit
+from clast.verification.problem import Outcome, Problem, relative
+from clast.verification.problems.slopes import toppling
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+FRICTION = 0.65
+"""tan phi of all joints."""
+BISECTIONS, SPAN = 4, 0.2
+"""Bisections of the bolt's force, and the half of what is searched as a share of the exact one."""
+AT_ONCE = "the weight comes at once and finds the joints without shear force; bisected to 2.5 %"
+
+
+def exact_force() -> float:
+    """Return the force of the bolt that just holds the toe, N/m: 2013 kN/m in the original."""
+    push, dip = toppling.push_at_toe(FRICTION), toppling.DIP
+    return float(push * (1.0 - FRICTION**2) / (FRICTION * np.sin(dip) + np.cos(dip)))
+
+
+def bolted(force: float | None = None) -> Model:
+    """Return the slope with its bolt."""
+    builder = ModelBuilder()
+    toppling.build(builder, float(np.degrees(np.arctan(FRICTION))))
+    column = toppling.place(0.5 * toppling.WIDTH, toppling.RISE + 0.5 * toppling.height(1))
+    builder.add_bolt_kind("cable", stiffness=2e7, pretension=force or exact_force())
+    anchor = (column[0] + 20.0, column[1])
+    builder.bolt(column, anchor, kind="cable", pretension_is="jacked")
+    return builder.build()
+
+
+def holds(force: float, variant: Variant) -> bool:
+    """Return whether the toe stays."""
+    model = bolted(force)
+    method = variant.method(
+        model, normal_stiffness=1e9, max_displacement=0.05, dynamic_ratio=toppling.DAMPED
+    )
+    end = toppling.DURATION
+    run = simulate(model, method, Schedule(step=toppling.STEP, end=end, every=end))
+    return toppling.toe_movement(run) <= toppling.MOVING
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare the least force that holds the toe."""
+    exact = exact_force()
+    low, high = exact * (1.0 - SPAN), exact * (1.0 + SPAN)
+    found = limit(lambda force: holds(force, variant), low, high, BISECTIONS)
+    return Outcome((relative("least force of the bolt", "N/m", found, exact, 0.05, AT_ONCE),))
+
+
+PROBLEM = Problem(
+    name="bolted-toppling",
+    title="Goodman and Bray's toppling slope with a bolt in its toe",
+    text="The slope of the problem toppling with tan phi = 0.65 and a horizontal bolt in its toe "
+    "column, whose force a jack holds; it is bisected until the toe moves.",
+    formula="T = P (1 - tan2 phi)/(tan phi sin a + cos a) = 2012.8 kN/m",
+    source="limit equilibrium of Goodman & Bray (1976), solved here",
+    set_up=bolted,
+    examine=examine,
+    variants=(OPEN_CLOSE, CONVEX),
+    quick=(),
+)

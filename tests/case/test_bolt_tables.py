@@ -1,0 +1,216 @@
+"""Bolts in case files and scripts: what they become, what is refused, and how they are written."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import clast
+from clast.errors import CaseError, ModelError
+from clast.run.model_warnings import model_warnings
+
+
+def row() -> clast.ModelBuilder:
+    """Three squares in a row, the first fixed."""
+    builder = clast.ModelBuilder(gravity=(0, 0))
+    builder.add_rock("rock", young=1e9, poisson=0.2, density=2500.0)
+    for k, name in enumerate("abc"):
+        corners = [(k, 0), (k + 1, 0), (k + 1, 1), (k, 1)]
+        builder.block(vertices=corners, name=name, fixed=name == "a")
+    return builder
+
+
+KIND = {"stiffness": 1e7, "yield_force": 1e5, "rupture_elongation": 0.05, "pretension": 1e3}
+
+
+def bolted(**bolt: Any) -> clast.Model:
+    builder = row()
+    builder.add_bolt_kind("bar", **KIND)
+    builder.bolt(**{"start": (0.5, 0.5), "end": (1.5, 0.5), "kind": "bar", **bolt})
+    return builder.build()
+
+
+GROUTED = {"anchorage": "grouted", "free_length": 0.1}
+
+
+@pytest.mark.parametrize(
+    ("bolt", "said"),
+    [
+        ({"end": (5, 0.5)}, r"end at \(5, 0.5\): lies outside every block; .* 'c', 2 m away"),
+        ({"end": (0.7, 0.5)}, "both ends are in block 1 'a'"),
+        ({"start": (1, 0.5), "end": (2.5, 0.5)}, "common boundary of .*'a'.*'b'\n.*blocks = "),
+        ({"start": (1, 0.5), "blocks": ["a", "d"]}, "no block 'd'"),
+        ({"blocks": ["a"]}, "not the blocks of its two ends"),
+        ({"kind": "bars"}, "no bolt kind 'bars'\n  did you mean 'bar'"),
+        ({"free_length": 0.1}, "has no free_length"),
+        ({"anchorage": "grout"}, "no anchorage 'grout'\n  did you mean 'grouted'"),
+        ({"pretension_is": "jack"}, "no pretension_is 'jack'\n  did you mean 'jacked'"),
+        ({"end": (0.5, 0.5)}, "has no length"),
+        ({"anchorage": "grouted"}, "free_length is missing"),
+        ({**GROUTED, "end": (0.7, 0.6)}, "crosses no joint: all of it is in block 1 'a'"),
+        ({**GROUTED, "start": (-2, 0.5)}, "start lies outside every block; .* 'a', 2 m away"),
+        ({**GROUTED, "start": (1, 0.1), "end": (1, 0.9)}, "runs along the joint between"),
+        ({**GROUTED, "blocks": ["a", "b"]}, "moves with all blocks that it runs through"),
+        ({**GROUTED, "free_length": -1.0}, "must be above 0"),
+    ],
+)
+def test_bolts_that_cannot_be_are_refused(bolt: dict[str, Any], said: str):
+    with pytest.raises(ModelError, match=said):
+        bolted(**bolt)
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        ({"stiffness": 1e7, "young": 2e11}, "stiffness and young are both given"),
+        ({"young": 2e11, "area": 5e-4}, "young and area without out_of_plane_spacing"),
+        ({}, "has no stiffness"),
+        ({"stiffness": -1.0}, "stiffness: must be above 0"),
+        ({"stiffness": 1e7, "pretension": -1.0}, "pretension: must be 0 or more"),
+        ({"stiffness": 1e7, "yield_force": 1.0, "pretension": 2.0}, "above yield_force"),
+        ({"stiffness": 1e7, "rupture_elongation": 0.1, "rupture_strain": 0.1}, "both given"),
+        ({"stiffness": 1e7, "yield_force": 1e5, "rupture_elongation": 1e-3}, "but it yields at"),
+        ({"stiffness": 1e7, "pretension": 1e5, "rupture_strain": 1e-3}, "it is tensioned at"),
+        ({"stiffness": 1e7, "yeild_force": 1e5}, "no yeild_force\n  did you mean 'yield_force'"),
+    ],
+)
+def test_kinds_that_cannot_be_are_refused(kind: dict[str, Any], said: str):
+    builder = row()
+    with pytest.raises(ModelError, match=said):
+        builder.add_bolt_kind("bar", **kind)
+        builder.bolt((0.5, 0.5), (1.5, 0.5), kind="bar")
+        builder.build()
+
+
+def test_a_void_wider_than_the_free_length_is_not_bridged():
+    builder = row()
+    builder.block(vertices=[(3.05, 0), (4, 0), (4, 1), (3.05, 1)], name="d")
+    builder.add_bolt_kind("bar", **KIND)
+    builder.bolt((2.1, 0.5), (3.9, 0.5), kind="bar", **GROUTED)
+    assert builder.build().bolts.blocks.tolist() == [[2, 3]]
+    builder.bolt((2.1, 0.4), (3.9, 0.4), kind="bar", anchorage="grouted", free_length=0.01)
+    with pytest.raises(ModelError, match=r"runs through 0.05 m of void from \(3, 0.4\)"):
+        builder.build()
+
+
+def test_a_grouted_bolt_has_a_spring_where_it_crosses_joints():
+    builder = row()
+    builder.add_bolt_kind("bar", young=2e11, area=5e-4, out_of_plane_spacing=2.0)
+    builder.bolt((0.1, 0.5), (2.9, 0.5), kind="bar", anchorage="grouted", free_length=0.7)
+    bolts = builder.build().bolts
+    assert bolts.blocks.tolist() == [[0, 1], [1, 2]]
+    # the middle block is shared: half of it for each joint
+    np.testing.assert_allclose(bolts.at[:, 0], [0.1, 0.3, 1.5, 1.5, 2.7, 2.9])
+    np.testing.assert_allclose(bolts.stiffness, 2e11 * 5e-4 / 2.0 / 1.2)
+
+
+def test_a_bolt_between_fixed_blocks_is_warned_of():
+    builder = row()
+    builder.block(vertices=[(0, 1), (3, 1), (3, 2), (0, 2)], name="roof", fixed=True)
+    builder.add_bolt_kind("bar", stiffness=1e7, yield_force=120.0)
+    builder.bolt((0.5, 0.5), (0.5, 1.5), kind="bar", name="idle")
+    said = " ".join(model_warnings(builder.build(), 1e-3, 1.0))
+    assert "bolt 'idle' is anchored in blocks that are all fixed" in said
+    assert "looks like kN" in said
+
+
+HEADING = """
+gravity = [0, -9.8]
+[time]
+step = 1e-3
+end = 0.01
+[rock.r]
+young = 1e10
+poisson = 0.2
+density = 2600
+[domain]
+boundary = [[0, 0], [20, 0], [20, 20], [0, 20]]
+[[joint_set]]
+name = "a"
+angle = 30
+spacing = 2.0
+[[joint_set]]
+name = "b"
+angle = 110
+spacing = 2.5
+[[opening]]
+name = "heading"
+shape = "circle"
+center = [10, 10]
+radius = 3.0
+excavated = true
+[bolt_kind.swellex]
+stiffness = 2e7
+pretension = 5e4
+[[bolt_pattern]]
+kind = "swellex"
+opening = "heading"
+length = 3.0
+spacing = 1.5
+from = 20
+to = 160
+"""
+
+
+@pytest.mark.parametrize("excavated", ["true", "false"])
+def test_a_pattern_is_radial_and_as_far_apart_as_it_says(excavated: str):
+    text = HEADING.replace("excavated = true", f"excavated = {excavated}")
+    bolts = clast.Case.from_toml(text).model().bolts
+    assert bolts.name == tuple(f"heading-{k}" for k in range(1, 6))
+    heads, ends = bolts.at[::2], bolts.at[1::2]
+    away = heads - [10.0, 10.0]
+    np.testing.assert_allclose(np.hypot(*away.T), 3.0, rtol=0.01)  # on chords
+    np.testing.assert_allclose(np.hypot(*(ends - heads).T), 3.0, atol=1e-4)
+    np.testing.assert_allclose(np.hypot(*np.diff(heads, axis=0).T), 1.5, rtol=0.02)
+    angle = np.degrees(np.arctan2(away[:, 1], away[:, 0]))
+    np.testing.assert_allclose(angle + angle[::-1], 180.0, atol=0.1)  # centred in 20 to 160
+    turned = np.degrees(np.arctan2(*(ends - heads).T[::-1]))
+    np.testing.assert_allclose(turned, angle, atol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('opening = "heading"', 'opening = "headin"', "no opening 'headin'\n.*'heading'"),
+        ("length = 3.0", "length = 12.0", "bolt 1 at 32.8 degrees, .*its end lies in no block"),
+        ("from = 20", "from = 170", "is no part of an outline"),
+        ("from = 20", 'stage = "later"', r"\[\[bolt_pattern\]\] 1 stage: there is no stage"),
+        ("pretension = 5e4", "pretension = -5e4", "must be 0 or more"),
+        ("stiffness = 2e7", "stifness = 2e7", "did you mean 'stiffness'"),
+        ('kind = "swellex"', 'kind = "swelex"', "no bolt kind 'swelex'\n.*'swellex'"),
+    ],
+)
+def test_patterns_that_cannot_be_are_refused(old: str, new: str, said: str):
+    with pytest.raises(CaseError, match=said):
+        clast.Case.from_toml(HEADING.replace(old, new)).model()
+
+
+def test_what_a_script_has_set_is_written_to_a_file():
+    builder = row()
+    builder.block(vertices=[(0, 1), (3, 1), (3, 3), (0, 3)], name="roof")
+    builder.block(vertices=[(0, 3), (3, 3), (3, 4), (0, 4)], name="top")
+    builder.add_bolt_kind("bar", compression=True, **KIND)
+    builder.bolt((0.5, 0.5), (1.5, 0.5), kind="bar", name="first", pretension_is="jacked")
+    builder.bolt((0.1, 0.2), (2.9, 0.3), kind="bar", **GROUTED)
+    outline = [(1, 0), (2, 0), (2, 1), (1, 1)]
+    choices = {"kind": "bar", "length": 2.3, "spacing": 0.4, "angles": (60, 120)}
+    builder.bolt_pattern(outline, name="ring", **choices)
+    model = builder.build()
+    assert model.bolts.name == ("first", "2", "ring-1", "ring-2")
+    again = clast.Case.from_toml(builder.to_toml()).model()
+    for name in ("at", "block", "ends", "stiffness", "rupture", "jacked", "compression"):
+        np.testing.assert_array_equal(getattr(again.bolts, name), getattr(model.bolts, name))
+    assert again.bolts.name == model.bolts.name
+
+
+def test_a_stage_installs_its_bolts_and_locks_those_before():
+    builder = row()
+    builder.add_bolt_kind("bar", **KIND)
+    builder.bolt((0.5, 0.5), (1.5, 0.5), kind="bar", name="early")
+    builder.bolt((1.5, 0.5), (2.5, 0.5), kind="bar", name="late", stage="support")
+    bolts = builder.build().bolts
+    assert bolts.installed.tolist() == [True, False]
+    after = bolts.at_stage("support")
+    assert after.installed.tolist() == [True, True]
+    assert after.locked.tolist() == [True, False]
+    assert bolts.without(["early"]).at_stage("x", ["bar"]).installed.all()
