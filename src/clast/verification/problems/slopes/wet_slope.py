@@ -6,7 +6,8 @@
 for a block on a plane of dip a and length A, with a vertical crack of depth z behind it that is
 filled to zw; on the plane the pressure falls from that at the foot of the crack to none at the toe.
 The block holds with its strength divided by a little less than F, and slides with it divided by a
-little more.
+little more.  Limit equilibrium has all of the cohesion at work at once; bonds of contacts break
+where the first of them is overloaded.  So cohesion is a traction c/F up the plane here.
 """
 
 from __future__ import annotations
@@ -108,19 +109,16 @@ def slope_model(slope: Slope, water: float, divided_by: float = 1.0) -> Model:
     builder = ModelBuilder(title="Wet slope", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=20e9, poisson=0.2, density=WEIGHT / GRAVITY)
     friction = np.tan(np.radians(slope.friction_angle)) / divided_by
-    builder.add_joint(
-        "plane",
-        between=[("rock", "slab")],
-        friction_angle=float(np.degrees(np.arctan(friction))),
-        cohesion=slope.cohesion / divided_by,
-    )
+    builder.add_joint(friction_angle=float(np.degrees(np.arctan(friction))))
+    # the plane goes on below the toe, so that nothing holds the slab there
     low = -0.2 * slope.height
-    builder.block(
-        name="rock",
-        vertices=[(low, low), (back, low), (back, slope.height), top, foot, (0.0, 0.0), (low, 0.0)],
-        fixed=True,
-    )
+    toe = (low, low * float(np.tan(np.radians(slope.plane))))
+    corners = [(low, 2.0 * low), (back, 2.0 * low), (back, slope.height), top, foot, toe]
+    builder.block(name="rock", vertices=corners, fixed=True)
     builder.block(name="slab", vertices=[(0.0, 0.0), foot, top, crest])
+    up = slope.foot / np.hypot(*slope.foot)
+    holding = tuple((slope.cohesion / divided_by * up).tolist())
+    builder.line_load((0.0, 0.0), foot, holding, block="slab")
     if water > 0.0:
         builder.water(foot[1] + water, acts_on="joints", drained_at=[(0.0, 0.0)])
     builder.measured_point("slab", top, block="slab")
