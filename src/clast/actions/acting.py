@@ -20,9 +20,7 @@ from clast.model.model import Floats, Model
 from clast.model.state import State
 
 
-def actions_of(
-    model: Model, fixed_point_stiffness: float, damping: Action
-) -> tuple[Action, ...]:
+def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> tuple[Action, ...]:
     """Return what acts on the blocks: gravity first, then what the model has, then the user's own.
 
     ``fixed_point_stiffness`` is that of the supports, N/m per m.  Some ``damping`` there is always,

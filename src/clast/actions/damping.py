@@ -4,7 +4,8 @@
 
 with d/h the mean velocity of a step and K the elasticity of the blocks.  The force takes the energy
 d.C d/h from every step, which cannot be negative.  Contacts are not part of K: a dashpot in them
-would pull where they open.  Whichever kind damps a stage, all kinds carry the same state.
+would pull where they open.  A stage may damp otherwise than the one before: all kinds carry the
+same state.
 """
 
 from __future__ import annotations
@@ -38,22 +39,23 @@ class Motion:
 class Undamped:
     """No damping."""
 
-    def begin(self, model: Model) -> Motion:
+    def begin(self, model: Model) -> None:
         """Return what is known before the first step: nothing."""
-        return Motion()
 
-    def share(self, start: StepStart, own: Motion) -> Share:
+    def share(self, start: StepStart, own: Motion | None) -> Share:
         """Return nothing."""
         return Share()
 
-    def finish(self, start: StepStart, own: Motion, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: Motion | None, share: Share, solution: Solution
+    ) -> Done:
         """Return that nothing was done."""
-        return Done(work=0.0, ledger=Ledger(), own=Motion())
+        return Done(work=0.0, ledger=Ledger())
 
 
 @dataclass(frozen=True)
 class Rayleigh:
-    """C = mass M + stiffness K: a wave of circular frequency w has the ratio (mass/w + stiffness w)/2.
+    """C = mass M + stiffness K: a motion of frequency w has the ratio (mass/w + stiffness w)/2.
 
     ``mass`` damps slow motion, that of whole blocks too; ``stiffness`` damps quick straining and
     no motion of a rigid block.
@@ -64,11 +66,10 @@ class Rayleigh:
     stiffness: float = 0.0
     """Damping by the elasticity of the blocks, s."""
 
-    def begin(self, model: Model) -> Motion:
+    def begin(self, model: Model) -> None:
         """Return what is known before the first step: nothing."""
-        return Motion()
 
-    def share(self, start: StepStart, own: Motion) -> Share:
+    def share(self, start: StepStart, own: Motion | None) -> Share:
         """Return C/h as a stiffness."""
         model = start.model
         matrix = self.mass / start.step * start.frames.mass_matrix
@@ -76,9 +77,11 @@ class Rayleigh:
         matrix[:, 3:, 3:] += elastic
         return _resistance(matrix)
 
-    def finish(self, start: StepStart, own: Motion, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: Motion | None, share: Share, solution: Solution
+    ) -> Done:
         """Return the energy that damping has taken."""
-        return _taken(share, solution, Motion())
+        return _taken(share, solution, None)
 
 
 @dataclass(frozen=True)
@@ -92,18 +95,19 @@ class Adaptive:
     ratio: float = 0.8
     """Damping ratio; 1 is critical."""
 
-    def begin(self, model: Model) -> Motion:
+    def begin(self, model: Model) -> None:
         """Return what is known before the first step: nothing."""
-        return Motion()
 
-    def share(self, start: StepStart, own: Motion) -> Share:
+    def share(self, start: StepStart, own: Motion | None) -> Share:
         """Return c M/h as a stiffness; c h = 2 leaves no velocity, more would turn it round."""
-        rate = min(2.0 * self.ratio * own.frequency, 2.0 / start.step)
-        if rate == 0.0:
+        if own is None or own.frequency == 0.0:
             return Share()
+        rate = min(2.0 * self.ratio * own.frequency, 2.0 / start.step)
         return _resistance(rate / start.step * start.frames.mass_matrix)
 
-    def finish(self, start: StepStart, own: Motion, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: Motion | None, share: Share, solution: Solution
+    ) -> Done:
         """Return the energy that damping has taken, and the frequency of the step."""
         moved, mass = solution.displacement, start.frames.mass_matrix
         force = np.einsum("nij,nj->ni", mass, solution.gained) / start.step
@@ -111,7 +115,7 @@ class Adaptive:
             force += np.einsum("nij,nj->ni", share.stiffness, moved)
         square = 0.0
         inertia = float(np.vdot(moved, np.einsum("nij,nj->ni", mass, moved)))
-        if len(own.force) and inertia > 0.0:
+        if own is not None and len(own.force) and inertia > 0.0:
             square = float(np.vdot(moved, own.force - force)) / inertia
         frequency = float(np.sqrt(max(square, 0.0)))
         return _taken(share, solution, Motion(frequency=frequency, force=force))
@@ -124,21 +128,22 @@ class Kinetic:
     Between two stops nothing is damped.
     """
 
-    def begin(self, model: Model) -> Motion:
+    def begin(self, model: Model) -> None:
         """Return what is known before the first step: nothing."""
-        return Motion()
 
-    def share(self, start: StepStart, own: Motion) -> Share:
+    def share(self, start: StepStart, own: Motion | None) -> Share:
         """Return that no velocity enters the step if the kinetic energy has fallen in the last."""
-        passed = start.state.ledger.kinetic < own.kinetic
+        passed = own is not None and start.state.ledger.kinetic < own.kinetic
         return Share(carried=0.0) if passed else Share()
 
-    def finish(self, start: StepStart, own: Motion, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: Motion | None, share: Share, solution: Solution
+    ) -> Done:
         """Return the kinetic energy that a stop has taken."""
         kinetic = start.state.ledger.kinetic
         if share.carried > 0.0:
             return Done(work=0.0, ledger=Ledger(), own=Motion(kinetic=kinetic))
-        return Done(work=0.0, ledger=Ledger(damping=kinetic), own=Motion())
+        return Done(work=0.0, ledger=Ledger(damping=kinetic))
 
 
 def _resistance(matrix: Floats) -> Share:
@@ -147,7 +152,7 @@ def _resistance(matrix: Floats) -> Share:
     return Share(block=block, force=np.zeros((len(block), 6)), stiffness=matrix)
 
 
-def _taken(share: Share, solution: Solution, own: Motion) -> Done:
+def _taken(share: Share, solution: Solution, own: Motion | None) -> Done:
     """Return the energy that a resistance has taken in a step."""
     work, _ = energy_of_linear(share, solution.displacement)
     return Done(work=work, ledger=Ledger(damping=-work), own=own)

@@ -25,6 +25,7 @@ from clast.case.cutting import CutCase, RockMass
 from clast.case.faults import Fault, case_error, faults_of, refusal
 from clast.case.meanings import explain
 from clast.case.tables.blocks import BlockFileTable, BlockTable, GeometryTable
+from clast.case.tables.damping import Damping, chosen_damping
 from clast.case.tables.ground_motion import GroundMotionTable
 from clast.case.tables.in_situ import InSituTable
 from clast.case.tables.joint_sets import JointSetTable
@@ -48,6 +49,7 @@ from clast.case.tables.supports_and_loads import (
 )
 from clast.case.tables.table import Acceleration, Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
+from clast.case.tables.viscous_boundaries import ViscousBoundaryTable
 from clast.errors import ModelError
 from clast.model.builder import ModelBuilder
 from clast.model.model import Model, PlaneStrain, PlaneStress
@@ -62,8 +64,10 @@ PLANES: dict[str, type[PlaneStress] | type[PlaneStrain]] = {
     "stress": PlaneStress,
     "strain": PlaneStrain,
 }
-SAME_SYSTEM = frozenset({"schema", "title", "time", "method", "output", "reference"})
+SAME_SYSTEM = frozenset({"schema", "title", "time", "method", "damping", "output", "reference"})
 """Tables and keys that leave the system of blocks, and with it what is known of it, as it is."""
+CHOICES = frozenset({"method", "damping"})
+"""Tables that may hold objects of a script."""
 
 
 class Case(BaseModel):
@@ -115,6 +119,8 @@ class Case(BaseModel):
     """Tractions along lines."""
     pressure: list[PressureTable] = []
     """Pressures on edges."""
+    viscous_boundary: list[ViscousBoundaryTable] = []
+    """Outer edges through which waves leave."""
     in_situ: InSituTable | None = None
     """Stress in the rock before anything is dug."""
     ground_motion: GroundMotionTable | None = None
@@ -123,6 +129,9 @@ class Case(BaseModel):
     """Points recorded every step."""
     reference: list[ReferenceTable] = []
     """Displacements known from elsewhere; clast run and clast compare print the error."""
+    damping: Damping = "none"
+    """What takes energy from all blocks: "none", "adaptive", "kinetic", or a table: [damping] with
+    mass and stiffness is Rayleigh's."""
     method_: MethodTable = Field(default_factory=MethodTable, alias="method")
     """How to simulate."""
     output: OutputTable = Field(default_factory=OutputTable)
@@ -233,8 +242,8 @@ class Case(BaseModel):
 
     def _written(self, instead: Callable[[Any], str]) -> str:
         content = self.model_dump(by_alias=True, exclude_unset=True)
-        method = case_writing.without_objects(content.get("method", {}), instead)
-        content = {**content, "method": method} if method else content
+        for key in CHOICES & content.keys():
+            content[key] = case_writing.without_objects(content[key], instead)
         return case_text.to_toml({"schema": 1, **content})
 
     def model(self) -> Model:
@@ -298,12 +307,13 @@ class Case(BaseModel):
     def method(self, model: Model | None = None) -> Method:
         """Return how to simulate; what the case leaves open follows from its model."""
         model = model or self.model()
-        return self.method_.method(
+        method = self.method_.method(
             model,
             step=self.time.step,
             max_displacement=self.time.largest_movement(model),
             dynamic_ratio=self.time.dynamic_ratio,
         )
+        return dataclasses.replace(method, damping=chosen_damping(self.damping).build())
 
     def examine(self) -> Sanity:
         """Return what the case consists of, with warnings of what seems unsound about it."""
