@@ -306,9 +306,7 @@ def _with_time(tables: dict[str, Any], model: Model) -> dict[str, Any]:
 
 def _tables(keys: Keys) -> dict[str, Any]:
     """Return the keys of a script in the tables of a case file where they belong."""
-    tables: dict[str, Any] = {
-        key: as_plain(value) for key, value in keys.items() if key in WHOLE
-    }
+    tables: dict[str, Any] = {key: as_plain(value) for key, value in keys.items() if key in WHOLE}
     for key, value in keys.items():
         if key in tables:
             continue

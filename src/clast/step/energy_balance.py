@@ -102,6 +102,7 @@ def balance(begun: Begun, solved: Solved, ended: Ended) -> tuple[Ledger, tuple[A
     solution = Solution(
         displacement=solved.unknowns,
         linearised_at=solved.linearised_at,
+        velocity=solved.velocity,
         gained=ended.velocity - solved.velocity,
     )
     changes: list[Ledger] = []
