@@ -34,7 +34,7 @@ from clast.verification.problems.masonry import arch, overhang, rocking, three_h
 from clast.verification.problems.method import energy, invariance, order
 from clast.verification.problems.slopes import active_passive, plane_failure, slide_topple, toppling
 from clast.verification.problems.underground import jointed_rock, key_block
-from clast.verification.problems.waves import moving_base, newmark, wave
+from clast.verification.problems.waves import layer, moving_base, newmark, viscous_end, wave
 
 GROUPS: dict[str, tuple[Problem, ...]] = {
     "blocks": (
@@ -82,6 +82,8 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         wave.PROBLEM,
         newmark.PROBLEM,
         moving_base.PROBLEM,
+        viscous_end.PROBLEM,
+        layer.PROBLEM,
     ),
     "cutting": (
         persistent_lines.PROBLEM,
