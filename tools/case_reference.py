@@ -64,6 +64,8 @@ def page(schema: Schema) -> str:
         name = _reference(value)
         if name is not None:
             top[_heading(key, value)] = _section(tables[name], tables)
+        elif chosen := _alternatives(key, value):
+            top[f"`[{key}]`"] = f"{_plain(value['description'])}\n\n{_headless(chosen)}"
     parts = [HEAD, "## Top of the file\n\n", top.pop("")]
     parts += [f"\n## {heading}\n\n{text}" for heading, text in top.items()]
     return "".join(parts)
@@ -107,6 +109,11 @@ def _alternatives(key: str, value: Schema) -> str:
         for name, number in numbers.items():
             text += _nested(name, number)
     return text.rstrip("\n") + "\n" if text else ""
+
+
+def _headless(text: str) -> str:
+    """Return the alternatives of a choice without their heading."""
+    return text.partition("\n\n")[2]
 
 
 def _nested(name: str, number: Schema) -> str:

@@ -20,6 +20,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from clast import studies as studies
+    from clast.actions.damping import Adaptive as Adaptive
+    from clast.actions.damping import Kinetic as Kinetic
+    from clast.actions.damping import Rayleigh as Rayleigh
+    from clast.actions.damping import Undamped as Undamped
     from clast.case.case_file import Case as Case
     from clast.case.case_file import load as load
     from clast.case.resuming import resume as resume
@@ -30,6 +34,7 @@ if TYPE_CHECKING:
     from clast.errors import ModelError as ModelError
     from clast.errors import RunStopped as RunStopped
     from clast.model.ground_motion import Accelerogram as Accelerogram
+    from clast.model.ground_motion import IncomingWave as IncomingWave
     from clast.model.ground_motion import InertialForce as InertialForce
     from clast.model.ground_motion import MovingBase as MovingBase
     from clast.model.in_situ import InSituStress as InSituStress
@@ -67,6 +72,11 @@ HOME = {
     "ModelError": "clast.errors",
     "RunStopped": "clast.errors",
     "Accelerogram": "clast.model.ground_motion",
+    "Adaptive": "clast.actions.damping",
+    "Kinetic": "clast.actions.damping",
+    "Rayleigh": "clast.actions.damping",
+    "Undamped": "clast.actions.damping",
+    "IncomingWave": "clast.model.ground_motion",
     "InertialForce": "clast.model.ground_motion",
     "MovingBase": "clast.model.ground_motion",
     "Method": "clast.step.method",

@@ -74,6 +74,8 @@ class Solution:
     """Material points at the end, in the order of ``Model.material_points``, m, shape (np, 2)."""
     linearised_at: Floats | None = None
     """Displacements about which the equations held the springs linear, shape (n, 6); None: at d."""
+    velocity: Floats = field(default_factory=_no_forces)
+    """Velocity that entered the step, shape (n, 6)."""
     gained: Floats = field(default_factory=_no_forces)
     """Velocity that the forces of the step have given each block, shape (n, 6)."""
 

@@ -2,9 +2,11 @@
 
     f = -C d/h,    C = c M + s K
 
-with d/h the mean velocity of a step and K the elasticity of the blocks.  The force takes the energy
-d.C d/h from every step, which cannot be negative.  Contacts are not part of K: a dashpot in them
-would pull where they open.  Whichever kind damps a stage, all kinds carry the same state.
+is Rayleigh's, with d/h the mean velocity of a step and K the elasticity of the blocks.  It takes
+the energy d.C d/h from every step, which cannot be negative.  Contacts are not part of K: a dashpot
+in them would pull where they open.  The other kinds let a share of the velocities enter a step and
+take the kinetic energy of the rest; they are for static stages.  A stage may damp otherwise than
+the one before: all kinds carry the same state.
 """
 
 from __future__ import annotations
@@ -38,22 +40,23 @@ class Motion:
 class Undamped:
     """No damping."""
 
-    def begin(self, model: Model) -> Motion:
+    def begin(self, model: Model) -> None:
         """Return what is known before the first step: nothing."""
-        return Motion()
 
-    def share(self, start: StepStart, own: Motion) -> Share:
+    def share(self, start: StepStart, own: Motion | None) -> Share:
         """Return nothing."""
         return Share()
 
-    def finish(self, start: StepStart, own: Motion, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: Motion | None, share: Share, solution: Solution
+    ) -> Done:
         """Return that nothing was done."""
-        return Done(work=0.0, ledger=Ledger(), own=Motion())
+        return Done(work=0.0, ledger=Ledger())
 
 
 @dataclass(frozen=True)
 class Rayleigh:
-    """C = mass M + stiffness K: a wave of circular frequency w has the ratio (mass/w + stiffness w)/2.
+    """C = mass M + stiffness K: a motion of frequency w has the ratio (mass/w + stiffness w)/2.
 
     ``mass`` damps slow motion, that of whole blocks too; ``stiffness`` damps quick straining and
     no motion of a rigid block.
@@ -64,11 +67,10 @@ class Rayleigh:
     stiffness: float = 0.0
     """Damping by the elasticity of the blocks, s."""
 
-    def begin(self, model: Model) -> Motion:
+    def begin(self, model: Model) -> None:
         """Return what is known before the first step: nothing."""
-        return Motion()
 
-    def share(self, start: StepStart, own: Motion) -> Share:
+    def share(self, start: StepStart, own: Motion | None) -> Share:
         """Return C/h as a stiffness."""
         model = start.model
         matrix = self.mass / start.step * start.frames.mass_matrix
@@ -76,9 +78,12 @@ class Rayleigh:
         matrix[:, 3:, 3:] += elastic
         return _resistance(matrix)
 
-    def finish(self, start: StepStart, own: Motion, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: Motion | None, share: Share, solution: Solution
+    ) -> Done:
         """Return the energy that damping has taken."""
-        return _taken(share, solution, Motion())
+        work, _ = energy_of_linear(share, solution.displacement)
+        return Done(work=work, ledger=Ledger(damping=-work))
 
 
 @dataclass(frozen=True)
@@ -86,35 +91,37 @@ class Adaptive:
     """Mass damping with the ratio ``ratio`` of the frequency in which the blocks move just now.
 
     c = 2 ratio w,  w^2 = d.K d / d.M d  with K d the change of all forces in the last step
-    (Underwood 1983): what falls or slides freely changes no forces and is not damped.
+    (Underwood 1983): what falls or slides freely changes no forces and is not damped.  Velocities
+    enter a step times exp(-c h), which is what mass damping leaves of them whatever c h.
     """
 
     ratio: float = 0.8
     """Damping ratio; 1 is critical."""
 
-    def begin(self, model: Model) -> Motion:
+    def begin(self, model: Model) -> None:
         """Return what is known before the first step: nothing."""
-        return Motion()
 
-    def share(self, start: StepStart, own: Motion) -> Share:
-        """Return c M/h as a stiffness; c h = 2 leaves no velocity, more would turn it round."""
-        rate = min(2.0 * self.ratio * own.frequency, 2.0 / start.step)
-        if rate == 0.0:
-            return Share()
-        return _resistance(rate / start.step * start.frames.mass_matrix)
+    def share(self, start: StepStart, own: Motion | None) -> Share:
+        """Return the share of the velocities that damping leaves."""
+        frequency = 0.0 if own is None else own.frequency
+        return Share(carried=float(np.exp(-2.0 * self.ratio * frequency * start.step)))
 
-    def finish(self, start: StepStart, own: Motion, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: Motion | None, share: Share, solution: Solution
+    ) -> Done:
         """Return the energy that damping has taken, and the frequency of the step."""
         moved, mass = solution.displacement, start.frames.mass_matrix
         force = np.einsum("nij,nj->ni", mass, solution.gained) / start.step
-        if share.stiffness is not None:
-            force += np.einsum("nij,nj->ni", share.stiffness, moved)
-        square = 0.0
-        inertia = float(np.vdot(moved, np.einsum("nij,nj->ni", mass, moved)))
-        if len(own.force) and inertia > 0.0:
-            square = float(np.vdot(moved, own.force - force)) / inertia
-        frequency = float(np.sqrt(max(square, 0.0)))
-        return _taken(share, solution, Motion(frequency=frequency, force=force))
+        momentum = np.einsum("nij,nj->ni", mass, moved)
+        square, inertia = 0.0, float(np.vdot(moved, momentum))
+        if own is not None and len(own.force) and inertia > 0.0:
+            square = max(0.0, float(np.vdot(moved, own.force - force)) / inertia)
+        frequency = float(np.sqrt(square))
+        entered = solution.velocity
+        before = np.einsum("nij,nj->ni", mass, entered)
+        if float(np.vdot(before, entered + solution.gained)) < 0.0:
+            frequency = max(frequency, np.pi / start.step)  # the motion turned round in the step
+        return _slowed(start, share, Motion(frequency=frequency, force=force))
 
 
 @dataclass(frozen=True)
@@ -124,21 +131,20 @@ class Kinetic:
     Between two stops nothing is damped.
     """
 
-    def begin(self, model: Model) -> Motion:
+    def begin(self, model: Model) -> None:
         """Return what is known before the first step: nothing."""
-        return Motion()
 
-    def share(self, start: StepStart, own: Motion) -> Share:
+    def share(self, start: StepStart, own: Motion | None) -> Share:
         """Return that no velocity enters the step if the kinetic energy has fallen in the last."""
-        passed = start.state.ledger.kinetic < own.kinetic
+        passed = own is not None and start.state.ledger.kinetic < own.kinetic
         return Share(carried=0.0) if passed else Share()
 
-    def finish(self, start: StepStart, own: Motion, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: Motion | None, share: Share, solution: Solution
+    ) -> Done:
         """Return the kinetic energy that a stop has taken."""
-        kinetic = start.state.ledger.kinetic
-        if share.carried > 0.0:
-            return Done(work=0.0, ledger=Ledger(), own=Motion(kinetic=kinetic))
-        return Done(work=0.0, ledger=Ledger(damping=kinetic), own=Motion())
+        kept = share.carried * start.state.ledger.kinetic
+        return _slowed(start, share, Motion(kinetic=kept))
 
 
 def _resistance(matrix: Floats) -> Share:
@@ -147,7 +153,7 @@ def _resistance(matrix: Floats) -> Share:
     return Share(block=block, force=np.zeros((len(block), 6)), stiffness=matrix)
 
 
-def _taken(share: Share, solution: Solution, own: Motion) -> Done:
-    """Return the energy that a resistance has taken in a step."""
-    work, _ = energy_of_linear(share, solution.displacement)
-    return Done(work=work, ledger=Ledger(damping=-work), own=own)
+def _slowed(start: StepStart, share: Share, own: Motion) -> Done:
+    """Return the kinetic energy that did not enter the step."""
+    taken = (1.0 - share.carried**2) * start.state.ledger.kinetic
+    return Done(work=0.0, ledger=Ledger(damping=taken), own=own)

@@ -26,6 +26,7 @@ from clast.case.faults import Fault, case_error, faults_of, refusal
 from clast.case.meanings import explain
 from clast.case.tables.blocks import BlockFileTable, BlockTable, GeometryTable
 from clast.case.tables.bolts import BoltKindTable, BoltPatternTable, BoltTable, stage_faults
+from clast.case.tables.damping import Damping, chosen_damping
 from clast.case.tables.ground_motion import GroundMotionTable
 from clast.case.tables.in_situ import InSituTable
 from clast.case.tables.joint_sets import JointSetTable
@@ -50,6 +51,7 @@ from clast.case.tables.supports_and_loads import (
 )
 from clast.case.tables.table import Acceleration, Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
+from clast.case.tables.viscous_boundaries import ViscousBoundaryTable
 from clast.case.tables.water import WaterTable
 from clast.errors import ModelError
 from clast.model.builder import ModelBuilder
@@ -65,8 +67,10 @@ PLANES: dict[str, type[PlaneStress] | type[PlaneStrain]] = {
     "stress": PlaneStress,
     "strain": PlaneStrain,
 }
-SAME_SYSTEM = frozenset({"schema", "title", "time", "method", "output", "reference"})
+SAME_SYSTEM = frozenset({"schema", "title", "time", "method", "damping", "output", "reference"})
 """Tables and keys that leave the system of blocks, and with it what is known of it, as it is."""
+CHOICES = frozenset({"method", "damping"})
+"""Tables that may hold objects of a script."""
 
 
 class Case(BaseModel):
@@ -126,6 +130,8 @@ class Case(BaseModel):
     """Rock bolts round openings."""
     water: list[WaterTable] = []
     """Water on outer faces and in joints."""
+    viscous_boundary: list[ViscousBoundaryTable] = []
+    """Outer edges through which waves leave."""
     in_situ: InSituTable | None = None
     """Stress in the rock before anything is dug."""
     ground_motion: GroundMotionTable | None = None
@@ -136,6 +142,9 @@ class Case(BaseModel):
     """Displacements known from elsewhere; clast run and clast compare print the error."""
     stage: list[StageTable] = []
     """Parts of the run, one after the other."""
+    damping: Damping = "none"
+    """What takes energy from all blocks: "none", "adaptive", "kinetic", or a table: [damping] with
+    mass and stiffness is Rayleigh's."""
     method_: MethodTable = Field(default_factory=MethodTable, alias="method")
     """How to simulate."""
     output: OutputTable = Field(default_factory=OutputTable)
@@ -187,7 +196,7 @@ class Case(BaseModel):
 
     @model_validator(mode="after")
     def _bolts_have_stages(self) -> Self:
-        stages = [one.name for one in getattr(self, "stage", [])]
+        stages = [one.name for one in self.stage]
         faults = [
             *stage_faults("bolt", [one.stage for one in self.bolt], stages),
             *stage_faults("bolt_pattern", [one.stage for one in self.bolt_pattern], stages),
@@ -266,8 +275,8 @@ class Case(BaseModel):
 
     def _written(self, instead: Callable[[Any], str]) -> str:
         content = self.model_dump(by_alias=True, exclude_unset=True)
-        method = case_writing.without_objects(content.get("method", {}), instead)
-        content = {**content, "method": method} if method else content
+        for key in CHOICES & content.keys():
+            content[key] = case_writing.without_objects(content[key], instead)
         return case_text.to_toml({"schema": 1, **content})
 
     def model(self) -> Model:
@@ -336,12 +345,13 @@ class Case(BaseModel):
     def method(self, model: Model | None = None) -> Method:
         """Return how to simulate; what the case leaves open follows from its model."""
         model = model or self.model()
-        return self.method_.method(
+        method = self.method_.method(
             model,
             step=self.time.step,
             max_displacement=self.time.largest_movement(model),
             dynamic_ratio=self.time.dynamic_ratio,
         )
+        return dataclasses.replace(method, damping=chosen_damping(self.damping).build())
 
     def examine(self) -> Sanity:
         """Return what the case consists of, with warnings of what seems unsound about it."""

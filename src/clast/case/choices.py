@@ -163,6 +163,8 @@ class Choice:
     """The key."""
     alternatives: Alternatives
     """All choices."""
+    usual: str = ""
+    """Name of a table that has none; empty: a table has to have one."""
 
     @property
     def names(self) -> Mapping[str, str]:
@@ -176,6 +178,8 @@ class Choice:
         if not isinstance(value, PLAIN):
             return self._given(value)
         table = {"name": value} if isinstance(value, str) else value
+        if self.usual and isinstance(table, dict):
+            table = {"name": self.usual, **table}
         known = ", ".join(f'"{name}"' for name in self.names)
         if not isinstance(table, dict) or not isinstance(table.get("name"), str):
             raise refusal(
@@ -229,6 +233,10 @@ class Choice:
             if not any(f.is_required() for key, f in table.model_fields.items() if key != "name")
         ]
         variants = [handler(table.__pydantic_core_schema__) for table in tables]
+        for name, variant in zip(self.names, variants, strict=True):
+            if name == self.usual:
+                needed = [key for key in variant.pop("required", []) if key != "name"]
+                variant |= {"required": needed} if needed else {}
         names: list[JsonSchemaValue] = [{"type": "string", "enum": alone}] if alone else []
         return {"anyOf": names + variants}
 

@@ -44,6 +44,7 @@ from clast.case.tables.supports_and_loads import (
 )
 from clast.case.tables.table import Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
+from clast.case.tables.viscous_boundaries import viscous_keys
 from clast.case.tables.water import WaterTable
 from clast.case.writing import as_plain, table_of
 from clast.errors import CaseError
@@ -99,6 +100,8 @@ class Keys(TypedDict, total=False):
     """Edges are lengthened by this in contact detection, m."""
     fixed_point_stiffness: float
     """Springs of fixed points, N/m per m."""
+    damping: Any
+    """What takes energy from all blocks: a name, the keys of [damping], or an object."""
     every: float
     """Time between frames, s; a hundredth of the run if absent."""
     contacts: bool
@@ -109,6 +112,8 @@ class Keys(TypedDict, total=False):
 
 TABLES: dict[str, type[Table]] = {"time": TimeTable, "method": MethodTable, "output": OutputTable}
 """Tables whose keys a script gives without saying where they belong."""
+WHOLE = ("damping",)
+"""Tables that a script gives as a whole."""
 
 
 class ModelBuilder(model_builder.ModelBuilder):
@@ -199,6 +204,7 @@ class ModelBuilder(model_builder.ModelBuilder):
                 table_of(OpeningTable, {**vars(entry), "blocks": list(entry.blocks)})
                 for entry in self._openings
             ],
+            "viscous_boundary": [viscous_keys(one) for one in self._viscous_boundaries],
             "in_situ": in_situ_keys(self.in_situ),
             "ground_motion": _ground_motion(self.ground_motion),
         }
@@ -293,7 +299,7 @@ def simulate(
             remedy="give builder.build(); a case runs by itself: clast.load(file).run()",
         )
     tables = _tables(keys)
-    _refuse_both(tables, {"method": method, "time": schedule})
+    _refuse_both(tables, {"method": method, "damping": method, "time": schedule})
     # a bad model is refused before anything slow is loaded
     from clast.case.resuming import checkpoints, script_source
     from clast.run.preflight import examine
@@ -345,7 +351,7 @@ def usual_step(model: Model) -> float:
     return float(f"{rounded:.1g}")
 
 
-def _with_time(tables: dict[str, dict[str, Any]], model: Model) -> dict[str, dict[str, Any]]:
+def _with_time(tables: dict[str, Any], model: Model) -> dict[str, Any]:
     """Return the tables of a script with the end and the step that it does not give."""
     time = {"end": END, **tables.get("time", {})}
     if "step" not in time:
@@ -354,13 +360,15 @@ def _with_time(tables: dict[str, dict[str, Any]], model: Model) -> dict[str, dic
     return {**tables, "time": time}
 
 
-def _tables(keys: Keys) -> dict[str, dict[str, Any]]:
+def _tables(keys: Keys) -> dict[str, Any]:
     """Return the keys of a script in the tables of a case file where they belong."""
-    tables: dict[str, dict[str, Any]] = {}
+    tables: dict[str, Any] = {key: as_plain(value) for key, value in keys.items() if key in WHOLE}
     for key, value in keys.items():
+        if key in tables:
+            continue
         home = next((name for name, kind in TABLES.items() if key in kind.model_fields), None)
         if home is None:
-            known = [name for kind in TABLES.values() for name in kind.model_fields]
+            known = [*WHOLE, *(name for kind in TABLES.values() for name in kind.model_fields)]
             raise CaseError(
                 f"there is no key '{key}'", remedy=spelling.advice(key, known, kind="key")
             )
@@ -368,12 +376,13 @@ def _tables(keys: Keys) -> dict[str, dict[str, Any]]:
     return tables
 
 
-def _refuse_both(tables: dict[str, dict[str, Any]], given: dict[str, Any]) -> None:
+def _refuse_both(tables: dict[str, Any], given: dict[str, Any]) -> None:
     """Refuse keys that say what an object says already."""
     for name, value in given.items():
         if value is not None and tables.get(name):
+            said = name if name in WHOLE else ", ".join(tables[name])
             raise CaseError(
-                f"{', '.join(tables[name])} and a {type(value).__name__} are both given",
+                f"{said} and a {type(value).__name__} are both given",
                 remedy=f"give the keys, or put them into the {type(value).__name__}",
             )
 

@@ -33,11 +33,11 @@ def write_csv(
     """Write tables to CSV files in a folder and return their paths; all frames and all if absent.
 
     ``blocks``, ``vertices`` and ``contacts`` have a row for each of them in each of the ``frames``;
-    ``histories`` and ``bolts`` one for each measured point, or bolt, and instant; ``energy`` and ``steps`` one for each
-    instant or step of the run.  Blocks have the mark ``gone`` once they are excavated.  Units are
-    SI, numbers have every digit.  The folder is made if it does not exist.  Tables of which the
-    results hold nothing are left out, or refused where they are named: raises CaseError then, and
-    for what exists already or cannot be written.
+    ``histories`` and ``bolts`` one for each measured point, or bolt, and instant; ``energy`` and
+    ``steps`` one for each instant or step of the run.  Blocks have the mark ``gone`` once they are
+    excavated.  Units are SI, numbers have every digit.  The folder is made if it does not exist.
+    Tables of which the results hold nothing are left out, or refused where they are named: raises
+    CaseError then, and for what exists already or cannot be written.
     """
     folder = Path(folder)
     if folder.suffix.casefold() == ".csv":

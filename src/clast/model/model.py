@@ -380,7 +380,7 @@ class Model:
 
     @cached_property
     def impedances(self) -> Floats:
-        """rho c_p and rho c_s of each block, Pa s/m, shape (n, 2).
+        """Impedances rho c_p and rho c_s of each block, Pa s/m, shape (n, 2).
 
         c_p^2 = E'_11/rho, c_s^2 = G/rho: of waves in the plane, by the plane assumption.
         """

@@ -10,7 +10,7 @@ from typing import Any
 from clast.model.model import Model
 from clast.step.method import Method
 
-PARTS = ("process", "contact_law", "corner_rule", "integrator", "solver")
+PARTS = ("process", "contact_law", "corner_rule", "integrator", "solver", "damping")
 """Parts of a method that are recorded by name, each with its parameters."""
 MOST_ROCKS = 8
 """Rocks that a table lists, at most."""

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
+from clast.actions.damping import Adaptive, Kinetic, Rayleigh
 from clast.contact.joints import range_of_springs
 from clast.errors import ModelError
+from clast.model.ground_motion import Recorded
 from clast.model.model import Model
 from clast.run.model_warnings import load_on, named, size_of_smallest, weight_of
 
@@ -31,6 +33,10 @@ HOLDING = 10.0
 """Fixed points hold where they are stiffer than contacts and rock by this factor."""
 LOOSE = 1e-3
 """Tolerances of a process above this are felt in the results."""
+FELT = 0.05
+"""Mass damping takes less than this share of a velocity where nobody minds it."""
+TURNING = 2.0
+"""Mass damping c with c h above this leaves a velocity of the other sign."""
 LARGE_FILE = 2e9
 """Result files above this are said to be large, bytes."""
 BYTES = 72, 560
@@ -45,6 +51,7 @@ def method_warnings(model: Model, method: Method, schedule: Schedule) -> list[st
         *_stiffness_warnings(model, method),
         *_joint_stiffness_warnings(model, method),
         *_static_warnings(model, method),
+        *_damping_warnings(model, method, schedule),
         *_schedule_warnings(model, schedule),
     ]
 
@@ -198,6 +205,31 @@ def _static_warnings(model: Model, method: Method) -> Iterator[str]:
             f"fixed_point_stiffness is {method.fixed_point_stiffness:.3g} N/m per m, "
             f"{method.fixed_point_stiffness / stiffest:.2g} times contacts or rock: fixed points "
             f"give way. Raise it to {100.0 * stiffest:.1g}, or leave it out"
+        )
+
+
+def _damping_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator[str]:
+    """Warn of damping that is no damping of rock, that slows falls, or turns velocities round."""
+    damping = method.damping
+    if isinstance(damping, Adaptive | Kinetic) and isinstance(model.ground_motion, Recorded):
+        yield (
+            f'damping "{type(damping).__name__.lower()}" is for static stages: it takes what the '
+            "ground motion brings. Use [damping] with mass and stiffness, or none"
+        )
+    if not isinstance(damping, Rayleigh):
+        return
+    gravity = float(np.hypot(*model.gravity))
+    if damping.mass > 0.0 and gravity > 0.0 and damping.mass * schedule.end > FELT:
+        yield (
+            f"damping.mass = {damping.mass:g} 1/s also slows blocks that fall or slide: none gets "
+            f"faster than {gravity / damping.mass:.3g} m/s. Use damping.stiffness where blocks "
+            "are to fall"
+        )
+    if damping.mass * schedule.step > TURNING:
+        yield (
+            f"damping.mass = {damping.mass:g} 1/s turns velocities round in steps of "
+            f"{schedule.step:g} s: lower time.step to {TURNING / damping.mass:.2g}, or mass to "
+            f"{TURNING / schedule.step:.2g}"
         )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from clast.block.polygon import edges
 from clast.errors import shortened
-from clast.model.ground_motion import MovingBase, Recorded
+from clast.model.ground_motion import IncomingWave, MovingBase, Recorded
 from clast.model.model import WELD_STRENGTH, Floats, Ints, Model
 from clast.model.water.water import Water
 
@@ -54,6 +54,7 @@ def model_warnings(model: Model, step: float, end: float) -> list[str]:
         *_strength_warnings(model),
         *_shape_warnings(model),
         *_motion_warnings(model, end),
+        *_viscous_warnings(model, end),
         *_coarse_steps(model, step),
         *_water_warnings(model),
         *_bolt_warnings(model),
@@ -96,6 +97,7 @@ def _support_warnings(model: Model) -> Iterator[str]:
     held = bool(model.fixed.any()) or len(model.fixed_points.block) > 0
     # the outline of a rock mass under in-situ stress is held by springs beside its load
     held = held or (model.in_situ is not None and any(model.in_situ.held))
+    held = held or len(model.viscous_edges) > 0
     if not held and model.gravity.any():
         yield "nothing is fixed: all blocks fall. Give a [[fixed_point]] or fixed = true"
     if model.fixed.all():
@@ -354,6 +356,37 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
         yield (
             f"the ground is accelerated by no more than {peak:.3g} m/s2, which nobody feels: check "
             "the columns and the scale of the record"
+        )
+
+
+def _viscous_warnings(model: Model, end: float) -> Iterator[str]:
+    """Warn of viscous edges that bear no weight, begin after the end, or miss the wave."""
+    edges = model.viscous_edges
+    if not len(edges):
+        return
+    at_once = edges.begins == 0.0
+    loose = at_once & (edges.kept > 0.0) & (model.in_situ is None)
+    supported = bool(model.fixed.any()) or len(model.fixed_points.block) > 0
+    if loose.any() and model.gravity.any() and not supported:
+        yield (
+            f"{int(loose.sum())} viscous edge(s) begin at once and bear no weight: the blocks sink "
+            "into them. Give [in_situ], whose traction stays on them, or begins in "
+            "[[viscous_boundary]], until when springs hold them"
+        )
+    last = float(edges.begins.max())
+    if last >= end:
+        yield (
+            f"a viscous boundary begins at {last:g} s, but the run ends at {end:g} s: springs hold "
+            "it all the time. Lower begins, or raise time.end"
+        )
+    motion = model.ground_motion
+    if not isinstance(motion, IncomingWave):
+        return
+    record = motion.accelerogram
+    if last > float(record.time[0]) and np.abs(record.velocity(last)).max() > 0.0:
+        yield (
+            f"a viscous boundary begins at {last:g} s, when the ground motion has begun: what "
+            "came before does not come in there. Shift the instants of the record"
         )
 
 

@@ -108,6 +108,7 @@ def balance(
         displacement=solved.unknowns,
         points=points,
         linearised_at=solved.linearised_at,
+        velocity=solved.velocity,
         gained=ended.velocity - solved.velocity,
     )
     changes: list[Ledger] = []

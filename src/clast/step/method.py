@@ -142,7 +142,7 @@ class Method:
     """Largest vertex movement allowed in a step against blocks that may be touched, m."""
     dynamic_ratio: float = 1.0
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
-    damping: Action = Undamped()
+    damping: Action = field(default_factory=Undamped)
     """What takes energy from all blocks: Undamped, Rayleigh, Adaptive, Kinetic."""
     notes: tuple[str, ...] = ()
     """What was chosen automatically, and why."""

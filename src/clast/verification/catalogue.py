@@ -42,7 +42,7 @@ from clast.verification.problems.slopes import (
     wet_slope,
 )
 from clast.verification.problems.underground import excavated_stack, jointed_rock, key_block
-from clast.verification.problems.waves import moving_base, newmark, wave
+from clast.verification.problems.waves import layer, moving_base, newmark, viscous_end, wave
 
 GROUPS: dict[str, tuple[Problem, ...]] = {
     "blocks": (
@@ -94,6 +94,8 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         wave.PROBLEM,
         newmark.PROBLEM,
         moving_base.PROBLEM,
+        viscous_end.PROBLEM,
+        layer.PROBLEM,
     ),
     "cutting": (
         persistent_lines.PROBLEM,

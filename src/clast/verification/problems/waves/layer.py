@@ -1,0 +1,192 @@
+"""A soft layer on rock, shaken by a shear wave from below.
+
+A wave that comes up through the rock is amplified by the layer. With u the velocity at the surface
+and 2 v that of an outcrop, v being the velocity of the wave on its way up,
+
+    |u/(2 v)| = 1/sqrt(cos^2 kH + a^2 sin^2 kH),    a = rho_1 c_1/(rho_2 c_2),    kH = w H/c_1
+
+(Roesset 1977; Kramer 1996).  At the layer's own frequency c_1/(4 H) it is 1/a, and a layer that is
+left to itself rings down by -(1 - a)/(1 + a) with each way down and up again, for the rest leaves
+through the rock.  On a base that moves as it is told the first factor becomes 1/|cos kH|.
+
+The layer is a pile of wide blocks: they can shear, but not bend.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.ground_motion import Accelerogram, GroundMotion, IncomingWave, MovingBase
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import PointHistory, Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+HEIGHT, BLOCKS, WIDTH = 20.0, 20, 40.0
+"""Height of the layer, m, number of blocks in it, and their width, m."""
+SOFT, ROCK = (200.0, 2000.0), (1000.0, 2200.0)
+"""Speed of shear waves, m/s, and density, kg/m3, of the layer and the rock."""
+RATIO = SOFT[0] * SOFT[1] / (ROCK[0] * ROCK[1])
+"""Ratio a of the impedances."""
+ROUND_TRIP = 2.0 * HEIGHT / SOFT[0]
+"""Time of a wave from the surface down to the rock and up again, s."""
+PULSE, PEAK = 0.2, 0.1
+"""Length, s, and height, m/s, of the pulse of velocity that comes in."""
+FREQUENCIES = (1.0, 2.5, 5.0)
+"""Frequencies compared, Hz."""
+STIFF = 1e13
+"""Normal stiffness of the contacts, N/m per m."""
+STEP, DURATION = 4e-4, 2.4
+SLOW_STEP, SWELLING, SHAKING = 2e-3, 3.0, 2.0
+"""Step, s, of the run on a moving base; its motion swells for some seconds and then is even."""
+SCHEME = "numerical damping, exp(-w2 h t/4)"
+
+
+def pile(motion: GroundMotion) -> Model:
+    """Return the layer on a block of rock: viscous below, or held by fixed points that move."""
+    builder = ModelBuilder(title="Layer on rock", gravity=(0.0, 0.0), ground_motion=motion)
+    for name, (speed, density) in (("soft", SOFT), ("rock", ROCK)):
+        builder.add_rock(name, young=2.0 * density * speed**2, poisson=0.0, density=density)
+    builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
+    thick = HEIGHT / BLOCKS
+    for k in range(-1, BLOCKS):
+        low, high = k * thick, (k + 1) * thick
+        builder.block(
+            name="base" if k < 0 else f"layer {k + 1}",
+            vertices=[(0, low), (WIDTH, low), (WIDTH, high), (0, high)],
+            rock="rock" if k < 0 else "soft",
+        )
+    if isinstance(motion, IncomingWave):
+        builder.viscous_boundary(side="bottom")
+    else:
+        builder.fixed_point((0, -thick))
+        builder.fixed_point((WIDTH, -thick))
+    builder.measured_point("surface", (0.5 * WIDTH, HEIGHT), block=f"layer {BLOCKS}")
+    return builder.build()
+
+
+def pulse() -> IncomingWave:
+    """Return a wave with a bell of horizontal velocity."""
+    time = np.linspace(0.0, PULSE, 201)
+    rate = PEAK * np.pi / PULSE * np.sin(2.0 * np.pi * time / PULSE)
+    return IncomingWave(Accelerogram(time, np.stack([rate, np.zeros_like(rate)], axis=1)))
+
+
+def bell(time: Floats) -> Floats:
+    """Return the velocity of the pulse, m/s, at ``time``, s, shape (k,)."""
+    within = (time > 0.0) & (time < PULSE)
+    return np.asarray(np.where(within, PEAK * np.sin(np.pi * time / PULSE) ** 2, 0.0))
+
+
+def swelling() -> MovingBase:
+    """Return a base that moves at 1 Hz, swelling slowly, so that nothing else rings."""
+    time = np.arange(0.0, SWELLING + SHAKING + 0.005, 0.01)
+    swell = np.where(time < SWELLING, np.sin(0.5 * np.pi * time / SWELLING) ** 2, 1.0)
+    rate = PEAK * swell * np.sin(2.0 * np.pi * FREQUENCIES[0] * time)
+    return MovingBase(Accelerogram(time, np.stack([rate, np.zeros_like(rate)], axis=1)))
+
+
+def run(motion: GroundMotion, variant: Variant, step: float, end: float) -> Run:
+    """Return the run of the layer."""
+    model = pile(motion)
+    method = variant.method(model, normal_stiffness=STIFF, max_displacement=0.05)
+    return simulate(model, method, Schedule(step=step, end=end, every=end))
+
+
+def amplitude(time: Floats, velocity: Floats, frequency: float) -> float:
+    """Return the Fourier amplitude of a velocity at a frequency, Hz."""
+    return float(abs(np.trapezoid(velocity * np.exp(-2j * np.pi * frequency * time), time)))
+
+
+def exact_amplification(frequency: float) -> float:
+    """Return surface by outcrop."""
+    phase = 2.0 * np.pi * frequency * HEIGHT / SOFT[0]
+    return float(1.0 / np.hypot(np.cos(phase), RATIO * np.sin(phase)))
+
+
+def amplification(surface: PointHistory, frequency: float) -> float:
+    """Return surface by outcrop of what the pulse has brought."""
+    time = surface.time
+    outcrop = 2.0 * amplitude(time, bell(time), frequency)
+    return amplitude(time, surface.velocity[:, 0], frequency) / outcrop
+
+
+def decay(surface: PointHistory) -> float:
+    """Return what a round trip leaves of the pulse, by the mean velocity of each passage."""
+    arrival = HEIGHT / SOFT[0]
+    means = []
+    for trip in range(4):
+        since = arrival + trip * ROUND_TRIP
+        within = (surface.time >= since) & (surface.time < since + PULSE)
+        means.append(float(surface.velocity[within, 0].mean()))
+    return float(np.mean(np.array(means[1:]) / np.array(means[:-1])))
+
+
+def on_moving_base(variant: Variant) -> float:
+    """Return surface by base at 1 Hz."""
+    motion, end = swelling(), SWELLING + SHAKING
+    surface = run(motion, variant, SLOW_STEP, end).history("surface")
+    even = surface.time > SWELLING
+    time, velocity = surface.time[even], surface.velocity[even, 0]
+    base = np.array([motion.accelerogram.velocity(t)[0] for t in time])
+    mean = base.mean()
+    return amplitude(time, velocity - mean, FREQUENCIES[0]) / amplitude(
+        time, base - mean, FREQUENCIES[0]
+    )
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare amplification and decay."""
+    surface = run(pulse(), variant, STEP, DURATION).history("surface")
+    rows: list[Comparison] = [
+        relative(
+            f"surface by outcrop at {frequency:g} Hz",
+            "",
+            amplification(surface, frequency),
+            exact_amplification(frequency),
+            0.03,
+            SCHEME,
+        )
+        for frequency in FREQUENCIES
+    ]
+    exact = -(1.0 - RATIO) / (1.0 + RATIO)
+    rows.append(relative("left by a round trip", "", decay(surface), exact, 0.03, SCHEME))
+    rigid = float(1.0 / abs(np.cos(2.0 * np.pi * FREQUENCIES[0] * HEIGHT / SOFT[0])))
+    quantity = "surface by moving base at 1 Hz"
+    rows.append(relative(quantity, "", on_moving_base(variant), rigid, 0.03, SCHEME))
+    return Outcome(tuple(rows), (_over_frequency(variant, surface),))
+
+
+def _over_frequency(variant: Variant, surface: PointHistory) -> Chart:
+    """Return the amplification over the frequency."""
+    fine = np.linspace(0.2, 6.0, 200)
+    some = np.linspace(0.5, 6.0, 23)
+    return Chart(
+        title="amplification",
+        x_label="frequency, Hz",
+        y_label="surface / outcrop",
+        curves=(
+            exact_curve("formula", fine, [exact_amplification(f) for f in fine]),
+            curve(variant.name, some, [amplification(surface, f) for f in some]),
+        ),
+    )
+
+
+PROBLEM = Problem(
+    name="layer",
+    title="Soft layer on rock",
+    text="A layer of 20 m (c_s = 200 m/s, 2000 kg/m3) of 20 wide blocks, bonded, on rock "
+    "(1000 m/s, 2200 kg/m3) with a viscous bottom, through which a pulse of shear comes up, 0.2 s "
+    "long; h = 0.4 ms. In a second run the rock is moved at 1 Hz by fixed points, h = 2 ms.",
+    formula="1/sqrt(cos^2 kH + a^2 sin^2 kH), a = rho_1 c_1/(rho_2 c_2); -(1 - a)/(1 + a) each "
+    "round trip; 1/|cos kH| on a base that is moved",
+    source="vertical shear waves in a layer on an elastic half-space; Kramer (1996)",
+    set_up=lambda: pile(pulse()),
+    examine=examine,
+    variants=(OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)

@@ -1,0 +1,154 @@
+"""A wave runs along a bar of blocks into a viscous end.
+
+A dashpot of a rho c by area at the end of a bar sends back (a - 1)/(a + 1) of the stress of a wave
+that arrives (Lysmer & Kuhlemeyer 1969): nothing with a = 1, all of it, with the other sign, from a
+free end.  As a bar of blocks damps the wave on its way, by the time scheme, what comes back is
+compared with what comes back from the free end.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+YOUNG, DENSITY = 50e9, 2700.0
+SPEED = float(np.sqrt(YOUNG / DENSITY))
+"""Wave speed c of the bar, whose rock has no Poisson's ratio, m/s."""
+BLOCKS = 32
+"""Number of blocks of 1 m x 1 m."""
+WAVE_LENGTH = 20.0
+"""Length of the wave, m: 20 blocks."""
+SOURCE, GAUGE = 10.0, 21.5
+"""Middle of the wave at the start, and where it is recorded, m."""
+HEIGHT_OF_BELL = 0.01
+"""Largest velocity, m/s."""
+STIFF = 1e13
+"""Normal stiffness of the contacts, N/m per m."""
+STEP, DURATION = 2.5e-5, 43.0 / SPEED
+DASHPOTS = (1.0, 0.9, 0.5, 0.0)
+"""Dashpots a, in units of rho c; the last is the free end."""
+PARTED = 0.5 * (GAUGE - SOURCE + 2.0 * BLOCKS - SOURCE - GAUGE) / SPEED
+"""When the wave has passed the gauge and its reflection has not arrived, s."""
+
+
+def bell(place: float) -> float:
+    """Return the velocity at the start, m/s, at a place along the bar, m."""
+    offset = (place - SOURCE) / WAVE_LENGTH
+    return HEIGHT_OF_BELL * float(np.cos(np.pi * offset)) ** 2 if abs(offset) < 0.5 else 0.0
+
+
+def bar(dashpot: float) -> Model:
+    """Return a bar with a wave that runs to the right, to an end with a dashpot in rho c."""
+    builder = ModelBuilder(title="Viscous end", gravity=(0.0, 0.0))
+    builder.add_rock("granite", young=YOUNG, poisson=0.0, density=DENSITY)
+    builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
+    for k in range(BLOCKS):
+        speed = bell(k + 0.5)
+        builder.block(
+            name=str(k),
+            vertices=[(k, 0), (k + 1, 0), (k + 1, 1), (k, 1)],
+            velocity=(speed, 0.0, 0.0),
+            initial_stress=(-DENSITY * SPEED * speed, 0.0, 0.0),
+        )
+    if dashpot > 0.0:
+        builder.viscous_boundary(side="right", normal=dashpot)
+    builder.measured_point("gauge", (GAUGE, 0.5), block=str(int(GAUGE)))
+    return builder.build()
+
+
+def run(dashpot: float, variant: Variant) -> Run:
+    """Return the run until the wave would be back at its start."""
+    model = bar(dashpot)
+    method = variant.method(model, normal_stiffness=STIFF, max_displacement=0.01)
+    return simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+
+
+def returned(found: Run) -> Floats:
+    """Return the velocities, m/s, that come back past the gauge."""
+    history = found.history("gauge")
+    return np.asarray(history.velocity[history.time > PARTED, 0])
+
+
+def energy_left(found: Run) -> float:
+    """Return the energy still in the bar, as a share of that at the start."""
+    held = np.sum([found.energy[key] for key in ("kinetic", "elastic", "contact")], axis=0)
+    return float(held[-1] / held[0])
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare what comes back, and the energy that is left."""
+    runs = {dashpot: run(dashpot, variant) for dashpot in DASHPOTS}
+    whole = returned(runs[0.0])
+    rows: list[Comparison] = []
+    for dashpot in DASHPOTS[:-1]:
+        back = returned(runs[dashpot])
+        count = min(len(back), len(whole))
+        # velocity comes back with the sign that stress has not
+        share = -float(back[:count] @ whole[:count] / (whole[:count] @ whole[:count]))
+        exact = (dashpot - 1.0) / (dashpot + 1.0)
+        quantity = f"reflected stress, a = {dashpot:g}"
+        rows.append(absolute(quantity, "", share, exact, 0.01, "20 blocks a wave length"))
+    left = energy_left(runs[1.0])
+    rows.append(absolute("energy left, a = 1", "", left, 0.0, 0.01, "20 blocks a wave length"))
+    balance = runs[1.0].energy["boundary"][-1] / runs[1.0].energy["kinetic"][0] / 2.0
+    rows.append(
+        absolute(
+            "energy through the boundary, a = 1",
+            "",
+            balance,
+            1.0,
+            0.12,
+            "the scheme takes the rest",
+        )
+    )
+    return Outcome(tuple(rows), (_chart(variant, runs),))
+
+
+def _chart(variant: Variant, runs: dict[float, Run]) -> Chart:
+    """Return the velocity at the gauge over time."""
+    time = np.linspace(0.0, DURATION, 300)
+    curves = []
+    for dashpot, found in runs.items():
+        echo = -(dashpot - 1.0) / (dashpot + 1.0)
+        there = [bell(GAUGE - SPEED * t) for t in time]
+        back = [echo * bell(2.0 * BLOCKS - GAUGE - SPEED * t) for t in time]
+        history = found.history("gauge")
+        label = f"a = {dashpot:g}"
+        curves.append(exact_curve(label, 1e3 * time, 1e3 * (np.array(there) + np.array(back))))
+        every = slice(None, None, 20)
+        curves.append(
+            curve(
+                f"{label}, {variant.name}",
+                1e3 * history.time[every],
+                1e3 * history.velocity[every, 0],
+            )
+        )
+    return Chart(
+        title="velocity at the gauge",
+        x_label="time, ms",
+        y_label="velocity, mm/s",
+        curves=tuple(curves),
+    )
+
+
+PROBLEM = Problem(
+    name="viscous-end",
+    title="Viscous end of a bar",
+    text="A bar of 32 blocks of 1 m x 1 m, bonded, without gravity; a bell of velocity 20 m long, "
+    "10 mm/s high, runs to the right, to dashpots of a rho c: a = 1, 0.9, 0.5, and 0, a free end. "
+    "E = 50 GPa, nu = 0, rho = 2700 kg/m3, p = 10 TPa, h = 25 us.",
+    formula="the stress (a - 1)/(a + 1) comes back, nothing with a = 1",
+    source="Lysmer & Kuhlemeyer (1969)",
+    set_up=lambda: bar(1.0),
+    examine=examine,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)

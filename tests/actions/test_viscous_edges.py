@@ -1,0 +1,251 @@
+"""Viscous edges: their matrix, what they hold, waves that come in, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import clast
+from clast.actions.action import StepStart
+from clast.actions.viscous_edges import ViscousBoundary
+from clast.block.inertia import block_frames
+from clast.errors import ModelError
+from clast.model.state import initial_state
+
+WAYS = [
+    (process, law)
+    for process in ("modified", "open-close", "convex")
+    for law in ("penalty", "augmented-lagrangian")
+]
+YOUNG, POISSON, DENSITY = 1e8, 0.25, 2000.0
+
+
+def rock(gravity: float = 0.0, **keys: object) -> clast.ModelBuilder:
+    """Return a builder with a rock and a strong joint."""
+    builder = clast.ModelBuilder(gravity=(0.0, -gravity), **keys)
+    builder.add_rock("rock", young=YOUNG, poisson=POISSON, density=DENSITY)
+    builder.add_joint("default", friction_angle=30.0)
+    return builder
+
+
+def column(builder: clast.ModelBuilder, count: int = 2) -> clast.ModelBuilder:
+    """Put blocks of 2 m x 1 m upon each other."""
+    for k in range(count):
+        corners = [(0, k), (2, k), (2, k + 1), (0, k + 1)]
+        builder.block(name=f"b{k}", vertices=corners)
+    return builder
+
+
+def assert_closed(run: clast.Run) -> None:
+    """All energy is explained."""
+    energy = run.energy
+    turned_over = sum(np.abs(energy[key]).max() for key in ("kinetic", "gravity", "boundary"))
+    assert np.abs(energy["unaccounted"]).max() <= 1e-6 * turned_over
+
+
+@pytest.mark.parametrize(
+    ("plane", "modulus"),
+    [
+        (clast.PlaneStress(), YOUNG / (1.0 - POISSON**2)),
+        (clast.PlaneStrain(), YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON))),
+    ],
+)
+def test_dashpots_are_the_integral_over_the_edge(plane: object, modulus: float):
+    builder = rock(plane=plane)
+    builder.block(vertices=[(0, 0), (3, -1), (2.5, 2)])
+    builder.viscous_boundary(edges=[((0, 0), (3, -1))], normal=0.5, tangential=2.0)
+    model = builder.build()
+    state = initial_state(model)
+    start = StepStart(model=model, state=state, frames=block_frames(model, state), step=0.1)
+    action = ViscousBoundary(1e9)
+    share = action.share(start, action.begin(model))
+    line = np.array([3.0, -1.0])
+    length, normal = np.sqrt(10.0), np.array([-1.0, -3.0]) / np.sqrt(10.0)
+    along = line / length
+    shear = YOUNG / (2.0 * (1.0 + POISSON))
+    dashpot = 0.5 * np.sqrt(DENSITY * modulus) * np.outer(normal, normal)
+    dashpot += 2.0 * np.sqrt(DENSITY * shear) * np.outer(along, along)
+    exact, centroid = np.zeros((6, 6)), np.array([5.5, 1.0]) / 3.0
+    points, weights = np.polynomial.legendre.leggauss(5)
+    for point, weight in zip(0.5 * (points + 1.0), 0.5 * weights, strict=True):
+        x, y = point * line - centroid
+        t = np.array([[1, 0, -y, x, 0, 0.5 * y], [0, 1, x, 0, y, 0.5 * x]])
+        exact += weight * length * t.T @ dashpot @ t / 0.1
+    np.testing.assert_allclose(share.stiffness[0], exact, atol=1e-12 * np.abs(exact).max())
+    assert not share.force.any()
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_wave_from_below_moves_the_surface_twice_as_far(way: tuple[str, str]):
+    """Every step brings the exact impulse: 2 rho c (2 u_in - u) is 0 at rest, however coarse."""
+    time = np.array([0.0, 0.1, 0.1, 0.2])
+    push = np.array([1.0, 1.0, -1.0, -1.0])[:, None] * np.array([[0.3, -0.2]])
+    wave = clast.IncomingWave(clast.Accelerogram(time, push))
+    exact = 2.0 * wave.accelerogram.displacement(1.0)
+    builder = rock(ground_motion=wave)
+    builder.block(vertices=[(0, 0), (2, 0), (2, 1), (0, 1)])
+    builder.viscous_boundary(side="bottom")
+    run = clast.simulate(
+        builder, process=way[0], contact_law=way[1], step=7e-3, end=1.0, max_displacement=0.1
+    )
+    moved = run.final.vertices.mean(axis=0) - run.model.vertices.mean(axis=0) - run.model.origin
+    np.testing.assert_allclose(moved, exact, rtol=1e-4)
+    assert_closed(run)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_what_springs_bear_stays_when_dashpots_begin(way: tuple[str, str]):
+    moved = {}
+    for static in ("hold", "none"):
+        builder = column(rock(9.8))
+        builder.viscous_boundary(side="bottom", begins=0.4, static=static)
+        builder.measured_point("foot", (1, 0))
+        law = {"name": way[1], "normal_stiffness": 1e8}
+        run = clast.simulate(
+            builder,
+            process=way[0],
+            contact_law=law,
+            step=1e-3,
+            end=0.6,
+            damping="adaptive",
+            max_displacement=0.02,
+        )
+        assert_closed(run)
+        history = run.history("foot")
+        at = int(np.searchsorted(history.time, 0.4))
+        moved[static] = np.abs(history.displacement[at:, 1] - history.displacement[at, 1]).max()
+        weight = 2.0 * 2.0 * DENSITY * 9.8
+        if static == "hold":
+            held = run.final.actions[-1].force[..., 1].sum()
+            assert held == pytest.approx(weight, rel=1e-3)
+    assert moved["hold"] < 1e-5
+    # m v' = m g - rho c_p L v: it sinks
+    assert moved["none"] > 0.01
+
+
+def test_in_situ_stress_stays_on_viscous_edges():
+    for plane in (clast.PlaneStress(), clast.PlaneStrain()):
+        builder = column(rock(9.8, plane=plane), 4)
+        builder.in_situ = clast.Overburden(k0=0.4)
+        builder.viscous_boundary(side="bottom")
+        run = clast.simulate(builder, process="convex", step=1e-3, end=0.1)
+        moved = np.abs(run.final.vertices - run.model.vertices - run.model.origin).max()
+        assert moved < 1e-6
+        assert_closed(run)
+
+
+def test_springs_hold_the_directions_that_have_dashpots():
+    builder = column(rock(9.8), 1)
+    builder.viscous_boundary(side="bottom", tangential=0.0, begins=5.0)
+    builder.point_load((1, 0), (1e3, 0.0))
+    builder.measured_point("foot", (1, 0))
+    run = clast.simulate(builder, process="convex", step=1e-3, end=0.1)
+    moved = run.history("foot").displacement[-1]
+    assert moved[0] == pytest.approx(0.5 * 1e3 / 4000.0 * 0.1**2, rel=0.02)
+    assert abs(moved[1]) < 1e-5
+
+
+def two_columns() -> clast.ModelBuilder:
+    builder = rock()
+    for x in (0.0, 1.0):
+        builder.block(name=f"at {x:g}", vertices=[(x, 0), (x + 1, 0), (x + 1, 1), (x, 1)])
+    return builder
+
+
+REFUSED: dict[str, tuple[Callable[[clast.ModelBuilder], None], str]] = {
+    "nowhere": (lambda b: b.viscous_boundary(), "by nothing"),
+    "twice": (lambda b: b.viscous_boundary(side="left", edges=[]), "side and edges"),
+    "no side": (lambda b: b.viscous_boundary(side="below"), "there is no side 'below'"),
+    "within": (
+        lambda b: b.viscous_boundary(edges=[((1, 0), (1, 1))]),
+        "has another block behind it",
+    ),
+    "no edge": (lambda b: b.viscous_boundary(edges=[((5, 0), (6, 0))]), "no edge lies on"),
+    "no length": (lambda b: b.viscous_boundary(edges=[((0, 0), (0, 0))]), "no length"),
+    "empty polygon": (
+        lambda b: b.viscous_boundary(polygon=[(0.9, 0.1), (1.1, 0.1), (1.1, 0.9), (0.9, 0.9)]),
+        "no edge on the outline",
+    ),
+    "crossed polygon": (
+        lambda b: b.viscous_boundary(polygon=[(0, 0), (1, 1), (1, 0), (0, 1)]),
+        "crosses itself",
+    ),
+    "negative": (lambda b: b.viscous_boundary(side="left", normal=-1.0), "-1 is below 0"),
+    "free": (lambda b: b.viscous_boundary(side="left", normal=0, tangential=0), "free edge"),
+    "static": (lambda b: b.viscous_boundary(side="left", static="held"), "'held'"),
+    "two of one": (
+        lambda b: (
+            (b.viscous_boundary(side="left"), b.viscous_boundary(edges=[((0, 1), (0, 0))])) and None
+        ),
+        "is an edge of viscous boundary 1, too",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_no_viscous_boundary_is_refused(name: str):
+    give, said = REFUSED[name]
+    builder = two_columns()
+    give(builder)
+    with pytest.raises(ModelError) as refused:
+        builder.build()
+    assert "viscous boundary" in refused.value.where
+    assert said in str(refused.value)
+    assert refused.value.remedy
+
+
+def test_fixed_blocks_and_corners_have_no_viscous_edges():
+    builder = two_columns()
+    builder.block(name="held", vertices=[(2, 0), (3, 0), (3, 1), (2, 1)], fixed=True)
+    builder.viscous_boundary(side="right")
+    with pytest.raises(ModelError, match="'held' is on a fixed block"):
+        builder.build()
+    builder = rock()
+    builder.block(vertices=[(0, 0), (1, 1), (-1, 1)])
+    builder.viscous_boundary(side="bottom")
+    with pytest.raises(ModelError, match="only corners"):
+        builder.build()
+
+
+def test_a_wave_needs_edges_that_face_down():
+    wave = clast.IncomingWave(clast.Accelerogram(np.array([0.0, 1.0]), np.ones((2, 2))))
+    for side in (None, "left"):
+        builder = two_columns()
+        builder.ground_motion = wave
+        if side:
+            builder.viscous_boundary(side=side)
+        with pytest.raises(ModelError, match="the wave has to come in, but"):
+            builder.build()
+
+
+def test_a_polygon_takes_the_outer_edges_within():
+    builder = two_columns()
+    builder.viscous_boundary(polygon=[(-1, -1), (1.2, -1), (1.2, 0.9), (-1, 0.9)])
+    model = builder.build()
+    middle = model.vertices[model.viscous_edges.edge] + model.origin
+    assert sorted(map(tuple, middle.tolist())) == [(0.0, 0.0), (0.0, 1.0)]
+
+
+def test_a_script_writes_its_viscous_boundaries():
+    builder = two_columns()
+    builder.viscous_boundary(side="bottom", tangential=0.5)
+    builder.viscous_boundary(edges=[((0, 0), (0, 1))], static="none", begins=0.2)
+    time = np.array([0.0, 1.0])
+    builder.ground_motion = clast.IncomingWave(clast.Accelerogram(time, np.ones((2, 2))))
+    again = clast.Case.from_toml(builder.to_toml(end=1.0)).model()
+    for name, values in vars(builder.build().viscous_edges).items():
+        np.testing.assert_array_equal(getattr(again.viscous_edges, name), values)
+    assert isinstance(again.ground_motion, clast.IncomingWave)
+
+
+def test_doubtful_viscous_boundaries_are_warned_of():
+    builder = column(rock(9.8))
+    builder.viscous_boundary(side="bottom")
+    assert any("bear no weight" in text for text in builder.case().examine().warnings)
+    builder = column(rock(9.8))
+    builder.viscous_boundary(side="bottom", begins=2.0)
+    said = builder.case(end=1.0).examine().warnings
+    assert any("springs hold it all the time" in text for text in said)
+    assert not any("bear no weight" in text for text in said)
