@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from clast.case.case_file import Case
+from clast.case.stage_again import check_fits, of_same_run, stage_before
 from clast.case.tables.time_and_output import OutputTable
 from clast.errors import CaseError, shortened
 from clast.model.model import Model
@@ -140,6 +141,7 @@ def resume(
     path: str | Path,
     settings: Sequence[str] = (),
     *,
+    stage: str = "",
     output: str | Path | None = None,
     model: Model | None = None,
     method: Method | None = None,
@@ -151,7 +153,9 @@ def resume(
     It appends to its result file, which is first cut back to the checkpoint: what it holds in the
     end is what it would hold if the run had never been interrupted, to the bit.  ``output`` is
     another file to go on in: a copy, or without the old one a file of what comes from there on.
-    ``settings`` may be ``["time.end=2"]``, which lets the run go on for longer.  A script gives its
+    ``settings`` may be ``["time.end=2"]``, which lets the run go on for longer.  With ``stage``,
+    the name of one, the run goes on from the end of the stage before it, with any settings that
+    leave the blocks and the stages before as they are.  A script gives its
     ``model`` again, and its ``method`` where that holds objects of its own.  ``progress`` and
     ``warn`` are those of ``Case.run``.
 
@@ -159,8 +163,14 @@ def resume(
     file that does not fit; RunStopped where the run cannot go on.
     """
     path = Path(path)
-    checkpoint = read_checkpoint(path, {} if model is None else classes_near(model.actions))
-    now = _prepared(checkpoint, path, settings, Given(model=model, method=method))
+    known = {} if model is None else classes_near(model.actions)
+    checkpoint = read_checkpoint(path, known)
+    if stage:
+        path = stage_before(checkpoint, path, stage)
+        checkpoint = of_same_run(read_checkpoint(path, known), path, checkpoint)
+        now = _prepared_again(checkpoint, path, settings)
+    else:
+        now = _prepared(checkpoint, path, settings, Given(model=model, method=method))
 
     from clast.run.progress import shown
     from clast.run.simulate import simulate
@@ -217,6 +227,36 @@ def _prepared(
     )
 
 
+def _prepared_again(checkpoint: Checkpoint, path: Path, settings: Sequence[str]) -> Prepared:
+    """Return what a stage is run again with; raises CaseError where it does not fit.
+
+    The checkpoint is that of the end of the stage before.
+    """
+    source = checkpoint.source
+    if source.gives != TEXT:
+        raise CaseError(
+            "comes from a script, in which stages are run again from the start",
+            where=str(path),
+            remedy="write the model as a case file (builder.to_toml), or run the script again",
+        )
+    case = Case.from_text(
+        source.text, str(_folder(source, path) / Path(source.file).name), settings
+    )
+    model, schedule = case.model(), case.schedule()
+    method = case.method(model)
+    check_fits(checkpoint, path, model, schedule, case.method(model).fixed_point_stiffness)
+    now = fingerprints(model=model, method=method)
+    return Prepared(
+        model=model,
+        method=method,
+        source=dataclasses.replace(
+            source, text=case.text, file=case.file, schedule=schedule, fingerprints=now
+        ),
+        output=case.output,
+        warnings=case.foreseen(model, method),
+    )
+
+
 def _known(case: Case | None) -> Case:
     """Return a case that is there."""
     if case is None:
@@ -270,8 +310,8 @@ def _check_settings(settings: Sequence[str]) -> None:
             raise CaseError(
                 f"'{shortened(key)}' would have changed the run before its checkpoint",
                 where="--set",
-                remedy="a run that goes on may change time.end and output.checkpoint_every; for "
-                "other changes run the case again",
+                remedy="a run that goes on may change time.end and output.checkpoint_every; with "
+                "--stage NAME a stage is run again with other numbers; else run the case again",
             )
 
 

@@ -106,6 +106,12 @@ def resume(
         Path | None,
         typer.Option("-o", "--output", help="Go on in another file; in the run's own if absent."),
     ] = None,
+    stage: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", help="Run this stage again, from the end of the one before it."
+        ),
+    ] = "",
     settings: Settings = None,
     threads: Threads = None,
     as_json: AsJson = False,
@@ -117,7 +123,12 @@ def resume(
     with heard():
         _shown(
             lambda foresee: go_on(
-                checkpoint, settings or (), output=output, progress=not quiet, warn=foresee
+                checkpoint,
+                settings or (),
+                stage=stage,
+                output=output,
+                progress=not quiet,
+                warn=foresee,
             ),
             _compared,
             as_json=as_json,

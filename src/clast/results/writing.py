@@ -52,7 +52,6 @@ PACKED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle
 LARGE = 64
 """Rows that a frame must have for a chunk of its own."""
 CHECKED = {"fletcher32": True}
-GO_ON_ELSEWHERE = "clast resume CHECKPOINT -o FILE writes a file of what comes from there on"
 CHUNK_ROWS = 512
 """Rows that small things share a chunk of the file with."""
 
@@ -254,13 +253,8 @@ def reopened(path: Path, model: Model, recorded: Recorded) -> JournalledFile:
 
     Raises CaseError where it is missing, in use, or not what the checkpoint knows.
     """
-    try:
-        check_fit(path, model, recorded)
-        file = taken_up(check_output(path))
-    except CaseError as error:
-        raise CaseError(
-            error.what, where=error.where, remedy=error.remedy or GO_ON_ELSEWHERE
-        ) from None
+    check_fit(path, model, recorded)
+    file = taken_up(check_output(path))
     try:
         check_fit(path, model, recorded)  # nobody else changes it from here on
         return JournalledFile.again(file)

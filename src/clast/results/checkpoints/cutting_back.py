@@ -14,6 +14,7 @@ from clast.results.checkpoints.checkpoint import Recorded
 from clast.results.layout import FORMAT
 from clast.results.opening import ask, check_ours
 
+ELSEWHERE = "clast resume CHECKPOINT -o FILE writes a file of what comes from there on"
 CHECKED_WHOLE = 2**28
 """Size of a file that is checked from end to end, bytes."""
 
@@ -35,11 +36,17 @@ def check_fit(path: Path, model: Model, recorded: Recorded) -> None:
             return "its frames are those of another run"
         return ""
 
+    where = str(path)
     if not path.exists():
-        raise CaseError("the result file of the checkpoint is missing", where=str(path))
-    why = ask(path, misfit, whole=CHECKED_WHOLE)
+        raise CaseError(
+            "the result file of the checkpoint is missing", where=where, remedy=ELSEWHERE
+        )
+    try:
+        why = ask(path, misfit, whole=CHECKED_WHOLE)
+    except CaseError as error:
+        raise CaseError(error.what, where=error.where, remedy=ELSEWHERE) from error
     if why:
-        raise CaseError(f"does not belong to the checkpoint: {why}", where=str(path))
+        raise CaseError(f"does not belong to the checkpoint: {why}", where=where, remedy=ELSEWHERE)
 
 
 def cut_back(file: Any, frames: int, lengths: Mapping[str, int]) -> None:

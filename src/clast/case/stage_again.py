@@ -1,0 +1,104 @@
+"""A stage that is run again, with other numbers, from the end of the stage before it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from clast import spelling
+from clast.errors import CaseError, shortened
+from clast.model.model import Model
+from clast.model.state import State
+from clast.results.checkpoints.checkpoint import Checkpoint
+from clast.results.checkpoints.files import checkpoint_path
+from clast.results.checkpoints.fingerprints import SHAPE, digest
+
+if TYPE_CHECKING:
+    from clast.run.schedule import Schedule
+
+KEPT = (*SHAPE, "measured_points")
+"""Parts of a model that are what they were."""
+
+
+def stage_before(checkpoint: Checkpoint, path: Path, stage: str) -> Path:
+    """Return the checkpoint of the end of the stage before ``stage``, beside another of the run.
+
+    Raises CaseError where there is no such stage, or none before it.
+    """
+    names = [one.name for one in _stages(checkpoint.source.schedule)]
+    if stage not in names:
+        raise CaseError(
+            f"the run has no stage '{shortened(stage)}'",
+            where="--stage",
+            remedy=spelling.advice(stage, names, kind="stage") if names else "leave it out",
+        )
+    at = names.index(stage)
+    if at == 0:
+        raise CaseError(
+            f"'{stage}' is the first stage: there is none before it",
+            where="--stage",
+            remedy="run the case again: clast run CASE --set ...",
+        )
+    if checkpoint.stage == names[at - 1]:
+        return path
+    return checkpoint_path(path.resolve().parent / checkpoint.recorded.file, names[at - 1])
+
+
+def of_same_run(found: Checkpoint, path: Path, checkpoint: Checkpoint) -> Checkpoint:
+    """Return the checkpoint that was found; raises CaseError where it is not of the same run."""
+    before, now = checkpoint.source, found.source
+    if (before.text, before.fingerprints) != (now.text, now.fingerprints):
+        raise CaseError(
+            "is of another run than the checkpoint that is named",
+            where=str(path),
+            remedy="name the checkpoint of that run, or run the case again",
+        )
+    return found
+
+
+def check_fits(
+    checkpoint: Checkpoint, path: Path, model: Model, schedule: Schedule, stiffness: float
+) -> None:
+    """Raise CaseError where a model and its stages do not fit what a checkpoint carries.
+
+    ``stiffness`` is that of the supports, N/m per m.
+    """
+    source, state = checkpoint.source, checkpoint.run.state
+    remedy = "change numbers of this stage and later ones only, or run the case again"
+    before = source.fingerprints
+    other = [name for name in KEPT if before.get(f"model.{name}") != digest(getattr(model, name))]
+    if other:
+        raise CaseError(
+            f"has other blocks or points than the case with these settings: {', '.join(other)}",
+            where=str(path),
+            remedy=remedy,
+        )
+    for was, now in zip(_stages(source.schedule), _stages(schedule), strict=False):
+        if digest(was) != digest(now):
+            raise CaseError(
+                f"the settings change stage '{was.name}', which is over",
+                where="--set",
+                remedy=remedy,
+            )
+        if was.name == checkpoint.stage:
+            break
+    if not _same_things(state, model, stiffness):
+        raise CaseError(
+            "the settings add or remove loads, supports or other things that act",
+            where="--set",
+            remedy=remedy,
+        )
+
+
+def _same_things(state: State, model: Model, stiffness: float) -> bool:
+    """Return whether the same things act on blocks as when a state was kept."""
+    from clast.actions.acting import actions_of
+
+    acting = actions_of(model, stiffness)
+    same = len(state.actions) in (0, len(acting))
+    return same and state.points.shape == model.material_points.at.shape
+
+
+def _stages(schedule: Any) -> tuple[Any, ...]:
+    """Return the stages of a schedule."""
+    return tuple(getattr(schedule, "stages", ()))
