@@ -8,7 +8,7 @@ import pytest
 from clast.verification.problems.friction import ladder
 from clast.verification.problems.masonry import arch, rocking
 from clast.verification.problems.slopes import active_passive, slide_topple
-from clast.verification.problems.underground import key_block
+from clast.verification.problems.underground import key_block, snap_through
 from clast.verification.problems.waves import moving_base, newmark
 
 
@@ -82,3 +82,12 @@ def test_force_on_a_key_block():
     normal = key_block.exact_force(35.0) * np.cos(phi) / np.cos(phi - key_block.LEAN)
     held = 2.0 * normal * np.sin(phi - key_block.LEAN) / np.cos(phi)
     assert held == pytest.approx(key_block.WEIGHT)
+
+
+def test_halves_whose_hinges_bear_them():
+    # without noses, contacts of 4/3 p at the hinges give way as three of p do: two halves that
+    # share the middle one; worked out independently
+    stiffer = 2.0 / 1.5
+    assert snap_through.exact_rest(stiffer * 1e9, 0.0) == pytest.approx((0.0048485, 321649.8), 1e-5)
+    assert snap_through.exact_rest(stiffer * 1e8, 0.0) == pytest.approx((0.0573386, 360144.4), 1e-5)
+    assert snap_through.snapping(0.0)[0] == pytest.approx(stiffer * 4.98971e7, rel=1e-5)

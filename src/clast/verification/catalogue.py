@@ -33,7 +33,7 @@ from clast.verification.problems.friction import (
 from clast.verification.problems.masonry import arch, overhang, rocking, three_hinges
 from clast.verification.problems.method import energy, invariance, order
 from clast.verification.problems.slopes import active_passive, plane_failure, slide_topple, toppling
-from clast.verification.problems.underground import jointed_rock, key_block
+from clast.verification.problems.underground import jointed_rock, key_block, snap_through
 from clast.verification.problems.waves import moving_base, newmark, wave
 
 GROUPS: dict[str, tuple[Problem, ...]] = {
@@ -71,6 +71,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
     "underground": (
         key_block.PROBLEM,
         jointed_rock.PROBLEM,
+        snap_through.PROBLEM,
     ),
     "masonry": (
         overhang.PROBLEM,
