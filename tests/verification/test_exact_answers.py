@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clast.verification.problems.friction import ladder
-from clast.verification.problems.masonry import arch, rocking
+from clast.verification.problems.masonry import arch, arch_push, rocking
 from clast.verification.problems.slopes import active_passive, slide_topple
 from clast.verification.problems.underground import key_block, snap_through
 from clast.verification.problems.waves import moving_base, newmark
@@ -91,3 +91,11 @@ def test_halves_whose_hinges_bear_them():
     assert snap_through.exact_rest(stiffer * 1e9, 0.0) == pytest.approx((0.0048485, 321649.8), 1e-5)
     assert snap_through.exact_rest(stiffer * 1e8, 0.0) == pytest.approx((0.0573386, 360144.4), 1e-5)
     assert snap_through.snapping(0.0)[0] == pytest.approx(stiffer * 4.98971e7, rel=1e-5)
+
+
+def test_pushes_of_arches():
+    # a linear programme with friction at both ends of every joint, written independently
+    known = dict(zip(arch_push.ARCHES, (0.37361, 0.35675, 0.36797, 0.25700, 0.13895), strict=False))
+    for each, factor in known.items():
+        # the friction angles of the table are rounded
+        assert arch_push.exact_factor(each) == pytest.approx(factor, rel=3e-3), each.name

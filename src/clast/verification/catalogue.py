@@ -29,8 +29,9 @@ from clast.verification.problems.friction import (
     incline,
     ladder,
     seams,
+    tilt_table,
 )
-from clast.verification.problems.masonry import arch, overhang, rocking, three_hinges
+from clast.verification.problems.masonry import arch, arch_push, overhang, rocking, three_hinges
 from clast.verification.problems.method import energy, invariance, order
 from clast.verification.problems.slopes import active_passive, plane_failure, slide_topple, toppling
 from clast.verification.problems.underground import jointed_rock, key_block, snap_through
@@ -61,6 +62,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         direct_shear.PROBLEM,
         ladder.PROBLEM,
         dam.PROBLEM,
+        tilt_table.PROBLEM,
     ),
     "slopes": (
         slide_topple.PROBLEM,
@@ -76,6 +78,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
     "masonry": (
         overhang.PROBLEM,
         arch.PROBLEM,
+        arch_push.PROBLEM,
         three_hinges.PROBLEM,
         rocking.PROBLEM,
     ),
