@@ -8,7 +8,7 @@ import pytest
 from clast.verification.problems.friction import ladder
 from clast.verification.problems.masonry import arch, arch_push, rocking
 from clast.verification.problems.slopes import active_passive, slide_topple
-from clast.verification.problems.underground import key_block, snap_through
+from clast.verification.problems.underground import key_block, roof_wedge, snap_through
 from clast.verification.problems.waves import moving_base, newmark
 
 
@@ -99,3 +99,19 @@ def test_pushes_of_arches():
     for each, factor in known.items():
         # the friction angles of the table are rounded
         assert arch_push.exact_factor(each) == pytest.approx(factor, rel=3e-3), each.name
+
+
+def test_loads_that_pull_roof_wedges_out():
+    # Brady & Brown's equations and a root of S - N tan phi agree on these
+    known = {
+        (20.0, 1.0): 727_940.5,
+        (20.0, 10.0): 481_168.3,
+        (10.0, 1000.0): 276_965.6,
+        (30.0, 10.0): 291_104.1,
+    }
+    for (lean, ratio), load in known.items():
+        wedge = roof_wedge.Wedge(lean, ratio)
+        assert wedge.exact()[0] == pytest.approx(load, rel=1e-6)
+    # per metre of side
+    wedge = roof_wedge.Wedge(20.0, 10.0)
+    assert wedge.exact()[1] * wedge.side == pytest.approx(1.172e-4, rel=1e-4)

@@ -34,7 +34,13 @@ from clast.verification.problems.friction import (
 from clast.verification.problems.masonry import arch, arch_push, overhang, rocking, three_hinges
 from clast.verification.problems.method import energy, invariance, order
 from clast.verification.problems.slopes import active_passive, plane_failure, slide_topple, toppling
-from clast.verification.problems.underground import in_situ, jointed_rock, key_block, snap_through
+from clast.verification.problems.underground import (
+    in_situ,
+    jointed_rock,
+    key_block,
+    roof_wedge,
+    snap_through,
+)
 from clast.verification.problems.waves import moving_base, newmark, wave
 
 GROUPS: dict[str, tuple[Problem, ...]] = {
@@ -72,6 +78,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
     ),
     "underground": (
         key_block.PROBLEM,
+        roof_wedge.PROBLEM,
         jointed_rock.PROBLEM,
         in_situ.PROBLEM,
         snap_through.PROBLEM,
