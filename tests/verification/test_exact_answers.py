@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from clast.verification.problems.friction import ladder
-from clast.verification.problems.masonry import arch, rocking
+from clast.verification.problems.masonry import arch, arch_push, rocking
 from clast.verification.problems.slopes import active_passive, slide_topple
-from clast.verification.problems.underground import key_block
+from clast.verification.problems.underground import key_block, roof_wedge, snap_through
 from clast.verification.problems.waves import moving_base, newmark
 
 
@@ -82,3 +82,36 @@ def test_force_on_a_key_block():
     normal = key_block.exact_force(35.0) * np.cos(phi) / np.cos(phi - key_block.LEAN)
     held = 2.0 * normal * np.sin(phi - key_block.LEAN) / np.cos(phi)
     assert held == pytest.approx(key_block.WEIGHT)
+
+
+def test_halves_whose_hinges_bear_them():
+    # without noses, contacts of 4/3 p at the hinges give way as three of p do: two halves that
+    # share the middle one; worked out independently
+    stiffer = 2.0 / 1.5
+    assert snap_through.exact_rest(stiffer * 1e9, 0.0) == pytest.approx((0.0048485, 321649.8), 1e-5)
+    assert snap_through.exact_rest(stiffer * 1e8, 0.0) == pytest.approx((0.0573386, 360144.4), 1e-5)
+    assert snap_through.snapping(0.0)[0] == pytest.approx(stiffer * 4.98971e7, rel=1e-5)
+
+
+def test_pushes_of_arches():
+    # a linear programme with friction at both ends of every joint, written independently
+    known = dict(zip(arch_push.ARCHES, (0.37361, 0.35675, 0.36797, 0.25700, 0.13895), strict=False))
+    for each, factor in known.items():
+        # the friction angles of the table are rounded
+        assert arch_push.exact_factor(each) == pytest.approx(factor, rel=3e-3), each.name
+
+
+def test_loads_that_pull_roof_wedges_out():
+    # Brady & Brown's equations and a root of S - N tan phi agree on these
+    known = {
+        (20.0, 1.0): 727_940.5,
+        (20.0, 10.0): 481_168.3,
+        (10.0, 1000.0): 276_965.6,
+        (30.0, 10.0): 291_104.1,
+    }
+    for (lean, ratio), load in known.items():
+        wedge = roof_wedge.Wedge(lean, ratio)
+        assert wedge.exact()[0] == pytest.approx(load, rel=1e-6)
+    # per metre of side
+    wedge = roof_wedge.Wedge(20.0, 10.0)
+    assert wedge.exact()[1] * wedge.side == pytest.approx(1.172e-4, rel=1e-4)

@@ -29,8 +29,9 @@ from clast.verification.problems.friction import (
     incline,
     ladder,
     seams,
+    tilt_table,
 )
-from clast.verification.problems.masonry import arch, overhang, rocking, three_hinges
+from clast.verification.problems.masonry import arch, arch_push, overhang, rocking, three_hinges
 from clast.verification.problems.method import energy, invariance, order
 from clast.verification.problems.slopes import (
     active_passive,
@@ -41,7 +42,14 @@ from clast.verification.problems.slopes import (
     toppling,
     wet_slope,
 )
-from clast.verification.problems.underground import excavated_stack, jointed_rock, key_block
+from clast.verification.problems.underground import (
+    excavated_stack,
+    in_situ,
+    jointed_rock,
+    key_block,
+    roof_wedge,
+    snap_through,
+)
 from clast.verification.problems.waves import layer, moving_base, newmark, viscous_end, wave
 
 GROUPS: dict[str, tuple[Problem, ...]] = {
@@ -69,6 +77,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         direct_shear.PROBLEM,
         ladder.PROBLEM,
         dam.PROBLEM,
+        tilt_table.PROBLEM,
     ),
     "slopes": (
         slide_topple.PROBLEM,
@@ -81,12 +90,16 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
     ),
     "underground": (
         key_block.PROBLEM,
+        roof_wedge.PROBLEM,
         jointed_rock.PROBLEM,
         excavated_stack.PROBLEM,
+        in_situ.PROBLEM,
+        snap_through.PROBLEM,
     ),
     "masonry": (
         overhang.PROBLEM,
         arch.PROBLEM,
+        arch_push.PROBLEM,
         three_hinges.PROBLEM,
         rocking.PROBLEM,
     ),

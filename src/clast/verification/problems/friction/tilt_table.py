@@ -1,0 +1,97 @@
+"""A tilt table: the angle at which a block slides or topples.
+
+A block b wide and h high stands on a table that is tilted.  It slides where the tilt reaches its
+friction angle, and topples where its weight passes its lower edge, at atan(b/h); the smaller of
+both comes first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+GRAVITY, HEIGHT, FRICTION_ANGLE = 9.8, 1.0, 25.0
+"""Height of the block, m, and its friction angle, degrees."""
+WIDTHS = (0.2, 0.4, 0.5, 1.0)
+"""Widths of the block, m: it topples, topples barely before it slides, slides twice."""
+STEP, STEPS, SPAN, BISECTIONS = 1e-2, 300, 1.2, 5
+RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.2g} degrees; the corners are springs"
+
+
+def exact_angle(width: float) -> float:
+    """Return the tilt at which a block of a width, m, moves, degrees."""
+    return min(float(np.degrees(np.arctan2(width, HEIGHT))), FRICTION_ANGLE)
+
+
+def table(width: float = 0.4, tilt: float = 15.0) -> Model:
+    """Return a fixed table and the block on it; gravity is tilted instead of the table."""
+    down = np.radians(tilt)
+    gravity = (GRAVITY * np.sin(down), -GRAVITY * np.cos(down))
+    builder = ModelBuilder(title="Tilt table", gravity=gravity)
+    builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
+    builder.add_joint("default", friction_angle=FRICTION_ANGLE)
+    ground = [(-1.0, -0.3), (2.0, -0.3), (2.0, 0.0), (-1.0, 0.0)]
+    builder.block(name="table", vertices=ground, fixed=True)
+    builder.block(name="block", vertices=[(0, 0), (width, 0), (width, HEIGHT), (0, HEIGHT)])
+    builder.measured_point("foot", (0.0, 0.0), block="block")
+    builder.measured_point("top", (0.0, HEIGHT), block="block")
+    return builder.build()
+
+
+def holds(width: float, tilt: float, variant: Variant) -> bool:
+    """Return whether a block stays on the table."""
+    moving = unbalanced(
+        table(width, tilt),
+        variant,
+        normal_stiffness=2e9,
+        step=STEP,
+        steps=STEPS,
+        max_displacement=0.02,
+    )
+    return moving < AT_REST
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare the tilt at which blocks move."""
+    rows: list[Comparison] = []
+    for width in WIDTHS:
+        exact = exact_angle(width)
+
+        def stays(tilt: float, width: float = width) -> bool:
+            return holds(width, tilt, variant)
+
+        found = limit(stays, exact + SPAN, exact - SPAN, BISECTIONS)
+        quantity = f"tilt at which b/h = {width / HEIGHT:g} moves"
+        rows.append(absolute(quantity, "degrees", found, exact, 0.1, RESOLUTION))
+    fine = np.linspace(0.1, 1.2, 111)
+    chart = Chart(
+        title="tilt at which the block moves",
+        x_label="b/h",
+        y_label="tilt, degrees",
+        curves=(
+            exact_curve("the smaller of atan(b/h) and phi", fine, [exact_angle(b) for b in fine]),
+            curve(variant.name, WIDTHS, [row.computed for row in rows]),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="tilt-table",
+    title="Tilt table",
+    text="Blocks 1 m high and 0.2 to 1 m wide on a table whose tilt is bisected; the friction "
+    "angle is 25 degrees. Gravity turns instead of the table; p = 2 GPa, h = 10 ms, static "
+    "(dynamic_ratio = 0). Beyond one pass: p h2/m is up to 740.",
+    formula="the smaller of atan(b/h), by which it topples, and phi, by which it slides",
+    source="equilibrium of a rigid block",
+    set_up=table,
+    examine=examine,
+    variants=(OPEN_CLOSE, CONVEX),
+    quick=(),
+)

@@ -1,0 +1,198 @@
+"""How much lateral push an arch bears: its weight times a factor, across.
+
+Voussoirs between radial joints bear no tension; a joint gives way to N1, N2 >= 0 at its ends and
+to a shear force |V| <= (N1 + N2) tan phi.  The largest factor whose push is in equilibrium is found
+by linear programming, three equations for every voussoir.  By the theorem of limit analysis it is
+exact where the arch folds on four hinges, as that of Oppenheim (1992) does at 0.37; where joints
+slide, it is an upper bound for friction that does not open joints (Drucker 1954), which the arch
+here reaches.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from scipy.optimize import linprog
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems.masonry.arch import centroid
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+GRAVITY, DENSITY = 9.8, 2400.0
+STEP, STEPS, BISECTIONS, FEW = 2e-2, 200, 4, 3
+SPAN = 0.06
+"""Half of what is searched about the exact factor, as a share of it."""
+TOLERANCE = 0.015
+RESOLUTION = f"bisected to {200 * SPAN / 2**BISECTIONS:.2g} %; joints and blocks give a little"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arch:
+    """A circular arch of equal voussoirs."""
+
+    name: str
+    """What the table calls it."""
+    radius: float = 5.0
+    """Mean radius R, m."""
+    share: float = 0.15
+    """Thickness over R."""
+    embrace: float = 180.0
+    """Angle between its springings, degrees."""
+    voussoirs: int = 21
+    """Their number."""
+    friction_angle: float = 60.0
+    """Friction angle of the joints, degrees."""
+
+    def joints(self) -> tuple[Floats, Floats]:
+        """Return the inner and outer ends of all joints from right to left, m (k, 2)."""
+        half = 0.5 * np.radians(self.embrace)
+        angle = 0.5 * np.pi + np.linspace(-half, half, self.voussoirs + 1)
+        direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        reach = 0.5 * self.share * self.radius
+        return (self.radius - reach) * direction, (self.radius + reach) * direction
+
+
+OPPENHEIM = Arch(name="Oppenheim's arch", radius=10.0, embrace=157.5, voussoirs=7)
+ARCHES = (
+    OPPENHEIM,
+    replace(OPPENHEIM, name="of 15 voussoirs", voussoirs=15),
+    *(
+        replace(OPPENHEIM, name=f"at phi = {angle:g} degrees", friction_angle=angle)
+        for angle in (26.6, 21.8, 16.7)
+    ),
+    *(
+        Arch(name=f"semicircle of t/R = {share:g}", share=share)
+        for share in (0.12, 0.15, 0.2, 0.25)
+    ),
+)
+
+
+def exact_factor(arch: Arch) -> float:
+    """Return the largest push over the weight; unknowns are N1, N2 and V of each joint, and it."""
+    inner, outer = arch.joints()
+    count, voussoirs = len(inner), arch.voussoirs
+    equations, weights = np.zeros((3 * voussoirs, 3 * count + 1)), np.zeros(3 * voussoirs)
+    for k in range(voussoirs):
+        area, middle = centroid(np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]))
+        rows = slice(3 * k, 3 * k + 3)
+        for joint, sign in ((k, 1.0), (k + 1, -1.0)):
+            radial = (outer[joint] - inner[joint]) / np.hypot(*(outer[joint] - inner[joint]))
+            along = np.array([-radial[1], radial[0]])
+            for column, at, force in (
+                (3 * joint, inner[joint], sign * along),
+                (3 * joint + 1, outer[joint], sign * along),
+                (3 * joint + 2, inner[joint], sign * radial),
+            ):
+                x, y = at - middle
+                equations[rows, column] = (*force, x * force[1] - y * force[0])
+        equations[3 * k, -1] = weights[3 * k + 1] = area
+    friction = np.zeros((2 * count, 3 * count + 1))
+    for joint in range(count):
+        for row, sign in ((2 * joint, 1.0), (2 * joint + 1, -1.0)):
+            friction[row, 3 * joint : 3 * joint + 2] = -np.tan(np.radians(arch.friction_angle))
+            friction[row, 3 * joint + 2] = sign
+    cost = np.zeros(3 * count + 1)
+    cost[-1] = -1.0
+    bounds = [(0.0, None), (0.0, None), (None, None)] * count + [(0.0, None)]
+    found = linprog(
+        cost, A_ub=friction, b_ub=np.zeros(2 * count), A_eq=equations, b_eq=weights, bounds=bounds
+    )
+    return float(found.x[-1])
+
+
+def pushed(arch: Arch = OPPENHEIM, factor: float = 0.3) -> Model:
+    """Return two fixed abutments and the voussoirs, with ``factor`` of their weight across."""
+    inner, outer = arch.joints()
+    builder = ModelBuilder(title="Arch under push", gravity=(factor * GRAVITY, -GRAVITY))
+    builder.add_rock("stone", young=50e9, poisson=0.2, density=DENSITY)
+    builder.add_joint("default", friction_angle=arch.friction_angle)
+    for name, end, side in (("right", 0, -1.0), ("left", arch.voussoirs, 1.0)):
+        radial = (outer[end] - inner[end]) / np.hypot(*(outer[end] - inner[end]))
+        reach = 0.2 * arch.radius
+        low, high = inner[end] - 0.05 * reach * radial, outer[end] + 0.05 * reach * radial
+        back = side * reach * np.array([-radial[1], radial[0]])
+        corners = [low, high, high + back, low + back]
+        builder.block(
+            name=f"{name} abutment", vertices=corners if side > 0.0 else corners[::-1], fixed=True
+        )
+    for k in range(arch.voussoirs):
+        corners = [inner[k], outer[k], outer[k + 1], inner[k + 1]]
+        builder.block(name=str(k + 1), vertices=corners)
+        builder.measured_point(str(k + 1), np.mean(corners, axis=0), block=str(k + 1))
+    return builder.build()
+
+
+def holds(arch: Arch, factor: float, variant: Variant) -> bool:
+    """Return whether an arch bears a push."""
+    moving = unbalanced(
+        pushed(arch, factor),
+        variant,
+        normal_stiffness=1e10,
+        step=STEP,
+        steps=STEPS,
+        max_displacement=0.02,
+    )
+    return moving < AT_REST
+
+
+def examine(arches: tuple[Arch, ...], bisections: int, variant: Variant) -> Outcome:
+    """Compare the largest push of arches."""
+    rows: list[Comparison] = []
+    for arch in arches:
+        exact = exact_factor(arch)
+
+        def stands(factor: float, arch: Arch = arch) -> bool:
+            return holds(arch, factor, variant)
+
+        found = limit(stands, (1.0 + SPAN) * exact, (1.0 - SPAN) * exact, bisections)
+        quantity = f"push over weight, {arch.name}"
+        rows.append(relative(quantity, "", found, exact, TOLERANCE, RESOLUTION))
+    shares = np.linspace(0.11, 0.26, 16)
+    semicircle = Arch(name="")
+    chart = Chart(
+        title="largest push",
+        x_label="t/R",
+        y_label="push over weight",
+        curves=(
+            exact_curve(
+                "semicircle of 21, linear programming",
+                shares,
+                [exact_factor(replace(semicircle, share=share)) for share in shares],
+            ),
+            exact_curve(
+                "157.5 degrees, 7 voussoirs",
+                shares,
+                [exact_factor(replace(OPPENHEIM, share=share)) for share in shares],
+            ),
+            curve(
+                variant.name,
+                [arch.share for arch in arches],
+                [row.computed for row in rows],
+            ),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="arch-push",
+    title="Arch under lateral push",
+    text="A share of the weight of an arch acts across, as in an earthquake that lasts; the share "
+    "is bisected. Seven voussoirs over 157.5 degrees of a mean radius of 10 m, t/R = 0.15, as "
+    "Oppenheim's, also with more voussoirs and less friction, and semicircles of 21 voussoirs; "
+    "phi = 60 degrees, E = 50 GPa, p = 10 GPa, h = 20 ms, static (dynamic_ratio = 0).",
+    formula="the largest factor with N1, N2 >= 0 and |V| <= (N1 + N2) tan phi in all joints: "
+    "0.3736 for Oppenheim's arch",
+    source="limit analysis by linear programming (scipy); Oppenheim (1992) has 0.37",
+    set_up=pushed,
+    examine=partial(examine, ARCHES, BISECTIONS),
+    variants=(OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+    examine_briefly=partial(examine, ARCHES[:1], FEW),
+)

@@ -1,0 +1,130 @@
+"""Rock under in-situ stress in which nothing was dug stays as it is.
+
+A uniform stress is in equilibrium however joints cut the rock: every joint bears the traction
+sigma n of it, and blocks keep the stress.  So is the stress of the weight, rho g z down and
+k0 rho g z across.  With the stress in blocks and contacts from the start nothing may move, and the
+mean of the vertical stress over all blocks is that at half of the height, rho g H/2.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.in_situ import InSituStress, Overburden
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.rockmass import Domain, Exponential, JointSet, cut
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+WIDTH, HEIGHT = 30.0, 20.0
+"""Width and height of the rock, m."""
+SIZE = float(np.hypot(WIDTH, HEIGHT))
+STRESS = (-5e6, -10e6, 2e6)
+"""Uniform stress (xx, yy, xy), Pa."""
+LARGEST = 10e6
+"""Its largest component, Pa."""
+GRAVITY, DENSITY, RATIO = 9.8, 2700.0, 0.5
+"""Gravity, m/s2, density, kg/m3, and k0."""
+WEIGHED = DENSITY * GRAVITY * HEIGHT
+"""Vertical stress at the bottom, Pa."""
+SEEDS = (1, 2, 3)
+STEP, STEPS = 1e-3, 100
+IN_BALANCE = "in balance to the last bits"
+STAIR = "blocks of one stress each bear a gradient as a stair, which a static solution balances"
+
+
+def rock_mass(seed: int = 1, *, weighed: bool = False) -> Model:
+    """Return a box of rock, cut by two sets of joints at angles by chance, under stress."""
+    rng = np.random.default_rng(seed)
+    angle = rng.uniform(0.0, 180.0)
+    sets = [
+        JointSet(name="a", angle=angle, spacing=rng.uniform(2.0, 4.0)),
+        JointSet(name="b", angle=angle + rng.uniform(30.0, 150.0), spacing=Exponential(mean=3.0)),
+    ]
+    boundary = np.array([(0.0, 0.0), (WIDTH, 0.0), (WIDTH, HEIGHT), (0.0, HEIGHT)])
+    found = cut(Domain(boundary=boundary), sets=sets, seed=seed)
+    builder = ModelBuilder(title="In-situ stress", gravity=(0.0, -GRAVITY if weighed else 0.0))
+    builder.add_rock("rock", young=50e9, poisson=0.25, density=DENSITY)
+    builder.add_joint("default", friction_angle=60.0, cohesion=1e8)
+    builder.blocks(vertices=found.vertices, start=found.block_start)
+    builder.in_situ = Overburden(k0=RATIO) if weighed else InSituStress(stress=STRESS)
+    return builder.build()
+
+
+def stay(model: Model, variant: Variant) -> Run:
+    """Return a run of a rock mass in which nothing is dug."""
+    method = variant.method(model, normal_stiffness=5e10, max_displacement=0.02)
+    end = STEPS * STEP
+    return simulate(model, method, Schedule(step=STEP, end=end, every=end))
+
+
+def moved(run: Run) -> float:
+    """Return the largest displacement of a vertex over the size of the rock mass."""
+    return float(np.abs(run.state.vertices - run.model.vertices).max()) / SIZE
+
+
+def compare_uniform(seed: int, variant: Variant) -> list[Comparison]:
+    """Compare a rock mass under uniform stress."""
+    run = stay(rock_mass(seed), variant)
+    changed = float(np.abs(run.state.stress - np.array(STRESS)).max()) / LARGEST
+    under = f"uniform stress, cut {seed}"
+    return [
+        absolute(f"displacement over size, {under}", "", moved(run), 0.0, 1e-12, IN_BALANCE),
+        absolute(f"change of stress over stress, {under}", "", changed, 0.0, 1e-12, IN_BALANCE),
+    ]
+
+
+def compare_weight(seed: int, variant: Variant) -> tuple[list[Comparison], Run]:
+    """Compare a rock mass under its weight; return its run, too."""
+    run = stay(rock_mass(seed, weighed=True), variant)
+    area = run.model.area
+    mean = float(area @ run.state.stress[:, 1] / area.sum())
+    under = f"weight, cut {seed}"
+    rows = [
+        absolute(f"displacement over size, {under}", "", moved(run), 0.0, 1e-6, STAIR),
+        relative(f"mean vertical stress, {under}", "Pa", mean, -0.5 * WEIGHED, 1e-5, STAIR),
+    ]
+    return rows, run
+
+
+def examine(seeds: tuple[int, ...], variant: Variant) -> Outcome:
+    """Compare rock masses cut by chance."""
+    rows: list[Comparison] = []
+    curves = []
+    for seed in seeds:
+        rows += compare_uniform(seed, variant)
+        found, run = compare_weight(seed, variant)
+        rows += found
+        middle = np.array([run.model.polygon(b).mean(axis=0) for b in range(run.model.block_count)])
+        label = f"cut {seed}, {variant.name}"
+        curves.append(curve(label, 1e-6 * run.state.stress[:, 1], middle[:, 1]))
+    chart = Chart(
+        title=f"vertical stress of the blocks, {variant.name}",
+        x_label="stress, MPa",
+        y_label="height, m",
+        curves=(exact_curve("rho g z", (-1e-6 * WEIGHED, 0.0), (0.0, HEIGHT)), *curves),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="in-situ",
+    title="Rock under in-situ stress",
+    text="A box of 30 m x 20 m, cut into some 36 to 93 blocks by two sets of joints at angles by "
+    "chance, under a uniform stress (-5, -10, 2) MPa without gravity, and under its own weight "
+    "with k0 = 0.5: after 100 steps of 1 ms nothing has moved. E = 50 GPa, p = 50 GPa.",
+    formula="no displacement, the stress of the start; mean vertical stress rho g H/2",
+    source="equilibrium of a uniform stress, and of a stress that grows with depth",
+    set_up=rock_mass,
+    examine=partial(examine, SEEDS),
+    variants=(OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+    examine_briefly=partial(examine, SEEDS[:1]),
+)

@@ -1,0 +1,183 @@
+"""A cracked roof beam that arches, sags and snaps through.
+
+A beam bridges a span between abutments and is cracked in the middle.  By symmetry one of its
+stiff halves, of length s, depth t and weight W, is looked at: it touches the wall of the abutment
+with its lower outer corner and the plane of symmetry with its upper inner one, z higher, and lies
+on a nose of the abutment, c from the wall.  As it sags by t - z its diagonal D lies flatter, and
+the two corners are e = sqrt(D2 - z2) apart; it has turned by a.  The nose pushes at right angles
+to its lower edge, and so with W tan a to the middle.  With the thrust H at the wall,
+
+    e - s = (H + (H + W tan a))/p,
+    (H + W tan a) z = W (e/2 - (c + H/p)/cos2 a)
+
+by the springs p of both contacts and by the moments about the corner at the wall.  The thrust that
+keeps the beam up grows as z shrinks, that of the springs first grows, then fades: below a certain p
+nothing balances the weight.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, DENSITY = 9.8, 2600.0
+HALF, DEPTH, NOSE = 5.0, 0.5, 0.1
+"""Length s of a half, its depth t and the width c of a nose, m."""
+WEIGHT = DENSITY * GRAVITY * HALF * DEPTH
+STIFFNESSES = (1e9, 1e8)
+"""p at which sag and thrust are compared, N/m per m."""
+STEP, STEPS, LONG = 2e-2, 400, 1500
+"""Step, s; steps of a beam that is far from snapping through, and of one that may be near it."""
+SPAN, BISECTIONS = 0.08, 4
+"""Half of what is searched about the exact p at snap-through, as a share of it; bisections."""
+STIFF = "the rock is not rigid: E = 1e13 Pa"
+RESOLUTION = f"bisected to {200 * SPAN / 2**BISECTIONS:.2g} %; a beam near its limit sinks slowly"
+
+
+def needed(rise: float, nose: float = NOSE) -> tuple[float, float]:
+    """Return the stiffness p with which a half rests at a rise z, m, N/m per m, and H, N/m."""
+    diagonal = float(np.hypot(HALF, DEPTH))
+    apart = float(np.sqrt(diagonal**2 - rise**2))
+    turned = float(np.arctan2(DEPTH, HALF) - np.arcsin(rise / diagonal))
+    inwards, closing = WEIGHT * float(np.tan(turned)) * (nose > 0.0), apart - HALF
+
+    def excess(thrust: float) -> float:
+        sunk = closing * thrust / (2.0 * thrust + inwards)
+        lever = 0.5 * apart - (nose + sunk * (nose > 0.0)) / np.cos(turned) ** 2
+        return float((thrust + inwards) * rise - WEIGHT * lever)
+
+    thrust = float(brentq(excess, 1e-3 * WEIGHT, WEIGHT * HALF / rise, xtol=1e-6))
+    return (2.0 * thrust + inwards) / closing, thrust
+
+
+def snapping(nose: float = NOSE) -> tuple[float, float]:
+    """Return the p below which no rise is in balance, N/m per m, and the rise there, m."""
+    found = minimize_scalar(
+        lambda rise: np.log(needed(rise, nose)[0]),
+        bounds=(0.1 * DEPTH, 0.999 * DEPTH),
+        method="bounded",
+        options={"xatol": 1e-10},
+    )
+    return needed(found.x, nose)[0], float(found.x)
+
+
+def exact_rest(stiffness: float, nose: float = NOSE) -> tuple[float, float]:
+    """Return sag t - z, m, and thrust H, N/m, of the beam at rest."""
+    lowest = snapping(nose)[1]
+    rise = float(
+        brentq(lambda z: needed(z, nose)[0] - stiffness, lowest, DEPTH * (1.0 - 1e-6), xtol=1e-14)
+    )
+    return DEPTH - rise, needed(rise, nose)[1]
+
+
+def beam() -> Model:
+    """Return the fixed abutment with its nose, the plane of symmetry and a half between them."""
+    low, high = -2.0, DEPTH + 1.0
+    builder = ModelBuilder(title="Snap-through", gravity=(0.0, -GRAVITY))
+    builder.add_rock("stiff rock", young=1e13, poisson=0.0, density=DENSITY)
+    abutment = [(HALF - NOSE, low), (HALF + 1.0, low), (HALF + 1.0, high), (HALF, high)]
+    abutment += [(HALF, -NOSE), (HALF - NOSE, 0.0)]
+    builder.block(name="abutment", vertices=abutment, fixed=True)
+    plane = [(-1.0, low), (0.0, low), (0.0, high), (-1.0, high)]
+    builder.block(name="plane of symmetry", vertices=plane, fixed=True)
+    corners = [(0.0, 0.0), (HALF, 0.0), (HALF, DEPTH), (0.0, DEPTH)]
+    builder.block(name="half", vertices=corners)
+    builder.measured_point("middle", (0.0, DEPTH), block="half")
+    builder.measured_point("end", (HALF, 0.0), block="half")
+    return builder.build()
+
+
+def rest(stiffness: float, variant: Variant) -> tuple[float, float]:
+    """Return sag, m, and thrust at the wall, N/m, at the end of a run."""
+    model = beam()
+    method = variant.method(
+        model, normal_stiffness=stiffness, max_displacement=0.02, dynamic_ratio=0.0
+    )
+    end = STEPS * STEP
+    run = simulate(model, method, Schedule(step=STEP, end=end, every=end))
+    middle, outer = (run.history(name).displacement[-1, 1] for name in ("middle", "end"))
+    memory = run.state.memory
+    wall, half = (model.block_name.index(name) for name in ("abutment", "half"))
+    here = (memory.block == wall) & (model.vertex_block[memory.vertex] == half)
+    return float(outer - middle), float(memory.normal_force[here].sum())
+
+
+def holds(stiffness: float, variant: Variant) -> bool:
+    """Return whether the beam stays up."""
+    moving = unbalanced(
+        beam(),
+        variant,
+        normal_stiffness=stiffness,
+        step=STEP,
+        steps=LONG,
+        max_displacement=0.02,
+    )
+    return moving < AT_REST
+
+
+def compare_rest(variant: Variant) -> Outcome:
+    """Compare sag and thrust of beams at rest."""
+    rows: list[Comparison] = []
+    found = []
+    for stiffness in STIFFNESSES:
+        found.append(rest(stiffness, variant))
+        exact, at = exact_rest(stiffness), f"at p = {stiffness:.0e} N/m per m"
+        rows.append(relative(f"sag {at}", "m", found[-1][0], exact[0], 2e-3, STIFF))
+        rows.append(relative(f"thrust {at}", "N/m", found[-1][1], exact[1], 1e-3, STIFF))
+    lowest = snapping()[0]
+    rises = np.linspace(DEPTH - 0.999 * exact_rest(2e9)[0], 0.1, 200)
+    chart = Chart(
+        title="stiffness that balances a sag",
+        x_label="sag, m",
+        y_label="p, N/m per m",
+        curves=(
+            exact_curve(
+                "rigid half on springs", DEPTH - rises, [needed(rise)[0] for rise in rises]
+            ),
+            exact_curve("snap-through", (0.0, 0.4), (lowest, lowest)),
+            curve(variant.name, [sag for sag, _ in found], STIFFNESSES),
+        ),
+        y_scale="log",
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare beams at rest, and the stiffness at which one snaps through."""
+    at_rest = compare_rest(variant)
+    exact = snapping()[0]
+    found = limit(
+        partial(holds, variant=variant), (1.0 - SPAN) * exact, (1.0 + SPAN) * exact, BISECTIONS
+    )
+    row = relative("p at snap-through", "N/m per m", found, exact, 0.02, RESOLUTION)
+    return Outcome((*at_rest.comparisons, row), at_rest.charts)
+
+
+PROBLEM = Problem(
+    name="snap-through",
+    title="Snap-through of a cracked roof beam",
+    text="A beam 10 m long and 0.5 m deep, cracked in the middle, bridges the span between "
+    "abutments under its weight, without friction; a half of it leans on the plane of symmetry. "
+    "The stiffness p of the contacts at which the beam snaps through is bisected. E = 1e13 Pa, "
+    "h = 20 ms, static (dynamic_ratio = 0).",
+    formula="e - s = (2 H + W tan a)/p, (H + W tan a) z = W (e/2 - (c + H/p)/cos^2 a), "
+    "e^2 + z^2 = s^2 + t^2; snaps through below the least p of them",
+    source="equilibrium of a rigid half on springs, after the voussoir beam of Diederichs & "
+    "Kaiser (1999)",
+    set_up=beam,
+    examine=examine,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+    examine_briefly=compare_rest,
+)
