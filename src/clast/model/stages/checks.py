@@ -35,17 +35,14 @@ def check_stages(stages: Sequence[Stage], model: Model) -> None:
 
 def excavatable(model: Model) -> tuple[str, ...]:
     """Return the names that ``excavate`` may have: those of openings, and of blocks."""
-    return *_names_of(model, "openings"), *model.block_name
+    openings: tuple[Any, ...] = getattr(model, "openings", ())
+    return *(one.name for one in openings), *model.block_name
 
 
 def installable(model: Model) -> tuple[str, ...]:
-    """Return the names that ``install`` may have: those of bolts, and of their kinds."""
-    return *_names_of(model, "bolts"), *_names_of(model, "bolts", "kind")
-
-
-def _names_of(model: Model, part: str, key: str = "name") -> tuple[str, ...]:
-    """Return the names of a part of the model, none where it has no such part."""
-    return tuple(getattr(getattr(model, part, None), key, ()))
+    """Return the names that ``install`` may have: those of bolts, their patterns and kinds."""
+    bolts: Any = getattr(model, "bolts", None)
+    return tuple(name for key in ("name", "group", "kind") for name in getattr(bolts, key, ()))
 
 
 @dataclass(frozen=True)

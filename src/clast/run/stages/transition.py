@@ -39,9 +39,8 @@ def before_all(base: Setting) -> Setting:
     """Return the setting before the first stage: what stages name does not act yet."""
     stages = base.schedule.stages
     model = with_loads(base.model, base.model, stages, ())
-    return replace(
-        base, model=replace(model, ground_motion=_motion(base.model.ground_motion, stages, ()))
-    )
+    motion = _motion(base.model.ground_motion, stages, ())
+    return replace(base, model=without_bolts(replace(model, ground_motion=motion), stages))
 
 
 def entered(
@@ -66,12 +65,7 @@ def entered_again(base: Setting, state: State, starts: Sequence[float]) -> Setti
     setting = before_all(base)
     for begun in range(1, len(starts) + 1):
         setting = changed(base, setting, starts[:begun])
-        stage = base.schedule.stages[begun - 1]
-        if stage.excavate:
-            # the state has been changed already: only the model is what is missing
-            model, _ = excavated(setting.model, setting.method, state, stage)
-            setting = replace(setting, model=model)
-    return setting
+    return replace(setting, model=as_excavated(setting.model, state))
 
 
 def changed(base: Setting, current: Setting, starts: Sequence[float]) -> Setting:
@@ -84,10 +78,8 @@ def changed(base: Setting, current: Setting, starts: Sequence[float]) -> Setting
         joint_table=with_strengths(model.joint_table, stage.joints),
         ground_motion=_motion(base.model.ground_motion, stages, starts),
     )
-    if stage.install:
-        model = with_bolts(model, stage)
     return Setting(
-        model=model,
+        model=with_bolts(model, stage),
         method=_method(base.method, stage),
         schedule=_schedule(base.schedule, stage, starts[-1]),
     )
@@ -109,8 +101,20 @@ def excavated(model: Model, method: Method, state: State, stage: Stage) -> tuple
     )
 
 
+def as_excavated(model: Model, state: State) -> Model:
+    """Return the model without what has been excavated in a state of its run."""
+    return model
+
+
+def without_bolts(model: Model, stages: Sequence[Stage]) -> Model:
+    """Return the model before the bolts are in that stages install."""
+    return model
+
+
 def with_bolts(model: Model, stage: Stage) -> Model:
     """Return the model with the bolts that a stage installs."""
+    if not stage.install:
+        return model
     raise ModelError(
         "bolts cannot be put in yet", where=f"stage '{stage.name}', install", remedy="leave it out"
     )
