@@ -10,7 +10,7 @@ import clast
 from clast import Stage
 from clast.errors import CaseError
 from clast.model.stages.motion import InStages
-from clast.run.schedule import Schedule
+from clast.run.schedule import Progress, Schedule
 from clast.run.simulate import RunState, simulate
 from clast.step.method import Method
 
@@ -97,6 +97,7 @@ def test_a_run_in_stages_goes_on_from_any_of_its_steps(process: str, law: str):
     whole = simulate(model, method, schedule, keep=carried.append)
     position = [one.position.number for one in carried]
     ends = [at for at in range(len(carried) - 1) if position[at] != position[at + 1]]
+    assert [at for at, one in enumerate(carried) if one.position.over] == [*ends, len(carried) - 1]
     chosen = sorted({0, 3, *ends, *(at + 1 for at in ends), ends[-1] - 3, len(carried) - 2})
     for at in chosen:
         last: list[RunState] = []
@@ -235,10 +236,43 @@ def test_stages_are_read_again_from_the_file(tmp_path: Path):
         assert np.array_equal(kept.field(name), read.field(name))
 
 
-def test_a_run_without_stages_has_none(tmp_path: Path):
+def test_a_stage_that_is_broken_off_says_so():
+    model, method, schedule = prepared()
+
+    def interrupt(now: Progress) -> None:
+        if now.stage == "loads" and now.time > now.start + 0.02:
+            raise KeyboardInterrupt
+
+    run = simulate(model, method, schedule, watch=interrupt)
+    assert not run.report.finished
+    assert [one.outcome for one in run.stages] == ["equilibrium", "broken off"]
+    assert run.stages[1].steps == 12
+    assert run.frame(stage="loads").time == run.state.time
+
+
+def test_energy_that_a_static_stage_takes_is_not_warned_of():
+    run = clast.simulate(wall_at_rest().build(), step=STEP, stages=STATIC_AND_DYNAMIC)
+    assert run.report.ledger.numerical > 0.0
+    assert not [one for one in run.report.warnings if "time integration" in one]
+
+
+STATIC_AND_DYNAMIC = (
+    Stage(name="static", time=0.2, dynamic_ratio=0.0),
+    Stage(name="dynamic", time=0.2, hold=5),
+)
+
+
+def wall_at_rest() -> clast.ModelBuilder:
+    """Return the wall on a ground that is still."""
     builder = wall()
     builder.ground_motion = clast.ModelBuilder().ground_motion
-    run = clast.simulate(builder.build(), step=STEP, end=0.01, output=tmp_path / "plain.vtkhdf")
+    return builder
+
+
+def test_a_run_without_stages_has_none(tmp_path: Path):
+    run = clast.simulate(
+        wall_at_rest().build(), step=STEP, end=0.01, output=tmp_path / "plain.vtkhdf"
+    )
     assert run.stages == () and run.events == () and run.frame_stages == ()
     read = clast.read(tmp_path / "plain.vtkhdf")
     assert read.stages == () and read.frame().stage == ""

@@ -93,12 +93,13 @@ def check_fits(
 def _same_things(state: State, model: Model, stiffness: float) -> bool:
     """Return whether the same things act on blocks as when a state was kept."""
     from clast.actions.acting import actions_of
+    from clast.actions.damping import Undamped
 
-    acting = actions_of(model, stiffness)
+    acting = actions_of(model, stiffness, Undamped())
     same = len(state.actions) in (0, len(acting))
     return same and state.points.shape == model.material_points.at.shape
 
 
 def _stages(schedule: Any) -> tuple[Any, ...]:
     """Return the stages of a schedule."""
-    return tuple(getattr(schedule, "stages", ()))
+    return tuple(schedule.stages)

@@ -137,20 +137,20 @@ class Stepping:
         position = now.position
         if self.judge is not None and position is not None:
             position = self.judge.after(position, now.state, result, taken)
-        return (
-            replace(
-                now,
-                state=result.state,
-                step=_next_step(taken, result, self.schedule, self.method),
-                taken=taken,
-                first=first,
-                tally=tally,
-                seen=self.watch.with_step(now.seen, result),
-                events=(*now.events, *self.listener.heard(now.state, result.state)),
-                position=position,
-            ),
-            result,
+        after = replace(
+            now,
+            state=result.state,
+            step=_next_step(taken, result, self.schedule, self.method),
+            taken=taken,
+            first=first,
+            tally=tally,
+            seen=self.watch.with_step(now.seen, result),
+            events=(*now.events, *self.listener.heard(now.state, result.state)),
+            position=position,
         )
+        if position is not None and self.is_over(after):
+            after = replace(after, position=replace(position, over=True))
+        return after, result
 
     def frame_is_due(self, now: RunState) -> bool:
         """Return whether a frame is to be kept; a stage ends with one."""
@@ -351,7 +351,8 @@ class _March:
 
     def report(self, wall: float, outcome: str, *, finished: bool, said: tuple[str, ...]) -> Report:
         """Return the report of a run that is over, after ``wall`` s of work."""
-        model, method, watch = self.stepping.model, self.stepping.method, self.stepping.watch
+        model, method = self.stepping.model, self.stepping.method
+        watch = replace(self.stepping.watch, carried=self.course.least_carried)
         state, tally = self.recorder.state, self.now.tally
         seen = watch.with_frame(self.now.seen, state)
         position = self.now.position

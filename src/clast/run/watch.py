@@ -55,6 +55,8 @@ class Watch:
 
     model: Model
     method: Method
+    carried: float = 1.0
+    """Least share of velocity that any stage of the run carries to the next step."""
 
     @cached_property
     def _thickness(self) -> Floats:
@@ -145,7 +147,8 @@ class Watch:
 
         Static runs and a dissipative scheme are to take it.
         """
-        if self.method.dynamic_ratio < 1.0 or self.method.integrator.theta > 0.5:
+        ratio = min(self.carried, self.method.dynamic_ratio)
+        if ratio < 1.0 or self.method.integrator.theta > 0.5:
             return ""
         turned_over = float((seen.highest - seen.lowest).max())
         share = abs(ledger.numerical) / turned_over if turned_over > 0.0 else 0.0

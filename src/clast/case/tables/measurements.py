@@ -41,7 +41,7 @@ class ReferenceTable(Table):
     point: StrictStr
     """Measured point that it is known for."""
     displacement: Point
-    """Displacement [u, v] since the start, m."""
+    """Displacement [u, v] since the start, or since a stage has reset it, m."""
     time: Positive | None = None
     """When, s; the end of the run if absent."""
     source: StrictStr = ""

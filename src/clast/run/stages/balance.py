@@ -12,13 +12,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.actions.acting import actions_of, own_states, shares_of
-from clast.actions.action import StepStart
-from clast.actions.damping import Undamped
-from clast.block.inertia import BlockFrames, block_frames
+from clast.block.inertia import BlockFrames
 from clast.model.model import Floats, Ints, Model
-from clast.model.state import State
 from clast.step.method import Method, StepResult
+from clast.step.start import begin
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,34 +71,26 @@ def forces_of(model: Model, method: Method, result: StepResult, step: float) -> 
     Loads are those of a step of ``step`` s more, so that loads that change are out of balance.
     """
     still = replace(result.state, velocity=np.zeros_like(result.state.velocity))
-    frames = block_frames(model, still)
-    sums = _Sums(frames)
+    begun = begin(model, method, still, step, None)
+    sums = _Sums(begun.frames)
     contacts, response = result.contacts, result.response
     sums.add_pairs(
         (contacts.vertex_block, contacts.edge_block),
         contacts.levers,
         (response.normal_force, response.shear_force),
     )
-    _add_actions(
-        sums, model, method, still, StepStart(model=model, state=still, frames=frames, step=step)
-    )
-    return sums.result()
-
-
-def _add_actions(sums: _Sums, model: Model, method: Method, state: State, start: StepStart) -> None:
-    """Add what acts on the blocks beside contacts."""
-    actions = actions_of(model, method.fixed_point_stiffness, Undamped())
     everybody = np.arange(model.block_count)
-    for share in shares_of(actions, start, own_states(actions, model, state)):
+    for share in begun.shares:
         if share.acceleration is not None:
             sums.add(everybody, sums.mass[:, None] * share.acceleration, np.zeros(len(everybody)))
         if len(share.block):
             sums.add(share.block, share.force[:, :2], share.force[:, 2])
-        if share.springs is not None:
-            springs = share.springs
-            bear = springs.at(springs.gap, springs.slip)
-            sums.add_pairs(
-                (springs.vertex_block, springs.edge_block),
-                springs.levers,
-                (bear.normal_force, bear.shear_force),
-            )
+    if begun.springs is not None:
+        springs = begun.springs
+        bear = springs.at(springs.gap, springs.slip)
+        sums.add_pairs(
+            (springs.vertex_block, springs.edge_block),
+            springs.levers,
+            (bear.normal_force, bear.shear_force),
+        )
+    return sums.result()

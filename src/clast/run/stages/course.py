@@ -42,6 +42,13 @@ class Course:
         """The stages."""
         return self.base.schedule.stages
 
+    @property
+    def least_carried(self) -> float:
+        """Least share of velocity that a stage carries to the next step."""
+        given = [stage.dynamic_ratio for stage in self.stages]
+        usual = self.base.method.dynamic_ratio
+        return min((usual if one is None else one for one in given), default=usual)
+
     @cached_property
     def first(self) -> Setting:
         """The setting with which a run begins.  Raises ModelError for stages that are none."""
@@ -52,7 +59,7 @@ class Course:
         """Return the setting of a run that goes on from a position."""
         if position is None or not position.starts:
             return self.first
-        return entered_again(self.base, position.starts)
+        return entered_again(self.base, state, position.starts)
 
     def is_done(self, position: Position) -> bool:
         """Return whether no stage is left."""
@@ -65,7 +72,13 @@ class Course:
         starts = (*position.starts, state.time)
         setting, state = entered(self.base, current, state, starts)
         position = replace(
-            position, starts=starts, steps=0, seconds=0.0, held=Held(), judged=Judged()
+            position,
+            starts=starts,
+            steps=0,
+            seconds=0.0,
+            held=Held(),
+            judged=Judged(),
+            over=False,
         )
         return setting, state, position, tuple(events_at_start(self.stage(position), state.time))
 

@@ -69,6 +69,8 @@ class Position:
     """Steps in a row in equilibrium."""
     judged: Judged = field(default_factory=Judged)
     """How the last step ended."""
+    over: bool = False
+    """True after the last step of the stage."""
     records: tuple[StageRecord, ...] = ()
     """How the stages before went."""
     reference: Reference | None = None

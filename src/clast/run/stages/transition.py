@@ -23,7 +23,7 @@ from clast.model.stages.records import Event
 from clast.model.stages.stage import Stage
 from clast.model.stages.strengths import with_strengths
 from clast.model.state import State
-from clast.run.excavation import excavated, without
+from clast.run.excavation import as_in, excavated
 from clast.run.schedule import Schedule
 from clast.step.method import Method
 
@@ -41,11 +41,8 @@ def before_all(base: Setting) -> Setting:
     """Return the setting before the first stage: what stages name does not act yet."""
     stages = base.schedule.stages
     model = with_loads(base.model, base.model, stages, ())
-    for stage in stages:
-        model = without_bolts(model, stage)
-    return replace(
-        base, model=replace(model, ground_motion=_motion(base.model.ground_motion, stages, ()))
-    )
+    motion = _motion(base.model.ground_motion, stages, ())
+    return replace(base, model=without_bolts(replace(model, ground_motion=motion), stages))
 
 
 def entered(
@@ -72,17 +69,12 @@ def entered(
     return setting, state
 
 
-def entered_again(base: Setting, starts: Sequence[float]) -> Setting:
+def entered_again(base: Setting, state: State, starts: Sequence[float]) -> Setting:
     """Return the setting of a run that goes on in the stage that began last at ``starts``, s."""
     setting = before_all(base)
     for begun in range(1, len(starts) + 1):
         setting = changed(base, setting, starts[:begun])
-        stage = base.schedule.stages[begun - 1]
-        if stage.excavate:
-            gone = setting.model.gone.copy()
-            gone[excavated_by(setting.model, stage)] = True
-            setting = replace(setting, model=without(setting.model, gone))
-    return setting
+    return replace(setting, model=as_in(setting.model, state))
 
 
 def changed(base: Setting, current: Setting, starts: Sequence[float]) -> Setting:
@@ -97,9 +89,8 @@ def changed(base: Setting, current: Setting, starts: Sequence[float]) -> Setting
     )
     if len(starts) > 1:
         model = with_jacks_off(model)
-    model = with_bolts(model, stage)
     return Setting(
-        model=model,
+        model=with_bolts(model, stage),
         method=_method(base.method, stage),
         schedule=_schedule(base.schedule, stage, starts[-1]),
     )
@@ -123,9 +114,11 @@ def with_bolts(model: Model, stage: Stage) -> Model:
     return replace(model, bolts=replace(model.bolts, installed=installed))
 
 
-def without_bolts(model: Model, stage: Stage) -> Model:
-    """Return the model without the bolts that a stage is going to install."""
-    installed = model.bolts.installed & ~installed_by(model, stage)
+def without_bolts(model: Model, stages: Sequence[Stage]) -> Model:
+    """Return the model without the bolts that stages are going to install."""
+    installed = model.bolts.installed
+    for stage in stages:
+        installed = installed & ~installed_by(model, stage)
     return replace(model, bolts=replace(model.bolts, installed=installed))
 
 
