@@ -119,7 +119,7 @@ def test_a_stack_comes_to_rest_sooner_and_where_it_belongs(damping: object):
     late, _ = rest(stack(), Undamped(), 1e8, 0.2)
     soon, run = rest(stack(), damping, 1e8, 0.2)
     assert soon < late / 3.0
-    static = finish(stack(), by_convex(1e8, dynamic_ratio=0.0), 2e-3, 0.4).run
+    static = finish(stack(), by_convex(1e8, dynamic_ratio=0.0), 2e-2, 0.6).run
     sag = run.model.vertices[:, 1] - static.state.vertices[:, 1]
     off = run.state.vertices[:, 1] - static.state.vertices[:, 1]
     assert np.abs(off).max() < 1e-6 * sag.max()
@@ -175,8 +175,8 @@ def test_cases_and_scripts_choose_damping():
         ({"mass": -1.0}, "mass"),
         ({"name": "adaptive", "ratio": 0.0}, "ratio"),
         ({"name": "adaptive", "mass": 1.0}, "mass"),
-        ("adaptiv", 'did you mean "adaptive"'),
-        ({"mas": 1.0}, 'did you mean "mass"'),
+        ("adaptiv", "did you mean 'adaptive'"),
+        ({"mas": 1.0}, "did you mean 'mass'"),
     ],
 )
 def test_what_is_no_damping_is_refused(damping: object, said: str):
