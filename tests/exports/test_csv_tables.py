@@ -29,7 +29,8 @@ def numbers(rows: list[dict[str, str]], *columns: str) -> np.ndarray:
 def folder(written: Results, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """All tables of all frames."""
     path = tmp_path_factory.mktemp("tables") / "three"
-    assert write_csv(written, path) == [path / f"{name}.csv" for name in TABLES]
+    names = [name for name in TABLES if name != "bolts"]  # there are none
+    assert write_csv(written, path) == [path / f"{name}.csv" for name in names]
     return path
 
 

@@ -77,3 +77,16 @@ def test_without_bolts_there_are_none(tmp_path: Path):
     for source in (run, clast.read(run.output)):
         assert source.bolt_name == ()
         assert len(source.bolts()) == 0
+
+
+def test_csv_has_a_row_for_each_bolt_and_instant(run: clast.Run, tmp_path: Path):
+    from clast.exports import write_csv
+
+    (path,) = write_csv(run, tmp_path / "tables", tables=["bolts"])
+    lines = path.read_text().splitlines()
+    assert lines[0] == "bolt,time,force,elongation,state"
+    assert len(lines) == 1 + 3 * (run.report.steps + 1)
+    last = dict(zip(lines[0].split(","), lines[-1].split(","), strict=True))
+    assert last["bolt"] == "brittle" and last["state"] == "broken"
+    soft = [line.split(",") for line in lines if line.startswith("soft,")]
+    assert float(soft[-1][2]) == run.bolt_history("soft").force[-1]
