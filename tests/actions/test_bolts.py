@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import clast
-from clast.actions.bolts import Bolting, BoltStates
+from clast.actions.bolt_states import BoltStates
+from clast.actions.bolts import Bolting
 
 STIFFNESS = 2e6  # N/m per m
 MASS = 2500.0

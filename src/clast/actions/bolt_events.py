@@ -4,40 +4,44 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.actions.bolts import BoltStates, untouched
+from clast.actions.bolt_states import BoltStates, untouched
 from clast.model.model import Floats, Model
 
 MOST = 20
 """Events that are said one by one, at most."""
 
 
-def events_of(before: BoltStates, after: BoltStates, model: Model, time: float) -> tuple[str, ...]:
-    """Return what happened to bolts between two states of a run, ended at ``time``, s.
+def happened(
+    model: Model, before: BoltStates, after: BoltStates
+) -> list[tuple[float, str, str, str]]:
+    """Return what happened to bolts between two states of a run, in the order of time.
 
-    ``before`` and ``after`` are the own states of the action on bolts (``State.actions``).
+    Time, s, kind, name of the bolt, and a sentence.  ``before`` and ``after`` are the own states of
+    the action on bolts (``State.actions``); a block is lost between steps, and has no time.
     """
     names = model.bolts.name
     found = []
-    for what, was, now in (
+    for kind, was, now in (
         ("yielded", before.yielded_at, after.yielded_at),
         ("broke", before.broken_at, after.broken_at),
     ):
         first = _first(model, np.where(np.isnan(was), now, np.nan))
         known = ~np.isnan(_first(model, was))
         found += [
-            (first[k], f"bolt '{names[k]}' {what} at t = {first[k]:.6g} s")
+            (float(first[k]), kind, names[k], f"bolt '{names[k]}' {kind} at t = {first[k]:.6g} s")
             for k in np.flatnonzero(~np.isnan(first) & ~known)
         ]
     lost = np.unique(model.bolts.of_spring[after.lost & ~before.lost])
-    found += [(time, f"bolt '{names[k]}' lost its anchor with its block") for k in lost]
-    return tuple(text for _, text in sorted(found, key=lambda event: event[0]))
+    said = "lost its anchor with its block"
+    found += [(np.inf, "lost", names[k], f"bolt '{names[k]}' {said}") for k in lost]
+    return sorted(found)
 
 
 def story_of(own: BoltStates, model: Model) -> tuple[str, ...]:
     """Return all that has happened to bolts since the start of a run; of many, how many more."""
-    events = events_of(untouched(len(own.rest)), own, model, np.inf)
+    events = [text for *_, text in happened(model, untouched(len(own.rest)), own)]
     if len(events) <= MOST:
-        return events
+        return tuple(events)
     return *events[:MOST], f"bolts: {len(events) - MOST} more events after these"
 
 

@@ -193,7 +193,8 @@ class Watch:
         """Return a warning where the mean stress of the start is gone."""
         model = self.model
         stressed = np.any(model.initial_stress != 0.0, axis=1) & ~model.fixed
-        if not stressed.any() or step == 0.0:
+        # what is dug relieves the rock around it, as it is to
+        if not stressed.any() or step == 0.0 or model.gone.any():
             return ""
         weight = model.area[stressed] / model.area[stressed].sum()
         mean = [weight @ stress[stressed] for stress in (model.initial_stress, state.stress)]
