@@ -241,7 +241,7 @@ def test_a_jacked_bolt_goes_on_from_its_force_when_locked():
     bolts, own = model.bolts, Bolting().begin(model)
     own = stretched(bolts, taken_up(model, own, np.array([1.0])), np.array([0.9]), 0.1)
     assert own.force[0] == 3e4 and not own.locked[0]
-    model = replace(model, bolts=bolts.at_stage("next"))
+    model = replace(model, bolts=bolts.locked_by_now())
     own = taken_up(model, own, np.array([0.9]))
     assert own.locked[0]
     own = stretched(model.bolts, own, np.array([0.901]), 0.2)

@@ -63,6 +63,13 @@ def test_a_run_shows_its_stages_and_says_what_moves(pushed: str):
     assert "rest, push" in printed and "largest mover" in printed
 
 
+def test_a_check_counts_the_steps_of_all_stages(pushed: str):
+    content = json.loads(good("check", pushed, "--json"))
+    assert content["stages"] == ["rest", "push"]
+    assert content["steps"] == 100
+    assert "rest, push" in good("check", pushed)
+
+
 def test_stages_for_a_program(pushed: str):
     content = json.loads(good("run", pushed, "--json"))
     rest, push = content["stages"]

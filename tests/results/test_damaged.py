@@ -151,6 +151,13 @@ def report_with(**entries: Any) -> Callable[[Any], None]:
     return change
 
 
+STAGE = {
+    **{"name": "a", "start": 0.0, "end": 1.0, "steps": 3, "outcome": "moving"},
+    **{"force_ratio": 0.1, "seconds": 0.1, "reset": []},
+    "mover": {"block": "b", "speed": 0.1, "direction": 0.0},
+}
+"""How a stage went, as reports have it."""
+
 MADE_UP = {
     "no frames": attribute("VTKHDF/Steps", "NSteps", 0),
     "a thousand million frames": attribute("VTKHDF/Steps", "NSteps", 10**9),
@@ -216,6 +223,12 @@ MADE_UP = {
     "report that counts in words": report_with(steps="many"),
     "report with energies in words": report_with(ledger={"kinetic": "much"}),
     "report with one number for all": report_with(seconds=3),
+    "report with stages that are none": report_with(stages=[{}]),
+    "report with a stage in words": report_with(stages=[{**STAGE, "steps": "many"}]),
+    "report with a mover in words": report_with(stages=[{**STAGE, "mover": {"speed": "high"}}]),
+    "report with events of nothing": report_with(events=[7]),
+    "frames of stages that are not": lambda file: file.create_dataset("frame_stage", data=[1] * 5),
+    "stages without names": replaced("model/about", '{"stages": [7]}'),
     "report that is a table": replaced("report/json", np.zeros(3)),
     **{
         f"without {place}": lambda file, place=place: file.__delitem__(place)
@@ -238,6 +251,13 @@ def test_files_that_are_made_up(good: Path, tmp_path: Path, change: Callable[[An
     assert result.exit_code == 2
     assert result.stderr.startswith(f"error: {path}: ")
     assert len(result.stderr) < 500
+
+
+def test_a_report_with_a_stage_is_read(good: Path, tmp_path: Path):
+    path = tmp_path / "out.vtkhdf"
+    crafted(good, path, report_with(stages=[STAGE]))
+    (stage,) = read_results(path).stages
+    assert (stage.name, stage.mover.block, stage.steps) == ("a", "b", 3)
 
 
 def test_joints_of_a_file_without_them_are_asked_for_in_vain(good: Path, tmp_path: Path):

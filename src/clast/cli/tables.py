@@ -181,6 +181,7 @@ def sanity_table(sanity: Sanity) -> Table:
         "contacts at the start": f"{sanity.contacts} in {sanity.touching_pairs} pairs",
         "unsupported blocks": f"{len(sanity.unsupported)} {f'({names})' if names else ''}".strip(),
         "steps": f"{sanity.steps}",
+        **({"stages": ", ".join(sanity.stages)} if sanity.stages else {}),
         "max_displacement": f"{sanity.max_displacement:.4g} m",
         "critdis": f"{sanity.critdis:.4g} m",
         "p h2/m": f"{sanity.stability_number:.4g} "

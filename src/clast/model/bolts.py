@@ -140,7 +140,7 @@ class Bolts:
         return np.array([bool(wanted & set(each)) for each in called], np.bool_)
 
     def at_stage(self, stage: str, install: Iterable[str] = ()) -> Bolts:
-        """Return the bolts when a stage begins: jacks are locked, and it installs its bolts.
+        """Return the bolts when a stage begins, which installs some of them.
 
         Those are the ones that name the ``stage``, and those with a name, pattern or kind in
         ``install``.
@@ -148,9 +148,12 @@ class Bolts:
         own = np.array([one == stage for one in self.stage], np.bool_)
         return replace(
             self,
-            locked=self.locked | self.installed,
             installed=self.installed | own | self.named(install),
         )
+
+    def locked_by_now(self) -> Bolts:
+        """Return the bolts with the jacks off all that are installed."""
+        return replace(self, locked=self.locked | self.installed)
 
     def without(self, names: Iterable[str]) -> Bolts:
         """Return the bolts with those of these names, patterns or kinds not yet installed."""

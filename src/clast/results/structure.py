@@ -8,13 +8,14 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from clast.model.model import Bools, Floats, Ints
+from clast.model.stages.records import Event, Mover, StageRecord
 from clast.model.state import Ledger
 from clast.model.water.water import Water
 from clast.results.layout import (
@@ -231,6 +232,9 @@ def report_of(file: Any) -> Report | None:
                 raise TypeError(one.name)
         if not all(_fits(energy, float) for energy in plain["ledger"].values()):
             raise TypeError("ledger")
+        for name, kind in (("stages", StageRecord), ("events", Event)):
+            if not all(_is(kind, one) for one in plain.get(name, ())):
+                raise TypeError(name)
         return report_from_dict(plain)
     except (TypeError, ValueError, KeyError, AttributeError, RecursionError) as error:
         raise MalformedError("/report/json is no report of a run") from error
@@ -263,6 +267,18 @@ def names(file: Any, place: str) -> tuple[str, ...]:
 def text(file: Any, place: str) -> str:
     """Return the text of a dataset."""
     return str(_dataset(file, place).asstr()[()])
+
+
+def _is(kind: Any, plain: Any) -> bool:
+    """Return whether plain data have the entries of a record, each of its type, and no others."""
+    hints = get_type_hints(kind)
+    needed = {entry.name for entry in fields(kind) if entry.default is MISSING}
+    if not isinstance(plain, Mapping) or not needed <= set(plain) <= set(hints):
+        return False
+    return all(
+        _is(hints[key], value) if hints[key] is Mover else _fits(value, hints[key])
+        for key, value in plain.items()
+    )
 
 
 def _fits(value: object, hint: Any) -> bool:

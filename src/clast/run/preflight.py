@@ -73,7 +73,9 @@ class Sanity:
     unsupported: tuple[str, ...]
     """Blocks that are not fixed anywhere and touch nothing."""
     steps: int
-    """Steps that the run takes if none is cut."""
+    """Steps that the run takes if none is cut; at most, where it has stages."""
+    stages: tuple[str, ...]
+    """Names of the stages."""
     max_displacement: float
     """Largest vertex movement in a step, m."""
     critdis: float
@@ -124,7 +126,8 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
         contacts=len(contacts),
         touching_pairs=len(contacts.pairs),
         unsupported=tuple(model.block_name[block] for block in np.flatnonzero(unsupported)),
-        steps=int(np.ceil(schedule.latest / schedule.step - 1e-9)),
+        steps=schedule.steps,
+        stages=tuple(stage.name for stage in schedule.stages),
         max_displacement=method.max_displacement,
         critdis=method.critdis,
         stability_number=number,
@@ -148,7 +151,7 @@ def _duration_warnings(
     Where a guess leaves that open, the first step is made some times: what is compiled for the
     first of them does not count.
     """
-    steps = schedule.latest / schedule.step
+    steps = schedule.steps
     base, more = QUICKEST
     if steps < MANY_STEPS and steps * (base + more * model.block_count) < 0.1 * LONG:
         return

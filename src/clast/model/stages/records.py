@@ -22,6 +22,8 @@ class Mover:
     """Direction in which it moved, degrees counter-clockwise from +x, -180 to 180."""
 
     def __str__(self) -> str:
+        if self.speed == 0.0:
+            return "no block"
         return f"block '{self.block}' at {self.speed:.3g} m/s, {towards(self.direction)}"
 
 

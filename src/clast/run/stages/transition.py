@@ -16,7 +16,6 @@ import numpy as np
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.model import Ints, Model
 from clast.model.openings import blocks_called
-from clast.model.stages.installing import installed_by
 from clast.model.stages.loads import with_loads
 from clast.model.stages.motion import InStages
 from clast.model.stages.records import Event
@@ -42,7 +41,10 @@ def before_all(base: Setting) -> Setting:
     stages = base.schedule.stages
     model = with_loads(base.model, base.model, stages, ())
     motion = _motion(base.model.ground_motion, stages, ())
-    return replace(base, model=without_bolts(replace(model, ground_motion=motion), stages))
+    named = [name for stage in stages for name in stage.install]
+    return replace(
+        base, model=replace(model, ground_motion=motion, bolts=model.bolts.without(named))
+    )
 
 
 def entered(
@@ -87,10 +89,9 @@ def changed(base: Setting, current: Setting, starts: Sequence[float]) -> Setting
         joint_table=with_strengths(model.joint_table, stage.joints),
         ground_motion=_motion(base.model.ground_motion, stages, starts),
     )
-    if len(starts) > 1:
-        model = with_jacks_off(model)
+    bolts = model.bolts if len(starts) == 1 else model.bolts.locked_by_now()
     return Setting(
-        model=with_bolts(model, stage),
+        model=replace(model, bolts=bolts.at_stage(stage.name, stage.install)),
         method=_method(base.method, stage),
         schedule=_schedule(base.schedule, stage, starts[-1]),
     )
@@ -106,26 +107,6 @@ def at_rest(state: State) -> State:
 def excavated_by(model: Model, stage: Stage) -> Ints:
     """Return the blocks that a stage excavates, shape (k,)."""
     return blocks_called(stage.excavate, model.openings, model.block_name)
-
-
-def with_bolts(model: Model, stage: Stage) -> Model:
-    """Return the model with the bolts that a stage installs."""
-    installed = model.bolts.installed | installed_by(model, stage)
-    return replace(model, bolts=replace(model.bolts, installed=installed))
-
-
-def without_bolts(model: Model, stages: Sequence[Stage]) -> Model:
-    """Return the model without the bolts that stages are going to install."""
-    installed = model.bolts.installed
-    for stage in stages:
-        installed = installed & ~installed_by(model, stage)
-    return replace(model, bolts=replace(model.bolts, installed=installed))
-
-
-def with_jacks_off(model: Model) -> Model:
-    """Return the model with the bolts that are installed locked: jacks are off."""
-    bolts = model.bolts
-    return replace(model, bolts=replace(bolts, locked=bolts.locked | bolts.installed))
 
 
 def events_at_start(stage: Stage, time: float) -> Iterator[Event]:
