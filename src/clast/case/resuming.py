@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from clast.case.case_file import Case
-from clast.case.stage_again import check_fits, of_same_run, stage_before
+from clast.case.stage_again import check_fits, not_as_before, stage_before
 from clast.case.tables.time_and_output import OutputTable
 from clast.errors import CaseError, shortened
 from clast.model.model import Model
@@ -166,9 +166,9 @@ def resume(
     known = {} if model is None else classes_near(model.actions)
     checkpoint = read_checkpoint(path, known)
     if stage:
-        path = stage_before(checkpoint, path, stage)
-        checkpoint = of_same_run(read_checkpoint(path, known), path, checkpoint)
-        now = _prepared_again(checkpoint, path, settings)
+        source, path = checkpoint.source, stage_before(checkpoint, path, stage)
+        checkpoint = read_checkpoint(path, known)
+        now = _prepared_again(source, checkpoint, path, settings)
     else:
         now = _prepared(checkpoint, path, settings, Given(model=model, method=method))
 
@@ -227,12 +227,14 @@ def _prepared(
     )
 
 
-def _prepared_again(checkpoint: Checkpoint, path: Path, settings: Sequence[str]) -> Prepared:
+def _prepared_again(
+    source: Source, checkpoint: Checkpoint, path: Path, settings: Sequence[str]
+) -> Prepared:
     """Return what a stage is run again with; raises CaseError where it does not fit.
 
-    The checkpoint is that of the end of the stage before.
+    The checkpoint is that of the end of the stage before, ``source`` where the run came from whose
+    stage it is.
     """
-    source = checkpoint.source
     if source.gives != TEXT:
         raise CaseError(
             "comes from a script, in which stages are run again from the start",
@@ -253,7 +255,7 @@ def _prepared_again(checkpoint: Checkpoint, path: Path, settings: Sequence[str])
             source, text=case.text, file=case.file, schedule=schedule, fingerprints=now
         ),
         output=case.output,
-        warnings=case.foreseen(model, method),
+        warnings=(*case.foreseen(model, method), *not_as_before(checkpoint, now)),
     )
 
 

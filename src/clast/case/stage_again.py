@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,18 +45,6 @@ def stage_before(checkpoint: Checkpoint, path: Path, stage: str) -> Path:
     return checkpoint_path(path.resolve().parent / checkpoint.recorded.file, names[at - 1])
 
 
-def of_same_run(found: Checkpoint, path: Path, checkpoint: Checkpoint) -> Checkpoint:
-    """Return the checkpoint that was found; raises CaseError where it is not of the same run."""
-    before, now = checkpoint.source, found.source
-    if (before.text, before.fingerprints) != (now.text, now.fingerprints):
-        raise CaseError(
-            "is of another run than the checkpoint that is named",
-            where=str(path),
-            remedy="name the checkpoint of that run, or run the case again",
-        )
-    return found
-
-
 def check_fits(
     checkpoint: Checkpoint, path: Path, model: Model, schedule: Schedule, stiffness: float
 ) -> None:
@@ -87,6 +76,17 @@ def check_fits(
             "the settings add or remove loads, supports or other things that act",
             where="--set",
             remedy=remedy,
+        )
+
+
+def not_as_before(checkpoint: Checkpoint, now: Mapping[str, str]) -> Iterator[str]:
+    """Say which parts of model and method have fingerprints other than in the stages before."""
+    before = checkpoint.source.fingerprints
+    other = [name for name in now if before.get(name) != now[name]]
+    if other:
+        yield (
+            f"the stages until '{checkpoint.stage}' were run with other numbers of "
+            f"{', '.join(other)}: run the case again if they are to be changed there, too"
         )
 
 
