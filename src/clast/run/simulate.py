@@ -22,7 +22,7 @@ from clast.model.state import Ledger, State, initial_state
 from clast.results import Report, Run, RunRecorder
 from clast.results.provenance import about_method
 from clast.run import law_check
-from clast.run.checkpointing import last_checkpoint
+from clast.run.checkpointing import last_checkpoint, stage_checkpoint
 from clast.run.events import Listener
 from clast.run.in_situ import in_equilibrium
 from clast.run.interrupts import held_back
@@ -341,6 +341,7 @@ class _March:
         """End the stage that goes on."""
         now, judge = self.now, self.stepping.judge
         if now.position is not None and judge is not None:
+            stage_checkpoint(self.keep, judge.stage.name, now)
             position, events = self.course.leave(now.position, now.state, judge)
             self.now = replace(now, position=position, events=(*now.events, *events))
 
