@@ -9,6 +9,9 @@ from clast.verification.problems.friction import ladder
 from clast.verification.problems.masonry import arch, arch_push, rocking
 from clast.verification.problems.slopes import active_passive, slide_topple
 from clast.verification.problems.underground import key_block, roof_wedge, snap_through
+from clast.verification.problems.masonry import arch, rocking
+from clast.verification.problems.slopes import active_passive, slide_topple, wet_slope
+from clast.verification.problems.underground import key_block
 from clast.verification.problems.waves import moving_base, newmark
 
 
@@ -115,3 +118,19 @@ def test_loads_that_pull_roof_wedges_out():
     # per metre of side
     wedge = roof_wedge.Wedge(20.0, 10.0)
     assert wedge.exact()[1] * wedge.side == pytest.approx(1.172e-4, rel=1e-4)
+
+
+def test_factors_of_safety_of_wet_slopes():
+    """Known to four digits; the water that clast finds in crack and plane is U and V."""
+    slope = wet_slope.critical_slope()
+    assert slope.depth == pytest.approx(14.0092, abs=1e-4)
+    shares = {0.0: 1.5843, 0.25: 1.5069, 0.5: 1.4164, 1.0: 1.2057}
+    for share, factor in shares.items():
+        assert slope.exact_factor(share * slope.depth) == pytest.approx(factor, abs=5e-5)
+    steep = wet_slope.steep_slope()
+    assert steep.depth == pytest.approx(9.1102, abs=1e-4)
+    assert steep.exact_factor(steep.depth - 2.0) == pytest.approx(0.6771, abs=5e-5)
+    (water,) = wet_slope.slope_model(slope, slope.depth).water
+    assert len(water.joints.edge) == 2
+    lowered = np.sort(water.joints.lowered.ravel())  # at the toe alone
+    np.testing.assert_allclose(lowered, [0.0, 0.0, 0.0, 60.0], rtol=1e-12)

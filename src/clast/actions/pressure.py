@@ -25,10 +25,10 @@ def pressure_forces(ends: Floats, pressure: Floats) -> Floats:
     the integral is w1 T(x1)^T J l + w2 T(x2)^T J l, without any error.
     """
     line = ends[:, 1] - ends[:, 0]
-    weight = (pressure + pressure.sum(axis=1, keepdims=True)) / 6.0
+    weight = (pressure + (pressure[:, :1] + pressure[:, 1:])) / 6.0
     x, y = np.einsum("ke,kex->xk", weight, ends)  # first moments of the pressure over the length
     across, up = -line[:, 1], line[:, 0]
-    whole = weight.sum(axis=1)
+    whole = weight[:, 0] + weight[:, 1]
     return np.stack(
         [
             whole * across,

@@ -29,6 +29,9 @@ Bools = NDArray[np.bool_]
 STRAIGHT = float(np.cos(np.radians(20.0)))
 """Cosine of the bend up to which a crack goes on."""
 
+ROUNDING = 1e-9
+"""Flow that is none, as a share of that of the whole lowering along the shortest joint."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Network:
@@ -94,7 +97,8 @@ def lowering(ends: Floats, near: Floats, surface: Floats, drains: Floats) -> Flo
     level = _solved(network, fixed, network.drained)
     # a drain takes water: one that would have to give it lies above what the others leave
     for _ in range(len(drains)):
-        idle = network.drained & (_outflow(network, level) < 0.0)
+        none = ROUNDING * float(level.max()) / float(network.length.min())
+        idle = network.drained & (_outflow(network, level) < -none)
         if not idle.any():
             break
         network = replace(network, drained=network.drained & ~idle)

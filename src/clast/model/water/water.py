@@ -106,9 +106,10 @@ def wetted(surface: Floats, ends: Floats, lowered: Floats | None = None) -> Wett
         line, ends, lowered = _divided(surface, ends, lowered)
     # a part lies under one straight piece of the surface: its corners belong to either piece
     head = surface_at(surface, ends[..., 0]) - ends[..., 1] - lowered
-    under = (head > 0.0).any(axis=1)
+    # of two columns: numpy is slow along short axes
+    under = (head[:, 0] > 0.0) | (head[:, 1] > 0.0)
     line, ends, head = line[under], ends[under], head[under]
-    partly = np.flatnonzero((head < 0.0).any(axis=1))
+    partly = np.flatnonzero((head[:, 0] < 0.0) | (head[:, 1] < 0.0))
     if len(partly):
         first, last = head[partly].T
         at = (first / (first - last))[:, None]
@@ -174,7 +175,8 @@ def filled(joints: WetJoints, one: Floats, other: Floats) -> tuple[Ints, Floats,
     # the second face lies to the right of the first, whose block is to its left
     across = away[..., 0] * along[:, None, 1] - away[..., 1] * along[:, None, 0]
     over = across / length[:, None] - joints.widest[:, None]
-    slip = 0.5 * np.abs((away.sum(axis=1) * along).sum(axis=1)) / length
+    both = away[:, 0] + away[:, 1]
+    slip = 0.5 * np.abs(both[:, 0] * along[:, 0] + both[:, 1] * along[:, 1]) / length
     over[slip > length] = 1.0  # past each other
     if not (over > 0.0).any():
         return line, ends, joints.lowered
