@@ -130,11 +130,13 @@ def test_a_stack_comes_to_rest_sooner_and_where_it_belongs(damping: object):
 def test_an_arch_comes_to_rest_sooner(damping: object):
     feet = [box(1.5, -1, 1.6, 1), box(-3.1, -1, 1.6, 1)]
     model = system([*feet, *voussoirs(7)], fixed=[0, 1], friction_angle=45.0)
-    late, plain = rest(model, Undamped(), 1e9, 0.2)
-    soon, run = rest(model, damping, 1e9, 0.2)
+    late, _ = rest(model, Undamped(), 1e9, 0.12)
+    soon, run = rest(model, damping, 1e9, 0.06)
     assert soon < late / 3.0
-    # contacts may have slipped otherwise on the way
-    np.testing.assert_allclose(run.state.vertices, plain.state.vertices, atol=2e-6)
+    static = finish(model, by_convex(1e9, dynamic_ratio=0.0), 2e-2, 0.6).run
+    sag = np.abs(static.state.vertices - model.vertices).max()
+    # friction leaves a choice: 0.7 % here
+    assert np.abs(run.state.vertices - static.state.vertices).max() < 0.02 * sag
 
 
 def test_stages_may_change_the_damping():

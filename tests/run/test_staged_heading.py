@@ -96,8 +96,17 @@ def turned_over(run: clast.Run) -> float:
     return max(float(np.ptp(run.energy[name])) for name in entries)
 
 
-@pytest.mark.parametrize("law", ["penalty", "augmented-lagrangian"])
-@pytest.mark.parametrize("process", ["convex", "open-close", "modified"])
+@pytest.mark.parametrize(
+    ("process", "law"),
+    [
+        ("convex", "penalty"),
+        ("convex", "augmented-lagrangian"),
+        ("open-close", "penalty"),
+        ("modified", "penalty"),
+        pytest.param("open-close", "augmented-lagrangian", marks=pytest.mark.slow),
+        pytest.param("modified", "augmented-lagrangian", marks=pytest.mark.slow),
+    ],
+)
 def test_all_that_stages_have_at_once(process: str, law: str):
     model, method, schedule = prepared(process, law)
     carried: list[RunState] = []
@@ -109,7 +118,7 @@ def test_all_that_stages_have_at_once(process: str, law: str):
         assert getattr(carried[-1].state.ledger, entry) != 0.0, entry
     assert run.bolts(-1).force.max() > 5e3
     ends = [k for k in range(len(carried) - 1) if carried[k].position.over]
-    for at in (ends[0], ends[1] - 5, ends[2], ends[3] + 7):
+    for at in (ends[1] - 5, ends[3] + 7):
         last: list[RunState] = []
         simulate(model, method, schedule, begin=carried[at], keep=last.append)
         assert np.array_equal(last[-1].state.vertices, carried[-1].state.vertices)

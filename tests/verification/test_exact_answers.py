@@ -7,11 +7,8 @@ import pytest
 
 from clast.verification.problems.friction import ladder
 from clast.verification.problems.masonry import arch, arch_push, rocking
-from clast.verification.problems.slopes import active_passive, slide_topple
-from clast.verification.problems.underground import key_block, roof_wedge, snap_through
-from clast.verification.problems.masonry import arch, rocking
 from clast.verification.problems.slopes import active_passive, slide_topple, wet_slope
-from clast.verification.problems.underground import key_block
+from clast.verification.problems.underground import key_block, roof_wedge, snap_through
 from clast.verification.problems.waves import moving_base, newmark
 
 

@@ -24,9 +24,9 @@ from clast.results import PointHistory, Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, Variant
 
-HEIGHT, BLOCKS, WIDTH = 20.0, 20, 40.0
+HEIGHT, BLOCKS, WIDTH = 20.0, 10, 40.0
 """Height of the layer, m, number of blocks in it, and their width, m."""
 SOFT, ROCK = (200.0, 2000.0), (1000.0, 2200.0)
 """Speed of shear waves, m/s, and density, kg/m3, of the layer and the rock."""
@@ -42,7 +42,7 @@ RIGID = 1e6
 """Multiple of rho c_p at the bottom: the pile, which is no endless layer, must not rock."""
 STIFF = 1e13
 """Normal stiffness of the contacts, N/m per m."""
-STEP, DURATION = 4e-4, 2.4
+STEP, DURATION = 4e-4, 3.0
 SLOW_STEP, SWELLING, SHAKING = 2e-3, 3.0, 2.0
 """Step, s, of the run on a moving base; its motion swells for some seconds and then is even."""
 SCHEME = "numerical damping, exp(-w2 h t/4)"
@@ -181,14 +181,15 @@ def _over_frequency(variant: Variant, surface: PointHistory) -> Chart:
 PROBLEM = Problem(
     name="layer",
     title="Soft layer on rock",
-    text="A layer of 20 m (c_s = 200 m/s, 2000 kg/m3) of 20 wide blocks, bonded, on rock "
+    text="A layer of 20 m (c_s = 200 m/s, 2000 kg/m3) of 10 wide blocks, bonded, on rock "
     "(1000 m/s, 2200 kg/m3) with a viscous bottom, through which a pulse of shear comes up, 0.2 s "
-    "long; it does not give way vertically; h = 0.4 ms. In a second run the rock is moved at 1 Hz by fixed points, h = 2 ms.",
+    "long; it does not give way vertically; h = 0.4 ms. In a second run the rock is moved at 1 Hz "
+    "by fixed points, h = 2 ms.",
     formula="1/sqrt(cos^2 kH + a^2 sin^2 kH), a = rho_1 c_1/(rho_2 c_2); -(1 - a)/(1 + a) each "
     "round trip; 1/|cos kH| on a base that is moved",
     source="vertical shear waves in a layer on an elastic half-space; Kramer (1996)",
     set_up=lambda: pile(pulse()),
     examine=examine,
-    variants=(OPEN_CLOSE, CONVEX),
-    quick=(CONVEX,),
+    variants=(CONVEX,),
+    quick=(),
 )
