@@ -116,10 +116,11 @@ def energy_of_linear(share: Share, displacement: Floats) -> tuple[float, float]:
     -f.d + 1/2 d.K d, if they store it.
     """
     moved = displacement[share.block]
-    pushed = float(np.vdot(share.force, moved))
+    # no BLAS: its threads would cost more than these sums, and add up in an order of their own
+    pushed = float(np.sum(share.force * moved))
     if share.stiffness is None:
         return pushed, -pushed
-    stretched = float(np.vdot(np.einsum("kij,kj->ki", share.stiffness, moved), moved))
+    stretched = float(np.sum(np.einsum("kij,kj->ki", share.stiffness, moved) * moved))
     return pushed - stretched, 0.5 * stretched - pushed
 
 

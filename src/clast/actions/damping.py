@@ -113,13 +113,13 @@ class Adaptive:
         moved, mass = solution.displacement, start.frames.mass_matrix
         force = np.einsum("nij,nj->ni", mass, solution.gained) / start.step
         momentum = np.einsum("nij,nj->ni", mass, moved)
-        square, inertia = 0.0, float(np.vdot(moved, momentum))
+        square, inertia = 0.0, float(np.sum(moved * momentum))
         if own is not None and len(own.force) and inertia > 0.0:
-            square = max(0.0, float(np.vdot(moved, own.force - force)) / inertia)
+            square = max(0.0, float(np.sum(moved * (own.force - force))) / inertia)
         frequency = float(np.sqrt(square))
         entered = solution.velocity
         before = np.einsum("nij,nj->ni", mass, entered)
-        if float(np.vdot(before, entered + solution.gained)) < 0.0:
+        if float(np.sum(before * (entered + solution.gained))) < 0.0:
             frequency = max(frequency, np.pi / start.step)  # the motion turned round in the step
         return _slowed(start, share, Motion(frequency=frequency, force=force))
 

@@ -186,17 +186,21 @@ def table(
 
     Links of the same pair keep their order.
     """
-    ends = np.sort(np.stack([vertex_block, edge_block], axis=1), axis=1).astype(np.int64)
-    order = np.lexsort((ends[:, 1], ends[:, 0]))
-    pairs, pair = np.unique(ends[order], axis=0, return_inverse=True)
+    lower, higher = np.minimum(vertex_block, edge_block), np.maximum(vertex_block, edge_block)
+    key = lower.astype(np.int64) * (int(higher.max(initial=0)) + 1) + higher
+    order = np.argsort(key, kind="stable")
+    starts = np.append(True, np.diff(key[order]) != 0)[: len(key)]
+    first = order[starts]
+    pairs = np.stack([lower[first], higher[first]], axis=1).astype(np.int64)
+    pair = np.cumsum(starts) - 1
     rows = np.empty(len(order), np.int64)
     rows[order] = np.arange(len(order))
     springs = Springs(
         vertex_block=np.ascontiguousarray(vertex_block[order], np.int64),
         edge_block=np.ascontiguousarray(edge_block[order], np.int64),
         levers=np.ascontiguousarray(levers[order]),
-        pair=pair.reshape(-1),
-        pairs=pairs.reshape(-1, 2),
+        pair=pair,
+        pairs=pairs,
         gap=gap[order],
         slip=slip[order],
         normal=clipped_from(*(one[order] for one in normal.arrays)),
