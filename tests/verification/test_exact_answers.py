@@ -9,7 +9,7 @@ from clast.verification.problems.friction import ladder
 from clast.verification.problems.masonry import arch, arch_push, rocking
 from clast.verification.problems.slopes import active_passive, slide_topple
 from clast.verification.problems.underground import key_block, roof_wedge, snap_through
-from clast.verification.problems.waves import moving_base, newmark
+from clast.verification.problems.waves import moving_base, newmark, rocking_spectrum
 
 
 def test_newmark():
@@ -115,3 +115,13 @@ def test_loads_that_pull_roof_wedges_out():
     # per metre of side
     wedge = roof_wedge.Wedge(20.0, 10.0)
     assert wedge.exact()[1] * wedge.side == pytest.approx(1.172e-4, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "fallen"),
+    [(0.60, False), (0.63, True), (1.53, True), (1.56, False), (1.66, False), (1.69, True)],
+)
+def test_amplitudes_at_which_a_block_falls_over(amplitude, fallen):
+    # as another integration of Housner's equations has them
+    tilt = rocking_spectrum.exact_tilt(rocking_spectrum.SINE, amplitude, 6.0)[1]
+    assert (np.abs(tilt).max() > 1.0) == fallen

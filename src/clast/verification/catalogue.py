@@ -41,7 +41,7 @@ from clast.verification.problems.underground import (
     roof_wedge,
     snap_through,
 )
-from clast.verification.problems.waves import moving_base, newmark, wave
+from clast.verification.problems.waves import moving_base, newmark, rocking_spectrum, wave
 
 GROUPS: dict[str, tuple[Problem, ...]] = {
     "blocks": (
@@ -94,6 +94,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         wave.PROBLEM,
         newmark.PROBLEM,
         moving_base.PROBLEM,
+        rocking_spectrum.PROBLEM,
     ),
     "cutting": (
         persistent_lines.PROBLEM,
