@@ -8,7 +8,7 @@ import pytest
 from clast.verification.problems.friction import ladder
 from clast.verification.problems.masonry import arch, arch_push, rocking
 from clast.verification.problems.slopes import active_passive, slide_topple
-from clast.verification.problems.underground import key_block, roof_wedge, snap_through
+from clast.verification.problems.underground import key_block, kirsch, roof_wedge, snap_through
 from clast.verification.problems.waves import moving_base, newmark, rocking_spectrum
 
 
@@ -125,3 +125,13 @@ def test_amplitudes_at_which_a_block_falls_over(amplitude, fallen):
     # as another integration of Housner's equations has them
     tilt = rocking_spectrum.exact_tilt(rocking_spectrum.SINE, amplitude, 6.0)[1]
     assert (np.abs(tilt).max() > 1.0) == fallen
+
+
+def test_kirsch_at_known_points():
+    known = {0.0: (4.6296e6, 14.815e6), 45.0: (4.1667e6, 10.833e6), 90.0: (3.7037e6, 6.8519e6)}
+    for degrees, stresses in known.items():
+        found = kirsch.kirsch(4.5, np.radians(degrees), 0.5)
+        assert found == pytest.approx(stresses, rel=1e-4)
+    walls = kirsch.closure(np.radians([0.0, 45.0, 90.0]), 0.5)
+    assert walls == pytest.approx([0.46875e-3, 1.40625e-3, 2.34375e-3])
+    assert kirsch.closure(0.3, 1.0) == pytest.approx(1.875e-3)

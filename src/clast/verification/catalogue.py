@@ -38,6 +38,7 @@ from clast.verification.problems.underground import (
     in_situ,
     jointed_rock,
     key_block,
+    kirsch,
     roof_wedge,
     snap_through,
 )
@@ -81,6 +82,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         roof_wedge.PROBLEM,
         jointed_rock.PROBLEM,
         in_situ.PROBLEM,
+        kirsch.PROBLEM,
         snap_through.PROBLEM,
     ),
     "masonry": (
