@@ -31,7 +31,14 @@ from clast.verification.problems.friction import (
     seams,
     tilt_table,
 )
-from clast.verification.problems.masonry import arch, arch_push, overhang, rocking, three_hinges
+from clast.verification.problems.masonry import (
+    arch,
+    arch_push,
+    kern,
+    overhang,
+    rocking,
+    three_hinges,
+)
 from clast.verification.problems.method import energy, invariance, order
 from clast.verification.problems.slopes import active_passive, plane_failure, slide_topple, toppling
 from clast.verification.problems.underground import (
@@ -87,6 +94,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
     ),
     "masonry": (
         overhang.PROBLEM,
+        kern.PROBLEM,
         arch.PROBLEM,
         arch_push.PROBLEM,
         three_hinges.PROBLEM,
