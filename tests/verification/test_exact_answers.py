@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 from clast.verification.problems.friction import ladder
-from clast.verification.problems.masonry import arch, arch_push, rocking
+from clast.verification.problems.masonry import arch, arch_load, arch_push, kern, rocking
 from clast.verification.problems.slopes import active_passive, slide_topple
 from clast.verification.problems.underground import key_block, kirsch, roof_wedge, snap_through
 from clast.verification.problems.waves import moving_base, newmark, rocking_spectrum
@@ -135,3 +136,21 @@ def test_kirsch_at_known_points():
     walls = kirsch.closure(np.radians([0.0, 45.0, 90.0]), 0.5)
     assert walls == pytest.approx([0.46875e-3, 1.40625e-3, 2.34375e-3])
     assert kirsch.closure(0.3, 1.0) == pytest.approx(1.875e-3)
+
+
+def test_loads_on_an_arch_are_those_of_its_mirror_image():
+    mirrored = arch_load.VOUSSOIRS + 1
+    for place in arch_load.PLACES:
+        load = arch_load.exact_load(place)
+        assert arch_load.exact_load(mirrored - place) == pytest.approx(load, rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.3, 0.4])
+def test_the_bed_of_a_pier_balances_its_force(share):
+    length, edge, turn = kern.exact_bed(share)
+    x = np.linspace(0.0, length, 100_001)  # from the edge
+    pressure = edge - kern.BEDDING * turn * x
+    assert pressure.min() > -1e-3
+    assert trapezoid(pressure, x) == pytest.approx(kern.FORCE)
+    moment = trapezoid(pressure * (0.5 * kern.WIDTH - x), x)
+    assert moment == pytest.approx(kern.FORCE * share * kern.WIDTH)

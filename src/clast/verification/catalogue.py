@@ -33,6 +33,7 @@ from clast.verification.problems.friction import (
 )
 from clast.verification.problems.masonry import (
     arch,
+    arch_load,
     arch_push,
     kern,
     overhang,
@@ -96,6 +97,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         overhang.PROBLEM,
         kern.PROBLEM,
         arch.PROBLEM,
+        arch_load.PROBLEM,
         arch_push.PROBLEM,
         three_hinges.PROBLEM,
         rocking.PROBLEM,
