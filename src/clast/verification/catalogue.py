@@ -39,6 +39,7 @@ from clast.verification.problems.masonry import (
     overhang,
     rocking,
     three_hinges,
+    wall_push,
 )
 from clast.verification.problems.method import energy, invariance, order
 from clast.verification.problems.slopes import active_passive, plane_failure, slide_topple, toppling
@@ -99,6 +100,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         arch.PROBLEM,
         arch_load.PROBLEM,
         arch_push.PROBLEM,
+        wall_push.PROBLEM,
         three_hinges.PROBLEM,
         rocking.PROBLEM,
     ),
