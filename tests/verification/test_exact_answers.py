@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 from clast.verification.problems.friction import ladder
-from clast.verification.problems.masonry import arch, arch_push, rocking
+from clast.verification.problems.masonry import arch, arch_load, arch_push, kern, rocking
 from clast.verification.problems.slopes import active_passive, slide_topple, wet_slope
-from clast.verification.problems.underground import key_block, roof_wedge, snap_through
-from clast.verification.problems.waves import moving_base, newmark
+from clast.verification.problems.underground import key_block, kirsch, roof_wedge, snap_through
+from clast.verification.problems.waves import moving_base, newmark, rocking_spectrum
 
 
 def test_newmark():
@@ -131,3 +132,41 @@ def test_factors_of_safety_of_wet_slopes():
     assert len(water.joints.edge) == 2
     lowered = np.sort(water.joints.lowered.ravel())  # at the toe alone
     np.testing.assert_allclose(lowered, [0.0, 0.0, 0.0, 60.0], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "fallen"),
+    [(0.60, False), (0.63, True), (1.53, True), (1.56, False), (1.66, False), (1.69, True)],
+)
+def test_amplitudes_at_which_a_block_falls_over(amplitude, fallen):
+    # as another integration of Housner's equations has them
+    tilt = rocking_spectrum.exact_tilt(rocking_spectrum.SINE, amplitude, 6.0)[1]
+    assert (np.abs(tilt).max() > 1.0) == fallen
+
+
+def test_kirsch_at_known_points():
+    known = {0.0: (4.6296e6, 14.815e6), 45.0: (4.1667e6, 10.833e6), 90.0: (3.7037e6, 6.8519e6)}
+    for degrees, stresses in known.items():
+        found = kirsch.kirsch(4.5, np.radians(degrees), 0.5)
+        assert found == pytest.approx(stresses, rel=1e-4)
+    walls = kirsch.closure(np.radians([0.0, 45.0, 90.0]), 0.5)
+    assert walls == pytest.approx([0.46875e-3, 1.40625e-3, 2.34375e-3])
+    assert kirsch.closure(0.3, 1.0) == pytest.approx(1.875e-3)
+
+
+def test_loads_on_an_arch_are_those_of_its_mirror_image():
+    mirrored = arch_load.VOUSSOIRS + 1
+    for place in arch_load.PLACES:
+        load = arch_load.exact_load(place)
+        assert arch_load.exact_load(mirrored - place) == pytest.approx(load, rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.3, 0.4])
+def test_the_bed_of_a_pier_balances_its_force(share):
+    length, edge, turn = kern.exact_bed(share)
+    x = np.linspace(0.0, length, 100_001)  # from the edge
+    pressure = edge - kern.BEDDING * turn * x
+    assert pressure.min() > -1e-3
+    assert trapezoid(pressure, x) == pytest.approx(kern.FORCE)
+    moment = trapezoid(pressure * (0.5 * kern.WIDTH - x), x)
+    assert moment == pytest.approx(kern.FORCE * share * kern.WIDTH)

@@ -31,7 +31,16 @@ from clast.verification.problems.friction import (
     seams,
     tilt_table,
 )
-from clast.verification.problems.masonry import arch, arch_push, overhang, rocking, three_hinges
+from clast.verification.problems.masonry import (
+    arch,
+    arch_load,
+    arch_push,
+    kern,
+    overhang,
+    rocking,
+    three_hinges,
+    wall_push,
+)
 from clast.verification.problems.method import energy, invariance, order
 from clast.verification.problems.slopes import (
     active_passive,
@@ -47,10 +56,18 @@ from clast.verification.problems.underground import (
     in_situ,
     jointed_rock,
     key_block,
+    kirsch,
     roof_wedge,
     snap_through,
 )
-from clast.verification.problems.waves import layer, moving_base, newmark, viscous_end, wave
+from clast.verification.problems.waves import (
+    layer,
+    moving_base,
+    newmark,
+    rocking_spectrum,
+    viscous_end,
+    wave,
+)
 
 GROUPS: dict[str, tuple[Problem, ...]] = {
     "blocks": (
@@ -94,12 +111,16 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         jointed_rock.PROBLEM,
         excavated_stack.PROBLEM,
         in_situ.PROBLEM,
+        kirsch.PROBLEM,
         snap_through.PROBLEM,
     ),
     "masonry": (
         overhang.PROBLEM,
+        kern.PROBLEM,
         arch.PROBLEM,
+        arch_load.PROBLEM,
         arch_push.PROBLEM,
+        wall_push.PROBLEM,
         three_hinges.PROBLEM,
         rocking.PROBLEM,
     ),
@@ -109,6 +130,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         moving_base.PROBLEM,
         viscous_end.PROBLEM,
         layer.PROBLEM,
+        rocking_spectrum.PROBLEM,
     ),
     "cutting": (
         persistent_lines.PROBLEM,

@@ -1,0 +1,160 @@
+"""The point load under which a semicircular arch collapses.
+
+A load on a voussoir pulls the line of thrust towards it, until the arch folds on four hinges.  The
+largest load with a line of thrust inside the arch is found by linear programming: N1, N2 >= 0 at
+the ends of every joint, a shear force |V| <= (N1 + N2) tan phi, three equations of equilibrium for
+every voussoir (Heyman 1982).  Next to a springing no load is too large: its line stays inside.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from scipy.optimize import linprog
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems.masonry.arch import centroid
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+GRAVITY, DENSITY, FRICTION_ANGLE = 9.8, 2400.0, 45.0
+RADIUS, SHARE, VOUSSOIRS = 5.0, 0.15, 20
+"""Mean radius R, m, thickness over R and number of voussoirs."""
+PLACES = (11, 13, 15)
+"""Loaded voussoirs, from the right springing: next to the crown, and nearer the left haunch."""
+STEP, STEPS, LOW, HIGH, BISECTIONS = 2e-2, 200, 0.93, 1.06, 4
+"""Step, s, steps; loads that are searched, over the exact one; bisections."""
+RESOLUTION = f"bisected to {100 * (HIGH - LOW) / 2**BISECTIONS:.2g} %; joints give a little"
+
+
+def joints() -> tuple[Floats, Floats]:
+    """Return the inner and outer ends of all joints from right to left, m (k, 2)."""
+    angle = np.linspace(0.0, np.pi, VOUSSOIRS + 1)
+    direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    half = 0.5 * SHARE * RADIUS
+    return (RADIUS - half) * direction, (RADIUS + half) * direction
+
+
+def loaded_point(place: int) -> Floats:
+    """Return the middle of the back of a voussoir, m (2,)."""
+    outer = joints()[1]
+    return np.asarray(0.5 * (outer[place - 1] + outer[place]))
+
+
+def exact_load(place: int) -> float:
+    """Return the largest load on a voussoir, N/m; unknowns are N1, N2, V of each joint, and it."""
+    inner, outer = joints()
+    count = len(inner)
+    equations, weights = np.zeros((3 * VOUSSOIRS, 3 * count + 1)), np.zeros(3 * VOUSSOIRS)
+
+    def acts(row: int, column: int, force: Floats, arm: Floats) -> None:
+        moment = arm[0] * force[1] - arm[1] * force[0]
+        equations[row : row + 3, column] += (*force, moment)
+
+    for k in range(VOUSSOIRS):
+        area, middle = centroid(np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]))
+        weights[3 * k + 1] = DENSITY * GRAVITY * area
+        for joint, sign in ((k, 1.0), (k + 1, -1.0)):
+            radial = (outer[joint] - inner[joint]) / (SHARE * RADIUS)
+            along = np.array([-radial[1], radial[0]])
+            acts(3 * k, 3 * joint, sign * along, inner[joint] - middle)
+            acts(3 * k, 3 * joint + 1, sign * along, outer[joint] - middle)
+            acts(3 * k, 3 * joint + 2, sign * radial, inner[joint] - middle)
+        if k == place - 1:
+            acts(3 * k, 3 * count, np.array([0.0, -1.0]), loaded_point(place) - middle)
+    friction = np.zeros((2 * count, 3 * count + 1))
+    for joint in range(count):
+        for row, sign in ((2 * joint, 1.0), (2 * joint + 1, -1.0)):
+            friction[row, 3 * joint : 3 * joint + 2] = -np.tan(np.radians(FRICTION_ANGLE))
+            friction[row, 3 * joint + 2] = sign
+    cost = np.zeros(3 * count + 1)
+    cost[-1] = -1.0
+    bounds = [(0.0, None), (0.0, None), (None, None)] * count + [(0.0, None)]
+    found = linprog(
+        cost, A_ub=friction, b_ub=np.zeros(2 * count), A_eq=equations, b_eq=weights, bounds=bounds
+    )
+    return float(found.x[-1])
+
+
+def loaded_arch(place: int = PLACES[1], load: float = 2e4) -> Model:
+    """Return a fixed base and the voussoirs, one of them with a load, N/m."""
+    inner, outer = joints()
+    reach = RADIUS * (1.0 + SHARE)
+    builder = ModelBuilder(title="Loaded arch", gravity=(0.0, -GRAVITY))
+    builder.add_rock("stone", young=50e9, poisson=0.2, density=DENSITY)
+    builder.add_joint("default", friction_angle=FRICTION_ANGLE)
+    builder.block(
+        name="base", vertices=[(-reach, -0.5), (reach, -0.5), (reach, 0), (-reach, 0)], fixed=True
+    )
+    for k in range(VOUSSOIRS):
+        corners = [inner[k], outer[k], outer[k + 1], inner[k + 1]]
+        builder.block(name=str(k + 1), vertices=corners)
+        builder.measured_point(str(k + 1), np.mean(corners, axis=0), block=str(k + 1))
+    x, y = loaded_point(place)
+    builder.point_load((x, y), (0.0, -load), block=str(place))
+    return builder.build()
+
+
+def holds(place: int, load: float, variant: Variant) -> bool:
+    """Return whether the arch bears a load."""
+    moving = unbalanced(
+        loaded_arch(place, load),
+        variant,
+        normal_stiffness=1e10,
+        step=STEP,
+        steps=STEPS,
+        max_displacement=0.02,
+    )
+    return moving < AT_REST
+
+
+def examine(places: tuple[int, ...], variant: Variant) -> Outcome:
+    """Compare the largest load on some voussoirs."""
+    rows: list[Comparison] = []
+    for place in places:
+        exact = exact_load(place)
+
+        def stands(load: float, place: int = place) -> bool:
+            return holds(place, load, variant)
+
+        found = limit(stands, HIGH * exact, LOW * exact, BISECTIONS)
+        quantity = f"largest load on voussoir {place}"
+        rows.append(relative(quantity, "N/m", found, exact, 0.015, RESOLUTION))
+    every = range(11, 17)
+    chart = Chart(
+        title="largest load",
+        x_label="distance from the crown over R",
+        y_label="load, kN/m",
+        curves=(
+            exact_curve(
+                "linear programming",
+                [-loaded_point(place)[0] / RADIUS for place in every],
+                [1e-3 * exact_load(place) for place in every],
+            ),
+            curve(
+                variant.name,
+                [-loaded_point(place)[0] / RADIUS for place in places],
+                [1e-3 * row.computed for row in rows],
+            ),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="arch-load",
+    title="Point load on an arch",
+    text="A semicircle of twenty voussoirs, 5 m of mean radius and t/R = 0.15, bears its weight "
+    "and a load on one voussoir, which is bisected; phi = 45 degrees, E = 50 GPa, p = 10 GPa, "
+    "h = 20 ms, static (dynamic_ratio = 0).",
+    formula="the largest load with N1, N2 >= 0 and |V| <= (N1 + N2) tan phi in all joints",
+    source="limit analysis by linear programming (scipy), after Heyman (1982)",
+    set_up=loaded_arch,
+    examine=partial(examine, PLACES),
+    variants=(OPEN_CLOSE, CONVEX),
+    quick=(),
+)

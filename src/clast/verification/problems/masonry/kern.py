@@ -1,0 +1,126 @@
+"""A pier that is loaded off its middle, on a bed that bears no tension.
+
+A bed of stiffness k per area under a stiff pier b wide bears a force N at the distance e from the
+middle with a pressure that is linear across the pier (Navier).  While e <= b/6, in the kern, it
+presses everywhere; beyond, the bed opens, and what is left of it, three times the distance of N
+from the edge, has a triangle of pressure:
+
+    e <= b/6:  edge N/b (1 + 6 e/b),   turned by 12 N e/(k b3),
+    e >= b/6:  bears over L = 3 (b/2 - e),  edge 2 N/L,  turned by 2 N/(k L2).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+WIDTH, HEIGHT = 2.0, 0.5
+"""Width b and height of the pier, m."""
+FORCE, BEDDING = 1e5, 1e9
+"""N, N/m, and k, Pa/m."""
+PARTS = 40
+"""Fixed blocks of which the bed is made; their corners bear the pier."""
+SHARES = (0.0, 0.1, 1.0 / 6.0, 0.25, 0.35, 0.42)
+"""e/b."""
+STEP, STEPS = 1e-2, 200
+CORNERS = f"the bed bears at {PARTS + 1} places"
+FIRST = WIDTH / PARTS
+"""Distance of the places, m."""
+
+
+def exact_bed(share: float) -> tuple[float, float, float]:
+    """Return length that bears, m, edge pressure, Pa, and turn, rad, for e/b."""
+    if share <= 1.0 / 6.0:
+        turn = 12.0 * FORCE * share / (BEDDING * WIDTH**2)
+        return WIDTH, FORCE / WIDTH * (1.0 + 6.0 * share), turn
+    length = 3.0 * (0.5 - share) * WIDTH
+    return length, 2.0 * FORCE / length, 2.0 * FORCE / (BEDDING * length**2)
+
+
+def pier(share: float = 0.25) -> Model:
+    """Return a bed of fixed blocks and the pier on it, with its force at e/b to the right."""
+    builder = ModelBuilder(title="Pier on a bed", gravity=(0.0, 0.0))
+    builder.add_rock("stiff rock", young=1e13, poisson=0.0, density=2500.0)
+    builder.add_joint(
+        "default", friction_angle=30.0, normal_stiffness=BEDDING, shear_stiffness=BEDDING
+    )
+    half = 0.5 * WIDTH
+    for k in range(PARTS):
+        left, right = k * FIRST - half, (k + 1) * FIRST - half
+        corners = [(left, -0.2), (right, -0.2), (right, 0.0), (left, 0.0)]
+        builder.block(name=f"bed {k + 1}", vertices=corners, fixed=True)
+    corners = [(-half, 0.0), (half, 0.0), (half, HEIGHT), (-half, HEIGHT)]
+    builder.block(name="pier", vertices=corners)
+    builder.point_load((share * WIDTH, HEIGHT), (0.0, -FORCE), block="pier")
+    builder.measured_point("edge", (half, 0.0), block="pier")
+    builder.measured_point("heel", (-half, 0.0), block="pier")
+    return builder.build()
+
+
+def computed_bed(share: float, variant: Variant) -> tuple[float, float, float]:
+    """Return what ``exact_bed`` does, of a pier at rest."""
+    model = pier(share)
+    method = variant.method(
+        model, normal_stiffness=BEDDING, max_displacement=0.01, dynamic_ratio=0.0
+    )
+    end = STEP * STEPS
+    run = simulate(model, method, Schedule(step=STEP, end=end, every=end))
+    edge, heel = (float(run.history(name).displacement[-1, 1]) for name in ("edge", "heel"))
+    turn = (heel - edge) / WIDTH
+    # from the edge to where the pier neither sinks nor rises
+    length = WIDTH if heel <= 0.0 else -edge / turn
+    return length, -edge * BEDDING, turn
+
+
+def examine(shares: tuple[float, ...], variant: Variant) -> Outcome:
+    """Compare what the bed bears for forces off the middle."""
+    rows: list[Comparison] = []
+    found = []
+    for share in shares:
+        found.append(computed_bed(share, variant))
+        exact, at = exact_bed(share), f"e/b = {share:.3g}"
+        rows += [
+            absolute(f"length that bears, {at}", "m", found[-1][0], exact[0], 0.5 * FIRST, CORNERS),
+            relative(f"edge pressure, {at}", "Pa", found[-1][1], exact[1], 0.01, CORNERS),
+        ]
+        if share > 0.0:
+            rows.append(relative(f"turn, {at}", "rad", found[-1][2], exact[2], 0.02, CORNERS))
+    fine = np.linspace(0.0, 0.43, 87)
+    chart = Chart(
+        title="pressure at the edge",
+        x_label="e/b",
+        y_label="edge pressure over N/b",
+        curves=(
+            exact_curve(
+                "Navier, no tension", fine, [exact_bed(e)[1] * WIDTH / FORCE for e in fine]
+            ),
+            curve(variant.name, shares, [each[1] * WIDTH / FORCE for each in found]),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="kern",
+    title="Pier loaded off its middle",
+    text="A stiff pier 2 m wide bears 100 kN/m at 0 to 0.42 of its width from its middle, on a bed "
+    "of 1 GPa/m that bears no tension: 40 fixed blocks, whose corners carry the pier. "
+    "h = 10 ms, static (dynamic_ratio = 0).",
+    formula="e <= b/6: edge N/b (1 + 6 e/b); beyond it bears over L = 3 (b/2 - e), edge 2 N/L, "
+    "turned by 2 N/(k L^2)",
+    source="Navier's linear pressure without tension",
+    set_up=pier,
+    examine=partial(examine, SHARES),
+    variants=(OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+    examine_briefly=partial(examine, SHARES[2:4]),
+)

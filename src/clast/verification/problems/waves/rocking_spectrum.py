@@ -1,0 +1,199 @@
+"""A free-standing block under one cycle of ground acceleration: two ways to fall, a safe region.
+
+The block of half diagonal R and slenderness a, tan a = b/h, rocks about its corners,
+
+    t'' = -p2 (sin(+-a - t) + u''/g cos(+-a - t)),    p2 = 3 g/(4 R),
+
+t being its tilt, with the sign of t, and u'' the acceleration of the ground.  Every impact leaves
+the share 1 - 3/2 sin2 a of its rate (Housner 1963).  Under one cycle of sine it falls over without
+an impact where the pulse is strong, or after one where it is weaker; between the two is a range of
+amplitudes at which it stays up (Zhang & Makris 2001).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from clast.model.builder import ModelBuilder
+from clast.model.ground_motion import Accelerogram, InertialForce
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import CONVEX, Variant
+
+GRAVITY, WIDTH, HEIGHT = 9.81, 0.5, 2.0
+RADIUS = 0.5 * float(np.hypot(WIDTH, HEIGHT))
+"""Half diagonal R, m."""
+SLENDERNESS = float(np.arctan2(WIDTH, HEIGHT))
+"""Angle a, rad."""
+SQUARE = 0.75 * GRAVITY / RADIUS
+"""p2, 1/s2."""
+KEPT = 1.0 - 1.5 * float(np.sin(SLENDERNESS)) ** 2
+"""Share of its rate that an impact leaves: 0.9118."""
+FALLEN = 1.2
+"""Tilt to which a fall is followed, rad."""
+SLOW = 1e-4
+"""Rate of a block that has come to rest, rad/s."""
+END, STEP, SAMPLING = 2.8, 2e-3, 1e-3
+"""How long a block is watched, its step and the instants of the ground motion, s."""
+CLOSE = "0.03 g on either side of where it changes"
+IMPACTS = "an impact takes some steps"
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """One cycle of sine or cosine."""
+
+    kind: str
+    phase: float
+    period: float
+    """Period T, s."""
+
+    def shape(self, time: Floats | float) -> Floats:
+        """Return the acceleration of the ground over its amplitude."""
+        t = np.asarray(time, float)
+        wave = np.sin(2.0 * np.pi * t / self.period + self.phase)
+        return np.where((t >= 0.0) & (t <= self.period), wave, 0.0)
+
+
+SINE, COSINE = Pulse("sine", 0.0, 0.5), Pulse("cosine", 0.5 * np.pi, 1.0)
+SHAKEN = {SINE: (0.59, 0.65, 1.51, 1.57, 1.65, 1.71), COSINE: (0.36, 0.42, 1.25, 1.31)}
+"""Amplitudes over g: on either side of 0.62, 1.54 and 1.68, and of 0.39 and 1.28."""
+
+
+def exact_tilt(pulse: Pulse, amplitude: float, end: float) -> tuple[Floats, Floats]:
+    """Return time, s, and tilt, rad, of the block until it has fallen or ``end``, s.
+
+    ``amplitude`` is that of the ground's acceleration over g.
+    """
+    fine = np.linspace(0.0, pulse.period, 20001)
+    asked = amplitude * pulse.shape(fine)
+    begins = np.flatnonzero(np.abs(asked) > np.tan(SLENDERNESS))
+    if len(begins) == 0:
+        return np.array([0.0, end]), np.zeros(2)
+    now, tilt, rate = float(fine[begins[0]]), 0.0, 0.0
+    # the ground goes to the right, the block leans to the left
+    side = -float(np.sign(asked[begins[0]]))
+    times, tilts = [np.array([0.0, now])], [np.zeros(2)]
+
+    def motion(time: float, state: Floats, side: float) -> tuple[float, float]:
+        corner = side * SLENDERNESS - state[0]
+        ground = amplitude * float(pulse.shape(time))
+        return state[1], -SQUARE * (np.sin(corner) + ground * np.cos(corner))
+
+    def strikes(_: float, state: Floats, side: float) -> float:
+        return float(side * state[0])
+
+    def falls(_: float, state: Floats, side: float) -> float:
+        return float(side * state[0]) - FALLEN
+
+    strikes.terminal, strikes.direction = True, -1.0  # type: ignore[attr-defined]
+    falls.terminal = True  # type: ignore[attr-defined]
+    while now < end:
+        # the cosine ends with a jump
+        until = pulse.period if now < pulse.period else end
+        part = solve_ivp(
+            motion,
+            (now, until),
+            (tilt, rate),
+            args=(side,),
+            events=(strikes, falls),
+            max_step=1e-2,
+            rtol=1e-8,
+            atol=1e-10,
+        )
+        times.append(part.t)
+        tilts.append(part.y[0])
+        now, tilt, rate = float(part.t[-1]), float(part.y[0, -1]), float(part.y[1, -1])
+        if len(part.t_events[1]):
+            break
+        if len(part.t_events[0]):
+            tilt, rate, side = 0.0, KEPT * rate, -side
+            if now > pulse.period and abs(rate) < SLOW:
+                break
+    return np.concatenate(times), np.concatenate(tilts)
+
+
+def standing_block(pulse: Pulse = SINE, amplitude: float = 0.7) -> Model:
+    """Return the block on a floor whose motion acts on it as a body force."""
+    time = np.arange(0.0, pulse.period + 0.5 * SAMPLING, SAMPLING)
+    along = amplitude * GRAVITY * pulse.shape(np.minimum(time, pulse.period))
+    # the cosine begins and ends with a jump
+    time, along = np.append(time, pulse.period + 1e-6), np.append(along, 0.0)
+    shaking = Accelerogram(time, np.stack([along, np.zeros(len(time))], axis=1))
+    motion = InertialForce(shaking)
+    builder = ModelBuilder(title="Rocking block", gravity=(0.0, -GRAVITY), ground_motion=motion)
+    builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
+    builder.add_joint("default", friction_angle=70.0)
+    builder.block(name="floor", vertices=[(-4, -0.4), (4, -0.4), (4, 0), (-4, 0)], fixed=True)
+    half = 0.5 * WIDTH
+    corners = [(-half, 0.0), (half, 0.0), (half, HEIGHT), (-half, HEIGHT)]
+    builder.block(name="block", vertices=corners)
+    builder.measured_point("centroid", (0.0, 0.5 * HEIGHT), block="block")
+    return builder.build()
+
+
+def rocked(pulse: Pulse, amplitude: float, variant: Variant) -> Floats:
+    """Return the tilt of the block after every step, rad, shape (k,)."""
+    model = standing_block(pulse, amplitude)
+    method = variant.method(model, normal_stiffness=5e9, max_displacement=0.02)
+    run = simulate(model, method, Schedule(step=STEP, end=END, every=END))
+    return run.history("centroid").rotation
+
+
+def stands(tilt: Floats) -> float:
+    """Return 1 for a block that is not tilted beyond its balance at the end, else 0."""
+    return float(abs(tilt[-1]) < SLENDERNESS)
+
+
+def examine(shaken: dict[Pulse, tuple[float, ...]], variant: Variant) -> Outcome:
+    """Compare which blocks stay up, and how far those tilt."""
+    rows: list[Comparison] = []
+    charts = []
+    for pulse, amplitudes in shaken.items():
+        largest = []
+        for amplitude in amplitudes:
+            tilt = rocked(pulse, amplitude, variant)
+            exact = exact_tilt(pulse, amplitude, END)[1]
+            largest.append(float(np.abs(tilt).max()))
+            under = f"{pulse.kind} of {amplitude:g} g"
+            rows.append(absolute(f"stays up, {under}", "", stands(tilt), stands(exact), 0.0, CLOSE))
+            if stands(exact):
+                most = float(np.abs(exact).max())
+                rows.append(relative(f"tilt, {under}", "rad", largest[-1], most, 0.03, IMPACTS))
+        fine = np.linspace(0.9 * amplitudes[0], 1.05 * amplitudes[-1], 41)
+        tilts = [np.abs(exact_tilt(pulse, a, END)[1]).max() for a in fine]
+        charts.append(
+            Chart(
+                title=f"largest tilt, one {pulse.kind} of {pulse.period:g} s",
+                x_label="amplitude of the ground's acceleration over g",
+                y_label="tilt, rad",
+                curves=(
+                    exact_curve("Housner, integrated", fine, np.minimum(tilts, FALLEN)),
+                    curve(variant.name, amplitudes, np.minimum(largest, FALLEN)),
+                ),
+            )
+        )
+    return Outcome(tuple(rows), tuple(charts))
+
+
+PROBLEM = Problem(
+    name="rocking-spectrum",
+    title="Block that rocks under one cycle of the ground",
+    text="A block of 0.5 m x 2 m under one cycle of sine of 0.5 s and one of cosine of 1 s, as a "
+    "body force, at amplitudes 0.03 g on either side of those at which it begins or ceases to "
+    "fall; p = 5 GPa, h = 2 ms, friction angle 70 degrees. Tilts above 1.2 are blocks that fall.",
+    formula="t'' = -p^2 (sin(+-a - t) + u''/g cos(+-a - t)), each impact leaves 1 - 3/2 sin^2 a "
+    "of the rate; sine: falls from 0.62 to 1.54 g and above 1.68 g, stays up between",
+    source="Housner (1963), Zhang & Makris (2001); integrated by scipy",
+    set_up=standing_block,
+    examine=partial(examine, SHAKEN),
+    variants=(CONVEX,),
+    quick=(),
+)
