@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 Corner = tuple[float, float]
@@ -117,6 +117,105 @@ brick = [1.0, 0.75]                    # breadth and height of a drum, m
 [[measured_point]]
 name = "top"
 at = [1.0, 6.0]
+
+[output]
+every = 0.02
+"""
+
+SHAKEN_WALL = """\
+# A brick wall with a window on ground that moves to and fro: a single Ricker wavelet.
+#   peak      = {peak:<6g} m/s2 the largest acceleration, at {middle:g} s
+#   frequency = {frequency:<6g} Hz
+#   a = peak (1 - 2 q) exp(-q), q = (pi frequency (t - {middle:g} s))^2
+# It is no record of an earthquake; the ground ends where it began, and at rest.
+# What to change:
+#   ground_motion.scale       2.0: the pier to the left of the window is shaken apart
+#   ground_motion             file = "record.at2" in place of the two lists: a record of your own
+#   joint.mortar              cohesion and tensile_strength, Pa, where the mortar bonds
+#   stage shaken: time        longer than the record: to see whether bricks still come down
+
+schema = 1
+title = "Brick wall on ground that shakes"
+gravity = [0.0, -9.8]                  # m/s2
+
+[time]
+step = 2e-3
+end = 1.0
+
+[rock.brick]
+young = 5e9                            # Pa
+poisson = 0.2
+density = 1800.0                       # kg/m3
+
+[rock.concrete]
+young = 3e10
+poisson = 0.2
+density = 2400.0
+
+[joint.mortar]
+friction_angle = 35.0                  # degrees
+cohesion = 0.0                         # Pa
+
+[joint.default]                        # where no joint is named
+friction_angle = 35.0
+
+[domain]                               # the wall and a strip of ground under it
+boundary = [[-0.6,-0.3],[4.8,-0.3],[4.8,0],[4.2,0],[4.2,3],[0,3],[0,0],[-0.6,0]]
+rock = "brick"
+
+[[fixed_point]]                        # these two move the ground: fixed_sides would hold it
+at = [-0.6, -0.3]
+[[fixed_point]]
+at = [4.8, -0.3]
+
+[[block_pattern]]                      # look at it: clast cut shaken-wall.toml -o wall.png
+pattern = "running-bond"
+corner = [0, 0]                        # lower left
+size = [4.2, 3.0]
+brick = [0.6, 0.3]                     # width and height, m
+joint = "mortar"
+
+[[opening]]
+name = "window"
+shape = "box"
+corner = [1.5, 0.9]
+size = [1.2, 1.2]
+excavated = true                       # void from the start
+
+[[region]]
+name = "lintel"
+polygon = [[1.2,2.1],[3.0,2.1],[3.0,2.4],[1.2,2.4]]
+rock = "concrete"
+joint = "mortar"
+one_block = true                       # no joint of the bricks crosses it
+
+[[measured_point]]
+name = "ground"
+at = [-0.3, -0.15]
+
+[[measured_point]]
+name = "top"
+at = [2.0, 2.9]
+
+[ground_motion]
+acts = "base"                          # the fixed points move
+time = [
+{time}
+]                                      # s
+acceleration = [
+{acceleration}
+]                                      # m/s2, to the right
+
+[[stage]]
+name = "rest"
+dynamic_ratio = 0.0                    # static: the weight comes on without a blow
+reset_displacement = true              # displacements count from here
+
+[[stage]]
+name = "shaken"
+ground_motion = true                   # the record begins with the stage
+until = "time"
+time = {end:g}
 
 [output]
 every = 0.02
@@ -260,6 +359,34 @@ def dominoes(count: int = 12, height: float = 0.24, breadth: float = 0.06, gap: 
         blocks.append(block_text(f"brick {k + 1}", corners, pushed if k == 0 else ""))
     at = (round((count - 1) * pace + 0.5 * breadth, 6), height)
     return "\n".join([head, *blocks, point_text("last", at, f"brick {count}")])
+
+
+def shaken_wall(peak: float = 8.0, frequency: float = 1.5) -> str:
+    """Return a brick wall on ground that moves by a Ricker wavelet (m/s2, Hz)."""
+    interval = round(0.04 / frequency, 3)
+    steps = 32  # at 1.28 periods from its middle the wavelet is a millionth of its peak
+    middle = round(steps * interval, 6)
+    instants = [k * interval for k in range(2 * steps + 1)]
+    parts = [(math.pi * frequency * (t - middle)) ** 2 for t in instants]
+    values = [round(peak * (1.0 - 2.0 * q) * math.exp(-q), 4) + 0.0 for q in parts]
+    # what rounding left goes into the middle: the ground ends at rest, and where it began
+    values[steps] -= sum(values) - 0.5 * (values[0] + values[-1])
+    end = round(2.0 * middle + 0.3, 2)
+    return SHAKEN_WALL.format(
+        peak=peak,
+        frequency=frequency,
+        middle=middle,
+        time=_rows(f"{t:.6g}" for t in [*instants, end]),
+        acceleration=_rows(f"{value:.4f}" for value in [*values, 0.0]),
+        end=end,
+    )
+
+
+def _rows(values: Iterable[str]) -> str:
+    """Return values as lines of ten in a list of a case file."""
+    listed = list(values)
+    rows = [listed[k : k + 10] for k in range(0, len(listed), 10)]
+    return "\n".join(f"    {', '.join(row)}," for row in rows)
 
 
 def block_text(name: str, corners: Sequence[Corner], more: str = "") -> str:

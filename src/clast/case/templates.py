@@ -12,6 +12,7 @@ from clast.case.masonry_templates import (
     block_text,
     dominoes,
     point_text,
+    shaken_wall,
 )
 from clast.case.rock_templates import KEY_BLOCK, SLOPE, TUNNEL
 
@@ -154,6 +155,7 @@ TEMPLATES: dict[str, Callable[[], str]] = {
     "tunnel": lambda: TUNNEL,
     "key-block": lambda: KEY_BLOCK,
     "wall": lambda: WALL,
+    "shaken-wall": shaken_wall,
     "arch": arch,
     "column": lambda: COLUMN,
     "dominoes": dominoes,

@@ -168,7 +168,8 @@ def new(
     template: Annotated[
         str,
         typer.Option(
-            help="incline, slope, tunnel, key-block, wall, arch, column, dominoes or heap."
+            help="incline, slope, tunnel, key-block, wall, shaken-wall, arch, column, "
+            "dominoes or heap."
         ),
     ] = "incline",
 ) -> None:

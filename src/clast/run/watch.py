@@ -190,8 +190,13 @@ class Watch:
         )
 
     def _of_stress(self, state: State, step: float) -> str:
-        """Return a warning where the mean stress of the start is gone."""
+        """Return a warning where the mean stress of the start is gone.
+
+        Where blocks have been excavated it has changed because it goes round the void.
+        """
         model = self.model
+        if model.gone.any():
+            return ""
         stressed = np.any(model.initial_stress != 0.0, axis=1) & ~model.fixed
         # what is dug relieves the rock around it, as it is to
         if not stressed.any() or step == 0.0 or model.gone.any():

@@ -1,0 +1,62 @@
+"""Templates that run in stages: that they do what their comments say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from clast.case.case_file import Case
+from clast.case.masonry_templates import shaken_wall
+from clast.case.rock_templates import SLOPE, TUNNEL
+
+
+def outcomes(run):
+    """Return how the stages of a run ended, by name."""
+    return {one.name: one.outcome for one in run.stages}
+
+
+def test_cables_hold_the_slope_when_water_comes():
+    run = Case.from_toml(SLOPE).run()
+    assert set(outcomes(run).values()) == {"equilibrium"}
+    assert not run.report.warnings
+    assert np.hypot(*run.history("crest").displacement[-1]) < 2e-4
+
+
+def test_without_cables_the_slope_stands_dry_and_slides_wet():
+    run = Case.from_toml(SLOPE, ["bolt=[]"]).run()
+    assert outcomes(run) == {"dry": "equilibrium", "cables": "equilibrium", "water": "moving"}
+    assert np.hypot(*run.history("crest").displacement[-1]) > 0.02
+
+
+def test_a_lower_level_of_water_needs_no_cables():
+    run = Case.from_toml(SLOPE, ["bolt=[]", "water.1.line=[[0,15],[26,6]]"]).run()
+    assert set(outcomes(run).values()) == {"equilibrium"}
+
+
+def test_bolts_hold_the_wall_of_the_tunnel():
+    run = Case.from_toml(TUNNEL).run()
+    assert outcomes(run)["settled"] == outcomes(run)["support"] == "equilibrium"
+    assert not run.report.warnings
+    assert np.hypot(*run.field("displacement")[-1].T).max() < 2e-3
+
+
+def test_without_bolts_a_block_of_the_tunnel_comes_loose():
+    run = Case.from_toml(TUNNEL, ["bolt_pattern=[]", "stage.3.time=0.2"]).run()
+    assert outcomes(run)["support"] == "moving"
+    assert f"block '{run.stages[-1].mover.block}'" in run.report.warnings[0]
+    assert (np.hypot(*run.field("displacement")[-1].T) > 0.02).sum() == 1
+
+
+@pytest.mark.parametrize(("peak", "frequency"), [(8.0, 1.5), (3.0, 5.0)])
+def test_the_ground_of_the_shaken_wall_ends_where_it_began(peak, frequency):
+    model = Case.from_toml(shaken_wall(peak=peak, frequency=frequency)).model()
+    record = model.ground_motion.accelerogram
+    end = record.time[-1]
+    assert np.abs(record.velocity(end)).max() < 1e-12
+    assert np.abs(record.displacement(end)).max() < 1e-12
+    middle = record.time[record.acceleration[:, 0].argmax()]
+    assert record.acceleration[:, 0].max() == pytest.approx(peak, rel=1e-3)
+    # the velocity of a Ricker wavelet is peak t exp(-q): largest at q = 1/2
+    at = middle + 1.0 / (np.sqrt(2.0) * np.pi * frequency)
+    highest = peak / (np.sqrt(2.0) * np.pi * frequency) * np.exp(-0.5)
+    assert record.velocity(at)[0] == pytest.approx(highest, rel=0.01)
