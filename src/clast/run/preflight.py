@@ -12,7 +12,8 @@ import numpy as np
 from clast.block.inertia import block_frames
 from clast.compute.compilation import working_time
 from clast.contact.detection import detect
-from clast.errors import StepRejected
+from clast.errors import ModelError, StepRejected, shortened
+from clast.model import ranges
 from clast.model.model import Bools, Model, Repair
 from clast.model.stages.checks import check_stages
 from clast.model.state import State, initial_state
@@ -98,6 +99,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
     """
     check_overlaps(model, method)
     check_stages(schedule.stages, model)
+    _check_steps(schedule)
     start = initial_state(model)
     contacts = _contacts(model, method, start)
     unsupported = _unsupported(model, contacts)
@@ -124,7 +126,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
         contacts=len(contacts),
         touching_pairs=len(contacts.pairs),
         unsupported=tuple(model.block_name[block] for block in np.flatnonzero(unsupported)),
-        steps=int(np.ceil(schedule.latest / schedule.step - 1e-9)),
+        steps=int(np.ceil(schedule.steps - 1e-9)),
         max_displacement=method.max_displacement,
         critdis=method.critdis,
         stability_number=number,
@@ -140,6 +142,18 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
     )
 
 
+def _check_steps(schedule: Schedule) -> None:
+    """Refuse stages with more steps than any run has."""
+    for stage in schedule.stages:
+        length, step = stage.time or schedule.end, stage.step or schedule.step
+        if length / step > ranges.MOST_STEPS:
+            raise ModelError(
+                f"{length:g} s are {length / step:.3g} steps of {step:g} s",
+                where=f"stage '{shortened(stage.name)}', time",
+                remedy="lower its time, or raise its step",
+            )
+
+
 def _duration_warnings(
     model: Model, method: Method, schedule: Schedule, start: State
 ) -> Iterable[str]:
@@ -148,7 +162,7 @@ def _duration_warnings(
     Where a guess leaves that open, the first step is made some times: what is compiled for the
     first of them does not count.
     """
-    steps = schedule.latest / schedule.step
+    steps = schedule.steps
     base, more = QUICKEST
     if steps < MANY_STEPS and steps * (base + more * model.block_count) < 0.1 * LONG:
         return
@@ -159,8 +173,8 @@ def _duration_warnings(
     if steps < MANY_STEPS and steps * seconds < LONG:
         return
     yield (
-        f"{steps:.3g} steps of {schedule.step:g} s: at {1e3 * seconds:.2g} ms each, as the first "
-        f"one takes, about {steps * seconds / 3600.0:.2g} hours. Lower time.end or raise time.step "
+        f"{steps:.3g} steps of {schedule.latest / steps:g} s: at {1e3 * seconds:.2g} ms each, as "
+        f"the first one takes, about {steps * seconds / 3600.0:.2g} hours. Lower time.end or raise time.step "
         "if that is not meant"
     )
 

@@ -30,6 +30,13 @@ class Schedule:
         return sum(stage.time or self.end for stage in self.stages)
 
     @property
+    def steps(self) -> float:
+        """Steps of the run at the latest, if none is cut."""
+        if not self.stages:
+            return self.end / self.step
+        return sum((stage.time or self.end) / (stage.step or self.step) for stage in self.stages)
+
+    @property
     def of_motion(self) -> tuple[float, float]:
         """Longest step and length of the run, or of its stages, in which the ground moves, s."""
         shaken = [stage for stage in self.stages if stage.ground_motion]
