@@ -74,7 +74,7 @@ class Sanity:
     unsupported: tuple[str, ...]
     """Blocks that are not fixed anywhere and touch nothing."""
     steps: int
-    """Steps that the run takes if none is cut."""
+    """Steps that the run takes if none is cut; at most, where it has stages."""
     max_displacement: float
     """Largest vertex movement in a step, m."""
     critdis: float
@@ -126,7 +126,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
         contacts=len(contacts),
         touching_pairs=len(contacts.pairs),
         unsupported=tuple(model.block_name[block] for block in np.flatnonzero(unsupported)),
-        steps=int(np.ceil(schedule.steps - 1e-9)),
+        steps=schedule.steps,
         max_displacement=method.max_displacement,
         critdis=method.critdis,
         stability_number=number,
@@ -174,8 +174,8 @@ def _duration_warnings(
         return
     yield (
         f"{steps:.3g} steps of {schedule.latest / steps:g} s: at {1e3 * seconds:.2g} ms each, as "
-        f"the first one takes, about {steps * seconds / 3600.0:.2g} hours. Lower time.end or raise time.step "
-        "if that is not meant"
+        f"the first one takes, about {steps * seconds / 3600.0:.2g} hours. Lower time.end or raise "
+        "time.step if that is not meant"
     )
 
 

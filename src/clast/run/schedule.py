@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from clast.model.stages.stage import Stage
@@ -30,11 +31,12 @@ class Schedule:
         return sum(stage.time or self.end for stage in self.stages)
 
     @property
-    def steps(self) -> float:
-        """Steps of the run at the latest, if none is cut."""
+    def steps(self) -> int:
+        """Steps that the run takes at most if none is cut."""
         if not self.stages:
-            return self.end / self.step
-        return sum((stage.time or self.end) / (stage.step or self.step) for stage in self.stages)
+            return math.ceil(self.end / self.step - 1e-9)
+        parts = ((stage.time or self.end) / (stage.step or self.step) for stage in self.stages)
+        return sum(math.ceil(part - 1e-9) for part in parts)
 
     @property
     def of_motion(self) -> tuple[float, float]:

@@ -14,7 +14,6 @@ from clast.model import ranges
 from clast.model.ground_motion import Still
 from clast.model.model import Model
 from clast.model.openings import blocks_called
-from clast.model.stages.installing import installed_by
 from clast.model.stages.loads import load_names, names_that_act
 from clast.model.stages.stage import EQUILIBRIUM, STRENGTHS, TIME, Stage
 from clast.model.stages.strengths import with_strengths
@@ -251,7 +250,8 @@ def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
                 where=f"{_where(stage)}, excavate",
                 remedy="excavate some of the blocks",
             )
-        for bolt in np.flatnonzero(installed_by(model, stage)).tolist():
+        own = np.array([name == stage.name for name in model.bolts.stage], np.bool_)
+        for bolt in np.flatnonzero(own | model.bolts.named(stage.install)).tolist():
             _check_bolt(bolt, stage, model, since)
             if bolt in installed:
                 raise ModelError(
