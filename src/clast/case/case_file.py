@@ -183,7 +183,7 @@ class Case(BaseModel):
             }
             faults = [
                 Fault(
-                    place=(name, 0),
+                    place=(name, getattr(self, name).index(tables[0])),
                     what="there is no [domain] to cut",
                     remedy="give [domain] with its boundary",
                 )

@@ -162,7 +162,7 @@ def _in_words(
 def _meaning(place: Place, table: type[BaseModel]) -> str:
     """Return what the key at a place means, or nothing."""
     known = field_at(table, place)
-    return known.description or "" if known else ""
+    return " ".join((known.description or "").replace("``", "`").split()) if known else ""
 
 
 def _shown(given: Any) -> str:

@@ -307,8 +307,9 @@ def _check_given(source: Source, path: Path, given: Given) -> None:
 def _check_settings(settings: Sequence[str]) -> None:
     """Refuse settings that would have changed what was done before."""
     for setting in settings:
-        key = setting.partition("=")[0].strip()
-        if key not in LATER:
+        key, equals, _ = setting.partition("=")
+        key = key.strip()
+        if key and equals and key not in LATER:
             raise CaseError(
                 f"'{shortened(key)}' would have changed the run before its checkpoint",
                 where="--set",

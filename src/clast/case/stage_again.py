@@ -42,7 +42,14 @@ def stage_before(checkpoint: Checkpoint, path: Path, stage: str) -> Path:
         )
     if checkpoint.stage == names[at - 1]:
         return path
-    return checkpoint_path(path.resolve().parent / checkpoint.recorded.file, names[at - 1])
+    before = checkpoint_path(path.resolve().parent / checkpoint.recorded.file, names[at - 1])
+    if not before.exists():
+        raise CaseError(
+            f"there is no checkpoint of the end of stage '{shortened(names[at - 1])}'",
+            where=str(before),
+            remedy="put it beside the one that is named, or run the case again",
+        )
+    return before
 
 
 def check_fits(

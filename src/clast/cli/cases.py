@@ -107,11 +107,11 @@ def resume(
         typer.Option("-o", "--output", help="Go on in another file; in the run's own if absent."),
     ] = None,
     stage: Annotated[
-        str,
+        str | None,
         typer.Option(
             metavar="NAME", help="Run this stage again, from the end of the one before it."
         ),
-    ] = "",
+    ] = None,
     settings: Settings = None,
     threads: Threads = None,
     as_json: AsJson = False,
@@ -120,12 +120,18 @@ def resume(
     """Go on with a run from its checkpoint to its end."""
     from clast.case.resuming import resume as go_on
 
+    if stage is not None and not stage.strip():
+        raise CaseError(
+            "is no name of a stage",
+            where="--stage",
+            remedy="name the stage that is to be run again, or leave it out",
+        )
     with heard():
         _shown(
             lambda foresee: go_on(
                 checkpoint,
                 settings or (),
-                stage=stage,
+                stage=stage or "",
                 output=output,
                 progress=not quiet,
                 warn=foresee,

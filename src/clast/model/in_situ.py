@@ -68,6 +68,13 @@ class Overburden:
                 where="in_situ, vertical",
                 remedy="give stress and gradient instead of the overburden",
             )
+        if self.datum is not None and self.datum < top:
+            raise ModelError(
+                f"{self.datum:g} m is below the highest block, {top:g} m: the rock above it would "
+                "be in tension",
+                where="in_situ, datum",
+                remedy="give the height y of the ground surface, or leave it out",
+            )
         vertical = density * float(gravity[1])
         return InSituStress(
             stress=(0.0, 0.0, 0.0),

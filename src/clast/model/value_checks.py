@@ -193,18 +193,8 @@ def check_names(kind: str, names: Sequence[str]) -> None:
             where=kind,
             remedy='names are texts, e.g. "1"',
         )
-    for what, bad in (
-        ("has no name", lambda name: not name.strip()),
-        (f"has a name of more than {LONGEST_NAME} characters", lambda n: len(n) > LONGEST_NAME),
-        ("has a name with a character that cannot be printed", CONTROL.search),
-    ):
-        for number, name in enumerate(names, start=1):
-            if bad(name):
-                raise ModelError(
-                    what,
-                    where=f"{kind} {number} {shortened(repr(name))}",
-                    remedy="give it a short name of letters, digits and blanks",
-                )
+    for number, name in enumerate(names, start=1):
+        check_text(name, f"{kind} {number}")
     if len(set(names)) < len(names):
         ordered = sorted(names)
         twice = next(name for name, after in pairwise(ordered) if name == after)
@@ -213,6 +203,21 @@ def check_names(kind: str, names: Sequence[str]) -> None:
             where=f"{kind} '{shortened(twice)}'",
             remedy="rename one of them",
         )
+
+
+def check_text(name: str, label: str) -> None:
+    """Refuse a name that is blank, too long or not printable; ``label`` is what has it."""
+    for what, bad in (
+        ("has no name", lambda name: not name.strip()),
+        (f"has a name of more than {LONGEST_NAME} characters", lambda n: len(n) > LONGEST_NAME),
+        ("has a name with a character that cannot be printed", CONTROL.search),
+    ):
+        if bad(name):
+            raise ModelError(
+                what,
+                where=f"{label} {shortened(repr(name))}",
+                remedy="give it a short name of letters, digits and blanks",
+            )
 
 
 def check_point_names(names: Sequence[str]) -> None:

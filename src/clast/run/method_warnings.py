@@ -10,9 +10,10 @@ import numpy as np
 
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
 from clast.contact.joints import range_of_springs
-from clast.errors import ModelError
+from clast.errors import ModelError, shortened
 from clast.model.ground_motion import Recorded
 from clast.model.model import Model
+from clast.model.stages.stage import EQUILIBRIUM, TIME
 from clast.run.model_warnings import load_on, named, size_of_smallest, weight_of
 
 if TYPE_CHECKING:
@@ -53,6 +54,7 @@ def method_warnings(model: Model, method: Method, schedule: Schedule) -> list[st
         *_static_warnings(model, method),
         *_damping_warnings(model, method, schedule),
         *_schedule_warnings(model, schedule),
+        *_stage_warnings(schedule),
     ]
 
 
@@ -256,3 +258,21 @@ def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:
             f"output.every of {schedule.every:g} s makes a result file of some {size / 1e9:.2g} "
             f"GB: raise it to {schedule.end / 100.0:.2g} s"
         )
+
+
+def _stage_warnings(schedule: Schedule) -> Iterator[str]:
+    """Warn of stages that are too short for their frames, or to be found in equilibrium."""
+    for stage in schedule.stages:
+        called = f"stage '{shortened(stage.name)}'"
+        length, step = stage.time or schedule.end, stage.step or schedule.step
+        if stage.every is not None and stage.every < step * (1.0 - 1e-9):
+            yield (
+                f"{called}: every is {stage.every:g} s, less than a step of {step:g} s: a frame is "
+                f"kept after every step, {length / step:.3g} in all. Raise it"
+            )
+        if stage.until == EQUILIBRIUM and stage.hold > length / step * (1.0 + 1e-9):
+            yield (
+                f"{called} has {length / step:.3g} steps, and equilibrium has to hold for "
+                f"{stage.hold}: it ends at its limit of {length:g} s. Raise its time, lower hold, "
+                f'or write until = "{TIME}"'
+            )

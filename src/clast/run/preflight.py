@@ -12,7 +12,8 @@ import numpy as np
 from clast.block.inertia import block_frames
 from clast.compute.compilation import working_time
 from clast.contact.detection import detect
-from clast.errors import StepRejected
+from clast.errors import ModelError, StepRejected, shortened
+from clast.model import ranges
 from clast.model.model import Bools, Model, Repair
 from clast.model.stages.checks import check_stages
 from clast.model.state import State, initial_state
@@ -100,6 +101,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
     """
     check_overlaps(model, method)
     check_stages(schedule.stages, model)
+    _check_steps(schedule)
     start = initial_state(model)
     contacts = _contacts(model, method, start)
     unsupported = _unsupported(model, contacts)
@@ -143,6 +145,18 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
     )
 
 
+def _check_steps(schedule: Schedule) -> None:
+    """Refuse stages with more steps than any run has."""
+    for stage in schedule.stages:
+        length, step = stage.time or schedule.end, stage.step or schedule.step
+        if length / step > ranges.MOST_STEPS:
+            raise ModelError(
+                f"{length:g} s are {length / step:.3g} steps of {step:g} s",
+                where=f"stage '{shortened(stage.name)}', time",
+                remedy="lower its time, or raise its step",
+            )
+
+
 def _duration_warnings(
     model: Model, method: Method, schedule: Schedule, start: State
 ) -> Iterable[str]:
@@ -162,9 +176,9 @@ def _duration_warnings(
     if steps < MANY_STEPS and steps * seconds < LONG:
         return
     yield (
-        f"{steps:.3g} steps of {schedule.step:g} s: at {1e3 * seconds:.2g} ms each, as the first "
-        f"one takes, about {steps * seconds / 3600.0:.2g} hours. Lower time.end or raise time.step "
-        "if that is not meant"
+        f"{steps:.3g} steps of {schedule.latest / steps:g} s: at {1e3 * seconds:.2g} ms each, as "
+        f"the first one takes, about {steps * seconds / 3600.0:.2g} hours. Lower time.end or raise "
+        "time.step if that is not meant"
     )
 
 

@@ -198,8 +198,7 @@ class Watch:
         if model.gone.any():
             return ""
         stressed = np.any(model.initial_stress != 0.0, axis=1) & ~model.fixed
-        # what is dug relieves the rock around it, as it is to
-        if not stressed.any() or step == 0.0 or model.gone.any():
+        if not stressed.any() or step == 0.0:
             return ""
         weight = model.area[stressed] / model.area[stressed].sum()
         mean = [weight @ stress[stressed] for stress in (model.initial_stress, state.stress)]

@@ -39,7 +39,7 @@ class BoltKindTable(Table):
     """Force at which it yields, N per metre of thickness; it is elastic if absent."""
     rupture_elongation: Length | None = None
     """Elongation, plastic one included, at which it breaks for good, m; never if absent."""
-    rupture_strain: Positive | None = None
+    rupture_strain: Annotated[Positive, within(ranges.FACTOR)] | None = None
     """The same as a share of its length, -."""
     pretension: BoltForce = 0.0
     """Force that it is installed with, N per metre of thickness."""

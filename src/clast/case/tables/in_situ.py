@@ -7,10 +7,11 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from clast.case.choices import Number
+from clast.case.choices import Number, within
 from clast.case.faults import Fault, refusal
 from clast.case.tables.table import Coordinate, Stresses, Table
 from clast.errors import CaseError
+from clast.model import ranges
 from clast.model.builder import ModelBuilder
 from clast.model.in_situ import InSituStress, Overburden
 
@@ -33,7 +34,7 @@ class InSituTable(Table):
     """Height y at which the stress holds, m: 0 if absent; the top of the rock for "overburden"."""
     vertical: Literal["overburden"] | None = None
     """In place of a stress: the weight of the rock above, by its mean density."""
-    k0: Annotated[Number, Field(ge=0.0)] | None = None
+    k0: Annotated[Number, Field(ge=0.0), within(ranges.FACTOR)] | None = None
     """Horizontal by vertical stress, with vertical = "overburden"."""
     contacts: Literal["in-equilibrium", "none"] = "in-equilibrium"
     """Whether contacts begin with the forces of the stress, or have to find them by moving."""
@@ -46,10 +47,10 @@ class InSituTable(Table):
     @model_validator(mode="after")
     def _says_one_thing(self) -> Self:
         if (self.stress is None) == (self.vertical is None):
-            what = "has neither stress nor vertical" if self.stress is None else "says both"
-            raise refusal(
-                Fault(what=what, remedy='give stress, or vertical = "overburden" with k0')
-            )
+            found = "neither stress nor" if self.stress is None else "both stress and"
+            what = f"has {found} vertical"
+            remedy = 'give stress, or vertical = "overburden" with k0'
+            raise refusal(Fault(what=what, remedy=remedy))
         if (self.vertical is None) != (self.k0 is None):
             what = 'vertical = "overburden" and k0 belong together'
             raise refusal(Fault(what=what, remedy="give both, or a stress"))

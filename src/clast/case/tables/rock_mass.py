@@ -164,6 +164,9 @@ class OpeningTable(Table):
         if self.weld is not None:
             remedy = "take it out: the outline of a shape is welded by itself"
             raise refusal(Fault(place=("weld",), what="there are no blocks", remedy=remedy))
+        if "blocks" in self.model_fields_set:
+            remedy = "name the blocks inside, or give a shape in place of blocks"
+            raise refusal(Fault(place=("blocks",), what="is an empty list", remedy=remedy))
         check_source(self, "shape", 'give shape = "circle" (or another), or a file')
         given = [key for key in SHAPE_KEYS if getattr(self, key) is not None]
         if self.shape is None:
@@ -184,14 +187,16 @@ def check_keys(
 ) -> None:
     """Refuse keys that a kind of thing does not have, and the absence of those that it needs."""
     have = list(given)
-    keys = ", ".join((*needed, *allowed)) or "none of these keys"
+    keys = ", ".join((*needed, *allowed))
+    kind = f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+    instead = f"{kind} has {keys}" if keys else "take it out"
     faults = [
-        Fault(place=(key,), what=f"a {kind} has no such key", remedy=f"a {kind} has {keys}")
+        Fault(place=(key,), what=f"{kind} has no such key", remedy=instead)
         for key in have
         if key not in (*needed, *allowed)
     ]
     faults += [
-        Fault(place=(key,), what="is missing", remedy=f"a {kind} has {keys}")
+        Fault(place=(key,), what="is missing", remedy=f"{kind} has {keys}")
         for key in needed
         if key not in have
     ]

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StrictBool, StrictInt, StrictStr
+from pydantic import AfterValidator, Field, StrictBool, StrictInt, StrictStr, model_validator
 
 from clast import spelling
 from clast.actions.damping import Adaptive, Kinetic, Undamped
 from clast.case.choices import Number, within
+from clast.case.faults import Fault, refusal
 from clast.case.tables.table import Interval, Positive, Strength, Table
-from clast.errors import CaseError
+from clast.errors import CaseError, shortened
 from clast.model import ranges
 from clast.model.stages.stage import Stage
 
@@ -22,6 +23,14 @@ DAMPINGS: dict[str, Callable[[], Any]] = {
     "none": Undamped,
 }
 """Name of a damping of a stage -> what makes it."""
+
+
+def _known_damping(name: str) -> str:
+    """Refuse a damping that does not exist."""
+    if name not in DAMPINGS:
+        what = f"there is no damping '{shortened(name)}'"
+        raise refusal(Fault(what=what, remedy=spelling.advice(name, DAMPINGS, kind="damping")))
+    return name
 
 
 class StrengthTable(Table):
@@ -34,6 +43,13 @@ class StrengthTable(Table):
     tensile_strength: Strength | None = None
     """Tension cut-off of bonds that are whole, Pa."""
 
+    @model_validator(mode="after")
+    def _changes_something(self) -> Self:
+        if not self.model_fields_set:
+            remedy = "give friction_angle, cohesion or tensile_strength, or leave the joint out"
+            raise refusal(Fault(what="says nothing of the joint", remedy=remedy))
+        return self
+
 
 class StageTable(Table):
     """A part of the run: what is done when it begins, how it is simulated, and when it ends."""
@@ -44,14 +60,14 @@ class StageTable(Table):
     """Lasts until the blocks are in equilibrium, or until its time is over."""
     time: Annotated[Positive, within(ranges.INTERVAL)] | None = None
     """Length of the stage, s, or its limit if it lasts until equilibrium; time.end if absent."""
-    damping: StrictStr | None = None
+    damping: Annotated[StrictStr, AfterValidator(_known_damping)] | None = None
     """Damping of the stage by name; as without stages if absent."""
     dynamic_ratio: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
     """Share of velocity carried to the next step: 0 static, 1 dynamic; time.dynamic_ratio if
     absent."""
     force_ratio: Annotated[Number, Field(gt=0.0, le=1.0)] = 1e-4
     """Unbalanced force on a block, as a share of all forces on it, that is none in equilibrium."""
-    speed: Positive = 1e-6
+    speed: Annotated[Positive, within(ranges.FACTOR)] = 1e-6
     """Speed of a block, as a share of sqrt(g x its size), that is none in equilibrium."""
     hold: Annotated[StrictInt, Field(ge=1, le=1_000_000)] = 20
     """Steps in a row in which that holds."""
@@ -77,7 +93,7 @@ class StageTable(Table):
     """True: [ground_motion] acts in this stage; its record begins with the stage."""
 
     def stage(self) -> Stage:
-        """Return the stage.  Raises CaseError for a damping that does not exist."""
+        """Return the stage."""
         given = {key: value for key, value in self if key not in ("joint", "damping")}
         for key in ("excavate", "install", "loads"):
             given[key] = tuple(given[key])
@@ -85,19 +101,8 @@ class StageTable(Table):
             name: {key: value for key, value in strengths if value is not None}
             for name, strengths in self.joint.items()
         }
-        return Stage(**given, joints=joints, damping=self._damping())
-
-    def _damping(self) -> Any:
-        """Return the damping of a name, None for none."""
-        if self.damping is None:
-            return None
-        if self.damping not in DAMPINGS:
-            raise CaseError(
-                f"there is no damping '{self.damping}'",
-                where=f"[[stage]] '{self.name}', damping",
-                remedy=spelling.advice(self.damping, DAMPINGS, kind="damping"),
-            )
-        return DAMPINGS[self.damping]()
+        damping = None if self.damping is None else DAMPINGS[self.damping]()
+        return Stage(**given, joints=joints, damping=damping)
 
 
 def stage_keys(stage: Stage) -> dict[str, Any]:

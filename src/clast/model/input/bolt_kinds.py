@@ -34,7 +34,7 @@ SIZES: Mapping[str, ranges.Range | None] = {
     "out_of_plane_spacing": ranges.LENGTH,
     "yield_force": ranges.FORCE,
     "rupture_elongation": ranges.LENGTH,
-    "rupture_strain": None,
+    "rupture_strain": ranges.FACTOR,
     "pretension": ranges.FORCE,
 }
 """Numbers of a kind -> the sizes that they can have."""

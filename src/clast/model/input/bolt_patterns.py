@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,7 @@ from clast.model import ranges
 from clast.model.input.bolt_lines import Ground
 from clast.model.input.bolts import BoltEntry
 from clast.model.model import Floats
-from clast.model.value_checks import check_number, check_numbers
+from clast.model.value_checks import check_name, check_number, check_numbers, check_text
 
 BESIDE = 1e-3
 """Share of a bolt's length by which its head may lie beside the wall, as outlines are rounded."""
@@ -45,10 +45,16 @@ class PatternEntry:
 
 
 def bolts_round(
-    entry: PatternEntry, outlines: Mapping[str, Floats], ground: Ground
+    entry: PatternEntry, outlines: Mapping[str, Floats], ground: Ground, excavated: Collection[str]
 ) -> list[BoltEntry]:
-    """Return the bolts of a pattern; ModelError where one of them would lie in a void."""
-    corners = _outline(entry, outlines)
+    """Return the bolts of a pattern; ModelError where one of them would lie in a void.
+
+    ``outlines`` are those of openings with a shape; ``excavated`` has the names of openings of
+    blocks, too.
+    """
+    if entry.name is not None:
+        check_text(check_name(entry.name, "bolt pattern", entry.label), entry.label)
+    corners = _outline(entry, outlines, excavated)
     length = _size(entry, "length")
     heads, way = _heads(entry, corners, _size(entry, "spacing"))
     found = []
@@ -73,10 +79,18 @@ def bolts_round(
     return found
 
 
-def _outline(entry: PatternEntry, outlines: Mapping[str, Floats]) -> Floats:
+def _outline(
+    entry: PatternEntry, outlines: Mapping[str, Floats], excavated: Collection[str]
+) -> Floats:
     """Return the corners of the opening, counter-clockwise, m, (c, 2)."""
     given = entry.opening
     if isinstance(given, str):
+        if given not in outlines and given in excavated:
+            raise ModelError(
+                f"'{shortened(given)}' is an opening of blocks, whose outline is not known",
+                where=f"{entry.label}, opening",
+                remedy="give an opening with a shape in a [domain], or each bolt as a [[bolt]]",
+            )
         if given not in outlines:
             raise ModelError(
                 f"there is no opening '{shortened(given)}'",

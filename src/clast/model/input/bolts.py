@@ -66,7 +66,7 @@ def bolts_of(kinds: Sequence[BoltKind], entries: Sequence[BoltEntry], ground: Gr
     check_names("bolt kind", [kind.name for kind in kinds])
     if not entries:
         return Bolts()
-    names = [entry.name or str(k) for k, entry in enumerate(entries, 1)]
+    names = [str(k) if entry.name is None else entry.name for k, entry in enumerate(entries, 1)]
     check_names("bolt", names)
     kind_number = {kind.name: number for number, kind in enumerate(kinds)}
     parts = [_anchored(entry, ground) for entry in entries]
@@ -106,9 +106,11 @@ def _with_springs(bolts: Bolts, kinds: Sequence[BoltKind], entries: Sequence[Bol
         stiffness[own] = kind.stiffness_of(length[own])
         rupture[own] = kind.rupture_of(length[own])
         for m in np.flatnonzero(own):
-            check_rupture(kind, stiffness[m], rupture[m], f"{entry.label}, kind '{kind.name}'")
+            where, remedy = f"{entry.label}, kind '{kind.name}'", "see to young, area and length"
+            ranges.check_size(stiffness[m], ranges.STIFFNESS, f"{where}, stiffness", remedy)
+            check_rupture(kind, stiffness[m], rupture[m], where)
     strength = [np.inf if kind.yield_force is None else kind.yield_force for kind in kinds]
-    jacked = [_choice(entry, "pretension_is", JACKED) for entry in entries]
+    jacked = [_is_jacked(entry, kind) for entry, kind in zip(entries, kinds, strict=True)]
     return replace(
         bolts,
         stiffness=stiffness,
@@ -118,6 +120,18 @@ def _with_springs(bolts: Bolts, kinds: Sequence[BoltKind], entries: Sequence[Bol
         compression=np.array([kind.compression for kind in kinds], np.bool_)[owner],
         jacked=np.array(jacked, np.bool_)[owner],
     )
+
+
+def _is_jacked(entry: BoltEntry, kind: BoltKind) -> Any:
+    """Return whether a jack holds the pretension of a bolt; refuse a jack that holds nothing."""
+    jacked = _choice(entry, "pretension_is", JACKED)
+    if jacked and kind.pretension == 0.0:
+        raise ModelError(
+            f"a jack would hold nothing: kind '{shortened(kind.name)}' has no pretension",
+            where=f"{entry.label}, pretension_is",
+            remedy="give pretension to its kind, or leave pretension_is out",
+        )
+    return jacked
 
 
 def _choice(entry: BoltEntry, key: str, known: Mapping[str, Any]) -> Any:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.model.openings import Opening
+from clast.model.value_checks import check_text
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,7 @@ def openings_of(
     owner: dict[int, str] = {}
     for one in entries:
         where = f"opening '{shortened(one.name)}'"
+        check_text(one.name, "opening")
         if one.name in found or one.name in block_number:
             taken = "opening" if one.name in found else "block"
             raise ModelError(

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from clast.model.input.bolt_kinds import BoltNumbers
     from clast.model.input.bolts import BoltChoices
     from clast.model.input.water import WaterKeys
-from clast.model.value_checks import check_names
+from clast.model.value_checks import check_name, check_text
 
 
 @dataclass(kw_only=True)
@@ -263,10 +263,11 @@ class SupportsAndLoads:
 
     def _bolts_in(self, ground: Ground) -> Bolts:
         """Return all bolts, those of patterns behind the others."""
+        excavated = [one.name for one in self._openings]
         round_openings = [
             bolt
             for entry in self._bolt_patterns
-            for bolt in bolts_round(entry, self.opening_outlines, ground)
+            for bolt in bolts_round(entry, self.opening_outlines, ground, excavated)
         ]
         return bolts_of(self._bolt_kinds, [*self._bolts, *round_openings], ground)
 
@@ -284,5 +285,5 @@ class SupportsAndLoads:
 def _name_of(name: str | None, label: str) -> str:
     """Return the name of a load, "" where it has none; refuse names that are none."""
     if name is not None:
-        check_names(label, [name])
+        check_text(check_name(name, label.rsplit(" ", 1)[0], label), label)
     return name or ""

@@ -186,7 +186,13 @@ def _on_lines(entry: ViscousBoundary, lines: Any, outlines: Outlines) -> Ints:
                 remedy="give the corners of edges on the outline of the model",
             )
         found.append(np.flatnonzero(on))
-    return np.concatenate(found) if found else np.zeros(0, np.int64)
+    if not found:
+        raise ModelError(
+            "is an empty list",
+            where=f"{entry.label}, where, edges",
+            remedy="name the edges: edges = [[p, q], ...] with points p and q",
+        )
+    return np.concatenate(found)
 
 
 def _within(entry: ViscousBoundary, outlines: Outlines, polygons: Geometries) -> Ints:

@@ -15,7 +15,7 @@ from clast.model.checks import Outlines, point_text
 from clast.model.factors import Factor
 from clast.model.input.blocks import Vector
 from clast.model.model import Floats, Ints, JointTable
-from clast.model.value_checks import check_name, check_number, check_numbers
+from clast.model.value_checks import check_name, check_number, check_numbers, check_text
 from clast.model.water.drainage import distances, lowering, parts_between
 from clast.model.water.faces import Edges, Facing, edges_of, facing_edges, outer_parts
 from clast.model.water.water import (
@@ -407,7 +407,10 @@ def _said(entry: WaterEntry, water: Water, edges: Edges) -> str:
 
 def _refuse_same_names(entries: Sequence[WaterEntry]) -> None:
     """Refuse two waters of one name."""
-    names = [check_name(one.name, "water", one.label) for one in entries if one.name is not None]
+    named = [one for one in entries if one.name is not None]
+    names = [check_name(one.name, "water", one.label) for one in named]
+    for one, name in zip(named, names, strict=True):
+        check_text(name, one.label)
     for name in names:
         if names.count(name) > 1:
             raise ModelError(

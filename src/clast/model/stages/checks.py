@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.model import ranges
 from clast.model.ground_motion import Still
 from clast.model.model import Model
+from clast.model.openings import blocks_called
 from clast.model.stages.loads import load_names, names_that_act
 from clast.model.stages.stage import EQUILIBRIUM, STRENGTHS, TIME, Stage
 from clast.model.stages.strengths import with_strengths
@@ -29,6 +32,7 @@ def check_stages(stages: Sequence[Stage], model: Model) -> None:
             names.check(stage, model)
     for names in _NAMED:
         _check_once(stages, names)
+    _check_excavation(stages, model)
     _check_bolts(stages, model)
     _check_acts(stages, model)
     _check_table_names(stages, model)
@@ -137,6 +141,12 @@ def _check_relaxation(stage: Stage) -> None:
             where=f"{where}, {given[0]}",
             remedy='name what is taken out, e.g. excavate = ["heading"]',
         )
+    if lasting > 0.0 and stage.relax == 1.0:
+        raise ModelError(
+            "there is nothing left to relax: all support forces are released at once",
+            where=f"{where}, relax_time",
+            remedy="give relax, the share that is released at once, below 1, e.g. relax = 0.3",
+        )
     if lasting < 0.0 or (lasting == 0.0 and stage.relax < 1.0):
         raise ModelError(
             f"{lasting:g} s is no time over which {1.0 - stage.relax:.3g} of the support forces "
@@ -216,6 +226,58 @@ def _check_acts(stages: Sequence[Stage], model: Model) -> None:
             "acts in no stage",
             where="ground_motion",
             remedy="add ground_motion = true to the stage that it belongs to, or remove it",
+        )
+
+
+def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
+    """Refuse blocks that are taken out twice, all of them, and bolts in what is gone."""
+    since: dict[int, str] = {}
+    installed: dict[int, str] = {}
+    for stage in stages:
+        for name in stage.excavate:
+            for block in blocks_called([name], model.openings, model.block_name).tolist():
+                if block in since:
+                    raise ModelError(
+                        f"block '{shortened(model.block_name[block])}' has been excavated already "
+                        f"since {since[block]}",
+                        where=f"{_where(stage)}, excavate",
+                        remedy="name it once, by itself or with its opening",
+                    )
+                since[block] = _where(stage)
+        if len(since) == model.block_count:
+            raise ModelError(
+                "no block would be left",
+                where=f"{_where(stage)}, excavate",
+                remedy="excavate some of the blocks",
+            )
+        own = np.array([name == stage.name for name in model.bolts.stage], np.bool_)
+        for bolt in np.flatnonzero(own | model.bolts.named(stage.install)).tolist():
+            _check_bolt(bolt, stage, model, since)
+            if bolt in installed:
+                raise ModelError(
+                    f"bolt '{shortened(model.bolts.name[bolt])}' has been installed already since "
+                    f"{installed[bolt]}",
+                    where=f"{_where(stage)}, install",
+                    remedy="let one stage install it, by install or by the bolt's own stage",
+                )
+            installed[bolt] = _where(stage)
+
+
+def _check_bolt(bolt: int, stage: Stage, model: Model, since: Mapping[int, str]) -> None:
+    """Refuse a bolt that a stage installs where ``since`` a stage one end of each spring is gone.
+
+    ``since`` has the blocks that are gone.
+    """
+    springs = model.bolts.blocks[model.bolts.of_spring == bolt]
+    gone = np.isin(springs, list(since))
+    if gone.any(axis=1).all():
+        block = int(springs[gone][0])
+        raise ModelError(
+            f"bolt '{shortened(model.bolts.name[bolt])}' would be anchored in block "
+            f"'{shortened(model.block_name[block])}', which has been excavated since "
+            f"{since[block]}",
+            where=f"{_where(stage)}, install",
+            remedy="anchor it in blocks that stay, or install it before",
         )
 
 

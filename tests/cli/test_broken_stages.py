@@ -1,0 +1,461 @@
+"""What stages, bolts, water, dashpots and records cannot mean: exit code 2 and one message."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from scenes.command_line import clast_command, good
+from scenes.records import at2_text
+
+CASE = """
+schema = 1
+[time]
+step = 1e-3
+end = 0.05
+[rock.rock]
+young = 5e9
+poisson = 0.2
+density = 2500.0
+[joint.default]
+friction_angle = 30.0
+[joint.bedding]
+friction_angle = 35.0
+between = [["low", "high"]]
+[[block]]
+name = "floor"
+vertices = [[-2, -1], [3, -1], [3, 0], [-2, 0]]
+fixed = true
+[[block]]
+name = "low"
+vertices = [[0, 0], [1, 0], [1, 1], [0, 1]]
+[[block]]
+name = "high"
+vertices = [[0, 1], [1, 1], [1, 2], [0, 2]]
+[[block]]
+name = "beside"
+vertices = [[1, 0], [2, 0], [2, 1], [1, 1]]
+[[opening]]
+name = "heading"
+blocks = ["beside"]
+[table.rise]
+time = [0, 1]
+value = [0, 1]
+[[pressure]]
+name = "pool"
+start = [0, 2]
+end = [1, 2]
+value = 1e3
+factor = "rise"
+"""
+BOLT = """
+[bolt_kind.cable]
+stiffness = 2e7
+yield_force = 1.2e5
+[[bolt]]
+name = "B"
+start = [0.5, 1.8]
+end = [0.5, -0.5]
+kind = "cable"
+"""
+ASIDE = BOLT.replace("[0.5, 1.8]", "[0.5, 0.5]").replace("[0.5, -0.5]", "[1.5, 0.5]")
+PATTERN = (
+    BOLT + '[[bolt_pattern]]\nopening = "heading"\nlength = 0.4\nspacing = 0.3\nkind = "cable"\n'
+)
+SHAKES = '[ground_motion]\nacts = "body-force"\ntime = [0, 0.1, 0.2]\nacceleration = [0, 1, 0]\n'
+SWAPPED = ("instant 3", "is not after", "order the instants")
+
+
+def changed(text: str, old: str, new: str) -> str:
+    assert text.count(old) == 1, old
+    return text.replace(old, new)
+
+
+def of(old: str, new: str) -> str:
+    return changed(CASE, old, new)
+
+
+def bolt(old: str, new: str) -> str:
+    return CASE + changed(BOLT, old, new)
+
+
+def kind(keys: str) -> str:
+    return bolt("yield_force = 1.2e5", keys)
+
+
+def stage(*tables: str, more: str = "") -> str:
+    """Return the case with stages called first, second, ..."""
+    names = ("first", "second", "third")
+    each = zip(names, tables, strict=False)
+    return CASE + more + "".join(f'[[stage]]\nname = "{name}"\n{keys}\n' for name, keys in each)
+
+
+def water(keys: str, surface: str = "level = 0.5") -> str:
+    return f'{CASE}[[water]]\nname = "lake"\n{surface}\n{keys}\n'
+
+
+def edge(where: str, keys: str = "") -> str:
+    return f"{CASE}[[viscous_boundary]]\nwhere = {where}\n{keys}\n"
+
+
+def shaken(keys: str, acts: str = "body-force") -> str:
+    return f'{CASE}[ground_motion]\nacts = "{acts}"\n{keys}\n'
+
+
+def stressed(keys: str) -> str:
+    return f"{CASE}[in_situ]\n{keys}\n"
+
+
+def damped(keys: str) -> str:
+    return f"{CASE}[damping]\n{keys}\n"
+
+
+OVERBURDEN = 'vertical = "overburden"\nk0 = 0.5\n'
+DIG = 'excavate = ["heading"]\n'
+
+BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
+    # bolts
+    "bolt into a void": (bolt("[0.5, -0.5]", "[5, 5]"), ("bolt 1 'B', end", "outside", "move it")),
+    "both ends in one": (bolt("-0.5", "1.2"), ("bolt 1 'B'", "block 3 'high'", "across a joint")),
+    "bolt of no length": (bolt("-0.5", "1.8"), ("bolt 1 'B'", "no length", "two different ends")),
+    "kind unknown": (bolt('"cable"', '"cabel"'), ("bolt 1 'B', kind", "'cabel'", "'cable'?")),
+    "no such key": (bolt("start", "strat"), ("[[bolt]] 1 'B' strat", "did you mean 'start'?")),
+    "bolt without a name": (bolt('"B"', '" "'), ("bolt 1 ' '", "has no name", "short name")),
+    "bolt called NUL": (bolt('"B"', r'"a\u0000b"'), ("bolt 1 'a\\x00b'", "printed", "short name")),
+    "two bolts of one name": (CASE + BOLT + BOLT.partition("1.2e5")[2], ("'B'", "two", "rename")),
+    "bolt at nan": (bolt("[0.5, 1.8]", "[nan, 1.8]"), ("'B' start 1", "finite", "Head [x, y]")),
+    "bolt far away": (bolt("[0.5, 1.8]", "[1e300, 1]"), ("'B' start 1", "too large", "Head")),
+    "bolt as a table": (CASE + BOLT.replace("[[bolt]]", "[bolt]"), ("[bolt]", "two brackets")),
+    "bolt of another block": (
+        bolt('"cable"\n', '"cable"\nblocks = ["low", "floor"]\n'),
+        ("bolt 1 'B', start", "does not lie on block 2 'low'", "name the block"),
+    ),
+    "a stage that is none": (
+        CASE + BOLT + 'stage = "frist"\n[[stage]]\nname = "first"\n',
+        ("[[bolt]] 1 'B' stage", "no stage 'frist'", "'first'?"),
+    ),
+    "a jack of nothing": (
+        CASE + BOLT + 'pretension_is = "jacked"\n',
+        ("bolt 1 'B', pretension_is", "no pretension", "leave pretension_is out"),
+    ),
+    "free at its ends": (CASE + BOLT + "free_length = 0.1\n", ("bolt 1 'B'", "leave it out")),
+    "grouted without free": (CASE + BOLT + 'anchorage = "grouted"\n', ("'B'", "free_length =")),
+    "tension above yield": (
+        kind("yield_force = 1e5\npretension = 2e5"),
+        ("bolt kind 'cable', pretension", "above yield_force, 100000 N/m", "lower it"),
+    ),
+    "rupture before yield": (
+        kind("yield_force = 1e5\nrupture_elongation = 1e-3"),
+        ("bolt 1 'B', kind 'cable'", "breaks at an elongation of 0.001 m", "raise"),
+    ),
+    "rupture twice": (
+        kind("rupture_elongation = 1\nrupture_strain = 1"),
+        ("bolt kind 'cable'", "both given", "give one of them"),
+    ),
+    "rupture of 1e300": (kind("rupture_strain = 1e300"), ("rupture_strain", "too large")),
+    "area without spacing": (
+        bolt("stiffness = 2e7", "young = 2e11\narea = 1e-3"),
+        ("bolt kind 'cable'", "without out_of_plane_spacing", "m between bolts"),
+    ),
+    "area of a galaxy": (
+        bolt("stiffness = 2e7", "young = 2e11\narea = 1e60\nout_of_plane_spacing = 1.0"),
+        ("bolt 1 'B', kind 'cable', stiffness", "too large", "see to young, area and length"),
+    ),
+    "no stiffness": (bolt("stiffness = 2e7", ""), ("bolt kind 'cable'", "no stiffness", "give")),
+    "stiffness below 0": (bolt("2e7", "-1.0"), ("[bolt_kind.cable] stiffness", "above 0", "N/m")),
+    "stiffness without end": (bolt("2e7", "inf"), ("[bolt_kind.cable] stiffness", "finite")),
+    "yields if true": (
+        bolt("1.2e5", "true"),
+        ("[bolt_kind.cable] yield_force", "number, not true"),
+    ),
+    "kind is a number": (
+        CASE + "[bolt_kind]\ncable = 7\n",
+        ("[bolt_kind.cable]", "keys stiffness"),
+    ),
+    "round blocks": (CASE + PATTERN, ("bolt pattern 1, opening", "opening of blocks", "[[bolt]]")),
+    "round nothing": (CASE + PATTERN.replace("heading", "x"), ("bolt pattern 1", "no opening 'x'")),
+    # openings
+    "opening without a name": (of('"heading"', '""'), ("opening ''", "has no name", "short name")),
+    "opening called NUL": (of('"heading"', r'"\u0000"'), ("opening '\\x00'", "cannot be printed")),
+    "opening of no block": (of('["beside"]', "[]"), ("'heading' blocks", "empty list", "name the")),
+    "opening with a shape": (
+        of('blocks = ["beside"]', 'blocks = ["beside"]\nshape = "box"'),
+        ("[[opening]] 1 'heading' shape", "an opening of blocks has no such key", "take it out"),
+    ),
+    "a shape without a domain": (
+        CASE + '[[opening]]\nname = "b"\nshape = "circle"\ncenter = [0, 0]\nradius = 1\n',
+        ("[[opening]] 2 'b'", "no [domain] to cut", "give [domain]"),
+    ),
+    # stages
+    "excavated twice": (stage(DIG, DIG), ("stage 'second', excavate", "'first'", "name it once")),
+    "excavated as a block": (
+        stage(DIG, 'excavate = ["beside"]'),
+        ("stage 'second', excavate", "block 'beside'", "since stage 'first'", "with its opening"),
+    ),
+    "all excavated": (
+        stage('excavate = ["heading", "low", "high", "floor"]'),
+        ("stage 'first', excavate", "no block would be left", "some of the blocks"),
+    ),
+    "excavate nothing known": (
+        stage('excavate = ["headng"]'),
+        ("stage 'first', excavate", "no opening or block 'headng'", "'heading'?"),
+    ),
+    "excavate a text": (stage('excavate = "heading"'), ("'first' excavate", "list in brackets")),
+    "relax nothing": (stage("relax = 0.3"), ("stage 'first', relax", "excavates nothing", "name")),
+    "relax at once": (
+        stage(DIG + "relax_time = 0.01"),
+        ("stage 'first', relax_time", "nothing left to relax", "relax = 0.3"),
+    ),
+    "relax never": (stage(DIG + "relax = 0.3"), ("'first', relax_time", "0 s is no time", "above")),
+    "relax too long": (
+        stage(DIG + "relax = 0.3\nrelax_time = 9\ntime = 5"),
+        ("stage 'first', relax_time", "longer than the stage, 5 s", "raise time"),
+    ),
+    "no time": (stage('until = "time"'), ("stage 'first', time", "is missing", "how long")),
+    "until when": (stage('until = "tiem"'), ("[[stage]] 1 'first' until", "'time'?")),
+    "time of nan": (stage("time = nan"), ("[[stage]] 1 'first' time", "finite", "Length")),
+    "time of 1e300": (stage("time = 1e300"), ("'first' time", "too large", "at most 1e+12 s")),
+    "endless steps": (
+        stage("time = 1e12\nstep = 1e-9"),
+        ("stage 'first', time", "1e+21 steps of 1e-09 s", "raise its step"),
+    ),
+    "step above time": (stage("step = 1\ntime = 0.1"), ("stage 'first', step", "lower step")),
+    "speed of 1e300": (stage("speed = 1e300"), ("[[stage]] 1 'first' speed", "too large")),
+    "hold a half": (stage("hold = 1.5"), ("[[stage]] 1 'first' hold", "whole number, not 1.5")),
+    "same names": (stage("", "").replace("second", "first"), ("'first'", "two stages", "rename")),
+    "an escape code": (stage("").replace('"first"', r'"\u001b[1m"'), ("stage 1", "be printed")),
+    "magic damping": (
+        stage('damping = "adaptve"'),
+        ("[[stage]] 1 'first' damping", "no damping 'adaptve'", "'adaptive'?"),
+    ),
+    "install unknown": (
+        stage('install = ["cabel"]', more=BOLT),
+        ("stage 'first', install", "no bolt or kind of bolt 'cabel'", "'cable'?"),
+    ),
+    "installed twice": (
+        stage('install = ["cable"]', 'install = ["B"]', more=BOLT),
+        ("stage 'second', install", "bolt 'B'", "since stage 'first'", "let one stage"),
+    ),
+    "installed in a void": (
+        stage(DIG, 'install = ["B"]', more=ASIDE),
+        ("stage 'second', install", "bolt 'B'", "block 'beside'", "since stage 'first'", "stay"),
+    ),
+    "joint unknown": (
+        stage("joint = {beding = {cohesion = 1e3}}"),
+        ("stage 'first', joint", "no joint 'beding'", "'bedding'?"),
+    ),
+    "nothing of a joint": (
+        stage("joint = {bedding = {}}"),
+        ("[[stage]] 1 'first' joint.bedding", "says nothing", "cohesion"),
+    ),
+    "strength below 0": (
+        stage("joint = {bedding = {cohesion = -1}}"),
+        ("[[stage]] 1 'first' joint.bedding.cohesion", "0 or more"),
+    ),
+    "loads unknown": (stage('loads = ["pol"]'), ("stage 'first', loads", "'pol'", "'pool'?")),
+    "loads twice": (stage('loads = ["pool", "pool"]'), ("stage 'first', loads", "name it once")),
+    "no motion": (stage("ground_motion = true"), ("'first', ground_motion", "[ground_motion]")),
+    "idle motion": (stage("", more=SHAKES), ("ground_motion", "acts in no stage", "add ground_m")),
+    "stage as a table": (CASE + '[stage]\nname = "a"\n', ("[stage]", "write [[stage]]")),
+    "stage misspelt": (stage("excavat = []"), ("'first' excavat", "did you mean 'excavate'?")),
+    # loads over time
+    "time falls": (of("time = [0, 1]", "time = [1, 0]"), ("table 'rise', time", "order the inst")),
+    "value of nan": (of("value = [0, 1]", "value = [0, nan]"), ("[table.rise] value 2", "finite")),
+    "pressure off": (
+        of("start = [0, 2]", "start = [9, 9]"),
+        ("pressure 1", "no edge", "outline of a"),
+    ),
+    "pressure unnamed": (of('"pool"', '""'), ("pressure 1 ''", "has no name", "short name")),
+    # water
+    "density of a vacuum": (
+        water("density = 0"),
+        ("water 1, density", "0 is no", "1000 for water"),
+    ),
+    "density in t/m3": (water("density = 1"), ("water 1, density", "t/m3", "write 1000")),
+    "weight in kN/m3": (water("density = 9.81"), ("water 1, density", "kN/m3", "write 1000")),
+    "line goes back": (
+        water("", "line = [[0, 1], [2, 1], [1, 0]]"),
+        ("water 1, line", "goes back at (1, 0)", "order the points by x"),
+    ),
+    "line of one point": (water("", "line = [[0, 1]]"), ("water 1, line", "give at least 2")),
+    "line of no file": (water("", 'line = {file = "no.csv"}'), ("[[water]], line", "see to its")),
+    "no surface": (water("", ""), ("[[water]] 1 'lake'", "neither level nor line", "the level y")),
+    "below all": (water("", "level = -50"), ("water 1", "below all blocks, by 49 m", "height y")),
+    "drained aside": (
+        water("drained_at = [[5, 5]]"),
+        ("water 1, drained_at, point 1", "on no joint", "on the joint itself"),
+    ),
+    "water without weight": (
+        water("").replace("schema = 1", "schema = 1\ngravity = [0, 0]"),
+        ("water 1", "gravity is [0, 0]", "give gravity = [0.0, -9.81]"),
+    ),
+    "share above 1": (water("factor = 2"), ("water 1, factor", "2 is no share", "from 0 to 1")),
+    "water without a name": (water("").replace("lake", ""), ("water 1 ''", "has no name")),
+    # dashpots
+    "edge inside": (
+        edge("{edges = [[[0, 1], [1, 1]]]}"),
+        ("viscous boundary 1, where", "another block behind it", "no block beyond"),
+    ),
+    "edge of a fixed block": (
+        edge('{side = "bottom"}'),
+        ("block 1 'floor'", "remove fixed = true"),
+    ),
+    "a side of corners": (
+        f"{CASE}[[block]]\nname = 'top'\nvertices = [[0, 4], [1, 3], [2, 4], [1, 5]]\n"
+        '[[viscous_boundary]]\nwhere = {side = "top"}\n',
+        ("viscous boundary 1, where", "only corners", "name the edges"),
+    ),
+    "no edges": (edge("{edges = []}"), ("viscous boundary 1, where, edges", "empty list", "name")),
+    "nowhere": (edge("{}"), ("[[viscous_boundary]] 1 where", "by nothing", 'side = "bottom"')),
+    "free edge": (edge('{side = "top"}', "normal = 0\ntangential = 0"), ("both 0", "leave the")),
+    "begins before": (edge('{side = "top"}', "begins = -1"), ("1 begins", "0 or more", "Time")),
+    "no edge for a wave": (
+        shaken("time = [0, 1]\nacceleration = [0, 1]", "incoming"),
+        ("ground_motion", "no viscous boundaries", "[[viscous_boundary]]"),
+    ),
+    # records
+    "record without unit": (shaken('file = "r.csv"\ndirection = [1, 0]'), ("unit", "give unit =")),
+    "record cut short": (shaken('file = "short.at2"'), ("short.at2", "NPTS is", "get it anew")),
+    "record goes back": (
+        shaken('file = "back.csv"'),
+        ("back.csv: line 4", "not rise", "order the"),
+    ),
+    "record of nan": (shaken('file = "nan.csv"'), ("nan.csv: line 3", "no line of an acc", "give")),
+    "record of nobody": (shaken('file = "no.csv"'), ("file, no.csv", "no such file", "name a")),
+    "instants fall": (shaken("time = [0, 2, 1]\nacceleration = [0, 1, 2]"), SWAPPED),
+    "acts how": (shaken("", "bodyforce"), ("[ground_motion] acts", "'body-force'?")),
+    # stress and damping
+    "no stress": (stressed(""), ("[in_situ]", "neither stress nor vertical", "give stress")),
+    "two stresses": (stressed(OVERBURDEN + "stress = [0, 0, 0]"), ("[in_situ]", "has both stress")),
+    "under the ground": (stressed(OVERBURDEN + "datum = -50"), ("in_situ, datum", "in tension")),
+    "k0 of 1e300": (stressed('vertical = "overburden"\nk0 = 1e300'), ("[in_situ] k0", "too large")),
+    "two numbers": (stressed("stress = [-1e6, -1e6]"), ("[in_situ] stress", "number 3 is missing")),
+    "mass below 0": (damped("mass = -1"), ("[damping] mass", "0 or more")),
+    "ratio of nothing": (damped('name = "adaptive"\nratio = 0'), ("[damping] ratio", "above 0")),
+    "damping misspelt": (of("schema = 1", 'schema = 1\ndamping = "kinetc"'), ("'kinetic'?",)),
+    "checkpoints never": (
+        f"{CASE}[output]\ncheckpoint_every = inf\n",
+        ("[output] checkpoint_every", "finite", "`clast resume`"),
+    ),
+}
+
+
+def records(folder: Path) -> None:
+    """Write records, most of which are none."""
+    (folder / "r.csv").write_text("t,ax\n0,0\n0.01,1\n0.02,0\n")
+    (folder / "back.csv").write_text("t,ax\n0,0\n0.02,1\n0.01,0\n")
+    (folder / "nan.csv").write_text("t,ax\n0,0\n0.01,nan\n0.02,0\n")
+    (folder / "short.at2").write_text("\n".join(at2_text().splitlines()[:-1]))
+
+
+def is_one_message(message: str, words: tuple[str, ...]) -> None:
+    assert message.startswith("error: ") and message.count("error: ") == 1, message
+    assert "\n  " in message, "every message offers a remedy"
+    assert "Traceback" not in message and "pydantic" not in message
+    assert not re.search(r"[\x00-\x09\x0b-\x1f]", message) and len(message) < 2000
+    for word in words:
+        assert word in message, message
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_what_cannot_be_meant_is_refused_in_words(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    text, words = BROKEN[name]
+    monkeypatch.chdir(tmp_path)
+    Path("case.toml").write_text(text, encoding="utf-8")
+    records(tmp_path)
+    before = sorted(tmp_path.iterdir())
+    for command in (("check",), ("run", "-o", "case.vtkhdf")):
+        result = clast_command(command[0], "case.toml", *command[1:])
+        assert result.exit_code == 2 and result.stdout == "", result.output
+        is_one_message(result.stderr, ("case.toml: ", *words))
+        assert sorted(tmp_path.iterdir()) == before
+
+
+def test_there_are_many_and_the_case_itself_is_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    assert len(BROKEN) >= 100
+    monkeypatch.chdir(tmp_path)
+    everything = stage(DIG, 'install = ["B"]\nloads = ["pool"]', more=BOLT)
+    Path("case.toml").write_text(everything + water("").removeprefix(CASE), encoding="utf-8")
+    good("check", "case.toml")
+
+
+def test_stages_that_are_too_short_are_warned_of(tmp_path: Path):
+    case = tmp_path / "case.toml"
+    case.write_text(stage("hold = 100", "every = 1e-6"), encoding="utf-8")
+    said = " ".join(clast_command("check", case).stderr.split())
+    assert "stage 'first' has 50 steps, and equilibrium has to hold for 100" in said
+    assert "stage 'second': every is 1e-06 s, less than a step of 0.001 s" in said
+
+
+# going on ----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def ended(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run in three stages that is over, with files that look like checkpoints."""
+    folder = tmp_path_factory.mktemp("ended")
+    stages = [f"time = 0.003\n{keys}" for keys in ("", DIG, 'install = ["B"]')]
+    text = stage(*stages, more=BOLT) + "[output]\ncheckpoint_every = 100\n"
+    (folder / "case.toml").write_text(text, encoding="utf-8")
+    good("run", folder / "case.toml", "-o", folder / "case.vtkhdf")
+    whole = (folder / "case.checkpoint.h5").read_bytes()
+    (folder / "empty.checkpoint.h5").write_bytes(b"")
+    (folder / "cut.checkpoint.h5").write_bytes(whole[: len(whole) // 2])
+    (folder / "foreign.checkpoint.h5").write_bytes(b"These are no bytes of ours.\n" * 99)
+    (folder / "folder.checkpoint.h5").mkdir()
+    shutil.copy(folder / "case.vtkhdf", folder / "results.checkpoint.h5")
+    return folder
+
+
+LAST = "case.checkpoint.h5"
+SET = (LAST, "--set")
+NOT_RESUMED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "empty": (("empty.checkpoint.h5",), ("is no checkpoint", "name a file that ends in")),
+    "cut off": (("cut.checkpoint.h5",), ("is damaged", "resume from another")),
+    "foreign": (("foreign.checkpoint.h5",), ("is no checkpoint", "name a file")),
+    "a folder": (("folder.checkpoint.h5",), ("is a directory", "name a file")),
+    "results": (("results.checkpoint.h5",), ("is a result file", "beside it")),
+    "a case": (("case.toml",), ("is no checkpoint", "name a file")),
+    "nobody": (("no.checkpoint.h5",), ("there is no such file", "name a checkpoint")),
+    "stage unknown": ((LAST, "--stage", "secnd"), ("--stage", "'secnd'", "'second'?")),
+    "no stage before": ((LAST, "--stage", "first"), ("--stage", "none before it", "clast run")),
+    "stage without a name": ((LAST, "--stage", ""), ("--stage", "no name", "leave it out")),
+    "stage called NUL": ((LAST, "--stage", "a\0"), ("--stage", "no stage 'a", "first, second")),
+    "other rock": ((*SET, "rock.rock.young=1e9"), ("--set", "would have changed", "time.end")),
+    "other bolts": ((*SET, "bolt=[]"), ("--set", "'bolt'", "checkpoint_every")),
+    "other stages": ((*SET, "stage.2.time=1"), ("--set", "'stage.2.time'", "--stage NAME")),
+    "sets nothing": ((*SET, "nonsense"), ("--set", "sets nothing", "table.key=value")),
+    "an end before": ((*SET, "time.end=1e-3"), ("--set time.end", "is over", "a later end")),
+    "never": ((*SET, "output.checkpoint_every=nan"), ("checkpoint_every", "finite")),
+}
+
+
+@pytest.mark.parametrize("name", NOT_RESUMED)
+def test_what_cannot_go_on_is_refused_in_words(
+    name: str, ended: Path, monkeypatch: pytest.MonkeyPatch
+):
+    arguments, words = NOT_RESUMED[name]
+    monkeypatch.chdir(ended)
+    before = {path: path.stat().st_mtime_ns for path in ended.iterdir()}
+    result = clast_command("resume", *arguments)
+    assert result.exit_code == 2, result.output
+    is_one_message(result.stderr, words)
+    assert {path: path.stat().st_mtime_ns for path in ended.iterdir()} == before
+
+
+def test_a_stage_whose_start_was_not_kept_is_not_run_again(
+    ended: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    for name in (LAST, "case.vtkhdf", "case.toml"):
+        shutil.copy(ended / name, name)
+    result = clast_command("resume", LAST, "--stage", "second")
+    assert result.exit_code == 2
+    is_one_message(result.stderr, ("case.first.checkpoint.h5", "end of stage 'first'", "again"))
