@@ -24,11 +24,20 @@ from clast.case import writing as case_writing
 from clast.case.cutting import CutCase, RockMass
 from clast.case.faults import Fault, case_error, faults_of, refusal
 from clast.case.meanings import explain
+from clast.case.tables.acting.bolts import BoltKindTable, BoltPatternTable, BoltTable, stage_faults
+from clast.case.tables.acting.damping import Damping, chosen_damping
+from clast.case.tables.acting.ground_motion import GroundMotionTable
+from clast.case.tables.acting.in_situ import InSituTable
+from clast.case.tables.acting.supports_and_loads import (
+    FactorTable,
+    FixedPointTable,
+    LineLoadTable,
+    PointLoadTable,
+    PressureTable,
+)
+from clast.case.tables.acting.viscous_boundaries import ViscousBoundaryTable
+from clast.case.tables.acting.water import WaterTable
 from clast.case.tables.blocks import BlockFileTable, BlockTable, GeometryTable
-from clast.case.tables.bolts import BoltKindTable, BoltPatternTable, BoltTable, stage_faults
-from clast.case.tables.damping import Damping, chosen_damping
-from clast.case.tables.ground_motion import GroundMotionTable
-from clast.case.tables.in_situ import InSituTable
 from clast.case.tables.joint_sets import JointSetTable
 from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.measurements import MeasuredPointTable, ReferenceTable
@@ -42,17 +51,8 @@ from clast.case.tables.rock_mass import (
     TraceTable,
 )
 from clast.case.tables.stages import StageTable
-from clast.case.tables.supports_and_loads import (
-    FactorTable,
-    FixedPointTable,
-    LineLoadTable,
-    PointLoadTable,
-    PressureTable,
-)
 from clast.case.tables.table import Acceleration, Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
-from clast.case.tables.viscous_boundaries import ViscousBoundaryTable
-from clast.case.tables.water import WaterTable
 from clast.errors import ModelError
 from clast.model.builder import ModelBuilder
 from clast.model.model import Model, PlaneStrain, PlaneStress

@@ -26,26 +26,26 @@ import numpy as np
 
 from clast import spelling
 from clast.case.case_file import PLANES, Case
-from clast.case.tables.blocks import BlockTable
-from clast.case.tables.bolts import BoltKindTable, bolt_tables
-from clast.case.tables.ground_motion import GROUND_MOTIONS, GroundMotionTable
-from clast.case.tables.in_situ import in_situ_keys
-from clast.case.tables.materials import JointTable, RockTable
-from clast.case.tables.measurements import MeasuredPointTable
-from clast.case.tables.method import MethodTable
-from clast.case.tables.rock_mass import OpeningTable
-from clast.case.tables.stages import stage_keys
-from clast.case.tables.supports_and_loads import (
+from clast.case.tables.acting.bolts import BoltKindTable, bolt_tables
+from clast.case.tables.acting.ground_motion import GROUND_MOTIONS, GroundMotionTable
+from clast.case.tables.acting.in_situ import in_situ_keys
+from clast.case.tables.acting.supports_and_loads import (
     FactorTable,
     FixedPointTable,
     LineLoadTable,
     PointLoadTable,
     PressureTable,
 )
+from clast.case.tables.acting.viscous_boundaries import viscous_keys
+from clast.case.tables.acting.water import WaterTable
+from clast.case.tables.blocks import BlockTable
+from clast.case.tables.materials import JointTable, RockTable
+from clast.case.tables.measurements import MeasuredPointTable
+from clast.case.tables.method import MethodTable
+from clast.case.tables.rock_mass import OpeningTable
+from clast.case.tables.stages import stage_keys
 from clast.case.tables.table import Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
-from clast.case.tables.viscous_boundaries import viscous_keys
-from clast.case.tables.water import WaterTable
 from clast.case.writing import as_plain, table_of
 from clast.errors import CaseError
 from clast.model import builder as model_builder

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from clast.case.choices import Number, within
 from clast.case.faults import Fault, refusal
-from clast.case.tables.in_situ import Side
+from clast.case.tables.acting.in_situ import Side
 from clast.case.tables.table import Instant, Loop, Point, Table
 from clast.case.writing import as_plain, table_of
 from clast.model import ranges

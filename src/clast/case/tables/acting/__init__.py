@@ -1,0 +1,1 @@
+"""Tables of what acts on blocks: supports, loads, stress, water, bolts, the ground."""
