@@ -171,3 +171,34 @@ def test_loads_that_still_rise_are_no_equilibrium():
     run = run_of(builder, Stage(name="rest", time=1.0, dynamic_ratio=0.0), step=2e-3)
     assert run.stages[0].outcome == "equilibrium"
     assert run.stages[0].end > 0.4
+
+
+def on_wet_plane(share: float) -> clast.ModelBuilder:
+    """Return a block on a plane of 20 degrees; the water under it has a ``share`` of the head.
+
+    W sin 20 = (W cos 20 - p L) tan phi is where it begins to slide.
+    """
+    slope, side, density = np.radians(20.0), 1.0, 2500.0
+    normal = np.cos(slope) - np.sin(slope) / np.tan(np.radians(FRICTION))
+    head = share * normal * density * side / 1000.0
+    down, up = np.array([np.cos(slope), -np.sin(slope)]), np.array([np.sin(slope), np.cos(slope)])
+    builder = clast.ModelBuilder(gravity=(0.0, -G))
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=density)
+    builder.add_joint(friction_angle=FRICTION)
+    plane = [5.0 * down, -5.0 * down, -5.0 * down - up, 5.0 * down - up]
+    builder.block(vertices=plane, name="plane", fixed=True)
+    half = 0.5 * side * down
+    builder.block(vertices=[half, half + side * up, side * up - half, -half], name="block")
+    line = [5.0 * down + (0.0, head), -5.0 * down + (0.0, head)]
+    builder.water(line=line, acts_on="joints")
+    return builder
+
+
+@pytest.mark.parametrize(("share", "outcome"), [(1.01, "moving"), (0.98, "equilibrium")])
+def test_slow_sliding_on_a_wet_plane_is_moving(share: float, outcome: str):
+    stage = Stage(name="rest", time=0.3, dynamic_ratio=0.0)
+    run = run_of(on_wet_plane(share), stage, step=1e-3)
+    assert run.stages[0].outcome == outcome
+    if outcome == "moving":
+        assert run.stages[0].mover.block == "block"
+        assert run.stages[0].mover.direction == pytest.approx(-20.0, abs=3.0)
