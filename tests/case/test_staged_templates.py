@@ -60,3 +60,11 @@ def test_the_ground_of_the_shaken_wall_ends_where_it_began(peak, frequency):
     at = middle + 1.0 / (np.sqrt(2.0) * np.pi * frequency)
     highest = peak / (np.sqrt(2.0) * np.pi * frequency) * np.exp(-0.5)
     assert record.velocity(at)[0] == pytest.approx(highest, rel=0.01)
+
+
+@pytest.mark.parametrize(("scale", "least", "most"), [(1.0, 2e-3, 0.05), (2.0, 0.2, 0.6)])
+def test_the_shaken_wall_cracks_and_twice_as_strong_a_pier_comes_apart(scale, least, most):
+    settings = [f"ground_motion.scale={scale}", "time.step=4e-3"]
+    run = Case.from_toml(shaken_wall(), settings).run()
+    assert outcomes(run)["rest"] == "equilibrium"
+    assert least < np.hypot(*run.field("displacement")[-1].T).max() < most

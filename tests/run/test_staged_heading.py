@@ -24,7 +24,7 @@ STAGES = (
         time=0.03,
         excavate=("heading",),
         relax=0.4,
-        relax_time=0.02,
+        relax_time=0.05,  # goes on while the bolts are in
         damping=Adaptive(),
     ),
     Stage(name="bolt", until="time", time=0.03, install=("bar",), damping=Kinetic()),

@@ -75,6 +75,14 @@ def gone_in(state: State) -> Bools | None:
     return None
 
 
+def released_at(state: State) -> float:
+    """Return when the last of the support forces of excavated blocks ends, s; -inf for none."""
+    for own in state.actions:
+        if isinstance(own, SupportForces):
+            return float((own.since + own.duration).max(initial=-np.inf))
+    return -np.inf
+
+
 @dataclass(frozen=True)
 class Relaxation:
     """The forces of excavated blocks on those that are left."""

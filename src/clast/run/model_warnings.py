@@ -335,7 +335,7 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
             f"the ground motion begins at {first:g} s, before the run: the ground moves already "
             "at 0 s. Let its instants begin at 0"
         )
-    drift = float(np.hypot(*record.velocity(last)))
+    drift = float(np.round(np.hypot(*record.velocity(last)), 12))
     if last < end and drift * (end - last) > DRIFTING * size_of_smallest(model):
         yield (
             f"the ground motion ends at {last:g} s with {drift:.3g} m/s, which the ground keeps "

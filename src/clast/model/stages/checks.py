@@ -154,11 +154,11 @@ def _check_relaxation(stage: Stage) -> None:
             where=f"{where}, relax_time",
             remedy="give it in s, above 0",
         )
-    if stage.time is not None and lasting > stage.time:
+    if stage.until == EQUILIBRIUM and stage.time is not None and lasting > stage.time:
         raise ModelError(
             f"{lasting:g} s is longer than the stage, {stage.time:g} s",
             where=f"{where}, relax_time",
-            remedy="lower it, or raise time",
+            remedy='lower it, raise time, or let later stages go on with it: until = "time"',
         )
 
 

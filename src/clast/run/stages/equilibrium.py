@@ -25,6 +25,7 @@ from functools import cached_property
 
 import numpy as np
 
+from clast.actions.relaxation import released_at
 from clast.block import polygon
 from clast.contact.contacts import OPEN, SLIDE
 from clast.contact.joints import range_of_springs
@@ -60,7 +61,7 @@ class Judge:
         """Return the position after an accepted step of length ``step``, s, from ``before``."""
         sums = forces_of(self.model, self.method, result, step)
         way = result.state.vertices - before.vertices
-        judged = self._judged(position, (before, result), sums, way, step)
+        judged = self._judged((before, result), sums, way, step)
         held = Held()
         if not judged.hindrance:
             held = self._held(position.held, result, sums, way, step)
@@ -98,7 +99,6 @@ class Judge:
 
     def _judged(
         self,
-        position: Position,
         states: tuple[State, StepResult],
         sums: ForceSums,
         way: Floats,
@@ -117,11 +117,10 @@ class Judge:
             speed=float(share[fastest]) * stage.speed,
             mover=mover,
         )
-        return replace(judged, hindrance=self._hindrance(position, judged, states, sums))
+        return replace(judged, hindrance=self._hindrance(judged, states, sums))
 
     def _hindrance(
         self,
-        position: Position,
         judged: Judged,
         states: tuple[State, StepResult],
         sums: ForceSums,
@@ -134,16 +133,16 @@ class Judge:
             return f"{judged.mover} moves"
         if self._changed(before.memory, result.state.memory, sums).any():
             return "contacts open, close, slide or hold in turn"
-        return self._under_way(position, result.state.time)
+        return self._under_way(result.state)
 
-    def _under_way(self, position: Position, time: float) -> str:
+    def _under_way(self, state: State) -> str:
         """Return what is still going to change by itself, "" where nothing is."""
-        motion = self.model.ground_motion
+        motion, time = self.model.ground_motion, state.time
         if not are_constant(factors_in(self.model), time):
             return "loads still change"
         if isinstance(motion, InStages) and not motion.is_over(time):
             return "the ground still moves"
-        if time < position.start + self.stage.relax_time:
+        if time < released_at(state):
             return "support forces are still released"
         return ""
 
