@@ -249,3 +249,42 @@ def test_doubtful_viscous_boundaries_are_warned_of():
     said = builder.case(end=1.0).examine().warnings
     assert any("springs hold it all the time" in text for text in said)
     assert not any("bear no weight" in text for text in said)
+
+
+def test_dashpots_may_begin_with_a_stage(tmp_path):
+    """The same bits as from the time at which it begins, also from a case file."""
+    stages = [
+        clast.Stage(name="settle", until="time", time=0.1, dynamic_ratio=0.0),
+        clast.Stage(name="quake", until="time", time=0.1),
+    ]
+    ends = {}
+    for name, key in {"by time": {"begins": 0.1}, "by stage": {"stage": "quake"}}.items():
+        builder = column(rock(10.0))
+        builder.viscous_boundary(side="bottom", **key)
+        case = builder.case(step=1e-2, end=1.0, stages=stages)
+        path = tmp_path / f"{name}.toml"
+        path.write_text(case.to_toml())
+        assert f"{next(iter(key))} = " in path.read_text()
+        read = clast.load(path)
+        assert not [text for text in read.examine().warnings if "viscous boundary" in text]
+        ends[name] = read.run(progress=False)
+        assert_closed(ends[name])
+    one, other = ends.values()
+    assert (one.state.vertices == other.state.vertices).all()
+    assert (one.state.velocity == other.state.velocity).all()
+    assert other.report.ledger.boundary == one.report.ledger.boundary != 0.0
+
+
+@pytest.mark.parametrize(
+    ("key", "what"),
+    [
+        ({"stage": "quke"}, "did you mean 'quake'"),
+        ({"stage": "quake", "begins": 1.0}, "begins or stage"),
+        ({"stage": ""}, "no name of a stage"),
+    ],
+)
+def test_a_stage_that_does_not_come_is_refused(key: dict[str, object], what: str):
+    builder = column(rock(10.0))
+    builder.viscous_boundary(side="bottom", **key)
+    with pytest.raises(clast.ClastError, match=what):
+        clast.simulate(builder.build(), stages=[clast.Stage(name="quake", time=0.1)], step=0.01)

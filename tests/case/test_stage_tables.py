@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import clast
+from clast.actions.damping import Adaptive, Kinetic, Rayleigh, Undamped
 from clast.case.case_file import Case
 from clast.errors import CaseError
 
@@ -103,6 +104,8 @@ REFUSED = {
     "hold nothing": ("hold = 0", "hold", ""),
     "step too long": ("step = 3.0\ntime = 1.0", "step", "lower step"),
     "unknown damping": ('damping = "magic"', "magic", "damping"),
+    "damping out of range": ('damping = {name = "adaptive", ratio = -1}', "ratio", "0"),
+    "unknown number": ('damping = {name = "kinetic", ratio = 1.0}', "ratio", ""),
     "twice the same load": ('loads = ["pool", "pool"]', "acts already", "name it once"),
     "unknown key": ("reset = true", "reset", "reset_displacement"),
 }
@@ -150,6 +153,23 @@ def test_a_name_of_a_load_and_a_table_is_refused():
         Case.from_toml(f'{both}\n[[stage]]\nname = "a"\nloads = ["pool"]\n').examine()
 
 
+@pytest.mark.parametrize(
+    ("written", "damping"),
+    [
+        ('"adaptive"', Adaptive()),
+        ('{name = "adaptive", ratio = 0.5}', Adaptive(ratio=0.5)),
+        ("{mass = 2.0, stiffness = 1e-5}", Rayleigh(mass=2.0, stiffness=1e-5)),
+        ('{name = "rayleigh", stiffness = 1e-5}', Rayleigh(stiffness=1e-5)),
+        ('"kinetic"', Kinetic()),
+        ('"none"', Undamped()),
+    ],
+)
+def test_a_damping_is_a_name_or_a_table(written: str, damping: object):
+    case = sane(f'\n[[stage]]\nname = "rest"\ndamping = {written}\n')
+    assert case.schedule().stages[0].damping == damping
+    assert Case.from_toml(case.to_toml()).schedule().stages[0].damping == damping
+
+
 def test_a_script_writes_its_stages_and_names_back(tmp_path: Path):
     builder = clast.ModelBuilder()
     builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
@@ -162,7 +182,7 @@ def test_a_script_writes_its_stages_and_names_back(tmp_path: Path):
     builder.line_load((0, 1), (1, 1), (0, -1e3), name="bank")
     builder.pressure((0, 1), (1, 1), 1e3, name="pool")
     stages = (
-        clast.Stage(name="gravity", dynamic_ratio=0.0, hold=7),
+        clast.Stage(name="gravity", dynamic_ratio=0.0, hold=7, damping=Adaptive(ratio=0.5)),
         clast.Stage(
             name="loads",
             until="time",
@@ -170,6 +190,7 @@ def test_a_script_writes_its_stages_and_names_back(tmp_path: Path):
             loads=("push", "pool"),
             joints={"default": {"friction_angle": 25.0}},
             step=2e-3,
+            damping=Kinetic(),
         ),
     )
     text = builder.to_toml(step=1e-3, end=0.5, stages=stages)

@@ -5,6 +5,7 @@ import pytest
 
 import clast
 from clast import Stage
+from clast.actions.damping import Kinetic
 from clast.results import Run
 from scenes.systems import convex
 
@@ -202,3 +203,47 @@ def test_slow_sliding_on_a_wet_plane_is_moving(share: float, outcome: str):
     if outcome == "moving":
         assert run.stages[0].mover.block == "block"
         assert run.stages[0].mover.direction == pytest.approx(-20.0, abs=3.0)
+
+
+def sinking(**keys: object) -> clast.ModelBuilder:
+    """Return a column on dashpots that nothing else holds: it creeps down at W/(rho c_p)."""
+    builder = clast.ModelBuilder(gravity=(0.0, -G))
+    builder.add_rock("rock", young=1e9, poisson=0.2, density=2500.0)
+    builder.add_joint(friction_angle=FRICTION)
+    for row in range(3):
+        corners = [(0, row), (1, row), (1, row + 1), (0, row + 1)]
+        builder.block(vertices=corners, name=f"b{row}")
+    builder.viscous_boundary(side="bottom", **keys)
+    return builder
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1.0])
+def test_a_column_that_creeps_on_dashpots_is_moving(ratio: float):
+    """Its speed is steady and its dashpots bear the weight: what damps counts as no support."""
+    stage = Stage(name="rest", time=0.3, dynamic_ratio=ratio, speed=1.0, hold=5)
+    run = run_of(sinking(static="none"), stage, step=2e-3)
+    (record,) = run.stages
+    assert record.outcome == "moving"
+    assert record.force_ratio > 0.1
+    # nothing but its force tells: by then it is as slow as the stage allows
+    assert record.mover.speed < np.sqrt(G)
+    assert abs(record.mover.direction + 90.0) < 5.0
+
+
+def test_a_column_on_springs_in_the_place_of_dashpots_is_at_rest():
+    stages = [
+        Stage(name="rest", time=0.5, dynamic_ratio=0.0),
+        Stage(name="on dashpots", time=0.5),
+    ]
+    builder = sinking(stage="on dashpots")
+    run = clast.simulate(builder.build(), stages=stages, step=2e-3)
+    assert [one.outcome for one in run.stages] == ["equilibrium", "equilibrium"]
+
+
+def test_kinetic_stops_are_no_equilibrium():
+    """Kinetic damping stops a block that slides, time and again: it is not at rest."""
+    stage = Stage(name="rest", time=0.2, damping=Kinetic(), hold=5)
+    run = run_of(on_plane(0.5), stage, step=1e-3)
+    assert run.stages[0].outcome == "moving"
+    run = run_of(stack(3), Stage(name="rest", time=0.5, damping=Kinetic()), step=5e-4)
+    assert run.stages[0].outcome == "equilibrium"

@@ -71,6 +71,28 @@ def test_weight_and_its_gradient_are_in_balance(process, seed):
     assert "nothing balances" in note
 
 
+@pytest.mark.parametrize("process", ["convex", "open-close", "modified"])
+def test_water_and_bolts_that_are_there_are_in_balance(process):
+    """All that acts at the start counts: contacts bear the effective stress and the bolts' pull."""
+    runs = {}
+    for share in (0.0, 1.0):
+        builder = rock_mass(1, clast.Overburden(k0=0.6, datum=150.0), gravity=9.8)
+        builder.add_bolt_kind("bar", stiffness=2e8, yield_force=1e6, pretension=share * 2e5)
+        for x in (5.0, 12.0, 19.0):
+            builder.bolt((x, 4.0), (x + 4.0, 15.0), kind="bar")
+        builder.bolt((4.0, 9.0), (24.0, 10.0), kind="bar", pretension_is="jacked")
+        if share:
+            builder.water(30.0, acts_on="joints", name="groundwater")
+        case = builder.case(step=1e-3, end=0.1, process=process)
+        runs[share] = case.run(progress=False)
+        assert moved(runs[share]) < 1e-6
+    bolted = runs[1.0]
+    assert bolted.bolts(-1).force == pytest.approx(2e5, rel=1e-6)
+    assert bolted.report.ledger.unaccounted == pytest.approx(0.0, abs=1e-6)
+    memory = [run.state.memory.normal_force.sum() for run in runs.values()]
+    assert memory[1] < 0.99 * memory[0]
+
+
 def test_contacts_bear_the_traction_of_the_stress():
     """Two blocks, one joint at 30 degrees: N and T are those of the stress on its length."""
     angle = np.radians(30.0)

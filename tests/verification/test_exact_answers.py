@@ -9,7 +9,13 @@ from scipy.integrate import trapezoid
 from clast.verification.problems.friction import ladder
 from clast.verification.problems.masonry import arch, arch_load, arch_push, kern, rocking
 from clast.verification.problems.slopes import active_passive, slide_topple, wet_slope
-from clast.verification.problems.underground import key_block, kirsch, roof_wedge, snap_through
+from clast.verification.problems.underground import (
+    bolted_stages,
+    key_block,
+    kirsch,
+    roof_wedge,
+    snap_through,
+)
 from clast.verification.problems.waves import moving_base, newmark, rocking_spectrum
 
 
@@ -170,3 +176,36 @@ def test_the_bed_of_a_pier_balances_its_force(share):
     assert trapezoid(pressure, x) == pytest.approx(kern.FORCE)
     moment = trapezoid(pressure * (0.5 * kern.WIDTH - x), x)
     assert moment == pytest.approx(kern.FORCE * share * kern.WIDTH)
+
+
+def test_the_bolt_of_a_roof_against_the_least_energy():
+    """Springs of ledges, pillar and bolt, and the stretch of both blocks: minimised directly."""
+    one = bolted_stages
+    width, height = one.PILLAR
+    weight = width * height * one.DENSITY * one.GRAVITY
+
+    def moves(ledges: float, pillar: float, bolt: float, rest: float) -> np.ndarray:
+        # beam: foot and growth; pillar: foot and growth; upwards
+        rows = [
+            (ledges, [1, 0, 0, 0]),
+            (2.0 * one.CONTACT * pillar, [1, 0, -1, -1]),
+            (2.0 * one.CONTACT, [0, 0, 1, 0]),
+            (one.WIDTH * one.YOUNG / one.HEIGHT, [0, 1, 0, 0]),
+            (width * one.YOUNG / height, [0, 0, 0, 1]),
+            (bolt, [1, 0.5, 0, 0]),
+        ]
+        stiffness = sum(k * np.outer(row, row) for k, row in rows)
+        load = -one.WEIGHT * np.array([1, 0.5, 0, 0]) - weight * np.array([0, 0, 1, 0.5])
+        return np.linalg.solve(stiffness, load + bolt * rest * np.array([1, 0.5, 0, 0]))
+
+    def head(found: np.ndarray) -> float:
+        return float(found[0] + 0.5 * found[1])
+
+    settled = head(moves(one.LEDGES, 1.0, 0.0, 0.0))
+    exact = one.exact_force("settle, bolt, dig")
+    dug = head(moves(one.LEDGES, 0.0, one.BOLT, settled))
+    assert one.BOLT * (settled - dug) == pytest.approx(exact, rel=1e-9)
+    at_start = -one.BOLT * head(moves(one.LEDGES, 1.0, one.BOLT, 0.0))
+    assert at_start == pytest.approx(one.exact_force("bolt at the start"), rel=1e-9)
+    both = -one.BOLT * head(moves(one.LEDGES, 0.0, one.BOLT, 0.0))
+    assert both == pytest.approx(one.exact_force("dig and bolt at the start"), rel=1e-9)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -42,10 +42,19 @@ class ViscousEdges:
     kept: Floats = field(default_factory=_no_floats)
     """Share of what the springs bear that stays as a traction when dashpots begin, shape (k,)."""
     begins: Floats = field(default_factory=_no_floats)
-    """Time from which dashpots are in the place of springs, s, shape (k,)."""
+    """Time from which dashpots are in the place of springs, s, inf until a stage, shape (k,)."""
+    stage: tuple[str, ...] = ()
+    """Name of the stage with which they begin, "" where it is a time."""
 
     def __len__(self) -> int:
         return len(self.edge)
+
+    def at_stage(self, name: str, time: float) -> ViscousEdges:
+        """Return the edges when a stage begins at a time, s, and with it dashpots."""
+        if name not in self.stage:
+            return self
+        begins = np.where([one == name for one in self.stage], time, self.begins)
+        return replace(self, begins=begins)
 
     def __repr__(self) -> str:
         return f"ViscousEdges({len(self)} edges)"

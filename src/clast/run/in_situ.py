@@ -5,7 +5,8 @@ it stands for, as its rest force N_0 and as its shear force; no block has to sin
 For uniform stress that is in balance to the last bit, however the rock is cut.  With weight and a
 gradient blocks of constant stress are not: a static solution, in which nothing is moved, then takes
 what is left into the forces and stresses.  Its contacts are as stiff as the rock, whatever those of
-the run are: what it is after are forces.
+the run are: what it is after are forces.  Water and the pretension of bolts that are there from the
+start count among what acts: contacts then bear the effective stress, and what bolts press on them.
 """
 
 from __future__ import annotations
@@ -27,12 +28,19 @@ from clast.contact.laws import Penalty, has_limits
 from clast.contact.memory import renew
 from clast.errors import ModelError
 from clast.linear.solvers import solve
-from clast.linear.system import BlockSystem, assemble, contact_motions
+from clast.linear.system import (
+    BlockSystem,
+    DiagonalTerms,
+    assemble,
+    contact_motions,
+    graph_of,
+    with_contact_forces,
+)
 from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step.integration import Scheme
 from clast.step.method import Method
-from clast.step.start import begin, diagonal_terms
+from clast.step.start import Begun, begin, diagonal_terms
 from clast.step.travel import search_within_step, travel_expected
 
 SOLUTIONS = 30
@@ -159,9 +167,23 @@ def _equations(model: Model, method: Method, balance: Balance, step: float) -> B
     begun = begin(model, _still(method), balance.state, step, None)
     long = float(np.sqrt(model.mass.max() / (RESTING * model.stiffest)))
     base = diagonal_terms(begun, np.zeros_like(begun.velocity), Scheme(theta=1.0, step=long))
+    base = _with_springs(base, begun)
     contacts, response = _bearing(Penalty(model.stiffest), balance.contacts)
     none = np.zeros(len(contacts))
     return assemble(base, contacts, response, contacts.gap, none, model.fixed)
+
+
+def _with_springs(base: DiagonalTerms, begun: Begun) -> DiagonalTerms:
+    """Return the terms with the forces of springs between blocks, of bolts above all.
+
+    Nothing moves in the static solution, so they bear what they were installed with.
+    """
+    springs, fixed = begun.springs, begun.model.fixed
+    if springs is None:
+        return base
+    bear, graph = springs.at(springs.gap, springs.slip), graph_of(springs, len(fixed))
+    forces = bear.normal_force, bear.shear_force
+    return replace(base, force=with_contact_forces(base.force, springs, graph, fixed, *forces))
 
 
 def _shifted(model: Model, method: Method, balance: Balance, unknowns: Floats) -> Balance:

@@ -373,7 +373,7 @@ def _viscous_warnings(model: Model, end: float) -> Iterator[str]:
             "into them. Give [in_situ], whose traction stays on them, or begins in "
             "[[viscous_boundary]], until when springs hold them"
         )
-    last = float(edges.begins.max())
+    last = float(edges.begins[np.isfinite(edges.begins)].max(initial=0.0))
     if last >= end:
         yield (
             f"a viscous boundary begins at {last:g} s, but the run ends at {end:g} s: springs hold "

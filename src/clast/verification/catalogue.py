@@ -52,6 +52,7 @@ from clast.verification.problems.slopes import (
     wet_slope,
 )
 from clast.verification.problems.underground import (
+    bolted_stages,
     excavated_stack,
     in_situ,
     jointed_rock,
@@ -110,6 +111,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         roof_wedge.PROBLEM,
         jointed_rock.PROBLEM,
         excavated_stack.PROBLEM,
+        bolted_stages.PROBLEM,
         in_situ.PROBLEM,
         kirsch.PROBLEM,
         snap_through.PROBLEM,

@@ -2,35 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, StrictBool, StrictInt, StrictStr, model_validator
+from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 
-from clast import spelling
-from clast.actions.damping import Adaptive, Kinetic, Undamped
-from clast.case.choices import Number, within
+from clast.case.choices import Number, class_at, within
 from clast.case.faults import Fault, refusal
+from clast.case.tables.acting.damping import DAMPINGS, Damping, chosen_damping
 from clast.case.tables.table import Interval, Positive, Strength, Table
-from clast.errors import CaseError, shortened
+from clast.errors import CaseError
 from clast.model import ranges
 from clast.model.stages.stage import Stage
-
-DAMPINGS: dict[str, Callable[[], Any]] = {
-    "adaptive": Adaptive,
-    "kinetic": Kinetic,
-    "none": Undamped,
-}
-"""Name of a damping of a stage -> what makes it."""
-
-
-def _known_damping(name: str) -> str:
-    """Refuse a damping that does not exist."""
-    if name not in DAMPINGS:
-        what = f"there is no damping '{shortened(name)}'"
-        raise refusal(Fault(what=what, remedy=spelling.advice(name, DAMPINGS, kind="damping")))
-    return name
 
 
 class StrengthTable(Table):
@@ -60,8 +44,8 @@ class StageTable(Table):
     """Lasts until the blocks are in equilibrium, or until its time is over."""
     time: Annotated[Positive, within(ranges.INTERVAL)] | None = None
     """Length of the stage, s, or its limit if it lasts until equilibrium; time.end if absent."""
-    damping: Annotated[StrictStr, AfterValidator(_known_damping)] | None = None
-    """Damping of the stage by name; as without stages if absent."""
+    damping: Damping | None = None
+    """Damping of the stage: a name, or a table with its numbers; as without stages if absent."""
     dynamic_ratio: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
     """Share of velocity carried to the next step: 0 static, 1 dynamic; time.dynamic_ratio if
     absent."""
@@ -101,7 +85,7 @@ class StageTable(Table):
             name: {key: value for key, value in strengths if value is not None}
             for name, strengths in self.joint.items()
         }
-        damping = None if self.damping is None else DAMPINGS[self.damping]()
+        damping = None if self.damping is None else chosen_damping(self.damping).build()
         return Stage(**given, joints=joints, damping=damping)
 
 
@@ -117,15 +101,20 @@ def stage_keys(stage: Stage) -> dict[str, Any]:
         joints: Mapping[str, Mapping[str, float]] = keys.pop("joints")
         keys["joint"] = {name: dict(changes) for name, changes in joints.items()}
     if "damping" in keys:
-        keys["damping"] = _damping_name(stage)
+        keys["damping"] = _damping_key(stage)
     return keys
 
 
-def _damping_name(stage: Stage) -> str:
-    """Return the name of a stage's damping in case files."""
-    for name, make in DAMPINGS.items():
-        if make() == stage.damping:
-            return name
+def _damping_key(stage: Stage) -> str | dict[str, Any]:
+    """Return name or table of a stage's damping in case files."""
+    for name, path in DAMPINGS.items():
+        if type(stage.damping) is class_at(path):
+            numbers = {
+                one.name: getattr(stage.damping, one.name)
+                for one in fields(stage.damping)
+                if getattr(stage.damping, one.name) != one.default
+            }
+            return {"name": name, **numbers} if numbers else name
     raise CaseError(
         f"{type(stage.damping).__name__} is an object of a script, which no case file can hold",
         where=f"stage '{stage.name}', damping",

@@ -138,12 +138,14 @@ class SupportsAndLoads:
         tangential: float = 1.0,
         static: str = "hold",
         begins: float = 0.0,
+        stage: str | None = None,
     ) -> None:
         """Let waves leave through outer edges: on a ``side``, along lines ``edges``, in a polygon.
 
         ``normal`` and ``tangential`` are multiples of rho c_p and rho c_s of the block behind.
-        Until ``begins``, s, springs hold the edges; what they bear, or what in-situ stress brings,
-        stays as a traction with static = "hold" and is dropped with "none".
+        Until ``begins``, s, or until the ``stage`` of that name, springs hold the edges; what they
+        bear, or what in-situ stress brings, stays as a traction with static = "hold" and is dropped
+        with "none".
         """
         self._viscous_boundaries.append(
             ViscousBoundary(
@@ -155,6 +157,7 @@ class SupportsAndLoads:
                 tangential=tangential,
                 static=static,
                 begins=begins,
+                stage=stage,
             )
         )
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from clast.errors import ModelError
+from clast.errors import ModelError, shortened
 from clast.model.checks import Geometries, Outlines, point_text
 from clast.model.ground_motion import GroundMotion, IncomingWave
 from clast.model.in_situ import SIDES
@@ -39,6 +39,7 @@ class ViscousBoundary:
     tangential: float
     static: str
     begins: float
+    stage: str | None = None
 
 
 def viscous_edges(
@@ -64,10 +65,11 @@ def viscous_edges(
                 )
         seen |= dict.fromkeys(edge.tolist(), entry.label)
         columns = {name: np.full(len(edge), value) for name, value in numbers.items()}
-        found.append(ViscousEdges(edge=edge, block=outlines.owner[edge], **columns))
+        stage = (entry.stage or "",) * len(edge)
+        found.append(ViscousEdges(edge=edge, block=outlines.owner[edge], stage=stage, **columns))
     names = ("edge", "block", "normal", "tangential", "kept", "begins")
     joined = {name: np.concatenate([getattr(one, name) for one in found]) for name in names}
-    return ViscousEdges(**joined)
+    return ViscousEdges(**joined, stage=sum((one.stage for one in found), ()))
 
 
 def check_incoming(motion: GroundMotion, edges: ViscousEdges, outlines: Outlines) -> None:
@@ -108,6 +110,8 @@ def _numbers(entry: ViscousBoundary) -> dict[str, float]:
                 if key != "begins"
                 else "give a time in s, 0 or more",
             )
+    if entry.stage is not None:
+        numbers["begins"] = _until_stage(entry)
     if numbers["normal"] == numbers["tangential"] == 0.0:
         raise ModelError(
             "normal and tangential are both 0: that is a free edge",
@@ -115,6 +119,23 @@ def _numbers(entry: ViscousBoundary) -> dict[str, float]:
             remedy="leave the boundary out, or give normal = 1 and tangential = 1",
         )
     return {**numbers, "kept": STATIC[entry.static]}
+
+
+def _until_stage(entry: ViscousBoundary) -> float:
+    """Return the time at which a boundary begins whose stage is still to come."""
+    if not isinstance(entry.stage, str) or not entry.stage:
+        raise ModelError(
+            f"{shortened(repr(entry.stage))} is no name of a stage",
+            where=f"{entry.label}, stage",
+            remedy='give the name of a [[stage]], e.g. stage = "quake"',
+        )
+    if entry.begins:
+        raise ModelError(
+            f"begins both at {entry.begins:g} s and with the stage '{shortened(entry.stage)}'",
+            where=entry.label,
+            remedy="give begins or stage",
+        )
+    return np.inf
 
 
 def _edges(entry: ViscousBoundary, outlines: Outlines, polygons: Geometries) -> Ints:

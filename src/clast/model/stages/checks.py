@@ -33,7 +33,7 @@ def check_stages(stages: Sequence[Stage], model: Model) -> None:
     for names in _NAMED:
         _check_once(stages, names)
     _check_excavation(stages, model)
-    _check_bolts(stages, model)
+    _check_waiting(stages, model)
     _check_acts(stages, model)
     _check_table_names(stages, model)
 
@@ -203,14 +203,17 @@ def _check_ground_motion(stage: Stage, model: Model) -> None:
         )
 
 
-def _check_bolts(stages: Sequence[Stage], model: Model) -> None:
-    """Refuse bolts that wait for a stage that does not come."""
+def _check_waiting(stages: Sequence[Stage], model: Model) -> None:
+    """Refuse bolts and viscous edges that wait for a stage that does not come."""
     names = [stage.name for stage in stages]
-    for bolt, name in zip(model.bolts.name, model.bolts.stage, strict=True):
+    bolts = zip(model.bolts.name, model.bolts.stage, strict=True)
+    waiting = [(f"bolt '{shortened(bolt)}'", name) for bolt, name in bolts]
+    waiting += [("viscous boundary", name) for name in dict.fromkeys(model.viscous_edges.stage)]
+    for what, name in waiting:
         if name and name not in names:
             raise ModelError(
                 f"there is no stage '{shortened(name)}'",
-                where=f"bolt '{shortened(bolt)}', stage",
+                where=f"{what}, stage",
                 remedy=spelling.advice(name, names, kind="stage")
                 if names
                 else "add [[stage]] with this name, or leave stage out",

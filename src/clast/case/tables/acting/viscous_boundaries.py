@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictStr, model_validator
 
 from clast.case.choices import Number, within
 from clast.case.faults import Fault, refusal
@@ -56,6 +56,8 @@ class ViscousBoundaryTable(Table):
     begins: Annotated[Instant, Field(ge=0.0)] = 0.0
     """Time, s, from which the dashpots act; springs as stiff as those of fixed points hold the
     edges before it, in the directions that have dashpots."""
+    stage: StrictStr | None = None
+    """Stage with which the dashpots begin, in the place of begins."""
 
     def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
         """Add the boundary."""
@@ -70,7 +72,7 @@ def viscous_keys(given: ViscousBoundary) -> dict[str, object]:
         for key in ("side", "edges", "polygon")
         if getattr(given, key) is not None
     }
-    names = ("normal", "tangential", "static", "begins")
+    names = ("normal", "tangential", "static", "begins", "stage")
     return {
         "where": where,
         **table_of(ViscousBoundaryTable, {key: getattr(given, key) for key in names}),

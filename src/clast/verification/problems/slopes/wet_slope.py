@@ -188,7 +188,7 @@ def set_up() -> Model:
 
 PROBLEM = Problem(
     name="wet-slope",
-    title="Plane failure with cohesion and a [[water]] level",
+    title="Plane failure with cohesion under a water level",
     text="A slab on a plane through the toe of a slope, with a vertical crack behind its crest; "
     "water stands in the crack and runs out at the toe (drained_at). The factor by which the "
     "strength is divided is bisected. p = 2 GPa, h = 4 and 16 ms, static (dynamic_ratio = 0).",

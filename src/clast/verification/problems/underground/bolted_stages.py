@@ -1,0 +1,189 @@
+"""A bolt in a roof, installed before or after the pillar below is taken out.
+
+A beam of weight W, all of it elastic and without friction, rests on two ledges, four contacts of
+stiffness p in all, and on a pillar of height H and width B between them; a bolt of stiffness s
+hangs its centroid on fixed rock above.  With K = 4 p of the ledges, 1/P = 2/(2 p) + H/(B E) of the
+pillar, and c = h/(4 b E), by which beam (b x h) and centroid sink beside its foot under what its
+foot bears,
+
+    foot = (W - F + P v)/(K + P),   F/s = foot + c (W - F)
+
+for a bolt that is there from the start; v is what the pillar sinks by its own weight.  A bolt that
+is installed when all has settled bears nothing.  Is the pillar then taken out, which bore N, the
+bolt and the ledges share that: two springs in parallel,
+
+    F = (N/K)/(1/s + 1/K + c),
+
+whether bolt or pillar comes first, provided that nothing has settled in between; after it the bolt
+bears nothing again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.model.stages.stage import TIME, Stage
+from clast.pictures.verification import Chart, Curve, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, YOUNG, DENSITY = 9.8, 10e9, 2500.0
+WIDTH, HEIGHT = 4.0, 1.0
+"""Width and height of the beam, m."""
+PILLAR = (1.0, 0.5)
+"""Width and height of the pillar, m."""
+CONTACT, BOLT = 1e9, 1e9
+"""Normal stiffness p of a contact and stiffness s of the bolt, N/m per m."""
+STEP, DURATION = 2e-3, 0.4
+"""Length of a step and of a stage, s."""
+RELAX_TIME = 0.2
+"""Time within which the forces of the pillar end, s."""
+SHOWN = 20
+"""Every so many steps have a point in the figure."""
+NOTHING = 1e-9
+"""Force of a bolt, as a share of W, that is none."""
+TOLERANCE = 1e-5
+REASON = "the blocks are compressed by 1e-5, which shifts contacts and changes lengths"
+
+WEIGHT = WIDTH * HEIGHT * DENSITY * GRAVITY
+LEDGES = 4.0 * CONTACT
+OF_PILLAR = 1.0 / (1.0 / CONTACT + PILLAR[1] / (PILLAR[0] * YOUNG))
+OF_BEAM = HEIGHT / (4.0 * WIDTH * YOUNG)
+
+ORDERS: dict[str, tuple[tuple[str, ...], ...]] = {
+    "settle, bolt": ((), ("bar",)),
+    "bolt at the start": (("bar",),),
+    "settle, bolt, dig": ((), ("bar",), ("pillar",)),
+    "settle, bolt and dig at once": ((), ("bar", "pillar")),
+    "settle, dig, bolt": ((), ("pillar",), ("bar",)),
+    "bolt at the start, dig": (("bar",), ("pillar",)),
+    "dig and bolt at the start": (("bar", "pillar"),),
+}
+"""What is done when each stage begins: the bolt installed, the pillar excavated."""
+
+
+def roof() -> Model:
+    """Return a beam on two ledges and a pillar, and the rock above, on which its bolt hangs."""
+    builder = ModelBuilder(title="Bolted roof", gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
+    builder.add_joint("default", friction_angle=0.0)
+    foot, half = -PILLAR[1], 0.5 * PILLAR[0]
+    middle = 0.5 * WIDTH
+
+    def block(name: str, left: float, low: float, right: float, high: float, fixed: bool) -> None:
+        corners = [(left, low), (right, low), (right, high), (left, high)]
+        builder.block(name=name, vertices=corners, fixed=fixed)
+
+    block("floor", 0.0, foot - 1.0, WIDTH, foot, True)
+    block("left ledge", -1.0, foot, 0.5, 0.0, True)
+    block("right ledge", WIDTH - 0.5, foot, WIDTH + 1.0, 0.0, True)
+    block("above", 0.0, HEIGHT + 1.0, WIDTH, HEIGHT + 2.0, True)
+    block("beam", 0.0, 0.0, WIDTH, HEIGHT, False)
+    block("pillar", middle - half, foot, middle + half, 0.0, False)
+    builder.add_bolt_kind("bar", stiffness=BOLT)
+    builder.bolt((middle, 0.5 * HEIGHT), (middle, HEIGHT + 1.5), kind="bar", name="bolt")
+    return builder.build()
+
+
+def exact_force(order: str) -> float:
+    """Return what the bolt bears at the end, N/m."""
+    if order in ("settle, bolt", "settle, dig, bolt"):
+        return 0.0
+    if order in ("bolt at the start, dig", "dig and bolt at the start"):
+        return WEIGHT * (1.0 / LEDGES + OF_BEAM) / (1.0 / BOLT + 1.0 / LEDGES + OF_BEAM)
+    together = LEDGES + OF_PILLAR
+    held = OF_PILLAR * _sunk_pillar()
+    if order == "bolt at the start":
+        sunk = (WEIGHT + held) / together + OF_BEAM * WEIGHT
+        return sunk / (1.0 / BOLT + 1.0 / together + OF_BEAM)
+    bore = WEIGHT - LEDGES * (WEIGHT + held) / together
+    return (bore / LEDGES) / (1.0 / BOLT + 1.0 / LEDGES + OF_BEAM)
+
+
+def _sunk_pillar() -> float:
+    """Return v, m: on two contacts, and by half of its weight."""
+    width, height = PILLAR
+    weight = width * height * DENSITY * GRAVITY
+    return weight / (2.0 * CONTACT) + 0.5 * weight * height / (width * YOUNG)
+
+
+def stages_of(order: str) -> tuple[Stage, ...]:
+    """Return the stages of an order."""
+    return tuple(
+        Stage(
+            name=f"stage {number}",
+            until=TIME,
+            time=DURATION,
+            install=tuple(name for name in named if name == "bar"),
+            excavate=tuple(name for name in named if name == "pillar"),
+            relax=0.0 if "pillar" in named else 1.0,
+            relax_time=RELAX_TIME if "pillar" in named else 0.0,
+        )
+        for number, named in enumerate(ORDERS[order], start=1)
+    )
+
+
+def forces(order: str, variant: Variant) -> tuple[Floats, Floats]:
+    """Return times, s, and forces of the bolt, N/m, in an order."""
+    model = roof()
+    method = variant.method(
+        model, normal_stiffness=CONTACT, max_displacement=0.01, dynamic_ratio=0.0
+    )
+    schedule = Schedule(step=STEP, end=DURATION, every=DURATION, stages=stages_of(order))
+    history = simulate(model, method, schedule).bolt_history("bolt")
+    return history.time, history.force
+
+
+def _exact_course(order: str) -> Curve:
+    """Return the force of the bolt while the forces of the pillar end, kN/m."""
+    digs = next(number for number, named in enumerate(ORDERS[order]) if "pillar" in named)
+    start, end = digs * DURATION, len(ORDERS[order]) * DURATION
+    force = 1e-3 * exact_force(order)
+    return exact_curve(order, [0.0, start, start + RELAX_TIME, end], [0.0, 0.0, force, force])
+
+
+def examine(variant: Variant, orders: Sequence[str] = tuple(ORDERS)) -> Outcome:
+    """Compare the force of the bolt at the end of each order."""
+    rows: list[Comparison] = []
+    shown: list[Curve] = []
+    for order in orders:
+        time, force = forces(order, variant)
+        exact = exact_force(order)
+        if exact == 0.0:
+            limit = NOTHING * WEIGHT
+            why = "it is as long as when it was installed"
+            rows.append(absolute(order, "N/m", float(force[-1]), 0.0, limit, why))
+        else:
+            rows.append(relative(order, "N/m", float(force[-1]), exact, TOLERANCE, REASON))
+        if order.startswith("settle") and order != "settle, bolt":
+            shown.append(_exact_course(order))
+            shown.append(curve(f"{order}: {variant.name}", time[::SHOWN], 1e-3 * force[::SHOWN]))
+    chart = Chart(
+        title="force of the bolt",
+        x_label="time, s",
+        y_label="force, kN/m",
+        curves=tuple(shown),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="bolted-stages",
+    title="A bolt installed before or after an excavation",
+    text="A beam of 4 m x 1 m rests on two ledges and on a pillar of 1 m x 0.5 m; no friction, "
+    "E = 10 GPa, nu = 0, rho = 2500 kg/m3, g = 9.8 m/s2, p = 1 GPa, a bolt of s = 1 GPa from its "
+    "centroid to fixed rock above, h = 2 ms, static (dynamic_ratio = 0). In stages of 0.4 s the "
+    "bolt is installed and the pillar excavated, in different orders; the forces of the pillar end "
+    "within 0.2 s.",
+    formula="F = 0 where all has settled before; else the share of springs in parallel, "
+    "(N/K)/(1/s + 1/K + c), N being what the pillar bore, K = 4 p, c = h/(4 b E)",
+    source="statics",
+    set_up=roof,
+    examine=examine,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)
