@@ -2,92 +2,23 @@
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import clast
-from clast import Stage
-from clast.actions.damping import Adaptive, Kinetic
+from clast.compute.jit import BY_THREADS
+from clast.compute.parallel import BLOCKS
 from clast.model.state import LEDGER_ENTRIES, Ledger
-from clast.rockmass import Box, Domain, JointSet, Opening, cut
-from clast.run.schedule import Schedule
 from clast.run.simulate import RunState, simulate
-from clast.step.method import Method
+from scenes.staged_heading import STAGES, digits, prepared
 
-G = 9.81
-WIDTH, HEIGHT = 12.0, 9.0
-STAGES = (
-    Stage(name="settle", time=0.1, dynamic_ratio=0.0, hold=5, reset_displacement=True),
-    Stage(
-        name="dig",
-        until="time",
-        time=0.03,
-        excavate=("heading",),
-        relax=0.4,
-        relax_time=0.02,
-        damping=Adaptive(),
-    ),
-    Stage(name="bolt", until="time", time=0.03, install=("bar",), damping=Kinetic()),
-    Stage(name="rain", until="time", time=0.03, loads=("rise",)),
-    Stage(
-        name="quake",
-        until="time",
-        time=0.04,
-        ground_motion=True,
-        joints={"default": {"friction_angle": 28.0}},
-    ),
-)
-
-
-def heading() -> clast.ModelBuilder:
-    """Return a heading under an overburden, with bolts, water and an earthquake to come."""
-    boundary = np.array([[0, 0], [WIDTH, 0], [WIDTH, HEIGHT], [0, HEIGHT]])
-    box = Opening(name="heading", shape=Box(corner=(4.5, 3.0), size=(3.0, 2.5)), excavated=False)
-    sets = [
-        JointSet(name="a", angle=62.0, spacing=2.1),
-        JointSet(name="b", angle=-21.0, spacing=1.9),
-    ]
-    found = cut(Domain(boundary=boundary), sets=sets, openings=[box], seed=2)
-    builder = clast.ModelBuilder(gravity=(0.0, -G))
-    builder.add_rock("rock", young=10e9, poisson=0.25, density=2600.0)
-    builder.add_joint("default", friction_angle=32.0)
-    builder.add_weld("weld")
-    along = found.joint_names.index("construction-joint:heading")
-    names = builder.blocks(
-        vertices=found.vertices,
-        start=found.block_start,
-        edge_joint=["weld" if k == along else "" for k in found.edge_joint],
-    )
-    inside = [names[k] for k in np.flatnonzero(found.opening >= 0)]
-    builder.opening("heading", inside, weld="weld")
-    builder.in_situ = clast.Overburden(k0=0.6, datum=60.0)
-    builder.add_bolt_kind("bar", stiffness=2e7, yield_force=3e4, pretension=1e4)
-    outline = np.array([[4.5, 3.0], [7.5, 3.0], [7.5, 5.5], [4.5, 5.5]])
-    builder.bolt_pattern(
-        outline, kind="bar", length=2.5, spacing=0.9, angles=(30.0, 150.0), pretension_is="jacked"
-    )
-    builder.add_table("rise", [0.0, 0.02], [0.0, 1.0])
-    builder.water(8.0, acts_on="joints", name="groundwater", factor="rise")
-    builder.measured_point("crown", (6.0, 5.6))
-    time = np.linspace(0.0, 0.04, 21)
-    record = np.stack([3.0 * np.sin(2.0 * np.pi * time / 0.04), 0.0 * time], axis=1)
-    builder.ground_motion = clast.InertialForce(clast.Accelerogram(time, record))
-    return builder
-
-
-def prepared(process: str, law: str) -> tuple[clast.Model, Method, Schedule]:
-    """Return model, method and schedule of the heading."""
-    stiffness = {"modified": 5e8, "open-close": 2e9, "convex": 10e9}[process]
-    case = heading().case(
-        step=1e-3,
-        end=1.0,
-        every=0.01,
-        process=process,
-        contact_law={"name": law, "normal_stiffness": stiffness},
-        stages=STAGES,
-    )
-    model = case.model()
-    return model, case.method(model), case.schedule()
+TESTS = Path(__file__).parents[1]
 
 
 def turned_over(run: clast.Run) -> float:
@@ -124,3 +55,19 @@ def test_all_that_stages_have_at_once(process: str, law: str):
         assert np.array_equal(last[-1].state.vertices, carried[-1].state.vertices)
         assert np.array_equal(last[-1].state.velocity, carried[-1].state.velocity)
         assert last[-1].state.ledger == carried[-1].state.ledger
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(BY_THREADS, reason="this process has several threads itself")
+def test_two_threads_leave_the_same_bits():
+    done = subprocess.run(
+        [sys.executable, "-m", "scenes.staged_heading", "convex"],
+        env={**os.environ, "NUMBA_NUM_THREADS": "2", "PYTHONPATH": str(TESTS)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    alone = digits("convex")
+    assert int(alone["blocks"]) > BLOCKS.many
+    assert json.loads(done.stdout) == alone
