@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import clast
 from clast.errors import CaseError
 from clast.exports import TABLES, write_csv
 from clast.model.builder import ModelBuilder
@@ -29,7 +30,7 @@ def numbers(rows: list[dict[str, str]], *columns: str) -> np.ndarray:
 def folder(written: Results, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """All tables of all frames."""
     path = tmp_path_factory.mktemp("tables") / "three"
-    names = [name for name in TABLES if name != "bolts"]  # there are none
+    names = [name for name in TABLES if name not in ("bolts", "stages", "events")]  # there are none
     assert write_csv(written, path) == [path / f"{name}.csv" for name in names]
     return path
 
@@ -130,6 +131,41 @@ def test_tables_of_what_is_not_there_are_left_out_or_refused_by_name(tmp_path: P
             write_csv(alone(), tmp_path / "some", tables=["blocks", name])
         assert name in caught.value.remedy
     assert not (tmp_path / "some").exists()
+
+
+def dug() -> Run:
+    """A block upon another one, which is taken out in the second stage."""
+    builder = ModelBuilder(title="dug", gravity=(0.0, -9.81))
+    builder.add_rock("tuff", young=5e9, poisson=0.2, density=2000.0)
+    builder.add_joint("default", friction_angle=30.0)
+    for y, name in enumerate(("floor", "low", "high")):
+        corners = [(0, y), (1, y), (1, y + 1), (0, y + 1)]
+        builder.block(vertices=corners, name=name, fixed=name == "floor")
+    stages = [
+        clast.Stage(name="rest", dynamic_ratio=0.0, time=0.5),
+        clast.Stage(name="dig", dynamic_ratio=0.0, time=0.02, excavate=("high",), until="time"),
+    ]
+    return clast.simulate(builder.build(), stages=stages, step=2e-3, every=0.01)
+
+
+def test_stages_and_events_are_tables(tmp_path: Path):
+    run = dug()
+    write_csv(run, tmp_path)
+    rest, dig = rows_of(tmp_path, "stages")
+    assert [rest["name"], rest["outcome"], dig["outcome"]] == ["rest", "equilibrium", "time over"]
+    assert float(rest["end"]) == run.stages[0].end == float(dig["start"])
+    assert float(dig["mover_speed"]) == run.stages[1].mover.speed
+    events = rows_of(tmp_path, "events")
+    assert [row["text"] for row in events] == [event.text for event in run.events]
+    assert ("excavated", "high", "dig") in [
+        (row["kind"], row["what"], row["stage"]) for row in events
+    ]
+    rows = rows_of(tmp_path, "blocks")
+    assert tuple(row["stage"] for row in rows[::3]) == run.frame_stages
+    assert {(row["stage"], row["gone"]) for row in rows if row["name"] == "high"} >= {
+        ("rest", "0.0"),
+        ("dig", "1.0"),
+    }
 
 
 def test_what_cannot_be_written_is_refused(written: Results, tmp_path: Path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -11,6 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import clast
+from clast import Stage
+from clast.exports import write_csv
 from clast.results import read_results, summary
 from clast.results.journal import read_journal
 from scenes.recorded_run import moved, three_blocks
@@ -106,3 +110,42 @@ def test_run_from_the_command_line_that_is_killed(tmp_path: Path):
     assert rows["report"] is None
     assert rows["energy"]["time"] == pytest.approx(rows["time"][1])
     assert np.isfinite(read_results(path).vertices(-1)).all()
+
+
+DIES = """
+import os, signal, sys
+import clast
+
+def watch(now):
+    if now.stage == "dig" and now.time > now.start + 0.0045:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+clast.load(sys.argv[1]).run(output=sys.argv[2], progress=watch)
+"""
+
+
+def test_a_killed_run_keeps_the_stages_of_its_frames(tmp_path: Path):
+    builder = clast.ModelBuilder(gravity=(0.0, -9.81))
+    builder.add_rock("rock", young=1e9, poisson=0.2, density=2500.0)
+    builder.add_joint("default", friction_angle=30.0)
+    for y, name in enumerate(("floor", "low", "high")):
+        corners = [(0, y), (1, y), (1, y + 1), (0, y + 1)]
+        builder.block(vertices=corners, name=name, fixed=name == "floor")
+    stages = [
+        Stage(name="rest", until="time", time=0.004),
+        Stage(name="dig", until="time", time=0.1, excavate=("high",)),
+    ]
+    case = tmp_path / "dug.toml"
+    case.write_text(builder.to_toml(step=1e-3, end=1.0, every=1e-3, stages=stages), "utf-8")
+    path = tmp_path / "dug.vtkhdf"
+    done = subprocess.run([sys.executable, "-c", DIES, str(case), str(path)], check=False)
+    assert done.returncode == -signal.SIGKILL
+    results = read_results(path)
+    assert results.report is None
+    assert results.frame_stages[:6] == ("rest",) * 5 + ("dig",)
+    assert len(results.times) == len(results.frame_stages) >= 8
+    assert results.frame(stage="rest").time == pytest.approx(0.004)
+    assert results.frame(stage="dig").field("gone").tolist() == [0.0, 0.0, 1.0]
+    written = write_csv(results, tmp_path / "tables")
+    assert not {"stages", "events"} & {one.stem for one in written}
+    assert ",dig," in (tmp_path / "tables" / "blocks.csv").read_text("utf-8")

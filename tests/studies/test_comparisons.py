@@ -15,6 +15,7 @@ from clast.case.case_file import Case
 from clast.case.templates import INCLINE
 from clast.contact.laws import Penalty
 from clast.errors import CaseError
+from clast.pictures import canvas
 from clast.step.convex import Convex
 from clast.studies.comparison_table import cells, headings, remarks
 
@@ -202,3 +203,51 @@ def test_objects_that_are_no_law_are_refused_before_anything_runs():
         studies.compare(case, ["convex"], ["penalty", Convex()])
     with pytest.raises(CaseError, match=r"'convex' is no list\n  give one: \[\"convex\"\]"):
         studies.compare(case, "convex")
+
+
+DUG = """
+schema = 1
+title = "Two of three stay"
+time = {step = 1e-3, end = 0.02, dynamic_ratio = 0.0}
+rock.stone = {young = 1e9, poisson = 0.2, density = 2500.0}
+joint.default = {friction_angle = 30.0}
+[[block]]
+name = "floor"
+vertices = [[0, -1], [1, -1], [1, 0], [0, 0]]
+fixed = true
+[[block]]
+name = "low"
+vertices = [[0, 0], [1, 0], [1, 1], [0, 1]]
+[[block]]
+name = "high"
+vertices = [[0, 1], [1, 1], [1, 2], [0, 2]]
+[[stage]]
+name = "rest"
+until = "time"
+time = 0.01
+[[stage]]
+name = "dig"
+until = "time"
+time = 0.01
+excavate = ["high"]
+"""
+
+
+def test_excavated_blocks_are_outlines_only(tmp_path, monkeypatch):
+    figures: list = []
+    save = canvas.save
+
+    def kept(figure, path):
+        figures.append(figure)
+        return save(figure, path)
+
+    monkeypatch.setattr(canvas, "save", kept)
+    compared = studies.compare(Case.from_toml(DUG), ["convex", "open-close"], ["penalty"])
+    assert [row.gone.tolist() for row in compared.rows] == [[False, False, True]] * 2
+    studies.write_comparison(compared, tmp_path)
+    for axes in figures[0].axes[:2]:
+        polygons = [c for c in axes.collections if type(c).__name__ == "PolyCollection"]
+        _, dashed, _, coloured = polygons
+        assert [len(one.get_paths()) for one in polygons] == [2, 1, 1, 1]
+        assert dashed.get_paths()[0].vertices[:, 1].max() == pytest.approx(2.0, abs=0.01)
+        assert len(coloured.get_array()) == 1

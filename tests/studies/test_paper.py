@@ -98,6 +98,7 @@ def invented(job: Job) -> Finding:
         displacement={"A": (1.56, -1.56)},
         deviations=(),
         vertices=model.vertices + model.origin,
+        gone=model.gone,
         penetration=1e-4 if job.combination.law == "penalty" else 0.25e-4,
         normal_force=rest.WEIGHT,
         stiffness=job.value,

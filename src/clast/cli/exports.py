@@ -86,8 +86,9 @@ def _csv(results: Results, path: Path, frames: Frames, tables: Sequence[str]) ->
 
     written = write_csv(results, path, frames, tables or None)
     missing = {*(tables or TABLES)} - {file.stem for file in written}
-    if not results.bolt_name:
-        missing -= {"bolts"}  # most systems have none, and nobody misses them
+    # most systems have none of these, and nobody misses them
+    present = {"bolts": results.bolt_name, "stages": results.frame_stages, "events": results.events}
+    missing -= {name for name, found in present.items() if not found}
     if missing:
         tell(f"left out, nothing is recorded of: {', '.join(sorted(missing))}")
     return written

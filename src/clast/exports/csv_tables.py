@@ -35,9 +35,11 @@ def write_csv(
     ``blocks``, ``vertices`` and ``contacts`` have a row for each of them in each of the ``frames``;
     ``histories`` and ``bolts`` one for each measured point, or bolt, and instant; ``energy`` and
     ``steps`` one for each instant or step of the run.  Blocks have the mark ``gone`` once they are
-    excavated.  Units are SI, numbers have every digit.  The folder is made if it does not exist.
-    Tables of which the results hold nothing are left out, or refused where they are named: raises
-    CaseError then, and for what exists already or cannot be written.
+    excavated, and the name of the ``stage`` of the frame where the run has stages; ``stages`` and
+    ``events`` have a row for each of them.  Units are SI, numbers have every digit.  The
+    folder is made if it does not exist.  Tables of which the results hold nothing are left out, or
+    refused where they are named: raises CaseError then, and for what exists already or cannot be
+    written.
     """
     folder = Path(folder)
     if folder.suffix.casefold() == ".csv":
@@ -86,9 +88,17 @@ def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
         yield "histories", "no measured points are recorded"
     if not results.bolt_name:
         yield "bolts", "there are no bolts"
+    if not results.stages:
+        yield "stages", "it has no stages, or did not come to its end"
+    if not results.events:
+        yield "events", "nothing has happened in it, or it did not come to its end"
 
 
 # Tables -------------------------------------------------------------------------------------------
+
+
+IN_BLOCKS = ("block", "name", "rock", "fixed")
+"""What the table of blocks says of each beside its fields."""
 
 
 def _blocks(results: Recording, frames: Sequence[int]) -> Rows:
@@ -97,14 +107,15 @@ def _blocks(results: Recording, frames: Sequence[int]) -> Rows:
     for name in fields:
         shape = results.field(name, 0).shape
         heads += [name] if len(shape) == 1 else [f"{name}_{part}" for part in PARTS[shape[1]]]
-    yield ("frame", "time", "block", "name", "rock", "fixed", *heads)
+    stages = results.frame_stages
+    yield ("frame", "time", *(["stage"] if stages else []), *IN_BLOCKS, *heads)
     rocks = [results.rock_name[k] for k in results.field("rock", 0)]
     names, fixed = results.block_name, results.fixed.astype(int).tolist()
     for frame in frames:
-        time = float(results.times[frame])
+        when = (frame, float(results.times[frame]), *stages[frame : frame + 1])
         values = np.column_stack([results.field(name, frame) for name in fields]).tolist()
         for block, row in enumerate(values):
-            yield (frame, time, block, names[block], rocks[block], fixed[block], *row)
+            yield (*when, block, names[block], rocks[block], fixed[block], *row)
 
 
 def _vertices(results: Recording, frames: Sequence[int]) -> Rows:
@@ -154,6 +165,22 @@ def _steps(results: Recording, frames: Sequence[int]) -> Rows:
     return _plain(results.steps)
 
 
+def _stages(results: Recording, frames: Sequence[int]) -> Rows:
+    own = ("name", "start", "end", "steps", "outcome", "force_ratio", "seconds")
+    yield (*own, "mover", "mover_speed", "mover_direction")
+    for one in results.stages:
+        mover = one.mover
+        numbers = (getattr(one, name) for name in own)
+        yield (*numbers, mover.block, mover.speed, mover.direction)
+
+
+def _events(results: Recording, frames: Sequence[int]) -> Rows:
+    names = ("time", "stage", "kind", "what", "text")
+    yield names
+    for one in results.events:
+        yield tuple(getattr(one, name) for name in names)
+
+
 def _plain(table: Columns) -> Rows:
     yield tuple(table)
     yield from _with([values.tolist() for values in table.values()])
@@ -173,5 +200,7 @@ TABLES: dict[str, Callable[[Recording, Sequence[int]], Rows]] = {
     "bolts": _bolts,
     "energy": _energy,
     "steps": _steps,
+    "stages": _stages,
+    "events": _events,
 }
 """Name of a table, and of its file -> who gives its rows."""

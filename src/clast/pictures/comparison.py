@@ -42,6 +42,8 @@ class Panel:
     """False for a run that stopped: its remark is coloured, and it does not set the limits."""
     vertices: Floats
     """Vertices, m, shape (nv, 2)."""
+    gone: Bools | None = None
+    """True where a block has been excavated, shape (n,); None: they are all there."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,6 +69,14 @@ class SideBySide:
         moved = np.add.reduceat(panel.vertices - self.start, self.block_start[:-1])
         return np.hypot(*(moved / count[:, None]).T)
 
+    def free(self, panel: Panel) -> Bools:
+        """Return which blocks are there and can move, shape (n,)."""
+        return ~self.fixed if panel.gone is None else ~self.fixed & ~panel.gone
+
+    def farthest(self, panel: Panel) -> float:
+        """Return the largest displacement of a block that is there and can move, m."""
+        return float(self.displacement(panel)[self.free(panel)].max(initial=0.0))
+
 
 def draw_side_by_side(scene: SideBySide, path: Path) -> Path:
     """Draw end states on one scale of colours and of lengths; return the picture's path."""
@@ -80,7 +90,7 @@ def draw_side_by_side(scene: SideBySide, path: Path) -> Path:
     height = top + rows * (size[1] + HEADS) + canvas.BELOW + SCALE_ROOM
     figure = canvas.new_figure((width, height), DOTS)
     canvas.head(figure, canvas.LEFT, title, "")
-    largest = max(float(scene.displacement(panel)[~scene.fixed].max()) for panel in shown)
+    largest = max(map(scene.farthest, shown))
     drawn = None
     for number, panel in enumerate(scene.panels):
         row, column = divmod(number, scene.columns)
@@ -92,7 +102,7 @@ def draw_side_by_side(scene: SideBySide, path: Path) -> Path:
         drawn = _draw_panel(axes, scene, panel, largest)
         _keep_outer_labels(axes, row == rows - 1, column == 0)
     if drawn is not None:
-        beyond = any(scene.displacement(panel).max() > 1.001 * largest for panel in scene.panels)
+        beyond = any(scene.farthest(panel) > 1.001 * largest for panel in scene.panels)
         _draw_scale(figure, drawn, (width, height), "max" if beyond else "neither", largest)
     return canvas.save(figure, path)
 
@@ -115,9 +125,9 @@ def _panel_size(extent: Floats, columns: int, rows: int) -> tuple[float, float]:
 
 
 def _draw_panel(axes: Axes, scene: SideBySide, panel: Panel, largest: float) -> PolyCollection:
-    blocks.draw_start(axes, scene, scene.start)
-    free = blocks.draw_blocks(axes, scene, panel.vertices)
-    values = scene.displacement(panel)[~scene.fixed]
+    blocks.draw_start(axes, scene, scene.start, panel.gone)
+    free = blocks.draw_blocks(axes, scene, panel.vertices, gone=panel.gone)
+    values = scene.displacement(panel)[scene.free(panel)]
     factor, _ = prefixed(largest, "m")
     colours = colours_between(0.0, 1.0)
     free.set_array(factor * values)

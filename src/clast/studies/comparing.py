@@ -17,6 +17,7 @@ from clast.case.tables.method import CONTACT_LAWS, PROCESSES
 from clast.errors import CaseError, RunStopped
 from clast.model.model import Bools, Floats, Ints
 from clast.results import Report, Run
+from clast.results.frames import gone_in_frame
 from clast.studies.references import Deviation, Vector, deviations
 
 if TYPE_CHECKING:
@@ -79,6 +80,8 @@ class Row:
     """Errors against the references of the case."""
     vertices: Floats = field(repr=False)
     """Vertices at the end, m, shape (nv, 2)."""
+    gone: Bools = field(repr=False)
+    """True where a block has been excavated, shape (n,)."""
     penetration: float
     """Largest penetration at the end, m."""
     normal_force: float
@@ -229,6 +232,7 @@ def _row(case: Case, combination: Combination, run: Run) -> Row:
         displacement={name: (float(u), float(v)) for name, (u, v) in ends.items()},
         deviations=deviations(case, run),
         vertices=run.final.vertices,
+        gone=gone_in_frame(run, len(run.times) - 1),
         penetration=max(0.0, -float(run.state.memory.gap.min(initial=0.0))),
         normal_force=float(run.state.memory.normal_force.sum()),
         stiffness=float(case.method(run.model).contact_law.normal_stiffness),
