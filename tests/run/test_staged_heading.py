@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-from scenes.staged_heading import STAGES, digits, prepared
 
 import clast
-from clast.compute.jit import BY_THREADS
-from clast.compute.parallel import BLOCKS
 from clast.model.state import LEDGER_ENTRIES, Ledger
 from clast.run.simulate import RunState, simulate
-
-TESTS = Path(__file__).parents[1]
+from scenes.staged_heading import STAGES, prepared
 
 
 def turned_over(run: clast.Run) -> float:
@@ -55,19 +45,3 @@ def test_all_that_stages_have_at_once(process: str, law: str):
         assert np.array_equal(last[-1].state.vertices, carried[-1].state.vertices)
         assert np.array_equal(last[-1].state.velocity, carried[-1].state.velocity)
         assert last[-1].state.ledger == carried[-1].state.ledger
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(BY_THREADS, reason="this process has several threads itself")
-def test_two_threads_leave_the_same_bits():
-    done = subprocess.run(
-        [sys.executable, "-m", "scenes.staged_heading", "convex"],
-        env={**os.environ, "NUMBA_NUM_THREADS": "2", "PYTHONPATH": str(TESTS)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    alone = digits("convex")
-    assert int(alone["blocks"]) > BLOCKS.many
-    assert json.loads(done.stdout) == alone
