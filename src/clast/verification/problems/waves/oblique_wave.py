@@ -1,0 +1,223 @@
+"""Plane waves that meet a viscous boundary at an angle: what dashpots send back.
+
+A plane wave of direction d, polarisation p and speed c has at a boundary with the normal n the
+velocity v and the traction
+
+    v = p,    t = -rho/c ((c_p^2 - 2 c_s^2) (d.p) n + c_s^2 ((d.n) p + (p.n) d))
+
+The incoming wave and the two that leave it, at angles by Snell's law, add up to t = -rho (c_p n n^T
++ c_s t t^T) v (Lysmer & Kuhlemeyer 1969).  With a free boundary in their place all energy comes
+back.
+
+Between two rollers at a distance pi/k_x waves to the left and to the right stand side by side.  A
+strip of rock so wide begins with the velocities of a packet of such waves; half of it runs up, half
+down.  When both are back at the middle, what is left of the energy between viscous ends is compared
+with what is left between free ends: the time scheme has damped both alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model, PlaneStrain
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.variants import LAGGED, Variant
+
+YOUNG, POISSON, DENSITY = 20e9, 0.25, 2500.0
+SHEAR = YOUNG / (2.0 * (1.0 + POISSON))
+C_S = float(np.sqrt(SHEAR / DENSITY))
+C_P = C_S * float(np.sqrt((2.0 - 2.0 * POISSON) / (1.0 - 2.0 * POISSON)))
+"""Speeds of the waves, m/s."""
+WAVE_LENGTH = 10.0
+"""Ten rows of triangles, m."""
+WAVES = 4.0
+"""Height of the strip, in wave lengths."""
+STEPS_OF_PERIOD = 100
+STIFF = 5e11
+"""Normal stiffness of the contacts, N/m per m."""
+LARGEST = 1e-3
+"""Largest velocity at the start, m/s."""
+FREE, VISCOUS = 0.0, 1.0
+"""Dashpots at both ends, in units of rho c."""
+
+
+@dataclass(frozen=True)
+class Incidence:
+    """A kind of wave, and its angle from the normal, degrees."""
+
+    kind: str
+    angle: float
+
+    @property
+    def speed(self) -> float:
+        """Speed, m/s."""
+        return C_P if self.kind == "P" else C_S
+
+    @property
+    def wave_numbers(self) -> tuple[float, float]:
+        """Wave numbers k_x and k_y, 1/m."""
+        k, angle = 2.0 * np.pi / WAVE_LENGTH, np.radians(self.angle)
+        return float(k * np.sin(angle)), float(k * np.cos(angle))
+
+    @property
+    def width(self) -> float:
+        """Distance of the rollers, m."""
+        return float(np.pi / self.wave_numbers[0])
+
+    @property
+    def height(self) -> float:
+        """Height of the strip, m: whole rows."""
+        return float(round(WAVES * WAVE_LENGTH))
+
+    @property
+    def crossing(self) -> float:
+        """Time in which the packet crosses the strip, s."""
+        return self.height / (self.speed * float(np.cos(np.radians(self.angle))))
+
+
+CASES = (
+    Incidence("P", 15.0),
+    Incidence("P", 30.0),
+    Incidence("SV", 15.0),
+    Incidence("SV", 30.0),
+)
+PACKET = "a packet of four wave lengths has neighbouring angles, too"
+
+
+def reflected(kind: str, angle: float) -> float:
+    """Return the share of a wave's energy that comes back, at an ``angle`` in degrees."""
+    speed = C_P if kind == "P" else C_S
+    slowness = np.sin(np.radians(angle)) / speed
+
+    def wave(c: float, sense: float, shear: bool) -> tuple[np.ndarray, complex]:
+        """Return t + Z v of a wave that runs up (1) or down (-1), and the cosine of its angle."""
+        sine = slowness * c
+        cosine = np.sqrt(complex(1.0 - sine**2))
+        d = np.array([sine, sense * cosine])
+        p = np.array([d[1], -d[0]]) if shear else d
+        along = (C_P**2 - 2.0 * C_S**2) * (d @ p) * np.array([0.0, 1.0])
+        pull = along + C_S**2 * (d[1] * p + p[1] * d)
+        return -pull / c + np.array([C_S, C_P]) * p, cosine
+
+    coming, down = wave(speed, 1.0, kind == "SV")
+    p_wave, of_p = wave(C_P, -1.0, False)
+    s_wave, of_s = wave(C_S, -1.0, True)
+    sizes = np.linalg.solve(np.stack([p_wave, s_wave], axis=1), -coming)
+    flux = np.abs(sizes) ** 2 * np.array([C_P * of_p.real, C_S * of_s.real])
+    return float(flux.sum() / (speed * down.real))
+
+
+def strip(case: Incidence, dashpot: float) -> Model:
+    """Return a strip of triangles between rollers, dashpots at both ends."""
+    builder = ModelBuilder(title="Oblique wave", gravity=(0.0, 0.0), plane=PlaneStrain())
+    builder.add_rock("rock", young=YOUNG, poisson=POISSON, density=DENSITY)
+    builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
+    builder.blocks(vertices=_triangles(case))
+    for side in ("left", "right"):
+        # so stiff a dashpot is a roller
+        builder.viscous_boundary(side=side, normal=1e6, tangential=0.0)
+    for side in ("bottom", "top"):
+        if dashpot > 0.0:
+            builder.viscous_boundary(side=side, normal=dashpot, tangential=dashpot)
+    return builder.build()
+
+
+def _triangles(case: Incidence) -> Floats:
+    """Return the corners of all triangles, two in each rectangle, in turn, m (n, 3, 2)."""
+    columns = max(round(case.width), 2)
+    size = case.width / columns
+    found: list[list[tuple[float, float]]] = []
+    for row in range(round(case.height)):
+        for column in range(columns):
+            left, right = size * column, size * (column + 1)
+            low, high = float(row), float(row + 1)
+            a, b, c, d = (left, low), (right, low), (right, high), (left, high)
+            pair = ([a, b, c], [a, c, d]) if (row + column) % 2 == 0 else ([a, b, d], [b, c, d])
+            found += pair
+    return np.array(found, np.float64)
+
+
+def _velocities(case: Incidence, triangles: Floats) -> Floats:
+    """Return the velocity (n, 6) of triangles whose corners have that of the packet."""
+    at = _packet(case, triangles[..., 0], triangles[..., 1])
+    sides = triangles[:, 1:] - triangles[:, :1]
+    gradient = np.linalg.solve(sides, at[:, 1:] - at[:, :1])  # rows d/dx, d/dy
+    mean, spin = at.mean(axis=1), 0.5 * (gradient[:, 0, 1] - gradient[:, 1, 0])
+    shear = gradient[:, 0, 1] + gradient[:, 1, 0]
+    return np.stack(
+        [mean[:, 0], mean[:, 1], spin, gradient[:, 0, 0], gradient[:, 1, 1], shear], axis=1
+    )
+
+
+def _packet(case: Incidence, x: Floats, y: Floats) -> Floats:
+    """Return the velocity (..., 2) of the packet at places, m/s: a gradient, or a curl."""
+    across, up = case.wave_numbers
+    middle, size = 0.5 * case.height, 0.9 * case.height
+    place, inside = np.pi * (y - middle) / size, np.abs(y - middle) < 0.5 * size
+    bell = np.where(inside, np.cos(place) ** 2, 0.0)
+    slope = np.where(inside, -np.pi / size * np.sin(2.0 * place), 0.0)
+    phase = up * (y - middle)
+    f = bell * np.cos(phase)
+    rise = slope * np.cos(phase) - up * bell * np.sin(phase)
+    sine, cosine = np.sin(across * x), np.cos(across * x)
+    if case.kind == "P":
+        parts = (-across * sine * f, cosine * rise)
+    else:
+        parts = (sine * rise, -across * cosine * f)
+    return LARGEST * WAVE_LENGTH / (2.0 * np.pi) * np.stack(parts, axis=-1)
+
+
+def energy_left(case: Incidence, dashpot: float, variant: Variant) -> float:
+    """Return what is left of the energy when the packets are back in the middle."""
+    model = replace(strip(case, dashpot), velocity=_velocities(case, _triangles(case)))
+    method = variant.method(model, normal_stiffness=STIFF, max_displacement=0.01)
+    step, end = WAVE_LENGTH / case.speed / STEPS_OF_PERIOD, case.crossing
+    energy = simulate(model, method, Schedule(step=step, end=end, every=end)).energy
+    held = np.sum([energy[key] for key in ("kinetic", "elastic", "contact")], axis=0)
+    return float(held[-1] / held[0])
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare the energy that comes back with that of plane waves."""
+    rows: list[Comparison] = []
+    found: dict[str, list[tuple[float, float]]] = {"P": [], "SV": []}
+    for case in CASES:
+        share = energy_left(case, VISCOUS, variant) / energy_left(case, FREE, variant)
+        found[case.kind].append((case.angle, share))
+        quantity = f"energy sent back, {case.kind} at {case.angle:g} degrees"
+        exact = reflected(case.kind, case.angle)
+        rows.append(absolute(quantity, "", share, exact, 0.01, PACKET))
+    angles = np.linspace(0.0, 60.0, 121)
+    curves = []
+    for kind, points in found.items():
+        curves.append(exact_curve(kind, angles, [reflected(kind, one) for one in angles]))
+        curves.append(curve(f"{kind}, {variant.name}", *zip(*points, strict=True)))
+    chart = Chart(
+        title="energy sent back by dashpots",
+        x_label="angle from the normal, degrees",
+        y_label="share of the energy",
+        curves=tuple(curves),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="oblique-wave",
+    title="Plane waves on a viscous boundary",
+    text="A strip of rock of triangles of 1 m between rollers, four wave lengths of 10 m high, "
+    "with dashpots of rho c_p and rho c_s at both ends, carries a packet of P or SV waves at 15 or "
+    "30 degrees from the normal. E = 20 GPa, nu = 0.25, plane strain, 100 steps a period.",
+    formula="v and t of the incoming and the two reflected plane waves fulfil "
+    "t = -rho (c_p n n^T + c_s t t^T) v",
+    source="Lysmer & Kuhlemeyer (1969); plane waves solved",
+    set_up=lambda: strip(CASES[1], VISCOUS),
+    examine=examine,
+    variants=(LAGGED,),
+    quick=(),
+)
