@@ -210,7 +210,7 @@ def test_a_stage_installs_its_bolts_and_locks_those_before():
     builder.bolt((1.5, 0.5), (2.5, 0.5), kind="bar", name="late", stage="support")
     bolts = builder.build().bolts
     assert bolts.installed.tolist() == [True, False]
-    after = bolts.at_stage("support")
+    after = bolts.locked_by_now().at_stage("support")
     assert after.installed.tolist() == [True, True]
     assert after.locked.tolist() == [True, False]
     assert bolts.without(["early"]).at_stage("x", ["bar"]).installed.all()
