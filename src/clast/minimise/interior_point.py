@@ -242,6 +242,8 @@ class InteriorPoint:
             return point
         best, distance = point, potential.distance(point)
         now = self.begun(conditions, point)
+        if now.at.products == 0.0:
+            return point  # no force to go by: all that is left is round-off
         accuracy, held_up = self.rough, False
         for left in reversed(range(self.iterations)):
             before = now.at.products

@@ -150,7 +150,7 @@ class Convex:
             )
         tolerance = max(
             self.tolerance**2 * potential.reference_energy(),
-            round_off(model, method, begun.state, len(contacts)),
+            round_off(model, method, begun.state, len(springs)),
         )
         largest = potential.sum_of_forces()
         contacts = replace(contacts, friction_base=first_friction_base(begun, contacts, largest))

@@ -29,6 +29,7 @@ from clast.verification.problems.friction import (
     incline,
     ladder,
     seams,
+    submerged_block,
     tilt_table,
 )
 from clast.verification.problems.masonry import (
@@ -58,8 +59,10 @@ from clast.verification.problems.underground import (
     jointed_rock,
     key_block,
     kirsch,
+    relaxed_support,
     roof_wedge,
     snap_through,
+    two_bolts,
 )
 from clast.verification.problems.waves import (
     layer,
@@ -67,6 +70,7 @@ from clast.verification.problems.waves import (
     newmark,
     oblique_wave,
     rocking_spectrum,
+    sinking_block,
     viscous_end,
     wave,
 )
@@ -96,6 +100,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         direct_shear.PROBLEM,
         ladder.PROBLEM,
         dam.PROBLEM,
+        submerged_block.PROBLEM,
         tilt_table.PROBLEM,
     ),
     "slopes": (
@@ -112,6 +117,8 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         roof_wedge.PROBLEM,
         jointed_rock.PROBLEM,
         excavated_stack.PROBLEM,
+        relaxed_support.PROBLEM,
+        two_bolts.PROBLEM,
         bolted_stages.PROBLEM,
         in_situ.PROBLEM,
         kirsch.PROBLEM,
@@ -132,6 +139,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         newmark.PROBLEM,
         moving_base.PROBLEM,
         viscous_end.PROBLEM,
+        sinking_block.PROBLEM,
         oblique_wave.PROBLEM,
         layer.PROBLEM,
         rocking_spectrum.PROBLEM,

@@ -1,0 +1,109 @@
+"""Blocks under water: one rests on the bottom with less weight, one that is lighter rises.
+
+Water on all faces of a block of area A pushes it up with rho_w g A (Archimedes), as it is
+integrated over the edges; the joint below a block that rests is wet, too.  The block presses on the
+bottom with
+
+    N = (rho - rho_w) g A,
+
+and a lighter one rises by a t^2/2 with a = (rho_w - rho) g/rho: water has no inertia here.
+"""
+
+from __future__ import annotations
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Outcome, Problem, relative
+from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, WATER = 9.8, 1000.0
+HEAVY, LIGHT = 2500.0, 800.0
+"""Densities of the blocks, kg/m3."""
+SIZE = (1.5, 1.0)
+"""Width and height of a block, m."""
+AREA = SIZE[0] * SIZE[1]
+RISING = (WATER - LIGHT) * GRAVITY / LIGHT
+"""Acceleration of the light block, m/s2."""
+ABOVE = 0.5
+"""Where the light block begins over the bottom, m: all its faces are outer ones."""
+STEP, DURATION = 2e-3, 0.5
+
+
+def under_water(density: float, above: float) -> Model:
+    """Return a block of a density, kg/m3, in a basin, ``above`` m over its bottom."""
+    width, height = SIZE
+    builder = ModelBuilder(title="Block under water", gravity=(0.0, -GRAVITY))
+    builder.add_rock("bottom", young=5e9, poisson=0.2, density=HEAVY)
+    builder.add_rock("block", young=5e9, poisson=0.2, density=density)
+    builder.add_joint("default", friction_angle=30.0)
+    floor = [(-1, -1), (width + 1, -1), (width + 1, 0), (-1, 0)]
+    builder.block(name="bottom", vertices=floor, rock="bottom", fixed=True)
+    corners = [(0, above), (width, above), (width, above + height), (0, above + height)]
+    builder.block(name="block", vertices=corners, rock="block")
+    builder.water(height + 5.0, density=WATER, acts_on="faces" if above else "both")
+    builder.measured_point("middle", (0.5 * width, above + 0.5 * height), block="block")
+    return builder.build()
+
+
+def run_of(model: Model, variant: Variant, dynamic_ratio: float) -> Run:
+    """Return the run of a block."""
+    method = variant.method(
+        model, normal_stiffness=5e8, max_displacement=0.05, dynamic_ratio=dynamic_ratio
+    )
+    return simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare the force on the bottom, and the way of the block that rises."""
+    rests = run_of(under_water(HEAVY, 0.0), variant, 0.0)
+    rises = run_of(under_water(LIGHT, ABOVE), variant, 1.0)
+    bears = float(rests.state.memory.normal_force.sum())
+    history = rises.history("middle")
+    rows = (
+        relative(
+            "force on the bottom",
+            "N/m",
+            bears,
+            (HEAVY - WATER) * GRAVITY * AREA,
+            1e-4,
+            "the water follows the block, which shrinks by 4e-6",
+        ),
+        relative(
+            "way of the block that rises",
+            "m",
+            float(history.displacement[-1, 1]),
+            0.5 * RISING * DURATION**2,
+            1e-3,
+            "water follows the block from step to step",
+        ),
+    )
+    time = history.time[::10]
+    chart = Chart(
+        title="a light block under water",
+        x_label="time, s",
+        y_label="way up, m",
+        curves=(
+            exact_curve("a t^2/2", history.time, 0.5 * RISING * history.time**2),
+            curve(variant.name, time, history.displacement[::10, 1]),
+        ),
+    )
+    return Outcome(rows, (chart,))
+
+
+PROBLEM = Problem(
+    name="submerged-block",
+    title="Blocks under water",
+    text="A block of 1.5 m x 1 m lies on a fixed bottom under 5 m of water, with water on all "
+    "faces and in the joint: with 2500 kg/m3 it rests; with 800 kg/m3, 0.5 m over the "
+    "bottom, it rises. p = 0.5 GPa, h = 2 ms.",
+    formula="N = (rho - rho_w) g A; a = (rho_w - rho) g/rho",
+    source="Archimedes",
+    set_up=lambda: under_water(HEAVY, 0.0),
+    examine=examine,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
+    quick=(CONVEX,),
+)

@@ -1,0 +1,97 @@
+"""A prop is taken out from under a block, and its force let go little by little.
+
+Of the weight W that the prop bore the share r ends at once and the rest within the time T.  Nothing
+else holds the block: it falls with a = g (r + (1 - r) t/T) and so by
+
+    s = g (r t^2/2 + (1 - r) t^3/(6 T)),    t <= T.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.excavation import excavated
+from clast.run.schedule import Schedule
+from clast.run.simulate import RunState, simulate
+from clast.verification.problem import Outcome, Problem, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY = 9.8
+RELAX, RELAX_TIME = 0.3, 0.5
+"""Share r that ends at once, and the time T of the rest, s."""
+STEP, SETTLING = 1e-3, 0.5
+
+
+def propped() -> Model:
+    """Return a block on a prop of its width, over a fixed floor far below."""
+    builder = ModelBuilder(title="Prop taken out", gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=5e10, poisson=0.0, density=2500.0)
+    builder.add_joint("default", friction_angle=30.0)
+    builder.block(name="floor", vertices=[(-1, -1), (2, -1), (2, 0), (-1, 0)], fixed=True)
+    builder.block(name="prop", vertices=[(0, 0), (1, 0), (1, 4), (0, 4)])
+    builder.block(name="block", vertices=[(0, 4), (1, 4), (1, 5), (0, 5)])
+    builder.measured_point("block", (0.5, 4.5), block="block")
+    return builder.build()
+
+
+def exact_fall(time: Floats) -> Floats:
+    """Return how far the block has fallen at times, s, after the excavation, m."""
+    late = (1.0 - RELAX) * time**3 / (6.0 * RELAX_TIME)
+    return np.asarray(GRAVITY * (0.5 * RELAX * time**2 + late))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare how far the block falls until the last of the support is gone."""
+    model = propped()
+    numbers = {"normal_stiffness": 1e9, "max_displacement": 0.05}
+    still = variant.method(model, **numbers, dynamic_ratio=0.0)
+    kept: list[RunState] = []
+    settled = Schedule(step=STEP, end=SETTLING, every=SETTLING)
+    simulate(model, still, settled, keep=kept.append)
+    method = variant.method(model, **numbers)
+    at_rest = replace(kept[-1].state, velocity=np.zeros_like(kept[-1].state.velocity))
+    gone = model.blocks_called(["prop"])
+    left, state = excavated(model, method, at_rest, gone, RELAX, RELAX_TIME)
+    end = SETTLING + RELAX_TIME
+    rest = Schedule(step=STEP, end=end, every=end)
+    run = simulate(left, method, rest, begin=replace(kept[-1], state=state))
+    history = run.history("block")
+    time = history.time - SETTLING
+    fallen = history.displacement[0, 1] - history.displacement[:, 1]
+    exact = exact_fall(time)
+    half = len(time) // 2
+    why = "forces of a step are those at its end: first order in h"
+    rows = (
+        relative("fall at T/2", "m", float(fallen[half]), float(exact[half]), 5e-3, why),
+        relative("fall at T", "m", float(fallen[-1]), float(exact[-1]), 5e-3, why),
+    )
+    chart = Chart(
+        title="fall of the block",
+        x_label="time after the excavation, s",
+        y_label="fall, m",
+        curves=(
+            exact_curve("formula", time, exact),
+            exact_curve("without relaxation", time, 0.5 * GRAVITY * time**2),
+            curve(variant.name, time[::25], fallen[::25]),
+        ),
+    )
+    return Outcome(rows, (chart,))
+
+
+PROBLEM = Problem(
+    name="relaxed-support",
+    title="Prop that is taken out slowly",
+    text="A block of 1 m x 1 m settles on a prop, static; then the prop is excavated: three tenths "
+    "of what it bore ends at once, the rest within 0.5 s. p = 1 GPa, h = 1 ms.",
+    formula="s = g (r t^2/2 + (1 - r) t^3/(6 T))",
+    source="kinematics",
+    set_up=propped,
+    examine=examine,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)

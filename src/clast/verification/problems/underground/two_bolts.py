@@ -1,0 +1,114 @@
+"""Two kinds of bolts hold a block, one of which yields: loaded, unloaded, and what stays.
+
+Bars of stiffness a that yield at F_y stand beside one of stiffness b that does not.  A load F on
+the block stretches all of them by
+
+    u = F/(a + b) up to u_y = F_y/a,    u = (F - F_y)/b beyond,
+
+and when it is taken off all the stretch stays at which they balance each other,
+
+    u = a (u_largest - u_y)/(a + b),    with -b u in the one that has not yielded.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+YIELDING, ELASTIC = 2e7, 1e7
+"""Stiffness of both weak bolts together, a, and of the strong one, b, N/m per m."""
+YIELD = 1e5
+"""Force at which both weak bolts together yield, N/m."""
+STAGES = (0.9e5, 2.2e5, 0.0)
+"""Loads on the block, N/m, one after the other: each comes within 1 s and stays for 1 s."""
+LOADS = (0.0, *(load for load in STAGES for _ in range(2)))
+INSTANTS = tuple(float(k) for k in range(len(LOADS)))
+STEP = 0.1
+TOLERANCE = 1e-3
+REASON = "blocks give by 1e-4 of what bolts do"
+
+
+def hung_block() -> Model:
+    """Return a block on three vertical bolts under a fixed one, pulled down by a load."""
+    builder = ModelBuilder(title="Two kinds of bolts", gravity=(0.0, 0.0))
+    builder.add_rock("rock", young=5e10, poisson=0.0, density=2500.0)
+    builder.add_joint("default", friction_angle=30.0)
+    builder.block(name="roof", vertices=[(0, 2), (2, 2), (2, 3), (0, 3)], fixed=True)
+    builder.block(name="block", vertices=[(0, 0), (2, 0), (2, 1), (0, 1)])
+    builder.add_bolt_kind(
+        "weak", stiffness=0.5 * YIELDING, yield_force=0.5 * YIELD, compression=True
+    )
+    builder.add_bolt_kind("strong", stiffness=ELASTIC, compression=True)
+    for x, kind in ((0.5, "weak"), (1.0, "strong"), (1.5, "weak")):
+        builder.bolt((x, 2.0), (x, 1.0), kind=kind, name=f"{kind} at {x:g}")
+    table = builder.add_table("load", list(INSTANTS), [load / max(LOADS) for load in LOADS])
+    builder.point_load((1.0, 0.5), (0.0, -max(LOADS)), block="block", factor=table)
+    builder.measured_point("head", (1.0, 1.0), block="block")
+    return builder.build()
+
+
+def exact_stretch(load: float, most: float) -> float:
+    """Return the stretch under a load, N/m, when the largest before, ``most``, is on or over."""
+    first = YIELD / YIELDING
+    if most <= first * (YIELDING + ELASTIC):
+        return load / (YIELDING + ELASTIC)
+    if load == most:
+        return (load - YIELD) / ELASTIC
+    flowed = (most - YIELD) / ELASTIC - first
+    return (load + YIELDING * flowed) / (YIELDING + ELASTIC)
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare the stretch at the instants, and what the strong bolt bears in the end."""
+    model = hung_block()
+    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.05, dynamic_ratio=0.0)
+    end = INSTANTS[-1]
+    run = simulate(model, method, Schedule(step=STEP, end=end, every=end))
+    history = run.history("head")
+    stretch = -history.displacement[:, 1]
+    rows: list[Comparison] = []
+    largest = np.maximum.accumulate(STAGES).tolist()
+    for number, (load, most) in enumerate(zip(STAGES, largest, strict=True)):
+        at = int(np.searchsorted(history.time, 2.0 * (number + 1) - 0.5 * STEP))
+        exact = exact_stretch(load, most)
+        name = f"stretch under {1e-3 * load:g} kN/m"
+        name += " again" if load == 0.0 else ""
+        rows.append(relative(name, "m", float(stretch[at]), exact, TOLERANCE, REASON))
+    left = float(run.bolt_history("strong at 1").force[-1])
+    exact = ELASTIC * exact_stretch(0.0, max(LOADS))
+    rows.append(relative("force that stays", "N/m", left, exact, TOLERANCE, REASON))
+    loads = np.interp(history.time, INSTANTS, LOADS)
+    corners = [0.0, YIELD / YIELDING * (YIELDING + ELASTIC), max(LOADS)]
+    path = [exact_stretch(load, load) for load in corners] + [exact_stretch(0.0, max(LOADS))]
+    chart = Chart(
+        title="load and stretch",
+        x_label="stretch, mm",
+        y_label="load, kN/m",
+        curves=(
+            exact_curve("formula", 1e3 * np.array(path), 1e-3 * np.array([*corners, 0.0])),
+            curve(variant.name, 1e3 * stretch[::3], 1e-3 * loads[::3]),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="two-bolts",
+    title="Bolts side by side, of which some yield",
+    text="A block hangs from a fixed one by two bolts of 10 MN/m that yield at 50 kN/m each and "
+    "one of 10 MN/m that does not; it is loaded with 90 and 220 kN/m and unloaded; no gravity, "
+    "E = 50 GPa, static (dynamic_ratio = 0), h = 0.1 s.",
+    formula="u = F/(a + b), (F - F_y)/b beyond yield, a (u_largest - F_y/a)/(a + b) unloaded",
+    source="springs in parallel",
+    set_up=hung_block,
+    examine=examine,
+    variants=(OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)

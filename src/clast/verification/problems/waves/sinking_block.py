@@ -1,0 +1,89 @@
+"""A block on dashpots alone: it sinks with the speed at which these bear its weight.
+
+With dashpots of rho c_p by area under its width b a rigid block of mass m sinks as
+
+    v = v_T (1 - exp(-t/T)),    v_T = m g/(rho c_p b),    T = m/(rho c_p b).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Outcome, Problem, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, DENSITY, YOUNG = 9.8, 2500.0, 2.5e5
+SIZE = (1.0, 0.2)
+"""Width b and height, m."""
+SHARE = 0.05
+"""Dashpots, in units of rho c_p: so soft that the block itself is rigid."""
+SPEED = float(np.sqrt(YOUNG / DENSITY))
+"""c_p with nu = 0, m/s."""
+TIME = SIZE[1] / (SHARE * SPEED)
+"""Time T, s."""
+STEP, DURATION = TIME / 400.0, 4.0 * TIME
+
+
+def on_dashpots() -> Model:
+    """Return a block with dashpots at its bottom, and nothing else that holds it."""
+    width, height = SIZE
+    builder = ModelBuilder(title="Sinking block", gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
+    builder.block(name="block", vertices=[(0, 0), (width, 0), (width, height), (0, height)])
+    builder.viscous_boundary(side="bottom", normal=SHARE, static="none")
+    builder.measured_point("middle", (0.5 * width, 0.5 * height), block="block")
+    return builder.build()
+
+
+def exact_sinking(time: Floats) -> Floats:
+    """Return how far the block has sunk at times, s, m."""
+    return np.asarray(GRAVITY * TIME * (time - TIME * (1.0 - np.exp(-time / TIME))))
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare how far the block sinks, its speed, and the energy that the dashpots take."""
+    model = on_dashpots()
+    method = variant.method(model, normal_stiffness=1e8, max_displacement=0.5)
+    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    history = run.history("middle")
+    sunk, speed = -history.displacement[:, 1], -float(history.velocity[-1, 1])
+    weight = SIZE[0] * SIZE[1] * DENSITY * GRAVITY
+    exact = float(exact_sinking(np.array([DURATION]))[0])
+    final = GRAVITY * TIME * (1.0 - np.exp(-DURATION / TIME))
+    taken = weight * exact - 0.5 * weight / GRAVITY * final**2
+    soft = "first order in h; the block gives by a hundredth of its height"
+    rows = (
+        relative("way", "m", float(sunk[-1]), exact, 5e-3, soft),
+        relative("speed", "m/s", speed, final, 5e-3, soft),
+        relative("energy taken", "J/m", float(run.energy["boundary"][-1]), taken, 5e-3, soft),
+    )
+    chart = Chart(
+        title="way of the block",
+        x_label="time, s",
+        y_label="way down, m",
+        curves=(
+            exact_curve("formula", history.time, exact_sinking(history.time)),
+            curve(variant.name, history.time[::80], sunk[::80]),
+        ),
+    )
+    return Outcome(rows, (chart,))
+
+
+PROBLEM = Problem(
+    name="sinking-block",
+    title="Block that sinks on dashpots",
+    text="A block of 1 m x 0.2 m, 2500 kg/m3, on a viscous boundary of 0.05 rho c_p that holds "
+    'nothing back (static = "none"), under gravity for four times T; E = 0.25 MPa, so that c_p is '
+    "10 m/s, nu = 0; 400 steps in T.",
+    formula="v = (m g/(rho c_p b)) (1 - exp(-t/T)), T = m/(rho c_p b)",
+    source="a mass on a dashpot",
+    set_up=on_dashpots,
+    examine=examine,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)
