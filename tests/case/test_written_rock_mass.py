@@ -162,8 +162,9 @@ def test_every_key_of_the_tables_is_among_them(case):
         "block_pattern": BlockPatternTable,
     }
     of_drawings = {"layer", "unit"}
+    in_place_of_shapes = {"file", "blocks", "weld"}
     given = {name: set().union(*content[name]) for name in tables}
     assert set(DomainTable.model_fields) == set(content["domain"])
     for name, table in tables.items():
         left = set(table.model_fields) - given[name] - of_drawings
-        assert left == ({"file"} if name == "opening" else set()), name
+        assert left == (in_place_of_shapes if name == "opening" else set()), name

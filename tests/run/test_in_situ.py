@@ -77,11 +77,11 @@ def test_water_and_bolts_that_are_there_are_in_balance(process):
     runs = {}
     for share in (0.0, 1.0):
         builder = rock_mass(1, clast.Overburden(k0=0.6, datum=150.0), gravity=9.8)
-        builder.add_bolt_kind("bar", stiffness=2e8, yield_force=1e6, pretension=share * 2e5)
-        for x in (5.0, 12.0, 19.0):
-            builder.bolt((x, 4.0), (x + 4.0, 15.0), kind="bar")
-        builder.bolt((4.0, 9.0), (24.0, 10.0), kind="bar", pretension_is="jacked")
         if share:
+            builder.add_bolt_kind("bar", stiffness=2e8, yield_force=1e6, pretension=2e5)
+            for x in (5.0, 12.0, 19.0):
+                builder.bolt((x, 4.0), (x + 4.0, 15.0), kind="bar")
+            builder.bolt((4.0, 9.0), (24.0, 10.0), kind="bar", pretension_is="jacked")
             builder.water(30.0, acts_on="joints", name="groundwater")
         case = builder.case(step=1e-3, end=0.1, process=process)
         runs[share] = case.run(progress=False)

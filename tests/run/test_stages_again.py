@@ -126,7 +126,7 @@ def test_what_a_stage_cannot_be_run_again_with(case_file: Path, tmp_path: Path):
     refused("has other blocks or points", "push", point)
     refused("add or remove loads, supports", "push", "fixed_point=[{at=[0.1, 0.2]}]")
     checkpoint_path(run.output, "gravity").unlink()
-    refused("there is no such file", "push")
+    refused("there is no checkpoint of the end of stage 'gravity'", "push")
     assert run.output.read_bytes() == before
 
 
