@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -40,15 +40,6 @@ class InStages:
             if begin <= start and end <= stop:
                 return self.motion.incoming_velocity(start - begin, end - begin)
         return NOTHING
-
-    def begun(self, time: float) -> InStages:
-        """Return the motion with a part that begins at a time, s."""
-        return replace(self, parts=(*self.parts, (time, math.inf)))
-
-    def stopped(self, time: float) -> InStages:
-        """Return the motion without what it would do after a time, s."""
-        parts = tuple((begin, min(stop, time)) for begin, stop in self.parts)
-        return replace(self, parts=parts)
 
     def is_over(self, time: float) -> bool:
         """Return whether nothing is left of the motion at a time, s.

@@ -11,8 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from clast.model.model import Model
-
 LENGTH = 16
 """Hexadecimal digits of a fingerprint."""
 SHAPE = (
@@ -34,11 +32,6 @@ def fingerprints(**things: Any) -> dict[str, str]:
         for name, thing in things.items()
         for field in dataclasses.fields(thing)
     }
-
-
-def blocks_fingerprints(model: Model) -> dict[str, str]:
-    """Return the fingerprints of the blocks alone."""
-    return {f"model.{name}": digest(getattr(model, name)) for name in SHAPE}
 
 
 def digest(value: Any) -> str:
