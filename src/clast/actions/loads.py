@@ -25,17 +25,17 @@ class Loads:
 
     def share(self, start: StepStart, own: None) -> Share:
         """Return the generalised force of each load, times its factor at the end of the step."""
-        model, points = start.model, start.model.point_slices
-        first, last = start.state.points[points.line_start], start.state.points[points.line_end]
+        model, points, midway = start.model, start.model.point_slices, start.midway
+        first, last = midway.points[points.line_start], midway.points[points.line_end]
         length = np.hypot(*(last - first).T)
         block = np.concatenate([model.point_loads.block, model.line_loads.block])
-        at = np.concatenate([start.state.points[points.loaded], 0.5 * (first + last)])
+        at = np.concatenate([midway.points[points.loaded], 0.5 * (first + last)])
         force = np.concatenate(
             [model.point_loads.force, length[:, None] * model.line_loads.traction]
         )
         number = np.concatenate([model.point_loads.factor, model.line_loads.factor])
         force = factors_at(model.factors, number, start.end)[:, None] * force
-        rows = basis(at - start.frames.centroid[block])
+        rows = basis(at - midway.centroid[block])
         return Share(block=block, force=np.einsum("kxi,kx->ki", rows, force))
 
     def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:

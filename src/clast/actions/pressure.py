@@ -44,22 +44,22 @@ def pressure_forces(ends: Floats, pressure: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Pressures:
-    """The pressures of the model, on the edges as they lie at the start of a step."""
+    """The pressures of the model, on the edges as they lie halfway through a step."""
 
     def begin(self, model: Model) -> None:
         """Return nothing: where the edges are follows from the blocks."""
 
     def share(self, start: StepStart, own: None) -> Share:
         """Return the generalised force of the pressure on each part of an edge."""
-        model, loads = start.model, start.model.pressures
+        model, loads, midway = start.model, start.model.pressures, start.midway
         after = loads.edge + 1
         past = model.block_start[loads.block + 1]
         after = np.where(after < past, after, model.block_start[loads.block])
-        first, last = start.state.vertices[loads.edge], start.state.vertices[after]
+        first, last = midway.vertices[loads.edge], midway.vertices[after]
         ends = first[:, None] + loads.share[:, :, None] * (last - first)[:, None]
         factor = factors_at(model.factors, loads.factor, start.end)
         force = pressure_forces(
-            ends - start.frames.centroid[loads.block][:, None], factor[:, None] * loads.pressure
+            ends - midway.centroid[loads.block][:, None], factor[:, None] * loads.pressure
         )
         return Share(block=loads.block, force=force)
 

@@ -95,9 +95,9 @@ class Relaxation:
         """Return what is left of the forces at the end of the step."""
         if not len(own.block):
             return Share()
-        first, second = start.state.vertices[own.vertex.T]
+        first, second = start.midway.vertices[own.vertex.T]
         at = first + own.share[:, None] * (second - first)
-        rows = basis(at - start.frames.centroid[own.block])
+        rows = basis(at - start.midway.centroid[own.block])
         left = np.clip(1.0 - (start.end - own.since) / own.duration, 0.0, 1.0)
         return Share(
             block=own.block, force=np.einsum("kxi,kx->ki", rows, left[:, None] * own.force)

@@ -1,4 +1,4 @@
-"""Water: pressure on outer faces and in joints, as the blocks lie at the start of a step.
+"""Water: pressure on outer faces and in joints, as the blocks lie halfway through a step.
 
     F_i = int T_i^T p n ds,    F_j = -int T_j^T p n ds
 
@@ -82,14 +82,14 @@ class WaterPressure:
 
     def share(self, start: StepStart, own: None) -> Share:
         """Return the sum of the generalised forces of all water on each block."""
-        model = start.model
+        model, midway = start.model, start.midway
         block: list[Ints] = []
         force: list[Floats] = []
         for water in model.water:
             if not water.pressure_of_head(start.end):
                 continue
-            found = pressed_by(water, model, start.state.vertices, start.end)
-            left, right = found.forces(start.frames.centroid)
+            found = pressed_by(water, model, midway.vertices, start.end)
+            left, right = found.forces(midway.centroid)
             paired = found.other >= 0
             block += [found.block, found.other[paired]]
             force += [left, right[paired]]

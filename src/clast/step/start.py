@@ -98,7 +98,15 @@ def begin(
     model: Model, method: Method, state: State, step: float, workspace: Workspace | None
 ) -> Begun:
     """Return the step of length ``step``, s, that begins at ``state``."""
-    at = StepStart(model=model, state=state, frames=block_frames(model, state), step=step)
+    ahead = (1.0 - method.integrator.theta) * step * method.dynamic_ratio
+    at = StepStart(
+        model=model,
+        state=state,
+        frames=block_frames(model, state),
+        step=step,
+        ahead=ahead * state.velocity if ahead > 0.0 else None,
+        rotation=method.rotation,
+    )
     actions = actions_of(model, method.fixed_point_stiffness, method.damping)
     own = own_states(actions, model, state)
     shares = shares_of(actions, at, own)
