@@ -25,7 +25,7 @@ def box(width: float, height: float, draught: float, roll: float = 0.0):
     corners *= 0.5 * np.array([width, height])
     cosine, sine = np.cos(roll), np.sin(roll)
     turned = corners @ np.array([[cosine, sine], [-sine, cosine]])
-    return turned + [0.0, 0.5 * height - draught]
+    return turned + np.array([0.0, 0.5 * height - draught])
 
 
 def amplitudes(history, swing: np.ndarray, period: float) -> tuple[float, float]:

@@ -113,7 +113,8 @@ def _contacts(
     row = recall(state.memory, vertex, j, edge)
     ends = vertex, edge, i, j, pair
     joint = joints_of(model, ends, touching, direction)
-    carried = _carried(row, gap, bond_reach, state.memory, joint, model.joint_table)
+    ways = edge, direction
+    carried = _carried(row, gap, bond_reach, state.memory, ways, joint, model.joint_table)
     of_edges = state.vertices, model.block_start, direction, edge_length
     length, of_springs = contact_lengths(ends, of_edges, critdis)
     normal, shear = springs_of_joints(model.joint_table, joint, of_springs)
@@ -155,13 +156,20 @@ def _geometry(first, last, ends, gap, outlines, centroid, foot, levers):
 
 
 def _carried(
-    row: Ints, gap: Floats, bond_reach: float, memory: ContactMemory, joint: Ints, table: JointTable
+    row: Ints,
+    gap: Floats,
+    bond_reach: float,
+    memory: ContactMemory,
+    ways: tuple[Ints, Floats],
+    joint: Ints,
+    table: JointTable,
 ) -> dict[str, Any]:
     """Return what contacts remember, and the strength that they have left, (m,) each by its name.
 
     ``row`` (m,) is the row of a contact in the memory or -1: then it carries nothing, and it is
-    bonded where the gap is within ``bond_reach``, m.  ``joint`` (m,) is its joint.  Cohesion and
-    tensile strength are 0 once the bond is broken.
+    bonded where the gap is within ``bond_reach``, m.  ``ways`` are the edge of each contact (m,)
+    and the directions of all edges (nv, 2); ``joint`` (m,) is its joint.  Cohesion and tensile
+    strength are 0 once the bond is broken.
     """
     count = len(row)
     known, bonded, mode = np.empty(count, np.bool_), np.empty(count, np.bool_), np.empty_like(row)
@@ -169,6 +177,7 @@ def _carried(
     forces = memory.shear_force, memory.normal_force, memory.multiplier, memory.rest_force
     carried = known, bonded, mode, shear, normal, multiplier, rest
     _carry(count, row, gap, bond_reach, (memory.bonded, memory.mode, *forces), carried)
+    _turn_rest_forces(count, row, memory.edge, ways, (shear, normal, rest))
     friction, cohesion, tensile_strength = table.strengths
     return {
         "known": known,
@@ -199,6 +208,28 @@ def _carry(first, last, row, gap, bond_reach, memory, carried):
         else:
             intact[c], modes[c] = abs(gap[c]) <= bond_reach, 0
             shear[c], normal[c], multipliers[c], rests[c] = 0.0, 0.0, 0.0, 0.0
+
+
+@shared(CONTACTS)
+def _turn_rest_forces(first, last, row, before, ways, forces):
+    """Keep the direction of rest forces of contacts ``first`` to ``last`` - 1, whatever the edge.
+
+    A rest force belongs to the face that bore it before the run.  Where its vertex has passed to
+    the next edge of the block, the same force has other shares along normal and edge.  ``before``
+    are the edges in the memory.
+    """
+    edge, direction = ways
+    shear, normal, rest = forces
+    for c in range(first, last):
+        if row[c] < 0 or rest[c] <= 0.0 or before[row[c]] == edge[c]:
+            continue
+        old, new = before[row[c]], edge[c]
+        cosine = direction[old, 0] * direction[new, 0] + direction[old, 1] * direction[new, 1]
+        sine = direction[old, 0] * direction[new, 1] - direction[old, 1] * direction[new, 0]
+        along = shear[c]
+        shear[c] = along * cosine - rest[c] * sine
+        rest[c] = max(0.0, rest[c] * cosine + along * sine)
+        normal[c] = max(0.0, normal[c] * cosine + along * sine)
 
 
 # jumps past all contacts -----------------------------------------------------------------------

@@ -3,10 +3,18 @@
 A contact begins with the traction of the mean stress of its two blocks on the length of joint that
 it stands for, as its rest force N_0 and as its shear force; no block has to sink or slip first.
 For uniform stress that is in balance to the last bit, however the rock is cut.  With weight and a
-gradient blocks of constant stress are not: a static solution, in which nothing is moved, then takes
-what is left into the forces and stresses.  Its contacts are as stiff as the rock, whatever those of
-the run are: what it is after are forces.  Water and the pretension of bolts that are there from the
-start count among what acts: contacts then bear the effective stress, and what bolts press on them.
+gradient, or beside openings and slopes, it is not: static solutions, in which nothing is moved,
+then take what is left into the forces and stresses, until they change no more.  A solution is the
+minimum of the incremental potential (minimise/), with friction bounded by the forces of the last.
+Its contacts are as stiff as the rock, whatever those of the run are: what it is after are forces,
+so that it does not matter how far blocks would move.  Water and the pretension of bolts that are
+there from the start count among what acts: contacts then bear the effective stress, and what bolts
+press on them.
+
+A block that nothing holds, a wedge in the roof of an opening, stays out of balance by its own
+weight; all others have their forces beside it.  Such blocks are named, and move from the first
+step on.  Where most of the rock is not in balance stress, weight and supports do not belong
+together, and the case is refused.
 """
 
 from __future__ import annotations
@@ -22,37 +30,53 @@ from clast.actions.in_situ import Outline, tractions
 from clast.actions.viscous_edges import ViscousBoundary
 from clast.block import elasticity, polygon
 from clast.block.displacement import basis
+from clast.compute.stopwatch import Stages
+from clast.contact.candidates import SearchDistance
+from clast.contact.clipped_spring import springs_of
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.coulomb import largest_forces
 from clast.contact.laws import Penalty, has_limits
 from clast.contact.memory import renew
 from clast.errors import ModelError
-from clast.linear.solvers import solve
+from clast.linear.reuse import FactorOfStep
+from clast.linear.solvers import DIRECTION, inexact
 from clast.linear.system import (
     BlockSystem,
     DiagonalTerms,
     assemble,
-    contact_motions,
     graph_of,
+    inverse_of_blocks,
     with_contact_forces,
 )
+from clast.minimise.islands import islands_of
+from clast.minimise.newton import Work
+from clast.minimise.potential import Potential
+from clast.minimise.schedule import Schedule
 from clast.model.model import Floats, Model
 from clast.model.state import State
+from clast.step.convex import FrictionLoop, Search
 from clast.step.integration import Scheme
 from clast.step.method import Method
 from clast.step.start import Begun, begin, diagonal_terms
-from clast.step.travel import search_within_step, travel_expected
 
-SOLUTIONS = 30
+SOLUTIONS = 200
 """Static solutions at most: contacts that slip or open shift their load to others."""
 BALANCED = 1e-12
-"""Force on a block, in units of the largest contact force, that is none."""
+"""Force, in units of the largest contact force, that is none."""
+NEAR = 1e-10
+"""Force that a solution may leave open, in the same units: the next one goes on from there."""
+CLOSED = 0.5
+"""Gap up to which a contact bears, in units of critdis: cutting rounds coordinates."""
 LOOKS = 5
 """Looks for contacts at most."""
 RESTING = 1e-9
 """Inertia in the static solutions, in units of the stiffness of contacts: nothing floats away."""
-FAR = 1e-2
-"""Displacement, as a share of the smallest block's size, beyond which nothing is in balance."""
+LOOSE = 1e-3
+"""Share of what presses on a block that is not balanced, from which it is said to move."""
+NOISE = 1e-9
+"""Force, in units of the largest contact force, that is not worth a word."""
+NAMED = 5
+"""Blocks that a message names at most."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,14 +112,60 @@ def in_equilibrium(
     actions = actions_of(model, method.fixed_point_stiffness, method.damping)
     state = replace(state, actions=own_states(actions, model, state))
     balance = _at_first(model, method, state, stress.in_contacts, step)
-    left: list[float] = []
-    while True:
-        system = _equations(model, method, balance, step)
-        left.append(float(np.hypot(*system.force[~model.fixed, :2].T).max(initial=0.0)))
-        enough = BALANCED * float(balance.contacts.normal_force.max(initial=0.0))
-        if left[-1] <= enough or len(left) > SOLUTIONS:
-            return _begun(method, balance), _said(left[0], left[-1], balance.capped)
-        balance = _shifted(model, method, balance, solve(method.solver, system))
+    before = _unbalanced(model, _equations(model, method, balance, step)).max(initial=0.0)
+    for _ in range(LOOKS):
+        balance = _settled(model, method, balance, step)
+        found = _looked_for_again(model, method, balance, step)
+        if _same(found.contacts, balance.contacts):
+            break
+        balance = found
+    force = _unbalanced(model, _equations(model, method, balance, step))
+    said = _said(float(before), float(force.max(initial=0.0)), balance.capped)
+    return _begun(method, balance), (*said, *_loose(model, balance, force))
+
+
+def _settled(model: Model, method: Method, balance: Balance, step: float) -> Balance:
+    """Return the forces and stresses of the static solution: another one changes them no more."""
+    factor = FactorOfStep(inexact(method.solver, DIRECTION))
+    for _ in range(SOLUTIONS):
+        base = _static_terms(model, method, balance, step)
+        before = balance.contacts
+        balance = _shifted(model, method, balance, _minimum(model, balance, base, factor))
+        after, largest = balance.contacts, float(balance.contacts.normal_force.max(initial=0.0))
+        change = np.abs(after.normal_force - before.normal_force)
+        change = np.maximum(change, np.abs(after.shear_force - before.shear_force))
+        if change.max(initial=0.0) <= BALANCED * largest:
+            break
+    return balance
+
+
+def _minimum(
+    model: Model, balance: Balance, base: DiagonalTerms, factor: FactorOfStep
+) -> tuple[Floats, Contacts, ContactResponse]:
+    """Return d (n, 6) of a static solution, its contacts, of which bonds may break, and answer."""
+    law = Penalty(model.stiffest)
+    contacts, _ = _bearing(law, balance.contacts)
+    springs = springs_of(contacts)
+    potential = Potential(
+        base=base,
+        inverse=inverse_of_blocks(base.diagonal),
+        fixed=model.fixed,
+        springs=springs,
+        graph=graph_of(springs, model.block_count),
+        islands=islands_of(springs, model.fixed),
+    )
+    force = float(np.hypot(*base.force[:, :2].T).max(initial=0.0))
+    force = max(force, float(contacts.normal_force.max(initial=0.0)))
+    search = Search(
+        law=law,
+        rows=slice(None),
+        schedule=Schedule(),
+        friction=FrictionLoop(),
+        # by the bound that holds without springs, for which there is nothing but inertia
+        tolerance=(NEAR * force) ** 2 / (RESTING * model.stiffest),
+        work=Work(factor=factor, counts={}, stages=Stages()),
+    )
+    return search.minimum(potential, contacts, (np.zeros((model.block_count, 6)),))
 
 
 def _held_fast(model: Model) -> Model:
@@ -121,16 +191,36 @@ def _at_first(model: Model, method: Method, state: State, share: float, step: fl
         before = bearing.contacts
         known = replace(state, memory=_begun(method, bearing).memory)
         bearing = replace(_of_stress(model, method, known, share, step), state=state)
-        after = bearing.contacts
-        if np.array_equal(before.vertex, after.vertex) and np.array_equal(before.edge, after.edge):
+        if _same(before, bearing.contacts):
             break
     return bearing
 
 
+def _same(one: Contacts, other: Contacts) -> bool:
+    """Return whether contacts are of the same vertices and edges."""
+    return np.array_equal(one.vertex, other.vertex) and np.array_equal(one.edge, other.edge)
+
+
+def _contacts_of(model: Model, method: Method, state: State, step: float) -> Contacts:
+    """Return the contacts that there are at a state which does not move.
+
+    None is farther from its edge than every process looks for.
+    """
+    begun = begin(model, _still(method), state, step, None)
+    critdis = method.critdis
+    reach = SearchDistance(front=CLOSED * critdis, depth=critdis, critdis=critdis)
+    return begun.contacts(reach, begun.drift)
+
+
+def _looked_for_again(model: Model, method: Method, balance: Balance, step: float) -> Balance:
+    """Return the forces on the contacts that there are with what bears now."""
+    known = replace(balance.state, memory=_begun(method, balance).memory)
+    return replace(balance, contacts=_contacts_of(model, method, known, step))
+
+
 def _of_stress(model: Model, method: Method, state: State, share: float, step: float) -> Balance:
     """Return the forces of the mean stress on the contacts that there are with what bears."""
-    begun = begin(model, _still(method), state, step, None)
-    contacts = begun.contacts(search_within_step(method, travel_expected(begun)), begun.drift)
+    contacts = _contacts_of(model, method, state, step)
     mean = 0.5 * (state.stress[contacts.vertex_block] + state.stress[contacts.edge_block])
     force = share * contacts.length[:, None] * tractions(mean, contacts.normal)
     along = np.stack([-contacts.normal[:, 1], contacts.normal[:, 0]], axis=1)
@@ -157,20 +247,31 @@ def _bearing(law: Penalty, contacts: Contacts) -> tuple[Contacts, ContactRespons
     held = replace(contacts, friction_base=normal, multiplier=none, rest_force=none)
     stiffness = law.limits(held).normal_stiffness
     # what bears nothing rests where it is, by the rounding of coordinates inside
-    gap = np.where(normal > 0.0, contacts.gap, np.minimum(contacts.gap, 0.0))
+    gap = np.where(normal != 0.0, contacts.gap, np.minimum(contacts.gap, 0.0))
     held = replace(held, rest_force=normal + stiffness * gap)
     return held, law.respond(held, contacts.gap, none)
 
 
 def _equations(model: Model, method: Method, balance: Balance, step: float) -> BlockSystem:
     """Return the static equations: their right-hand side is what is out of balance."""
-    begun = begin(model, _still(method), balance.state, step, None)
-    long = float(np.sqrt(model.mass.max() / (RESTING * model.stiffest)))
-    base = diagonal_terms(begun, np.zeros_like(begun.velocity), Scheme(theta=1.0, step=long))
-    base = _with_springs(base, begun)
+    base = _static_terms(model, method, balance, step)
     contacts, response = _bearing(Penalty(model.stiffest), balance.contacts)
     none = np.zeros(len(contacts))
     return assemble(base, contacts, response, contacts.gap, none, model.fixed)
+
+
+def _static_terms(model: Model, method: Method, balance: Balance, step: float) -> DiagonalTerms:
+    """Return the static equations without contacts; inertia alone holds what nothing else does."""
+    begun = begin(model, _still(method), balance.state, step, None)
+    base = diagonal_terms(begun, np.zeros_like(begun.velocity), Scheme(theta=1.0, step=np.inf))
+    # the same for blocks of any size, by which the equations are as well posed for all
+    inertia = RESTING * model.stiffest / model.mass[:, None, None] * begun.frames.mass_matrix
+    return _with_springs(replace(base, diagonal=base.diagonal + inertia), begun)
+
+
+def _unbalanced(model: Model, system: BlockSystem) -> Floats:
+    """Return the force on each block that nothing balances, N/m, shape (n,); 0 on fixed ones."""
+    return np.asarray(np.where(model.fixed, 0.0, np.hypot(*system.force[:, :2].T)))
 
 
 def _with_springs(base: DiagonalTerms, begun: Begun) -> DiagonalTerms:
@@ -186,27 +287,18 @@ def _with_springs(base: DiagonalTerms, begun: Begun) -> DiagonalTerms:
     return replace(base, force=with_contact_forces(base.force, springs, graph, fixed, *forces))
 
 
-def _shifted(model: Model, method: Method, balance: Balance, unknowns: Floats) -> Balance:
-    """Return forces and stresses after d (n, 6), which moves nothing."""
-    size = float(np.sqrt(model.area.min()))
-    far = np.hypot(unknowns[:, 0], unknowns[:, 1])
-    if not far.max() <= FAR * size:
-        worst = int(np.argmax(np.where(np.isfinite(far), far, np.inf)))
-        raise ModelError(
-            f"stress, weight and supports are not in balance: block '{model.block_name[worst]}' "
-            f"would have to move by {far[worst]:.3g} m",
-            where="in_situ",
-            remedy='let the gradient be that of the weight (vertical = "overburden"), hold the '
-            'outline with boundary = "roller", or say which sides are loaded',
-        )
+def _shifted(
+    model: Model,
+    method: Method,
+    balance: Balance,
+    found: tuple[Floats, Contacts, ContactResponse],
+) -> Balance:
+    """Return forces and stresses after a static solution, which moves nothing."""
+    unknowns, contacts, response = found
     state = balance.state
-    contacts, found = _bearing(Penalty(model.stiffest), balance.contacts)
-    opening, slip = contact_motions(contacts, unknowns)
-    normal = np.maximum(0.0, found.normal_force - found.normal_stiffness * opening)
-    shear = found.shear_force - found.shear_stiffness * slip
     return replace(
         balance,
-        contacts=_with_forces(contacts, normal, shear),
+        contacts=_with_forces(contacts, response.normal_force, response.shear_force),
         state=replace(
             state,
             stress=elasticity.strained(state.stress, model.elasticity, unknowns),
@@ -274,3 +366,47 @@ def _said(before: float, after: float, capped: int) -> tuple[str, ...]:
         f"in-situ stress: {capped} contacts would slip under it; they begin with what their joints "
         "bear"
     )
+
+
+def _loose(model: Model, balance: Balance, force: Floats) -> tuple[str, ...]:
+    """Return which blocks begin to move; ``force`` (n,) is what nothing balances, N/m.
+
+    Raises ModelError where they are most of the rock.
+    """
+    contacts, presses = balance.contacts, model.mass * float(np.hypot(*model.gravity))
+    borne = np.hypot(contacts.normal_force, contacts.shear_force)
+    np.add.at(presses, contacts.vertex_block, borne)
+    np.add.at(presses, contacts.edge_block, borne)
+    loose = force > np.maximum(LOOSE * presses, NOISE * float(borne.max(initial=0.0)))
+    if not loose.any():
+        return ()
+    worst = np.argsort(-force, kind="stable")[: np.count_nonzero(loose)]
+    names = ", ".join(f"'{model.block_name[b]}'" for b in worst[:NAMED])
+    more = f" and {len(worst) - NAMED} more" if len(worst) > NAMED else ""
+    text = f"{force[worst[0]]:.3g} N/m on block '{model.block_name[worst[0]]}' are balanced by nothing"
+    free = ~model.fixed
+    if model.mass[loose].sum() <= 0.5 * model.mass[free].sum():
+        return (f"in-situ stress: nothing holds block {names}{more}: {text}; it begins to move",)
+    raise ModelError(
+        f"stress, weight and supports are not in balance: {text}",
+        where="in_situ",
+        remedy=_remedy(model),
+    )
+
+
+def _remedy(model: Model) -> str:
+    """Return what may help that the case does not have already."""
+    stress = model.in_situ
+    ways = []
+    if stress is not None and model.gravity.any() and not np.any(stress.gradient):
+        ways.append('let the stress grow with depth (vertical = "overburden", or gradient)')
+    if stress is not None and stress.held[0] == 0.0:
+        ways.append('hold the outline with boundary = "roller"')
+    elif stress is not None and stress.held[1] == 0.0:
+        ways.append('hold the outline along itself too, with boundary = "fixed"')
+    if not (model.fixed.any() or len(model.fixed_points.block)):
+        ways.append("fix blocks or sides")
+    if stress is not None and stress.sides:
+        ways.append("name the other sides that are loaded, or leave sides out")
+    ways.append("give the joints the strength that holds the rock, or excavate in a later stage")
+    return ", ".join(ways[:-1]) + (" or " if ways[:-1] else "") + ways[-1]
