@@ -124,7 +124,7 @@ def test_pieces_meet_in_nodes_only_and_lie_on_their_lines(seed, count):
     first, _ = shapely.STRtree(pieces).query(pieces, predicate="crosses")
     assert len(first) == 0
     for piece, line in net.of:
-        whole = shapely.LineString(np.rint(ends[line]))
+        whole = shapely.LineString(ends[line])
         for node in net.edge[piece]:
             assert shapely.distance(shapely.Point(net.xy[node]), whole) <= 0.7072
     assert set(net.of[:, 0]) == set(range(len(net.edge)))

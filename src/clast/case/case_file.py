@@ -371,7 +371,8 @@ class Case(BaseModel):
             sanity = examine(model, method, self.schedule())
         folder = self._folder
         remarks = (text for _, table in self._tables() for text in table.remarks(folder))
-        return dataclasses.replace(sanity, warnings=(*sanity.warnings, *remarks))
+        cut = self._cut.warnings if self._cut else ()
+        return dataclasses.replace(sanity, warnings=(*sanity.warnings, *cut, *remarks))
 
     def _not_compared(self) -> Iterator[str]:
         """Say which references the run does not reach; the run itself says so at its end."""

@@ -121,6 +121,7 @@ class RockMass:
         return CutCase(
             cut=found,
             notes=(*notes, *said),
+            warnings=found.report.warnings,
             fixed=_fixed(found, sides, self.domain.fixed_sides),
             line_joints=tuple(sorted(name for name in names if name not in (None, DEFAULT))),
             outlines={one.name: one.outline().corners for one in openings},
@@ -212,6 +213,8 @@ class CutCase:
     """The blocks."""
     notes: tuple[str, ...]
     """What was taken otherwise than given, or left out."""
+    warnings: tuple[str, ...]
+    """What is probably not meant, each with its remedy."""
     fixed: Bools
     """True for blocks on a fixed side of the domain, shape (nb,)."""
     line_joints: tuple[str, ...]
@@ -414,12 +417,14 @@ DONE = {
 
 def _findings(report: Report) -> Iterator[str]:
     """Give what was done to lines and blocks, each with its first place."""
+    from clast.rockmass.report import place_text
+
     for key, what in DONE.items():
         found: Finding = getattr(report, key)
         if found.count:
             amount = f"{found.length:.4g} m" if key == "dangling" else str(found.count)
-            x, y = found.places[0] if found.places else (np.nan, np.nan)
-            at = f", first at ({x:.6g}, {y:.6g})" if found.places else ""
+            first = [place_text(one, report.tolerance) for one in found.places[:1]]
+            at = f", first at {first[0]}" if first else ""
             yield f"cut: {amount} {what}{at}"
     if report.short_edges:
         yield f"cut: {report.short_edges} edges stayed shorter than smallest_edge"

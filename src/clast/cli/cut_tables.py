@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 FINDINGS = {
     "dangling": "ends taken out",
+    "loose": "ends just short of a line",
     "collapsed": "edges collapsed",
     "merged": "blocks merged",
     "rings": "rings split",
@@ -30,6 +31,7 @@ def cut_content(found: CutCase) -> dict[str, Any]:
         "fixed_blocks": int(found.fixed.sum()),
         "rocks": {name: found.rocks.count(name) for name in found.cut.rock_names},
         "notes": list(found.notes),
+        "warnings": list(found.warnings),
     }
 
 
@@ -46,7 +48,10 @@ def cut_table(found: CutCase, title: str) -> Table:
         "aspect": _sizes(report.aspect, ""),
         "tolerance": f"{report.tolerance:.4g} m; edges from {report.smallest_edge:.4g} m, blocks "
         f"from {report.smallest_block:.4g} m2 on",
-        **{title: _finding(getattr(report, key)) for key, title in FINDINGS.items()},
+        **{
+            title: _finding(getattr(report, key), report.tolerance)
+            for key, title in FINDINGS.items()
+        },
         "edges that stayed short": f"{report.short_edges}",
         "blocks that stayed small": f"{report.small_blocks}",
     }
@@ -59,12 +64,14 @@ def _sizes(sizes: Sizes, unit: str) -> str:
     return f"{text} {unit}".strip()
 
 
-def _finding(finding: Finding) -> str:
+def _finding(finding: Finding, tolerance: float) -> str:
     """Return how often something was done, over which length, and where first."""
+    from clast.rockmass.report import place_text
+
     text = str(finding.count)
     if finding.length > 0.0:
         text += f", {finding.length:.4g} m"
-    places = ", ".join(f"({x:.5g}, {y:.5g})" for x, y in finding.places)
+    places = ", ".join(place_text(at, tolerance) for at in finding.places)
     return f"{text}: {places}" if places else text
 
 

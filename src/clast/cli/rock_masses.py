@@ -11,7 +11,7 @@ import typer
 from clast.cli.block_writers import BLOCK_WRITERS, Arrays, writer
 from clast.cli.cut_tables import cut_content, cut_table, sets_table
 from clast.cli.options import AsJson, CaseFile, Settings
-from clast.cli.terminal import print_json, print_table, status, tell
+from clast.cli.terminal import print_json, print_table, status, tell, warn
 
 if TYPE_CHECKING:
     from clast.case.cutting import CutCase
@@ -52,6 +52,7 @@ def cut(
         print_table(sets_table(found))
     for note in found.notes:
         tell(f"note: {note}")
+    warn(found.warnings)
     if output is not None:
         tell(f"wrote {output}")
 

@@ -13,9 +13,18 @@ from clast.model.model import Floats, Ints
 from clast.rockmass import blocks as block_loops
 from clast.rockmass.blocks import Tidied
 from clast.rockmass.network.holes import Whole
+from clast.rockmass.network.loose_ends import SHORT_OF
 from clast.rockmass.network.noding import Noded
 from clast.rockmass.network.planar import Graph
-from clast.rockmass.report import Finding, Report, SetReport, finding, sizes
+from clast.rockmass.report import (
+    PLACES,
+    Finding,
+    Report,
+    SetReport,
+    finding,
+    place_text,
+    sizes,
+)
 from clast.rockmass.sizes import Limits
 from clast.rockmass.sources import SetLines, Site, Table
 
@@ -63,6 +72,8 @@ class Work:
     """Blocks after short edges and small blocks are gone."""
     vertices: Floats
     """Vertices of the blocks, m, shape (nv, 2)."""
+    loose: Floats
+    """Ends that were taken out just short of another line, cells, shape (k, 2)."""
 
 
 def report_of(work: Work) -> Report:
@@ -79,6 +90,7 @@ def report_of(work: Work) -> Report:
         return np.asarray(cells, float).reshape(-1, 2) * at.grid + at.origin
 
     merged = np.concatenate([work.whole.islands, blocks.merged])
+    loose = finding(place(work.loose))
     return Report(
         blocks=len(area),
         estimate=work.before.estimate,
@@ -95,6 +107,7 @@ def report_of(work: Work) -> Report:
         dangling=finding(
             place(work.dangling.middles), length=float(work.dangling.lengths.sum()) * at.grid
         ),
+        loose=loose,
         collapsed=finding(place(blocks.collapsed)),
         merged=finding(place(merged), count=work.whole.island_blocks + len(blocks.merged)),
         rings=finding(place(work.whole.split)),
@@ -103,6 +116,21 @@ def report_of(work: Work) -> Report:
         short_edges=blocks.short_edges,
         small_blocks=blocks.small_blocks,
         notes=(*work.before.notes, *_checked(error, at)),
+        warnings=_loose_ends(loose, at.grid),
+    )
+
+
+def _loose_ends(found: Finding, grid: float) -> tuple[str, ...]:
+    """Warn of ends that stop just short of another line: blocks are one that should be two."""
+    if found.count == 0:
+        return ()
+    places = ", ".join(place_text(at, grid) for at in found.places)
+    more = f" and {found.count - len(found.places)} more" if found.count > PLACES else ""
+    ends = "an end of a line stops" if found.count == 1 else f"{found.count} ends of lines stop"
+    return (
+        f"cut: {ends} less than {SHORT_OF * grid:.3g} m short of another line and cut nothing "
+        f"there, so that blocks stay in one piece: {places}{more}. Draw what is meant to meet so "
+        f"that it does, or raise domain.tolerance ({grid:.3g} m): ends within it are joined",
     )
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -31,8 +31,10 @@ from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import NONE
 from clast.rockmass.network.faces import NOTHING, Place, sided
 from clast.rockmass.network.holes import Whole, without_holes
+from clast.rockmass.network.loose_ends import loose_ends
 from clast.rockmass.network.noding import Noded, noded
 from clast.rockmass.network.planar import Graph, bordering, straightened
+from clast.rockmass.network.snapping import Snapped, snapped
 from clast.rockmass.report import Report
 from clast.rockmass.sizes import Limits, limits_of
 from clast.rockmass.sources import (
@@ -155,7 +157,8 @@ def _cut(at: Site, found: Sequence[Table], before: Before, stages: Stages) -> Cu
     names, joint = joints_of(found)
     rank = _ranks(at, found)[table]
     with stages("noding"):
-        net = noded(ends / at.grid)
+        met = _met(at, ends, int((rank == 0).sum()))
+        net = noded(met.ends, met.carrier, met.on)
         graph = _graph(net, joint[table], rank > 0)
         graph = graph.only(~_in_one_block(at, graph))
     with stages("faces"):
@@ -183,8 +186,22 @@ def _cut(at: Site, found: Sequence[Table], before: Before, stages: Stages) -> Cu
         dangling=dangling,
         blocks=blocks,
         vertices=vertices,
+        loose=loose_ends(net, dangling, met.ends, rank == 0),
     )
     return _assembled(work, names, stages)
+
+
+def _met(at: Site, ends: Floats, free: int) -> Snapped:
+    """Return all lines (n, 2, 2), in cells, with their ends on the lines that they end at.
+
+    The first ``free`` are no outlines.  Ends of those move by a cell at most; where lines are cut
+    beyond the boundary they stay.
+    """
+    lines = ends / at.grid
+    x, y = ends[:free].reshape(-1, 2).T
+    outer = ~shapely.contains_xy(at.window.polygon, x, y).reshape(-1, 2)
+    found = snapped(lines[:free], lines[free:], 1.0, outer)
+    return replace(found, ends=np.concatenate([found.ends, lines[free:]]))
 
 
 def _ranks(at: Site, found: Sequence[Table]) -> Ints:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -33,6 +34,14 @@ def finding(places: Floats, count: int | None = None, length: float = 0.0) -> Fi
         places=tuple((float(x), float(y)) for x, y in some),
         length=float(length),
     )
+
+
+def place_text(place: tuple[float, float], tolerance: float) -> str:
+    """Return a place (x, y), m, as text with as many decimals as the tolerance, m, has."""
+    decimals = max(0, math.ceil(-math.log10(tolerance) - 1e-9))
+    texts = [f"{value:.{decimals}f}" for value in place]
+    x, y = (text.rstrip("0").rstrip(".") if "." in text else text for text in texts)
+    return f"({x}, {y})"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,6 +114,8 @@ class Report:
     """Joint sets, and drawn traces by their set."""
     dangling: Finding
     """Ends of lines that border nothing, and bridges: taken out."""
+    loose: Finding
+    """Those of them that stop just short of another line, within ten tolerances."""
     collapsed: Finding
     """Edges that were collapsed."""
     merged: Finding
@@ -121,6 +132,8 @@ class Report:
     """Blocks that stayed smaller, because no neighbour would leave a simple loop."""
     notes: tuple[str, ...] = field(default=())
     """What else was changed of the input, e.g. boundaries that were turned round."""
+    warnings: tuple[str, ...] = field(default=())
+    """What is probably not meant, each with its remedy."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as plain dictionaries, lists, numbers and texts, for JSON."""

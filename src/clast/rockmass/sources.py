@@ -175,10 +175,10 @@ def _snapped_outline(
     origin = shape.corners[0]
     edges = np.concatenate([other.edges for other in others]) - origin
     at = shape.corners - origin
-    points, moved = snapped(np.stack([at, at], axis=1), edges, reach)
-    corners, met = through(points[:, 0], edges[:, 0], reach)
-    moved = np.concatenate([moved, met])
-    if len(moved) == 0:
+    found = snapped(np.stack([at, at], axis=1), edges, reach)
+    corners, met = through(found.ends[:, 0], edges[:, 0], reach)
+    moved = np.concatenate([found.moved, met])
+    if np.array_equal(corners, at):
         return shape, moved
     again = outline(corners + origin, one.where)
     return Outline(corners=again.corners, turned=shape.turned), moved + origin
@@ -252,7 +252,8 @@ def plan_of(at: Site, one: JointSet, bounds: Floats) -> Plan:
 
 
 def _drawn(at: Site, one: JointSet, number: int, seed: int, bounds: Floats) -> SetLines:
-    plan = plan_of(at, one, bounds)
+    # Bounds that end at each other part the window only if they do reach each other.
+    plan = plan_of(at, one, lengthened(bounds, at.grid))
     drawn: Drawn = one.model.lines(plan, one.random(seed, number))
     ends = plan.window.clipped(drawn.ends)
     rim = shapely.boundary(at.window.polygon)
@@ -312,12 +313,12 @@ def trace_lines(at: Site, traces: Sequence[Trace], set_count: int) -> Drawings:
     rims = [at.outline]
     rims += [o for o, one in zip(at.opening_outlines, at.openings, strict=True) if one.cut]
     edges = np.concatenate([one.edges - at.origin for one in rims])
-    ends, moved = snapped(np.concatenate(pieces), edges, at.grid)
+    drawn = snapped(np.concatenate(pieces), edges, at.grid)
     start = np.cumsum([0, *(len(one) for one in pieces)])
     found: list[SetLines] = []
     beside: dict[int, float] = {}
     for k, one in enumerate(traces):
-        own = ends[start[k] : start[k + 1]]
+        own = drawn.ends[start[k] : start[k + 1]]
         inside = at.window.clipped(own)
         inside = inside[np.hypot(*(inside[:, 1] - inside[:, 0]).T) > 0.0]
         if len(inside) == 0:
@@ -333,7 +334,7 @@ def trace_lines(at: Site, traces: Sequence[Trace], set_count: int) -> Drawings:
             )
         )
     _refuse_outside(traces, beside)
-    return Drawings(lines=found, snapped=moved + at.origin, notes=_outside(beside))
+    return Drawings(lines=found, snapped=drawn.moved + at.origin, notes=_outside(beside))
 
 
 def _refuse_outside(traces: Sequence[Trace], beside: dict[int, float]) -> None:
@@ -364,12 +365,17 @@ def _outside(beside: dict[int, float]) -> tuple[str, ...]:
 
 def overreaching(at: Site, ends: Floats) -> Floats:
     """Return lines (n, 2, 2) with those ends that lie on the boundary moved beyond it."""
-    way = ends[:, 1] - ends[:, 0]
-    way = way / np.maximum(np.hypot(*way.T), 1e-300)[:, None] * OVER * at.grid
     rim = shapely.boundary(at.window.polygon)
     shapely.prepare(rim)
     on = shapely.dwithin(rim, shapely.points(ends.reshape(-1, 2)), 1e-2 * at.grid).reshape(-1, 2)
-    return ends + on[:, :, None] * np.stack([-way, way], axis=1)
+    return np.where(on[:, :, None], lengthened(ends, OVER * at.grid), ends)
+
+
+def lengthened(ends: Floats, by: float) -> Floats:
+    """Return lines (n, 2, 2) that reach further at both ends, m."""
+    way = ends[:, 1] - ends[:, 0]
+    way = way / np.maximum(np.hypot(*way.T), 1e-300)[:, None] * by
+    return ends + np.stack([-way, way], axis=1)
 
 
 def tables(

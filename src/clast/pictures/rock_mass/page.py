@@ -15,6 +15,7 @@ from clast.pictures.look import NO_WISHES, Look
 from clast.pictures.rock_mass.section import BY, cut_figure
 from clast.pictures.rock_mass.statistics import statistics_figure
 from clast.rockmass import Cut, Finding, Report, Sizes
+from clast.rockmass.report import place_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,6 +40,7 @@ STYLE = (
 CAPTIONS = {"set": "Edges by joint.", "rock": "Blocks by rock."}
 FINDINGS = {
     "dangling": "Ends of lines that border nothing, taken out",
+    "loose": "Of these, ends just short of another line",
     "collapsed": "Edges collapsed",
     "merged": "Blocks merged with a neighbour",
     "rings": "Holes and touching loops split by welds",
@@ -217,7 +219,7 @@ def _changes(report: Report) -> _Table:
                 text,
                 f"{one.count:,}",
                 f"{one.length:.4g}" if one.length > 0.0 else "",
-                "; ".join(f"({x:.6g}, {y:.6g})" for x, y in one.places),
+                "; ".join(place_text(at, report.tolerance) for at in one.places),
             )
             for text, one in found.items()
         ],
@@ -225,7 +227,9 @@ def _changes(report: Report) -> _Table:
 
 
 def _notes(report: Report) -> list[str]:
-    if not report.notes:
-        return []
-    items = "".join(f"<li>{escape(note)}</li>" for note in report.notes)
-    return [f"<h2>Notes</h2><ul>{items}</ul>"]
+    found = []
+    for heading, texts in (("Warnings", report.warnings), ("Notes", report.notes)):
+        if texts:
+            items = "".join(f"<li>{escape(text)}</li>" for text in texts)
+            found.append(f"<h2>{heading}</h2><ul>{items}</ul>")
+    return found

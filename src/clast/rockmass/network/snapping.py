@@ -2,48 +2,81 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from clast.model.model import Floats, Ints
+from clast.model.model import Bools, Floats, Ints
+
+ROUND_OFF = 1e-3
+"""Points that moved by less than this share of the reach have not been moved, to a reader."""
 
 
-def snapped(ends: Floats, edges: Floats, reach: float) -> tuple[Floats, Floats]:
-    """Return lines (n, 2, 2) whose ends lie on what is within ``reach``, and the moved points.
+@dataclass(frozen=True, kw_only=True)
+class Snapped:
+    """Lines whose ends lie on what was within reach of them."""
+
+    ends: Floats
+    """Lines, shape (n, 2, 2)."""
+    moved: Floats
+    """Points that were moved by more than round-off, shape (k, 2)."""
+    carrier: Ints
+    """Line that the end of another one lies on: below n one of ``ends``, else an edge, (m,)."""
+    on: Floats
+    """That end, shape (m, 2)."""
+
+
+def snapped(ends: Floats, edges: Floats, reach: float, still: Bools | None = None) -> Snapped:
+    """Return lines (n, 2, 2) whose ends lie on what is within ``reach``.
 
     Ends go to corners of ``edges`` (k, 2, 2) first, then to each other, then onto edges and lines.
+    Those marked by ``still`` (n, 2) stay where they are.
     """
     corners = len(edges)
     point = np.concatenate([edges[:, 0], ends.reshape(-1, 2)])
-    place, member = point.copy(), _joined(point, reach)
+    fixed = np.zeros(len(point), np.bool_)
+    if still is not None:
+        fixed[corners:] = still.reshape(-1)
+    place, member = point.copy(), _joined(point, reach, fixed)
     lines = shapely.linestrings(np.concatenate([edges, point[member[corners:]].reshape(-1, 2, 2)]))
-    free = np.unique(member[member >= corners])
+    free = np.unique(member[(member >= corners) & ~fixed])
     at, line = shapely.STRtree(lines).query(
         shapely.points(point[free]), predicate="dwithin", distance=reach
     )
     gap = shapely.distance(shapely.points(point[free[at]]), lines[line])
-    # Not onto a line that ends in the same point, nor from one that it lies on already.
+    # Not onto a line that ends in the same point.
     ends_of = np.concatenate([np.full((corners, 2), -1), member[corners:].reshape(-1, 2)])
     usable = (ends_of[line] != free[at][:, None]).all(axis=1)
-    usable &= ~np.isin(at, at[usable & (gap == 0.0)])
     at, line, gap = at[usable], line[usable], gap[usable]
     order = np.lexsort((line, gap, at))
     nearest = order[np.r_[True, np.diff(at[order]) > 0][: len(order)]]
-    moving, line = free[at[nearest]], lines[line[nearest]]
-    along = shapely.line_locate_point(line, shapely.points(point[moving]))
-    place[moving] = shapely.get_coordinates(shapely.line_interpolate_point(line, along))
+    line = line[nearest]
+    off = gap[nearest] > 0.0
+    moving, onto = free[at[nearest][off]], lines[line[off]]
+    along = shapely.line_locate_point(onto, shapely.points(point[moving]))
+    place[moving] = shapely.get_coordinates(shapely.line_interpolate_point(onto, along))
     result = place[member[corners:]]
-    moved = (result != point[corners:]).any(axis=1)
-    return result.reshape(-1, 2, 2), np.unique(point[corners:][moved], axis=0)
+    moved = np.hypot(*(result - point[corners:]).T) > ROUND_OFF * reach
+    return Snapped(
+        ends=result.reshape(-1, 2, 2),
+        moved=np.unique(point[corners:][moved], axis=0),
+        carrier=np.where(line < corners, line + len(ends), line - corners),
+        on=place[free[at[nearest]]],
+    )
 
 
-def _joined(point: Floats, reach: float) -> Ints:
-    """Return for each point (k, 2) the first one that it is joined to, itself for most, (k,)."""
+def _joined(point: Floats, reach: float, fixed: Bools) -> Ints:
+    """Return for each point (k, 2) the first one that it is joined to, itself for most, (k,).
+
+    Points that are ``fixed`` (k,) join none.
+    """
     count = len(point)
-    pairs = cKDTree(point).query_pairs(reach, output_type="ndarray")
+    which = np.flatnonzero(~fixed)
+    pairs = which[cKDTree(point[which]).query_pairs(reach, output_type="ndarray")]
     ones = np.ones(len(pairs), np.int8)
     links = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(count,) * 2)
     group = connected_components(links, directed=False)[1]
