@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import attrgetter
 
 import numpy as np
 
 from clast.block.polygon import thicknesses
 from clast.model.model import Floats, Model
-from clast.model.state import Ledger, Overlap, State
+from clast.model.state import LEDGER_ENTRIES, Ledger, Overlap, State
 from clast.run.overlap import unseen_overlaps
 from clast.step.method import Method, StepResult
 from clast.step.remedies import stiffnesses_named
@@ -25,12 +26,17 @@ DEEP = 0.05
 """Penetration, as a share of the thinner block, above which it is warned of."""
 LOST = 0.05
 """Numerical dissipation or gain, as a share of the energy turned over, likewise."""
+UNEXPLAINED = 1e-6
+"""Energy that the ledger does not explain, as a share of the energy turned over, likewise."""
 NOTHING = 1e-4
 """Energy that lifts every block by no more than this share of its size is negligible."""
 UNBALANCED = 1e-3
 """Unbalanced force at the end of a static run, as a share of the largest force, likewise."""
 RELAXED = 0.05
 """Loss of initial stress, as a share of it, likewise."""
+COUNTED = tuple(name for name in LEDGER_ENTRIES if name != "unaccounted")
+"""Entries of the ledger whose changes are energy turned over."""
+_entries = attrgetter(*COUNTED)
 NAMED = 3
 """Overlaps that are listed one by one."""
 
@@ -39,10 +45,10 @@ NAMED = 3
 class Watched:
     """What was seen of a run so far; a part of what it carries from step to step."""
 
-    lowest: Floats
-    """Least value of each of the energies of ``_held``, J/m, shape (7,)."""
-    highest: Floats
-    """Largest, likewise."""
+    least: Floats
+    """Least value of each of the energies of ``COUNTED``, J/m, shape (k,)."""
+    greatest: Floats
+    """Greatest, likewise."""
     deepest: tuple[float, str] = (DEEP, "")
     """Largest penetration beyond DEEP, as a share of the thinner block, and what to say of it."""
     overlaps: Mapping[tuple[str, str], Overlap] = field(default_factory=dict)
@@ -69,16 +75,17 @@ class Watch:
 
     def begin(self, state: State) -> Watched:
         """Return what is seen at the start of a run."""
-        held = _held(state.ledger)
-        return Watched(lowest=np.minimum(held, np.array([np.inf] * 6 + [0.0])), highest=held)
+        held = np.array(_entries(state.ledger))
+        from_rest = np.where(np.array(COUNTED) == "kinetic", 0.0, held)
+        return Watched(least=np.minimum(held, from_rest), greatest=held)
 
     def with_step(self, seen: Watched, result: StepResult) -> Watched:
         """Return what is seen after an accepted step."""
-        held = _held(result.state.ledger)
+        held = np.array(_entries(result.state.ledger))
         seen = replace(
             seen,
-            lowest=np.minimum(seen.lowest, held),
-            highest=np.maximum(seen.highest, held),
+            least=np.minimum(seen.least, held),
+            greatest=np.maximum(seen.greatest, held),
         )
         if result.penetration <= seen.deepest[0] * self._thinnest:
             return seen
@@ -104,6 +111,7 @@ class Watch:
                 *self._of_overlaps(seen),
                 seen.deepest[1],
                 self._of_energy(seen, state.ledger),
+                self._of_balance(seen, state.ledger),
                 self._of_rest(state, step),
                 self._of_stress(state, step),
             )
@@ -150,18 +158,48 @@ class Watch:
         ratio = min(self.carried, self.method.dynamic_ratio)
         if ratio < 1.0 or self.method.integrator.theta > 0.5:
             return ""
-        turned_over = float((seen.highest - seen.lowest).max())
+        turned_over = _turned_over(seen)
         share = abs(ledger.numerical) / turned_over if turned_over > 0.0 else 0.0
-        size = np.sqrt(self.model.area[~self.model.fixed])
-        weight = self.model.mass[~self.model.fixed] * float(np.hypot(*self.model.gravity))
-        nothing = NOTHING * float(weight @ size) + ROUNDING * ledger.stored
-        if share <= LOST or abs(ledger.numerical) <= nothing:
+        if share <= LOST or abs(ledger.numerical) <= self._negligible(ledger):
             return ""
         did = "took" if ledger.numerical > 0.0 else "brought in"
         return (
             f"the time integration {did} {100.0 * share:.3g} % of the energy turned over "
             f'("numerical" {ledger.numerical:.3g} J/m): lower time.step'
         )
+
+    def _of_balance(self, seen: Watched, ledger: Ledger) -> str:
+        """Return a warning where the entries of the ledger fail to explain too much energy."""
+        turned_over = max(_turned_over(seen), self._negligible(ledger))
+        if abs(ledger.unaccounted) <= UNEXPLAINED * turned_over:
+            return ""
+        return (
+            f"the energy balance does not close: {ledger.unaccounted:.2g} J/m are unaccounted for, "
+            f"{abs(ledger.unaccounted) / turned_over:.1g} of the {turned_over:.3g} J/m turned over "
+            f"(at most {UNEXPLAINED:g} as a rule): {self._cause_of_imbalance()}"
+        )
+
+    def _cause_of_imbalance(self) -> str:
+        """Return what is likely to have left energy unaccounted for, and what to do."""
+        if self.model.actions:
+            kinds = ", ".join(sorted({type(one).__name__ for one in self.model.actions}))
+            return (
+                f"work and ledger of an action of a script ({kinds}) do not agree with its forces; "
+                "see docs/how-to/action.md"
+            )
+        tolerance = getattr(self.method.process, "tolerance", None)
+        if tolerance is None:
+            return "steps were solved inaccurately. Lower time.step"
+        return (
+            f"steps were solved too loosely. Lower method.process.tolerance ({tolerance:g}) or "
+            "time.step"
+        )
+
+    def _negligible(self, ledger: Ledger) -> float:
+        """Return the energy that is negligible whatever is turned over, J/m."""
+        size = np.sqrt(self.model.area[~self.model.fixed])
+        weight = self.model.mass[~self.model.fixed] * float(np.hypot(*self.model.gravity))
+        return NOTHING * float(weight @ size) + ROUNDING * ledger.stored
 
     def _of_rest(self, state: State, step: float) -> str:
         """Return a warning where a static run ends while blocks still move.
@@ -215,19 +253,9 @@ class Watch:
         )
 
 
-def _held(ledger: Ledger) -> Floats:
-    """Return the energies whose largest change is the energy turned over, J/m, shape (7,).
+def _turned_over(seen: Watched) -> float:
+    """Return the largest change of any entry of the ledger so far, J/m.
 
     Kinetic energy counts from rest: a flight that nothing slows down is no small change.
     """
-    return np.array(
-        [
-            ledger.elastic,
-            ledger.gravity,
-            ledger.contact,
-            ledger.fixed_points,
-            ledger.loads,
-            ledger.friction,
-            ledger.kinetic,
-        ]
-    )
+    return float((seen.greatest - seen.least).max())
