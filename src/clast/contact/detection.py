@@ -6,6 +6,7 @@ corner rule -> contacts with their memory, strength and levers.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,8 @@ from clast.contact.crossings import Chosen, with_crossings
 from clast.contact.joints import contact_lengths, joints_of, springs_of_joints
 from clast.contact.memory import pair_penetration, recall
 from clast.contact.verlet_list import VerletList, near_pairs
-from clast.model.model import Floats, Ints, JointTable, Model
+from clast.model.bodies import Outlines
+from clast.model.model import Bools, Floats, Ints, JointTable, Model
 from clast.model.state import ContactMemory, State
 
 
@@ -41,34 +43,47 @@ def detect(
     ``drift`` (n, 6) is the displacement that the velocities would bring in the step: with it, a
     tip that would cross an edge beside which it stands now is a contact already.
     """
+    sought = _sought(model, state)
     around = reach.front + max(reach.critdis, reach.tip)
-    travel = reach.travel_of(model.block_count)
+    travel = reach.travel_of(model.block_count)[sought.block]
     near = near or VerletList()
     pairs = near_pairs(
-        near, state.vertices, model.block_start, model.fixed, around, travel, model.gone
+        near, sought.vertices, sought.start, sought.fixed, around, travel, sought.gone
     )
     shift = None
     if drift is not None:
         block = model.vertex_block
         offset = polygon.offsets(state.vertices, block, centroid)
-        shift = displacements(offset, drift, block)
-    strain = np.einsum("nab,nb->na", model.compliance, state.stress)
+        shift = displacements(offset, drift, block)[sought.vertex]
+    strain = np.einsum("nab,nb->na", model.compliance, state.stress)[sought.block]
     found = find_candidates(
-        state.vertices, model.block_start, pairs, state.memory, reach, shift, strain
+        sought.vertices,
+        sought.start,
+        pairs,
+        sought.memory,
+        replace(reach, travel=travel),
+        shift,
+        strain,
     )
-    keep = corner_rule.choose(found, state.vertices)
+    keep = corner_rule.choose(found, sought.vertices)
     chosen = found.vertex[keep], found.edge[keep], found.pair[keep], found.gap[keep]
+    owners = polygon.owners(sought.start)
     chosen = with_crossings(
         chosen,
         pairs,
-        (state.vertices, found.direction, model.block_start),
-        model.vertex_block,
-        state.memory,
+        (sought.vertices, found.direction, sought.start),
+        owners,
+        sought.memory,
         travel,
         reach.critdis,
     )
+    known = recall(sought.memory, chosen[0], owners.take(chosen[1]), chosen[1])
+    row = np.where(known >= 0, np.append(sought.row, -1)[known], -1)
     edges = found.direction, found.length
-    return _contacts(model, state, centroid, pairs, edges, chosen, reach.critdis)
+    if model.outlines is not None:
+        chosen, pairs, order = _of_blocks(model, model.outlines, state, sought, edges, chosen)
+        edges, row = polygon.edges(state.vertices, model.block_start), row[order]
+    return _contacts(model, state, centroid, pairs, edges, (chosen, row), reach.critdis)
 
 
 def remembered(model: Model, state: State, centroid: Floats, critdis: float) -> Contacts:
@@ -84,7 +99,92 @@ def remembered(model: Model, state: State, centroid: Floats, critdis: float) -> 
     pairs = np.stack([keys // count, keys % count], axis=1)
     chosen = memory.vertex[order], memory.edge[order], pair, memory.gap[order]
     edges = polygon.edges(state.vertices, model.block_start)
-    return _contacts(model, state, centroid, pairs, edges, chosen, critdis)
+    return _contacts(model, state, centroid, pairs, edges, (chosen, order), critdis)
+
+
+# where fixed blocks are one body (model/bodies.py) ----------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Sought:
+    """Outlines on which contacts are looked for, with numbers of their own."""
+
+    vertices: Floats
+    """Where they are, m, shape (k, 2)."""
+    start: Ints
+    """First vertex of each, shape (o + 1,)."""
+    block: Ints | slice
+    """Block of each, shape (o,)."""
+    vertex: Ints | slice
+    """The model's vertex that each vertex is, shape (k,)."""
+    fixed: Bools
+    """Those that cannot move, shape (o,)."""
+    gone: Bools
+    """Those of blocks that are gone, shape (o,)."""
+    memory: ContactMemory
+    """What contacts remember, by these numbers."""
+    row: Ints
+    """Row of the state's memory that each row of it is, shape (r,)."""
+
+
+def _sought(model: Model, state: State) -> _Sought:
+    """Return the outlines on which the contacts of a state are looked for."""
+    one, memory = model.outlines, state.memory
+    if one is None:
+        return _Sought(
+            vertices=state.vertices,
+            start=model.block_start,
+            block=slice(None),
+            vertex=slice(None),
+            fixed=model.fixed,
+            gone=model.gone,
+            memory=memory,
+            row=np.arange(len(memory.vertex)),
+        )
+    vertex, edge = one.of_vertex[memory.vertex], one.of_edge[memory.edge]
+    outline = np.searchsorted(one.start, edge, side="right") - 1
+    row = np.lexsort((edge, outline, vertex))
+    row = row[(vertex[row] >= 0) & (edge[row] >= 0)]
+    kept = {name: values[row] for name, values in vars(memory).items()}
+    return _Sought(
+        vertices=state.vertices[one.vertex],
+        start=one.start,
+        block=one.block,
+        vertex=one.vertex,
+        fixed=one.fixed,
+        gone=one.gone,
+        memory=replace(
+            memory, **{**kept, "vertex": vertex[row], "block": outline[row], "edge": edge[row]}
+        ),
+        row=row,
+    )
+
+
+def _of_blocks(
+    model: Model,
+    one: Outlines,
+    state: State,
+    sought: _Sought,
+    edges: tuple[Floats, Floats],
+    chosen: Chosen,
+) -> tuple[Chosen, Ints, Ints]:
+    """Return contacts found on outlines as those of blocks, the pairs of these, and their order.
+
+    Each belongs to the block on whose edge its foot is.  ``edges`` are those of the outlines.
+    """
+    vertex, edge, _, _ = chosen
+    from_begin = sought.vertices[vertex] - sought.vertices[edge]
+    along = np.sum(from_begin * edges[0][edge], axis=1)
+    vertex, edge = one.vertex[vertex], one.edges_at(edge, along)
+    blocks = np.stack([model.vertex_block[vertex], model.vertex_block[edge]], axis=1)
+    blocks.sort(axis=1)
+    order = np.lexsort((edge, vertex, blocks[:, 1], blocks[:, 0]))
+    vertex, edge, blocks = vertex[order], edge[order], blocks[order]
+    pairs, pair = np.unique(blocks, axis=0, return_inverse=True)
+    direction = polygon.edges(state.vertices, model.block_start)[0][edge]
+    away = state.vertices[vertex] - state.vertices[edge]
+    gap = away[:, 0] * direction[:, 1] - away[:, 1] * direction[:, 0]
+    return (vertex, edge, pair.ravel(), gap), pairs, order
 
 
 def _contacts(
@@ -93,15 +193,16 @@ def _contacts(
     centroid: Floats,
     pairs: Ints,
     edges: tuple[Floats, Floats],
-    chosen: Chosen,
+    chosen: tuple[Chosen, Ints],
     critdis: float,
 ) -> Contacts:
     """Return the contacts of vertex, edge, pair and gap (m,) with memory, strength and levers.
 
+    ``chosen`` has them, and the rows (m,) of the state's memory that are theirs, -1 where none is.
     ``edges`` are the directions (nv, 2) and the lengths (nv,) of all edges.
     """
     direction, edge_length = edges
-    vertex, edge, pair, gap = chosen
+    (vertex, edge, pair, gap), row = chosen
     begins = np.diff(pair, prepend=-1) != 0  # of every pair that shares contacts the first one
     pair, touching = np.cumsum(begins) - 1, pairs[pair[begins]]
     i, j = model.vertex_block.take(vertex), model.vertex_block.take(edge)
@@ -110,7 +211,6 @@ def _contacts(
     _geometry(len(gap), (vertex, edge, i, j), gap, outlines, centroid, foot, levers)
     # bonds exist only along joints that are closed at the start of the run
     bond_reach = critdis if state.time == 0.0 else -1.0
-    row = recall(state.memory, vertex, j, edge)
     ends = vertex, edge, i, j, pair
     joint = joints_of(model, ends, touching, direction)
     ways = edge, direction
@@ -246,6 +346,12 @@ def find_tunnelled(
     pairs = near_pairs(near, vertices, model.block_start, model.fixed, 0.0, gone=model.gone)
     box = polygon.boxes(vertices, model.block_start)
     known = pair_penetration(model.vertex_block, pairs, memory)
+    if model.outlines is not None:  # what is known of one block of a body is known of all
+        bodies = np.sort(model.body[pairs], axis=1)
+        _, of_bodies = np.unique(bodies, axis=0, return_inverse=True)
+        deepest = np.zeros(len(pairs))
+        np.maximum.at(deepest, of_bodies.ravel(), known)
+        known = deepest[of_bodies.ravel()]
     jump, vertex, block = np.zeros(len(pairs)), np.full(len(pairs), -1), np.full(len(pairs), -1)
     outlines = before, vertices, model.block_start, box
     _jumps(len(pairs), outlines, pairs, known, (jump, vertex, block))

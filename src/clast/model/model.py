@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from clast.model.bolts import Bolts
 from clast.model.factors import Factor
 from clast.model.ground_motion import GroundMotion, Still
+from clast.model.bodies import Outlines, joined_outlines
 from clast.model.in_situ import InSituStress
 from clast.model.openings import Opening, blocks_called
 from clast.model.viscous_edges import ViscousEdges
@@ -369,8 +370,26 @@ class Model:
 
     @cached_property
     def smallest(self) -> float:
-        """Area of the smallest block that is not gone, m2."""
-        return float(self.area[~self.gone].min())
+        """Area of the smallest body that is not gone, m2: a block, or fixed ones that are one."""
+        area = self.area if self.outlines is None else self.outlines.area
+        return float(area[~self.gone].min())
+
+    @cached_property
+    def body(self) -> Ints:
+        """Body of each block, shape (n,): a number that fixed blocks which are one share."""
+        return np.arange(self.block_count) if self.outlines is None else self.outlines.body
+
+    @cached_property
+    def outlines(self) -> Outlines | None:
+        """Outlines on which contacts are looked for, None where they are those of the blocks.
+
+        Where joints have neither stiffness nor bond, and bear nothing from the start.
+        """
+        _, cohesion, tensile_strength = self.joint_table.strengths
+        own = [*cohesion, *tensile_strength, *np.nan_to_num(self.joint_table.stiffnesses).ravel()]
+        if any(own) or self.in_situ is not None:
+            return None
+        return joined_outlines(self.vertices, self.block_start, self.area, self.fixed, self.gone)
 
     @cached_property
     def elasticity(self) -> Floats:

@@ -56,17 +56,17 @@ def _left_over(model: Model, state: State, contacts: Contacts, wanting: np.ndarr
 
     That of contacts of the same pair of blocks that are no more; as much as keeps their energy.
     """
-    memory, width = state.memory, model.block_count
-    own = model.vertex_block[memory.vertex]
+    memory, body, width = state.memory, model.body, model.block_count
+    own, other = body[model.vertex_block[memory.vertex]], body[memory.block]
     bore = memory.normal_force > 0.0
-    known = contacts.vertex * width + contacts.edge_block
-    gone = bore & ~np.isin(memory.vertex * width + memory.block, known)
+    known = contacts.vertex * width + body[contacts.edge_block]
+    gone = bore & ~np.isin(memory.vertex * width + other, known)
     taken: Floats = np.zeros(len(contacts))
     if not gone.any():
         return taken
-    lower, higher = contacts.pairs[contacts.pair].T
+    lower, higher = np.sort(body[contacts.pairs[contacts.pair]], axis=1).T
     of_contact = lower * width + higher
-    of_memory = np.minimum(own, memory.block) * width + np.maximum(own, memory.block)
+    of_memory = np.minimum(own, other) * width + np.maximum(own, other)
     for pair in np.unique(of_memory[gone]):
         heirs = wanting & (of_contact == pair)
         force = float(np.sum(memory.normal_force[gone & (of_memory == pair)] ** 2))

@@ -156,7 +156,7 @@ class MethodTable(Table):
             integrator=self.build("integrator"),
             solver=self.build("solver"),
             fixed_point_stiffness=self.fixed_point_stiffness or FIXED_POINT_FACTOR * stiffest,
-            critdis=self.critdis or CRITDIS_SHARE * float(np.sqrt(model.area.min())),
+            critdis=self.critdis or CRITDIS_SHARE * float(np.sqrt(model.smallest)),
             max_displacement=max_displacement,
             dynamic_ratio=dynamic_ratio,
             notes=notes,

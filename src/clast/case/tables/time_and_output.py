@@ -68,7 +68,7 @@ class TimeTable(Table):
 
     def largest_movement(self, model: Model) -> float:
         """Return max_displacement, m, or what it is by default for the blocks of a model."""
-        return self.max_displacement or TRAVEL_SHARE * float(np.sqrt(model.area.min()))
+        return self.max_displacement or TRAVEL_SHARE * float(np.sqrt(model.smallest))
 
 
 class OutputTable(Table):
