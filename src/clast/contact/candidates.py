@@ -82,6 +82,7 @@ def find_candidates(
     direction, length = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
     vertex_block = polygon.owners(block_start)
+    outlines = vertices, direction, length, vertex_block, block_start
     bearing = (
         *seams.rows_by_block(memory.vertex, memory.block, vertex_block, len(box)),
         memory.vertex,
@@ -89,10 +90,11 @@ def find_candidates(
         memory.edge,
         memory.gap,
         np.zeros((len(box), 3)) if strain is None else strain,
+        seams.goes_on(pairs, box, outlines, reach.critdis),
     )
     depth = pair_penetration(vertex_block, pairs, memory)
     start, vertex, edge, pair, gap, along = _found(
-        (vertices, direction, length, vertex_block, block_start),
+        outlines,
         (pairs, box, depth, reach.travel_of(len(box))),
         (
             np.zeros_like(vertices) if shift is None else shift,

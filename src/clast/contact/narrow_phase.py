@@ -8,7 +8,8 @@ the edge that starts at each, the block of each (nv,) and the first vertex of ea
 ``own`` are the two edges of a vertex, pointing away from it, (ax, ay, bx, by); ``shift`` (nv, 2) is
 how far the velocities would carry each vertex in the step, m; ``distances`` are how far to look, m,
 in front of an edge, behind it, beyond an end where corners coincide (critdis), and for a tip;
-``bearing`` is what blocks stand on (contact/seams.py).  The last three together are ``looks``.
+``bearing`` is what blocks stand on, and where outlines go on over joints (contact/seams.py).  The
+last three together are ``looks``.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from clast.block.edge_lists import FEW, edges_around, edges_near
 from clast.block.polygon import ROUND_OFF, SMALL_ANGLE, turn_at, vertex_after, vertex_before
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, EACH, shared
-from clast.contact.seams import is_covered
+from clast.contact.seams import is_covered, is_in_joint, is_no_corner, stands_beyond
 
 PART = CONTACTS.part
 """Pairs of blocks that a thread takes at a time."""
@@ -199,8 +200,16 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
             return False
     if gap < 0.0 and _is_hidden(p, e, along, critdis, outlines):
         return False
-    at_corner = -beyond <= max(critdis, depth, front)
-    return not (at_corner and is_covered(p, e, at_end, own, outlines, bearing))
+    i, j = outlines[3][p], outlines[3][e]
+    if is_no_corner(p, j, nx, ny, own, outlines, bearing):
+        return False
+    if -beyond > max(critdis, depth, front):
+        return True
+    return not (
+        is_in_joint(e, at_end, i, outlines, bearing)
+        or (-critdis <= beyond <= 0.0 and stands_beyond(p, e, at_end, -beyond, own, outlines, bearing))
+        or is_covered(p, e, at_end, own, outlines, bearing)
+    )
 
 
 @kernel(inline="always")

@@ -14,6 +14,16 @@ What the contacts give way is the penetration with which the block stands there,
 block below has been pressed down with it: the sum of the penetrations under it, block by block, and
 of the shortening of these blocks.  A higher step is an obstacle.  At a free corner, where no third
 block makes a surface, the corner rule alone decides.
+
+Where corners of two blocks coincide, and a face of one lies against a face of the other, the
+outline of the two together goes on over the joint between them (``goes_on``), whoever stands on it.
+Towards a third block such a corner is one of that outline:
+
+- as a vertex it has the edges on either side of the joint, and where these make no corner, or one
+  that cannot come in through an edge, it is none;
+- the faces in the joint are no entrance;
+- a block that lies on the edge beyond the joint, and overhangs this side by no more than it is
+  pressed in and its support has given way, does not stand on this side.
 """
 
 from __future__ import annotations
@@ -55,7 +65,7 @@ def _surface(row, block, bearing, vertices, direction, vertex_block):
 
     A point of it, its normal (towards the block), the other block, and the penetration, m.
     """
-    _, _, vertex, of_edge, edge, gap, _ = bearing
+    _, _, vertex, of_edge, edge, gap, _, _ = bearing
     v, e = vertex[row], edge[row]
     nx, ny = direction[e, 1], -direction[e, 0]
     depth = max(0.0, -gap[row])
@@ -86,7 +96,7 @@ def _settlement(block, nx, ny, outlines, bearing):
     From block to block, each by the contact in which it is pressed in most.
     """
     vertices, direction, _, vertex_block, _ = outlines
-    start, rows, _, _, _, _, strain = bearing
+    start, rows, _, _, _, _, strain, _ = bearing
     down = 0.0
     for _ in range(BLOCKS_BELOW):
         deepest, below = 0.0, -1
@@ -157,3 +167,190 @@ def is_covered(v, e, at_end, own, outlines, bearing):
     return _is_flush(i, (ex, ey), (nx, ny), v, corner, scale, outlines, bearing) or _is_flush(
         j, (-ex, -ey), (-nx, -ny), corner, v, scale, outlines, bearing
     )
+
+
+# corners of two blocks together -----------------------------------------------------------------
+
+
+@kernel()
+def _join(p, q, i, k, critdis, outlines, beyond):
+    """Note where the outlines of blocks i and k go on over a joint that begins at p of i, q of k.
+
+    The edge that begins at p and the one that ends at q lie in the joint, if any two do.
+    """
+    vertices, direction, _, _, block_start = outlines
+    if np.hypot(vertices[p, 0] - vertices[q, 0], vertices[p, 1] - vertices[q, 1]) > critdis:
+        return
+    into_q = vertex_before(q, block_start[k], block_start[k + 1])
+    sine = direction[p, 0] * direction[into_q, 1] - direction[p, 1] * direction[into_q, 0]
+    cosine = direction[p, 0] * direction[into_q, 0] + direction[p, 1] * direction[into_q, 1]
+    if cosine > 0.0 or abs(sine) > SMALL_ANGLE:
+        return
+    into_p = vertex_before(p, block_start[i], block_start[i + 1])
+    bend = direction[into_p, 0] * direction[q, 0] + direction[into_p, 1] * direction[q, 1]
+    if bend >= FACES_LIKE:
+        beyond[p, 1], beyond[q, 0] = q, into_p
+
+
+@kernel()
+def goes_on(pairs, box, outlines, critdis):
+    """Return the edges by which the outline goes on at each vertex beyond a joint, (nv, 2), or -1.
+
+    The one before the vertex, where the edge that ends there lies in a joint; and the one after it,
+    where the edge that begins there does.  Of ``pairs`` (q, 2) of blocks whose corners are within
+    ``critdis``, m; ``box`` (n, 4) are the boxes of the blocks.
+    """
+    vertices, _, _, _, block_start = outlines
+    beyond = np.full((len(vertices), 2), -1)
+    for at in range(len(pairs)):
+        i, k = pairs[at, 0], pairs[at, 1]
+        left, low = max(box[i, 0], box[k, 0]), max(box[i, 1], box[k, 1])
+        right, high = min(box[i, 2], box[k, 2]), min(box[i, 3], box[k, 3])
+        for q in range(block_start[k], block_start[k + 1]):
+            x, y = vertices[q, 0], vertices[q, 1]
+            if not (left - critdis <= x <= right + critdis and low - critdis <= y <= high + critdis):
+                continue
+            for p in range(block_start[i], block_start[i + 1]):
+                if abs(vertices[p, 0] - x) <= critdis and abs(vertices[p, 1] - y) <= critdis:
+                    _join(p, q, i, k, critdis, outlines, beyond)
+                    _join(q, p, k, i, critdis, outlines, beyond)
+    return beyond
+
+
+@kernel()
+def _end_of(e, vertex_block, block_start):
+    """Return the vertex at which edge e ends."""
+    j = vertex_block[e]
+    return vertex_after(e, block_start[j], block_start[j + 1])
+
+
+@kernel()
+def _is_level(v, e, side, outlines, bearing):
+    """Return True if the corner at vertex v is flush with that of the edge e beyond the joint.
+
+    But for what the blocks of both have given way.  ``side`` is 0 where e comes before v.
+    """
+    vertices, direction, length, vertex_block, block_start = outlines
+    i, k = vertex_block[v], vertex_block[e]
+    corner = e if side == 1 else _end_of(e, vertex_block, block_start)
+    own = vertex_before(v, block_start[i], block_start[i + 1]) if side == 1 else v
+    x, y = vertices[v, 0] - vertices[corner, 0], vertices[v, 1] - vertices[corner, 1]
+    for edge in (own, e):
+        nx, ny = direction[edge, 1], -direction[edge, 0]
+        high = abs(x * nx + y * ny) - ROUND_OFF * min(length[own], length[e])
+        if high > 0.0 and high > (
+            _settlement(i, nx, ny, outlines, bearing) + _settlement(k, nx, ny, outlines, bearing)
+        ):
+            return False
+    return True
+
+
+@kernel()
+def is_no_corner(v, j, nx, ny, own, outlines, bearing):
+    """Return True if v, with what lies flush beside it, is no vertex that comes in along (-nx, -ny).
+
+    Into block j; ``own`` (ax, ay, bx, by) are the vertex's two edges, pointing away from it.
+    """
+    _, direction, _, vertex_block, _ = outlines
+    beyond = bearing[7]
+    ax, ay, bx, by = own
+    flush = False
+    e = beyond[v, 0]
+    if e >= 0 and vertex_block[e] != j:
+        ax, ay, flush = -direction[e, 0], -direction[e, 1], True
+    f = beyond[v, 1]
+    if f >= 0 and vertex_block[f] != j:
+        bx, by, flush = direction[f, 0], direction[f, 1], True
+    if not flush:
+        return False
+    is_hollow = bx * ay - by * ax < -SMALL_ANGLE
+    if not is_hollow and min(ax * nx + ay * ny, bx * nx + by * ny) >= -SMALL_ANGLE:
+        return False
+    if e >= 0 and vertex_block[e] != j and not _is_level(v, e, 0, outlines, bearing):
+        return False
+    return f < 0 or vertex_block[f] == j or _is_level(v, f, 1, outlines, bearing)
+
+
+@kernel()
+def is_in_joint(e, at_end, i, outlines, bearing):
+    """Return True if edge e lies in a joint at one of its ends, with a block other than i."""
+    _, _, _, vertex_block, block_start = outlines
+    v = _end_of(e, vertex_block, block_start) if at_end else e
+    side = 0 if at_end else 1
+    other = bearing[7][v, side]
+    return other >= 0 and vertex_block[other] != i and _is_level(v, other, side, outlines, bearing)
+
+
+@kernel()
+def _pressed_in(p, block, bearing):
+    """Return how deep vertex p was in a block at the end of the last step, m."""
+    _, _, vertex, of_edge, _, gap, _, _ = bearing
+    at = np.searchsorted(vertex, p)
+    depth = 0.0
+    while at < len(vertex) and vertex[at] == p:
+        if of_edge[at] == block:
+            depth = max(depth, -gap[at])
+        at += 1
+    return depth
+
+
+@kernel()
+def _runs_along(x, y, e, inwards, direction):
+    """Return True if (x, y), of length 1, is the direction of edge e within 3 degrees, or its reverse.
+
+    ``inwards`` is 1 or -1 for the two.
+    """
+    tx, ty = direction[e, 0], direction[e, 1]
+    return inwards * (x * tx + y * ty) > 0.0 and abs(x * ty - y * tx) <= SMALL_ANGLE
+
+
+@kernel()
+def _has_given_way(p, block, v, f, outlines, bearing):
+    """Return how far the block of edge f has given way under vertex p of another one, m.
+
+    And that one to vertex v of the block of f; with it what is below the block of f.
+    """
+    _, direction, _, vertex_block, _ = outlines
+    below = vertex_block[f]
+    pressed_in = max(_pressed_in(p, below, bearing), _pressed_in(v, block, bearing))
+    return pressed_in + _settlement(below, direction[f, 1], -direction[f, 0], outlines, bearing)
+
+
+@kernel()
+def stands_beyond(p, e, at_end, inside, own, outlines, bearing):
+    """Return True if vertex p and edge e overlap only as one block overhangs a joint of the other.
+
+    Near one end of e: p's block lies on the edge beyond the joint there, or the block of e on the
+    edge beyond the joint at p.  They overlap by ``inside``, m; it is no more than what that edge
+    and what is below it have given way.
+    """
+    _, direction, length, vertex_block, block_start = outlines
+    i, j = vertex_block[p], vertex_block[e]
+    first, last = block_start[j], block_start[j + 1]
+    beyond, slack = bearing[7], ROUND_OFF * length[e]
+    v, inwards = (vertex_after(e, first, last), -1.0) if at_end else (e, 1.0)
+    side = 1 if at_end else 0
+    f = beyond[v, side]
+    if f >= 0 and vertex_block[f] != i:
+        corner = f if side == 1 else _end_of(f, vertex_block, block_start)
+        for k in range(2):
+            if _runs_along(own[2 * k], own[2 * k + 1], f, -inwards, direction) and (
+                inside <= slack
+                or inside <= slack + _has_given_way(p, i, corner, f, outlines, bearing)
+            ):
+                return True
+    for k in range(2):
+        f = beyond[p, k]
+        if f < 0 or vertex_block[f] == j:
+            continue
+        # away from p: the edge beyond the joint, and p's own on this side of it
+        x, y = (-1.0 + 2.0 * k) * direction[f, 0], (-1.0 + 2.0 * k) * direction[f, 1]
+        ox, oy = own[2 * (1 - k)], own[2 * (1 - k) + 1]
+        corner = f if k == 1 else _end_of(f, vertex_block, block_start)
+        if (
+            _runs_along(x, y, e, inwards, direction)
+            and _runs_along(ox, oy, e, -inwards, direction)
+        ):
+            if inside <= slack + _has_given_way(v, j, corner, f, outlines, bearing):
+                return True
+    return False

@@ -126,11 +126,20 @@ def _respond(c, k, side, b, mobility, force, linear):
 
 
 @kernel()
+def _add_block(b, mobility, group):
+    """Put block b among those of the group, if it moves."""
+    _, _, _, _, _, blocks, among, counts = group
+    if not among[b] and _moves(b, mobility):
+        blocks[counts[1]], among[b] = b, True
+        counts[1] += 1
+
+
+@kernel()
 def _join(c, time, target, bodies, contacts, group):
     """Let contact c take part, and its blocks."""
     velocity, acceleration, mobility = bodies[0], bodies[4], bodies[5]
     _, vertex_block, edge_block, levers, _, _ = contacts
-    members, place, targets, linear, impulses, blocks, among, counts = group
+    members, place, targets, linear, impulses, _, _, counts = group
     members[counts[0]], place[c], targets[c] = c, counts[0], target
     counts[0] += 1
     i, j = vertex_block[c], edge_block[c]
@@ -142,10 +151,8 @@ def _join(c, time, target, bodies, contacts, group):
         _respond(c, k, 0, i, mobility, force_on(levers, c, True, normal, shear), linear)
         _respond(c, k, 1, j, mobility, force_on(levers, c, False, normal, shear), linear)
         still[c, k] = rates[k] - rate_along(c, k, i, j, linear[0], still, velocity)
-    for b in (i, j):
-        if not among[b] and _moves(b, mobility):
-            blocks[counts[1]], among[b] = b, True
-            counts[1] += 1
+    _add_block(i, mobility, group)
+    _add_block(j, mobility, group)
 
 
 @kernel()
@@ -159,25 +166,61 @@ def _let_strike(c, time, bodies, contacts, hits, group):
 
 
 @kernel()
-def _gather(time, bodies, contacts, live, around, limits, group):
-    """Let all contacts take part that strike at a time; return the fastest approach, m/s.
+def _moment_of_all(first, bodies, contacts, live, around, limits, group):
+    """Return when contact ``first`` strikes, s, with those that strike before it is pressed in.
 
-    Wherever they are: what strikes at once should not depend on the order of the blocks.
+    A block that turns about a corner which is pressed in lands flat a little later on its far
+    corner than on what lies in between.  So the impact is that of the last contact which closes
+    before any other of these blocks is as deep as faces are uneven.
+    """
+    before, acceleration, mobility = bodies[1], bodies[4], bodies[5]
+    _, vertex_block, edge_block, _, _, _ = contacts
+    moment, (start, listed) = live[0], around
+    blocks, among, counts = group[5], group[6], group[7]
+    latest, at = np.inf, 0
+    _add_block(vertex_block[first], mobility, group)
+    _add_block(edge_block[first], mobility, group)
+    while at < counts[1]:
+        b = blocks[at]
+        for c in listed[start[b] : start[b + 1]]:
+            if moment[c] < np.inf and moment[c] <= latest:
+                rate, _ = _rates(c, moment[c], before, acceleration, contacts)
+                latest = min(latest, moment[c] + limits[2] / -rate)
+                _add_block(vertex_block[c], mobility, group)
+                _add_block(edge_block[c], mobility, group)
+        at += 1
+    last = moment[first]
+    for b in blocks[: counts[1]]:
+        among[b] = False
+        for c in listed[start[b] : start[b + 1]]:
+            if moment[c] <= latest:
+                last = max(last, moment[c])
+    counts[1] = 0
+    return last
+
+
+@kernel()
+def _gather(first, time, bodies, contacts, live, around, limits, group):
+    """Let all contacts take part that strike with the ``first``; return the fastest approach, m/s.
+
+    Those that strike as it does wherever they are: it should not depend on the order of the blocks.
+    Where it waits for others of its blocks, until ``time``, all of these that have closed then.
     """
     before, acceleration = bodies[1], bodies[4]
-    first, listed = around
+    start, listed = around
     moment, _, hits, waiting, _, number = live
     place, blocks, counts = group[1], group[5], group[7]
     fastest, at = 0.0, 0
+    waits = time > moment[first] + SAME * limits[0]
     for c in waiting[: number[0]]:
-        if moment[c] <= time + SAME * limits[0]:
+        if c == first or (not waits and moment[c] <= time + SAME * limits[0]):
             fastest = max(fastest, _let_strike(c, time, bodies, contacts, hits, group))
     while at < counts[1]:
         b = blocks[at]
-        for c in listed[first[b] : first[b + 1]]:
+        for c in listed[start[b] : start[b + 1]]:
             if place[c] < 0 and moment[c] < np.inf:
                 rate, _ = _rates(c, time, before, acceleration, contacts)
-                if -rate * (moment[c] - time) <= limits[2]:
+                if moment[c] <= time or -rate * (moment[c] - time) <= limits[2]:
                     fastest = max(fastest, _let_strike(c, time, bodies, contacts, hits, group))
         at += 1
     return fastest
@@ -311,11 +354,12 @@ def _end(time, bodies, contacts, live, around, limits, group):
 
 
 @kernel()
-def _strike(time, bodies, contacts, live, around, limits, group):
-    """Let all contacts strike that do at a time; return the energy lost, J/m."""
+def _strike(first, bodies, contacts, live, around, limits, group):
+    """Let a contact strike, and all that do with it; return the energy lost, J/m."""
     counts = group[7]
     counts[:2] = 0
-    fastest = _gather(time, bodies, contacts, live, around, limits, group)
+    time = _moment_of_all(first, bodies, contacts, live, around, limits, group)
+    fastest = _gather(first, time, bodies, contacts, live, around, limits, group)
     _impulses(time, fastest, bodies, contacts, live, around, limits, group)
     gained = _gained(time, bodies[0], bodies, group)
     if gained > 0.0:
@@ -435,6 +479,6 @@ def strike(velocity, acceleration, mobility, mass_matrix, contacts, bears, limit
         _moments_around(b, bodies, contacts, live, around, limits)
     lost, first = 0.0, _earliest(live)
     while first >= 0 and group[7][2] > 0:
-        lost += _strike(live[0][first], bodies, contacts, live, around, limits, group)
+        lost += _strike(first, bodies, contacts, live, around, limits, group)
         first = _earliest(live)
     return after, shift, lost
