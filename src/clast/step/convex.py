@@ -35,6 +35,7 @@ from clast.errors import StepOutcome
 from clast.linear.reuse import FactorOfStep
 from clast.linear.solvers import DIRECTION, inexact
 from clast.linear.system import Bearing, contact_motions, graph_of, inverse_of_blocks
+from clast.minimise.each_block import TRIES, EachBlock
 from clast.minimise.islands import islands_of
 from clast.minimise.newton import Newton, Work, best_of
 from clast.minimise.potential import Point, Potential
@@ -42,7 +43,7 @@ from clast.minimise.schedule import Schedule, SmallIslands
 from clast.minimise.subproblem import touched
 from clast.model.model import Floats, Model
 from clast.model.state import State
-from clast.step.energy_balance import round_off
+from clast.step.energy_balance import noise_of, round_off
 from clast.step.finish import finish
 from clast.step.impact import after_impacts, bearing, first_bases, scheme_of
 from clast.step.method import Method, Solved, StepResult, Workspace
@@ -152,6 +153,7 @@ class Convex:
             self.tolerance**2 * potential.reference_energy(),
             round_off(model, method, begun.state, len(springs)),
         )
+        each = self.each_block(begun, len(springs))
         largest = potential.sum_of_forces()
         contacts = replace(contacts, friction_base=first_friction_base(begun, contacts, largest))
         # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
@@ -163,6 +165,7 @@ class Convex:
             schedule=self.schedule(factor),
             friction=self.friction(),
             tolerance=tolerance,
+            each=each,
             work=Work(factor=factor, counts=counts, stages=stages),
         )
         unknowns, contacts, response = search.minimum(potential, contacts, starts)
@@ -188,6 +191,19 @@ class Convex:
         return Schedule(
             newton=Newton(iterations=self.iterations),
             small=SmallIslands() if factor.is_free else SmallIslands(few=0),
+        )
+
+    def each_block(self, begun: Begun, links: int) -> EachBlock | None:
+        """Return the balance that is asked of each block, None where that of all is enough."""
+        model, method = begun.model, begun.method
+        if method.balance is None:
+            return None
+        mass = begun.frames.mass_matrix
+        return EachBlock(
+            share=method.balance,
+            gyration=np.sqrt(mass[:, 2, 2] / mass[:, 0, 0]),
+            noise=noise_of(model, method, begun.state),
+            floor=round_off(model, method, begun.state, links),
         )
 
     def friction(self) -> FrictionLoop:
@@ -221,6 +237,8 @@ class Search:
     tolerance: float
     """Distance from the minimum at which the step is solved, J/m."""
     work: Work
+    each: EachBlock | None = None
+    """The balance that is asked of each block, too."""
 
     def minimum(
         self, potential: Potential, contacts: Contacts, starts: tuple[Floats, ...]
@@ -238,7 +256,8 @@ class Search:
         if part is None:
             point, contacts, response = self.settled(potential, contacts, point)
             return point.unknowns, contacts, response
-        within = replace(self, rows=part.rows(self.rows))
+        each = None if self.each is None else self.each.of(part.blocks)
+        within = replace(self, rows=part.rows(self.rows), each=each)
         moved, contacts, response = within.settled(part.potential, contacts, part.point)
         unknowns = point.unknowns.copy()
         unknowns[part.blocks] = moved.unknowns[:-1]
@@ -255,7 +274,7 @@ class Search:
         while True:
             for _ in range(updates):
                 potential, contacts, point = self.with_new_bounds(potential, contacts, point)
-            point = self.schedule.minimise(potential, point, self.tolerance, self.work)
+            point = self.solved(potential, point)
             with stages("law"):
                 gap, slip = point.gap[self.rows], point.slip[self.rows]
                 response = law.respond(contacts, gap, slip)
@@ -272,6 +291,17 @@ class Search:
                 contacts = replace(contacts, friction_base=response.normal_force)
                 potential = self.bound(potential, contacts)
                 point = potential.again(point)
+
+    def solved(self, potential: Potential, point: Point) -> Point:
+        """Return the minimum from a point on, near enough for the step and for each block."""
+        tolerance: float | None = self.tolerance
+        for _ in range(1 + (TRIES if self.each else 0)):
+            if tolerance is None:
+                break
+            point = self.schedule.minimise(potential, point, tolerance, self.work)
+            if self.each is not None:
+                tolerance = self.each.sharper(potential, point, tolerance)
+        return point
 
     def with_new_bounds(
         self, potential: Potential, contacts: Contacts, point: Point

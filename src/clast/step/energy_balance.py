@@ -55,9 +55,18 @@ def round_off(model: Model, method: Method, state: State, contacts: int) -> floa
 
     Where nothing acts at all there is no other energy to compare with.
     """
-    finest = 4.0 * float(np.finfo(float).eps) * float(np.abs(state.vertices).max())
     stiffest = range_of_springs(model, method.contact_law.normal_stiffness)[1]
-    return contacts * stiffest * finest**2
+    return contacts * stiffest * _finest(state) ** 2
+
+
+def noise_of(model: Model, method: Method, state: State) -> float:
+    """Return the force of the stiffest spring by the rounding of coordinates, N/m."""
+    return _finest(state) * range_of_springs(model, method.contact_law.normal_stiffness)[1]
+
+
+def _finest(state: State) -> float:
+    """Return the rounding of coordinates, m."""
+    return 4.0 * float(np.finfo(float).eps) * float(np.abs(state.vertices).max())
 
 
 def with_overlap(ledger: Ledger, method: Method, contacts: Contacts) -> Ledger:

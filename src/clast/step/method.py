@@ -142,6 +142,9 @@ class Method:
     """Largest vertex movement allowed in a step against blocks that may be touched, m."""
     dynamic_ratio: float = 1.0
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
+    balance: float | None = None
+    """Unbalanced force that the process may leave each block, as a share of the forces on it; None:
+    a tolerance of all blocks together is enough."""
     damping: Action = field(default_factory=Undamped)
     """What takes energy from all blocks: Undamped, Rayleigh, Adaptive, Kinetic."""
     notes: tuple[str, ...] = ()

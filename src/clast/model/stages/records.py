@@ -58,6 +58,8 @@ class StageRecord:
     """Block that moved most in its last step."""
     seconds: float
     """Wall time, s."""
+    hindrance: str = ""
+    """What hindered its equilibrium in its last step, with block and number; "" where nothing."""
     reset: tuple[tuple[float, float], ...] = ()
     """What displacements of measured points count from after it, m, where it reset them."""
 

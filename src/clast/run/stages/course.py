@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from clast.actions.damping import Undamped
 from clast.model.model import Floats
 from clast.model.stages.checks import check_stages
 from clast.model.stages.records import (
@@ -108,6 +109,7 @@ class Course:
             force_ratio=position.judged.force_ratio if position.steps else 0.0,
             mover=position.judged.mover,
             seconds=position.seconds,
+            hindrance=position.judged.hindrance if position.steps else "",
         )
 
     def all_records(self, position: Position, state: State) -> tuple[StageRecord, ...]:
@@ -121,23 +123,38 @@ class Course:
         return self.stages[position.number]
 
     def warnings(self, position: Position) -> Iterator[str]:
-        """Say which stages have ended while blocks moved."""
+        """Say which stages have ended without equilibrium, what hindered it, and what may help."""
         for stage, record in zip(self.stages, position.records, strict=False):
             if record.outcome == MOVING:
                 lasted = record.end - record.start
                 yield (
-                    f"stage '{record.name}' ended at its limit of {lasted:.6g} s "
-                    f"while blocks were moving: the unbalanced force was {record.force_ratio:.3g} "
-                    f"of the forces on a block (force_ratio {stage.force_ratio:g}), and most moved "
-                    f"{record.mover}. If they come to rest, raise its time, or use "
-                    "dynamic_ratio = 0.0"
+                    f"stage '{record.name}' ended at its limit of {lasted:.6g} s without "
+                    f"equilibrium: {record.hindrance or _not_long_enough(stage)}. Most moved "
+                    f"{record.mover}. {self._advice(stage)}"
                 )
+
+    def _advice(self, stage: Stage) -> str:
+        """Return what may bring a stage to rest that is not set yet."""
+        usual = self.base.method
+        ratio = usual.dynamic_ratio if stage.dynamic_ratio is None else stage.dynamic_ratio
+        damping = usual.damping if stage.damping is None else stage.damping
+        ways = ["raise its time"]
+        if ratio > 0.0:
+            ways.append("set dynamic_ratio = 0.0")
+            if isinstance(damping, Undamped):
+                ways.append('set damping = "adaptive"')
+        return f"If the blocks come to rest: {', or '.join(ways)}"
 
     def _moved(self, state: State) -> tuple[tuple[float, float], ...]:
         """Return how far the measured points have moved since the start, m."""
         model = self.base.model
         moved: Floats = state.points[model.point_slices.measured] - model.measured_points.at
         return tuple((x, y) for x, y in moved.tolist())
+
+
+def _not_long_enough(stage: Stage) -> str:
+    """Return what hindered equilibrium where the last step has nothing to say."""
+    return f"fewer than {stage.hold} steps in a row were in equilibrium (hold)"
 
 
 def _events_at_end(stage: Stage, record: StageRecord) -> Iterator[Event]:

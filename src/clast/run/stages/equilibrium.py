@@ -4,7 +4,8 @@ A step ends in equilibrium where
 
 1. on every block the unbalanced force is below ``force_ratio`` of the sum of all forces on it,
 2. no point of a block is faster than ``speed`` times sqrt(g x its size),
-3. no contact that bears has changed its mode, and
+3. no contact that bears has changed its mode (a corner that goes on to the next edge of the same
+   block with the same force has changed nothing), and
 4. no load, no ground motion and no relaxation is under way;
 
 a stage is in equilibrium where ``hold`` steps in a row do, in which
@@ -27,7 +28,7 @@ import numpy as np
 
 from clast.actions.relaxation import released_at
 from clast.block import polygon
-from clast.contact.contacts import OPEN, SLIDE
+from clast.contact.contacts import LOCK, OPEN, SLIDE
 from clast.contact.joints import range_of_springs
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.stages.loads import are_constant, factors_in
@@ -47,6 +48,8 @@ DYING = 0.5
 """Way in the second half of the steps, as a share of that in the first, that slows down."""
 CREEPING = 1e-3
 """Speed of a sliding block, as a share of what equilibrium allows, that is none."""
+MODES = {OPEN: "open", SLIDE: "slide", LOCK: "lock"}
+"""Modes of contacts in words."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,8 +115,10 @@ class Judge:
         share = speed / self._limit
         fastest = int(share.argmax())
         mover = self._mover(fastest, float(speed[fastest]), way)
+        worst = int(ratio.argmax())
         judged = Judged(
-            force_ratio=float(ratio.max(initial=0.0)),
+            force_ratio=float(ratio[worst]),
+            unbalanced=self.model.block_name[worst] if ratio[worst] > 0.0 else "",
             speed=float(share[fastest]) * stage.speed,
             mover=mover,
         )
@@ -128,12 +133,17 @@ class Judge:
         """Return why a step did not end in equilibrium, "" where it did."""
         stage, (before, result) = self.stage, states
         if not judged.force_ratio < stage.force_ratio:
-            return f"the unbalanced force is {judged.force_ratio:.2g} of the forces on a block"
+            return (
+                f"the unbalanced force on block '{judged.unbalanced}' is {judged.force_ratio:.3g} "
+                f"of the forces on it (force_ratio {stage.force_ratio:g})"
+            )
         if not judged.speed < stage.speed:
-            return f"{judged.mover} moves"
-        if self._changed(before.memory, result.state.memory, sums).any():
-            return "contacts open, close, slide or hold in turn"
-        return self._under_way(result.state)
+            return (
+                f"{judged.mover} moves, {judged.speed:.3g} of sqrt(g x its size) (speed "
+                f"{stage.speed:g})"
+            )
+        changes = self._changes(before.memory, result.state.memory, sums)
+        return changes or self._under_way(result.state)
 
     def _under_way(self, state: State) -> str:
         """Return what is still going to change by itself, "" where nothing is."""
@@ -175,16 +185,63 @@ class Judge:
         least = self.stage.force_ratio * np.minimum(size[own], size[other])
         return np.asarray(memory.normal_force > np.maximum(least, self._noise))
 
-    def _changed(self, before: ContactMemory, after: ContactMemory, sums: ForceSums) -> Bools:
-        """Return which contacts, first those of ``after``, have changed their mode and bear."""
-        count = len(self.model.vertices)
+    def _changes(self, before: ContactMemory, after: ContactMemory, sums: ForceSums) -> str:
+        """Return which contact that bears has changed its mode, "" where none has.
+
+        A corner that goes on to the next edge of the same block, with as much force and in the
+        same mode, has changed nothing.
+        """
+        count, blocks = len(self.model.vertices), self.model.block_count
         old, new = (one.vertex * count + one.edge for one in (before, after))
         old_bears, new_bears = (self._bears(one, sums) for one in (before, after))
         row, there = _rows(old, new)
         was = np.where(there, _taken(before.mode, row), OPEN)
         bore = there & _taken(old_bears, row)
+        changed = (was != after.mode) & (bore | new_bears)
         gone = ~np.isin(old, new, assume_unique=True) & old_bears & (before.mode != OPEN)
-        return np.concatenate([(was != after.mode) & (bore | new_bears), gone])
+        if not (changed.any() or gone.any()):
+            return ""
+        old, new = (one.vertex * blocks + one.block for one in (before, after))
+        gone_on, come_from = self._moved_on((before, after), (old, new), (gone, changed & ~bore))
+        gone, changed = gone & ~gone_on, changed & ~come_from
+        for which, memory in ((changed, after), (gone, before)):
+            if which.any():
+                one = int(which.argmax())
+                return self._named(memory, one, "changed" if memory is after else "opened")
+        return ""
+
+    def _moved_on(
+        self,
+        memories: tuple[ContactMemory, ContactMemory],
+        keys: tuple[Ints, Ints],
+        which: tuple[Bools, Bools],
+    ) -> tuple[Bools, Bools]:
+        """Return which contacts before and after a step are of a corner that went on to an edge.
+
+        ``keys`` are those of vertex and block, ``which`` those that have gone and have come.
+        """
+        (before, after), (old, new), (gone, come) = memories, keys, which
+        went, came = np.zeros_like(gone), np.zeros_like(come)
+        left = {int(old[row]): int(row) for row in np.flatnonzero(gone)}
+        for row in np.flatnonzero(come):
+            at = left.get(int(new[row]))
+            if at is None or before.mode[at] != after.mode[row]:
+                continue
+            forces = before.normal_force[at], after.normal_force[row]
+            least = self.stage.force_ratio * max(forces) + self._noise
+            if abs(forces[0] - forces[1]) <= least:
+                went[at] = came[row] = True
+        return went, came
+
+    def _named(self, memory: ContactMemory, row: int, did: str) -> str:
+        """Return a contact that has changed its mode, in words."""
+        names, mode = self.model.block_name, MODES[int(memory.mode[row])]
+        own, other = names[self.model.vertex_block[memory.vertex[row]]], names[memory.block[row]]
+        now = f" to {mode}" if did == "changed" else ""
+        return (
+            f"a contact of block '{own}' with '{other}' that bears "
+            f"{memory.normal_force[row]:.3g} N/m {did}{now} in the last step"
+        )
 
     def _held(
         self, held: Held, result: StepResult, sums: ForceSums, way: Floats, step: float

@@ -29,6 +29,8 @@ class Judged:
 
     force_ratio: float = np.inf
     """Largest unbalanced force on a block, as a share of all forces on it."""
+    unbalanced: str = ""
+    """Name of that block, "" where no force is out of balance."""
     speed: float = np.inf
     """Largest speed of a block, as a share of sqrt(g x its size)."""
     mover: Mover = field(default_factory=Mover)

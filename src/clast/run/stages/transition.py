@@ -19,12 +19,15 @@ from clast.model.openings import blocks_called
 from clast.model.stages.loads import with_loads
 from clast.model.stages.motion import InStages
 from clast.model.stages.records import Event
-from clast.model.stages.stage import Stage
+from clast.model.stages.stage import EQUILIBRIUM, Stage
 from clast.model.stages.strengths import with_strengths
 from clast.model.state import State
 from clast.run.excavation import as_in, excavated
 from clast.run.schedule import Schedule
 from clast.step.method import Method
+
+WELL_BELOW = 0.1
+"""Unbalanced force to which a step is solved, in units of what counts as none in equilibrium."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,6 +150,8 @@ def _method(method: Method, stage: Stage) -> Method:
     """Return the method of a stage."""
     if stage.dynamic_ratio is not None:
         method = replace(method, dynamic_ratio=stage.dynamic_ratio)
+    if stage.until == EQUILIBRIUM:
+        method = replace(method, balance=WELL_BELOW * stage.force_ratio)
     return method if stage.damping is None else replace(method, damping=stage.damping)
 
 
