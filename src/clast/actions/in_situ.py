@@ -17,8 +17,9 @@ from clast.actions.action import Done, Share, Solution, StepStart, energy_of_lin
 from clast.block.displacement import basis
 from clast.model.in_situ import InSituStress
 from clast.model.model import Floats, Ints, Model
-from clast.model.outline import outline_edges
+from clast.model.outline import outer_boundary, outline_edges
 from clast.model.state import Ledger
+from clast.model.water.faces import edges_of
 
 NOTHING = 1e-9
 """Share of the largest traction below which an edge is free: the ground surface."""
@@ -48,23 +49,28 @@ class Outline:
 
     def begin(self, model: Model) -> LoadedEnds:
         """Return the ends of loaded edges; those of fixed blocks need none."""
-        ends, length, normal, sigma = edges_of(model, self.stress)
+        edge, share = loaded_parts(model, self.stress)
+        length, normal, sigma = along_outline(model, self.stress, edge, share)
         traction = tractions(sigma, normal)
         size = np.hypot(*traction.T)
         bears = size > NOTHING * size.max(initial=0.0)
-        bears &= ~model.fixed[model.vertex_block[ends[:, 0]]]
-        ends, length, normal, traction = ends[bears], length[bears], normal[bears], traction[bears]
+        bears &= ~model.fixed[model.vertex_block[edge]]
+        edge, share, length = edge[bears], share[bears], length[bears]
+        normal, traction = normal[bears], traction[bears]
         along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
         held, slid = (self.stiffness * share for share in self.stress.held)
         hold = held * _squares(normal) + slid * _squares(along)
         # dashpots, and springs before them, are what viscous edges have beside the load
-        hold[np.isin(ends[:, 0], model.viscous_edges.edge)] = 0.0
-        vertex = ends.T.reshape(-1)
+        hold[np.isin(edge, model.viscous_edges.edge)] = 0.0
+        vertex = np.concatenate([edge, model.vertex_after[edge]])
+        # T is linear: what a uniform traction on a part is worth at the ends of its edge
+        middle = share.mean(axis=1)
+        weight = np.concatenate([1.0 - middle, middle])
         return LoadedEnds(
             vertex=vertex,
             block=model.vertex_block[vertex],
-            force=np.tile(0.5 * length[:, None] * traction, (2, 1)),
-            hold=np.tile(0.5 * hold, (2, 1, 1)),
+            force=weight[:, None] * np.tile(length[:, None] * traction, (2, 1)),
+            hold=weight[:, None, None] * np.tile(hold, (2, 1, 1)),
         )
 
     def share(self, start: StepStart, own: LoadedEnds) -> Share:
@@ -93,18 +99,43 @@ def _squares(direction: Floats) -> Floats:
     return direction[:, :, None] * direction[:, None]
 
 
-def edges_of(model: Model, stress: InSituStress) -> tuple[Ints, Floats, Floats, Floats]:
-    """Return ends (k, 2), lengths, m, and normals (k, 2) of the outline's edges, and the stress.
+def loaded_parts(model: Model, stress: InSituStress) -> tuple[Ints, Floats]:
+    """Return the parts of edges that the stress loads: edge (k,), share (k, 2).
 
-    That at their middles, Pa, (k, 3).
+    Those on the sides that are named, or on the convex hull.  Where the top of the model bears
+    stress it is cut out of the rock at depth: then notches within the hull are loaded too.  Where
+    it does not it is the ground surface, and so are the faces of slopes within the hull.
     """
-    ends = outline_edges(model.vertices, model.block_start, stress.sides)
-    first, last = model.vertices[ends[:, 0]], model.vertices[ends[:, 1]]
-    length = np.hypot(*(last - first).T)
-    along = (last - first) / length[:, None]
-    normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    middle = 0.5 * (first + last)[:, 1] + model.origin[1]
-    return ends, length, normal, stress.at(middle)
+    hull = outline_edges(model.vertices, model.block_start, stress.sides)[:, 0]
+    whole = np.tile([0.0, 1.0], (len(hull), 1))
+    if stress.sides or not _is_deep(model, stress):
+        return hull, whole
+    edges = edges_of(model.vertices, model.vertex_after, model.vertex_block, model.area)
+    edge, share = outer_boundary(edges, model.block_start)
+    notch = ~(np.isin(edge, hull) | np.isin(edge, stress.voids))
+    return np.concatenate([hull, edge[notch]]), np.concatenate([whole, share[notch]])
+
+
+def _is_deep(model: Model, stress: InSituStress) -> bool:
+    """Return whether the top of the model bears stress."""
+    height = model.vertices[:, 1] + model.origin[1]
+    top, bottom = np.abs(stress.at(np.array([height.max(), height.min()]))).max(axis=1)
+    return bool(top > NOTHING * bottom)
+
+
+def along_outline(
+    model: Model, stress: InSituStress, edge: Ints, share: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Return lengths, m, and normals (k, 2) of parts of edges, and the stress at their middles.
+
+    The stress in Pa, (k, 3).
+    """
+    first, last = model.vertices[edge], model.vertices[model.vertex_after[edge]]
+    way = last - first
+    length = np.hypot(*way.T)
+    normal = np.stack([way[:, 1], -way[:, 0]], axis=1) / length[:, None]
+    middle = first[:, 1] + share.mean(axis=1) * way[:, 1] + model.origin[1]
+    return length * np.diff(share, axis=1)[:, 0], normal, stress.at(middle)
 
 
 def tractions(stress: Floats, normal: Floats) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -81,6 +81,12 @@ class Contacts:
     def __repr__(self) -> str:
         nearest = f", smallest gap {self.gap.min():.3g} m" if len(self) else ""
         return f"Contacts({len(self)} between {len(self.pairs)} pairs of blocks{nearest})"
+
+
+def chosen(contacts: Contacts, kept: Bools) -> Contacts:
+    """Return the contacts that are ``kept`` (m,); pairs of blocks stay, were it without any."""
+    names = (one.name for one in fields(contacts) if one.name != "pairs")
+    return replace(contacts, **{name: getattr(contacts, name)[kept] for name in names})
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

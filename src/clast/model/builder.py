@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -55,6 +55,7 @@ from clast.model.model import (
     PointLoads,
     Rock,
 )
+from clast.model.outline import edges_on
 from clast.model.value_checks import check_number, check_numbers
 
 if TYPE_CHECKING:
@@ -278,6 +279,10 @@ class ModelBuilder(SupportsAndLoads):
         bed = Bed(outlines, table, own_joints, block_rock, gravity, tuple(self._factors))
         water, wet = waters_in(self._waters, bed)
         in_situ = stress_in_situ(self.in_situ, density * area, area, gravity, outlines.top)
+        if in_situ is not None and self.opening_outlines:
+            rings = [ring - outlines.origin for ring in self.opening_outlines.values()]
+            voids = edges_on(rings, outlines.vertices, outlines.following)
+            in_situ = replace(in_situ, voids=tuple(map(int, voids)))
         return Model(
             title=self.title,
             plane=self.plane,

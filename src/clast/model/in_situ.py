@@ -37,7 +37,10 @@ class InSituStress:
     (1, 0) are rollers, (1, 1) hold it altogether, (0, 0) leave it to the stress alone.
     """
     sides: tuple[str, ...] = ()
-    """Sides of the box around all blocks that are loaded; empty: all edges on the convex hull."""
+    """Sides of the box around all blocks that are loaded; empty: the convex hull, and the notches
+    within it where the stress at the top of the model says that it lies at depth."""
+    voids: tuple[int, ...] = ()
+    """Edges of openings that are there from the start, by their first vertices: these are free."""
 
     def at(self, y: Floats) -> Floats:
         """Return the stress (xx, yy, xy) at heights y (k,), m, in Pa, shape (k, 3)."""

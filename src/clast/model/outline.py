@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+
+from clast.model.water.faces import Edges, facing_edges, outer_parts
 
 Floats = NDArray[np.float64]
 Ints = NDArray[Any]
@@ -45,6 +48,35 @@ def outline_edges(vertices: Floats, block_start: Ints, sides: tuple[str, ...] = 
     along = (end - start) / np.hypot(*(end - start).T)[:, None]
     on = _on_hull(vertices, after, start, along, near)
     return np.stack([np.flatnonzero(on), after[on]], axis=1)
+
+
+def outer_boundary(edges: Edges, block_start: Ints) -> tuple[Ints, Floats]:
+    """Return the parts of edges on the outer boundary of all blocks: edge (k,), share (k, 2).
+
+    Notches of the boundary belong to it, openings within it do not.  ``block_start`` (n + 1,) is
+    the first vertex of each block.
+    """
+    vertices = edges.vertices
+    edge, share = outer_parts(edges, facing_edges(edges))
+    rings = shapely.linearrings(vertices, indices=edges.owner)
+    near = NEAR * float(np.hypot(*np.ptp(vertices, axis=0)))
+    # what is no wider than rounding closes
+    whole = shapely.union_all(shapely.buffer(shapely.polygons(rings), near, join_style="mitre"))
+    filled = [shapely.polygons(one.exterior) for one in shapely.get_parts(whole)]
+    middle = share.mean(axis=1)[:, None]
+    at = (1.0 - middle) * vertices[edge] + middle * vertices[edges.after[edge]]
+    boundary = shapely.boundary(shapely.union_all(filled))
+    outside = shapely.distance(shapely.points(at), boundary) <= 2.0 * near
+    return edge[outside], share[outside]
+
+
+def edges_on(rings: Iterable[Floats], vertices: Floats, after: Ints) -> Ints:
+    """Return the edges that lie on one of some closed lines (c, 2), m, by their first vertices."""
+    near = NEAR * float(np.hypot(*np.ptp(vertices, axis=0)))
+    lines = shapely.union_all([shapely.linearrings(ring) for ring in rings])
+    at = shapely.distance(shapely.points(vertices), lines) <= near
+    middle = shapely.points(0.5 * (vertices + vertices[after]))
+    return np.flatnonzero(at & at[after] & (shapely.distance(middle, lines) <= near))
 
 
 def _on_hull(vertices: Floats, after: Ints, start: Floats, along: Floats, near: float) -> Any:

@@ -33,7 +33,7 @@ from clast.block.displacement import basis
 from clast.compute.stopwatch import Stages
 from clast.contact.candidates import SearchDistance
 from clast.contact.clipped_spring import springs_of
-from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.contacts import ContactResponse, Contacts, chosen
 from clast.contact.coulomb import largest_forces
 from clast.contact.laws import Penalty, has_limits
 from clast.contact.memory import renew
@@ -52,7 +52,7 @@ from clast.minimise.islands import islands_of
 from clast.minimise.newton import Work
 from clast.minimise.potential import Potential
 from clast.minimise.schedule import Schedule
-from clast.model.model import Floats, Model
+from clast.model.model import Bools, Floats, Model
 from clast.model.state import State
 from clast.step.convex import FrictionLoop, Search
 from clast.step.integration import Scheme
@@ -62,7 +62,11 @@ from clast.step.start import Begun, begin, diagonal_terms
 SOLUTIONS = 200
 """Static solutions at most: contacts that slip or open shift their load to others."""
 BALANCED = 1e-12
-"""Force, in units of the largest contact force, that is none."""
+"""Force, in units of the largest one, that is none."""
+ROUNDED = 1e-6
+"""Change, in the same units, that may be rounding if it does not halve any more."""
+STALLED = 10
+"""Solutions in which it would have to."""
 NEAR = 1e-10
 """Force that a solution may leave open, in the same units: the next one goes on from there."""
 CLOSED = 0.5
@@ -74,7 +78,9 @@ RESTING = 1e-9
 LOOSE = 1e-3
 """Share of what presses on a block that is not balanced, from which it is said to move."""
 NOISE = 1e-9
-"""Force, in units of the largest contact force, that is not worth a word."""
+"""Force, in units of the largest one, that is not worth a word."""
+SMALLEST = 1e-100
+"""The least force that others are compared with, N/m."""
 NAMED = 5
 """Blocks that a message names at most."""
 
@@ -126,15 +132,18 @@ def in_equilibrium(
 
 def _settled(model: Model, method: Method, balance: Balance, step: float) -> Balance:
     """Return the forces and stresses of the static solution: another one changes them no more."""
-    factor = FactorOfStep(inexact(method.solver, DIRECTION))
+    factor, changes = FactorOfStep(inexact(method.solver, DIRECTION)), [np.inf] * STALLED
     for _ in range(SOLUTIONS):
         base = _static_terms(model, method, balance, step)
         before = balance.contacts
         balance = _shifted(model, method, balance, _minimum(model, balance, base, factor))
-        after, largest = balance.contacts, float(balance.contacts.normal_force.max(initial=0.0))
+        after, largest = balance.contacts, _largest(model, balance)
         change = np.abs(after.normal_force - before.normal_force)
         change = np.maximum(change, np.abs(after.shear_force - before.shear_force))
-        if change.max(initial=0.0) <= BALANCED * largest:
+        changes.append(float(change.max(initial=0.0)))
+        # beside a block that falls away, far in these equations, rounding is what is left
+        stalls = changes[-1] > 0.5 * changes[-1 - STALLED] and changes[-1] <= ROUNDED * largest
+        if changes[-1] <= BALANCED * largest or stalls:
             break
     return balance
 
@@ -154,15 +163,13 @@ def _minimum(
         graph=graph_of(springs, model.block_count),
         islands=islands_of(springs, model.fixed),
     )
-    force = float(np.hypot(*base.force[:, :2].T).max(initial=0.0))
-    force = max(force, float(contacts.normal_force.max(initial=0.0)))
     search = Search(
         law=law,
         rows=slice(None),
         schedule=Schedule(),
         friction=FrictionLoop(),
         # by the bound that holds without springs, for which there is nothing but inertia
-        tolerance=(NEAR * force) ** 2 / (RESTING * model.stiffest),
+        tolerance=(NEAR * _largest(model, balance)) ** 2 / (RESTING * model.stiffest),
         work=Work(factor=factor, counts={}, stages=Stages()),
     )
     return search.minimum(potential, contacts, (np.zeros((model.block_count, 6)),))
@@ -202,14 +209,24 @@ def _same(one: Contacts, other: Contacts) -> bool:
 
 
 def _contacts_of(model: Model, method: Method, state: State, step: float) -> Contacts:
-    """Return the contacts that there are at a state which does not move.
+    """Return the contacts that bear at a state which does not move.
 
-    None is farther from its edge than every process looks for.
+    None is farther from its edge than every process looks for, and none a corner that only meets
+    the corner of another block: which of its edges it would bear on is a matter of rounding.
     """
     begun = begin(model, _still(method), state, step, None)
     critdis = method.critdis
     reach = SearchDistance(front=CLOSED * critdis, depth=critdis, critdis=critdis)
-    return begun.contacts(reach, begun.drift)
+    contacts = begun.contacts(reach, begun.drift)
+    return chosen(contacts, (contacts.length > 0.0) | ~_at_corners(model, contacts, state, critdis))
+
+
+def _at_corners(model: Model, contacts: Contacts, state: State, critdis: float) -> Bools:
+    """Return which contacts (m,) are of vertices within ``critdis``, m, of an end of their edge."""
+    at, found = state.vertices[contacts.vertex], np.zeros(len(contacts), np.bool_)
+    for end in (contacts.edge, model.vertex_after[contacts.edge]):
+        found |= np.hypot(*(at - state.vertices[end]).T) <= critdis
+    return found
 
 
 def _looked_for_again(model: Model, method: Method, balance: Balance, step: float) -> Balance:
@@ -267,6 +284,14 @@ def _static_terms(model: Model, method: Method, balance: Balance, step: float) -
     # the same for blocks of any size, by which the equations are as well posed for all
     inertia = RESTING * model.stiffest / model.mass[:, None, None] * begun.frames.mass_matrix
     return _with_springs(replace(base, diagonal=base.diagonal + inertia), begun)
+
+
+def _largest(model: Model, balance: Balance) -> float:
+    """Return the largest force that a contact or a block bears, or a block's weight, N/m."""
+    in_blocks = np.abs(balance.state.stress).max(axis=1) * np.sqrt(model.area)
+    weight = model.mass * float(np.hypot(*model.gravity))
+    in_contacts = float(balance.contacts.normal_force.max(initial=0.0))
+    return max(in_contacts, float(in_blocks.max()), float(weight.max()), SMALLEST)
 
 
 def _unbalanced(model: Model, system: BlockSystem) -> Floats:
@@ -377,13 +402,14 @@ def _loose(model: Model, balance: Balance, force: Floats) -> tuple[str, ...]:
     borne = np.hypot(contacts.normal_force, contacts.shear_force)
     np.add.at(presses, contacts.vertex_block, borne)
     np.add.at(presses, contacts.edge_block, borne)
-    loose = force > np.maximum(LOOSE * presses, NOISE * float(borne.max(initial=0.0)))
+    loose = force > np.maximum(LOOSE * presses, NOISE * _largest(model, balance))
     if not loose.any():
         return ()
     worst = np.argsort(-force, kind="stable")[: np.count_nonzero(loose)]
     names = ", ".join(f"'{model.block_name[b]}'" for b in worst[:NAMED])
     more = f" and {len(worst) - NAMED} more" if len(worst) > NAMED else ""
-    text = f"{force[worst[0]]:.3g} N/m on block '{model.block_name[worst[0]]}' are balanced by nothing"
+    first = model.block_name[worst[0]]
+    text = f"{force[worst[0]]:.3g} N/m on block '{first}' are balanced by nothing"
     free = ~model.fixed
     if model.mass[loose].sum() <= 0.5 * model.mass[free].sum():
         return (f"in-situ stress: nothing holds block {names}{more}: {text}; it begins to move",)
