@@ -40,11 +40,18 @@ class StepStart:
     shape (n, 6); None: where the blocks are."""
     rotation: RotationRule = field(default_factory=Exact)
     """How blocks are placed with it."""
+    forces_at: float = 1.0
+    """Where in the step its forces are taken: 1 at the end, 1/2 half way."""
 
     @property
     def end(self) -> float:
         """Time at the end of the step, s."""
         return self.state.time + self.step
+
+    @property
+    def time_of_forces(self) -> float:
+        """Time at which loads act as they do then, s."""
+        return self.state.time + self.forces_at * self.step
 
     @cached_property
     def midway(self) -> Placed:
@@ -102,7 +109,12 @@ class Share:
     force: Floats = field(default_factory=_no_forces)
     """Generalised forces T^T f at d = 0, N/m and N, shape (k, 6)."""
     stiffness: Floats | None = None
-    """How these fall with the displacement of their block, -df/dd, shape (k, 6, 6)."""
+    """How these fall with the displacement of their block, -df/dd, shape (k, 6, 6).
+
+    Of springs it is ``forces_at`` of the step times that; of dashpots C/h.
+    """
+    forces_at: float = 1.0
+    """That of the step, where the stiffness is one of springs that are taken there."""
     springs: Springs | None = None
     """Clipped springs between points of two blocks."""
     carried: float = 1.0
@@ -157,8 +169,8 @@ class Done:
 def energy_of_linear(share: Share, displacement: Floats) -> tuple[float, float]:
     """Return what forces f - K d of a share have done over d (n, 6), J/m: work and stored energy.
 
-    The work is that of the forces at the end of the step, (f - K d).d; what they store grows by
-    -f.d + 1/2 d.K d, if they store it.
+    The work is that of the forces in the equations, (f - K d).d; what they store grows by -f.d and
+    by 1/2 d.K d of the whole stiffness, if they store it.
     """
     moved = displacement[share.block]
     # no BLAS: its threads would cost more than these sums, and add up in an order of their own
@@ -166,7 +178,7 @@ def energy_of_linear(share: Share, displacement: Floats) -> tuple[float, float]:
     if share.stiffness is None:
         return pushed, -pushed
     stretched = float(np.sum(np.einsum("kij,kj->ki", share.stiffness, moved) * moved))
-    return pushed - stretched, 0.5 * stretched - pushed
+    return pushed - stretched, 0.5 / share.forces_at * stretched - pushed
 
 
 def energy_of_springs(springs: Springs, solution: Solution) -> tuple[float, float]:

@@ -159,6 +159,8 @@ def _springs(start: StepStart, own: BoltStates, length: Floats) -> Springs | Non
     stretch = np.where(held, 0.0, size - own.rest[acts] - own.plastic[acts])
     slack = np.where(bolts.compression[acts], strength, 0.0)
     across = np.where(apart, np.maximum(own.force[acts], 0.0) / np.where(apart, size, 1.0), 0.0)
+    # one that is slack, and may become taut, bears what it does at the end of the step
+    place = np.where(own.force[acts] == 0.0, 1.0, start.forces_at)
     found, _ = table(
         vertex_block=block[:, 0],
         edge_block=block[:, 1],
@@ -170,7 +172,9 @@ def _springs(start: StepStart, own: BoltStates, length: Floats) -> Springs | Non
             stiffness=bolts.stiffness[acts],
             low=np.where(held, -tension, -strength),
             high=np.where(held, -tension, slack),
-        ),
-        shear=Clipped(at_zero=none, stiffness=across, low=none - np.inf, high=none + np.inf),
+        ).taken_at(place, stretch),
+        shear=Clipped(
+            at_zero=none, stiffness=across, low=none - np.inf, high=none + np.inf
+        ).taken_at(place, none),
     )
     return found

@@ -82,7 +82,8 @@ class Outline:
         return Share(
             block=own.block,
             force=np.einsum("kxi,kx->ki", rows, force),
-            stiffness=np.einsum("kxi,kxy,kyj->kij", rows, own.hold, rows),
+            stiffness=start.forces_at * np.einsum("kxi,kxy,kyj->kij", rows, own.hold, rows),
+            forces_at=start.forces_at,
         )
 
     def finish(self, start: StepStart, own: LoadedEnds, share: Share, solution: Solution) -> Done:

@@ -24,7 +24,7 @@ class Loads:
         """Return nothing: the loads are known beforehand."""
 
     def share(self, start: StepStart, own: None) -> Share:
-        """Return the generalised force of each load, times its factor at the end of the step."""
+        """Return the generalised force of each load, times its factor when forces are taken."""
         model, points, midway = start.model, start.model.point_slices, start.midway
         first, last = midway.points[points.line_start], midway.points[points.line_end]
         length = np.hypot(*(last - first).T)
@@ -34,7 +34,7 @@ class Loads:
             [model.point_loads.force, length[:, None] * model.line_loads.traction]
         )
         number = np.concatenate([model.point_loads.factor, model.line_loads.factor])
-        force = factors_at(model.factors, number, start.end)[:, None] * force
+        force = factors_at(model.factors, number, start.time_of_forces)[:, None] * force
         rows = basis(at - midway.centroid[block])
         return Share(block=block, force=np.einsum("kxi,kx->ki", rows, force))
 

@@ -57,7 +57,7 @@ class Pressures:
         after = np.where(after < past, after, model.block_start[loads.block])
         first, last = midway.vertices[loads.edge], midway.vertices[after]
         ends = first[:, None] + loads.share[:, :, None] * (last - first)[:, None]
-        factor = factors_at(model.factors, loads.factor, start.end)
+        factor = factors_at(model.factors, loads.factor, start.time_of_forces)
         force = pressure_forces(
             ends - midway.centroid[loads.block][:, None], factor[:, None] * loads.pressure
         )

@@ -92,13 +92,13 @@ class Relaxation:
         return no_forces(model.gone)
 
     def share(self, start: StepStart, own: SupportForces) -> Share:
-        """Return what is left of the forces at the end of the step."""
+        """Return what is left of the forces when forces are taken."""
         if not len(own.block):
             return Share()
         first, second = start.midway.vertices[own.vertex.T]
         at = first + own.share[:, None] * (second - first)
         rows = basis(at - start.midway.centroid[own.block])
-        left = np.clip(1.0 - (start.end - own.since) / own.duration, 0.0, 1.0)
+        left = np.clip(1.0 - (start.time_of_forces - own.since) / own.duration, 0.0, 1.0)
         return Share(
             block=own.block, force=np.einsum("kxi,kx->ki", rows, left[:, None] * own.force)
         )

@@ -2,7 +2,8 @@
 
     f = -k (x - anchor),    x = x0 + T d at the end of the step
 
-As all forces of a step they act with their stretch at its end; the anchors have then moved.
+As all forces of a step they act with their stretch at its end, when the anchors have moved; or with
+the mean of those at its start and its end, where the step takes its forces half way.
 """
 
 from __future__ import annotations
@@ -34,32 +35,40 @@ class Supports:
         return Share(
             block=start.model.fixed_points.block,
             force=-k * np.einsum("kxi,kx->ki", rows, drift),
-            stiffness=k * np.einsum("kxi,kxj->kij", rows, rows),
+            stiffness=start.forces_at * k * np.einsum("kxi,kxj->kij", rows, rows),
+            forces_at=start.forces_at,
         )
 
     def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
         """Return the work of the springs, what they store, and what a moving ground has done.
 
-        The ground moves the anchors by u under the forces at the end of the step; that alone
-        stretches a spring, by -u, if its block does not move.
+        The ground moves the anchors by u under the forces of the step; that alone stretches a
+        spring, by -u, if its block does not move.
         """
         work, stored = energy_of_linear(share, solution.displacement)
         ground = start.model.ground_motion
-        moved = ground.anchor_displacement(start.end)
-        moved = moved - ground.anchor_displacement(start.state.time)
+        before, after = (ground.anchor_displacement(t) for t in (start.state.time, start.end))
+        moved = after - before
         if not moved.any():
             return Done(work=work, ledger=Ledger(fixed_points=stored))
         rows, drift = self._rows(start)
         # what held an excavated block does not stretch any more
         moved = np.where(start.model.gone[share.block, None], 0.0, moved)
-        held = drift + np.einsum("kxi,ki->kx", rows, solution.displacement[share.block])
-        brought = -self.stiffness * float(np.sum(held * moved))
-        stored -= self.stiffness * float(np.sum((drift + 0.5 * moved) * moved))
+        followed = np.einsum("kxi,ki->kx", rows, solution.displacement[share.block])
+        at = start.forces_at
+        brought = -self.stiffness * float(np.sum((drift + at * followed) * moved))
+        mean = (1.0 - at) * followed + drift + (at - 0.5) * moved
+        stored -= self.stiffness * float(np.sum(mean * moved))
         return Done(work=work, ledger=Ledger(fixed_points=stored, loads=brought))
 
     def _rows(self, start: StepStart) -> tuple[Floats, Floats]:
-        """Return T (k, 2, 6) at the points and their distance (k, 2) from the anchors, m."""
-        points = start.model.fixed_points
+        """Return T (k, 2, 6) at the points and their distance (k, 2) from the anchors, m.
+
+        The anchors are where they are when forces are taken: between those of start and end.
+        """
+        points, ground = start.model.fixed_points, start.model.ground_motion
         at = start.state.points[start.model.point_slices.fixed]
-        anchor = points.at + start.model.ground_motion.anchor_displacement(start.end)
+        before, after = (ground.anchor_displacement(t) for t in (start.state.time, start.end))
+        share = start.forces_at
+        anchor = points.at + ((1.0 - share) * before + share * after)
         return basis(at - start.frames.centroid[points.block]), at - anchor

@@ -52,7 +52,7 @@ class _Acting:
     wave: Floats
     """Force of the wave that comes in, N/m, shape (k, 2, 2)."""
     stiffness: Floats
-    """Of springs, or of dashpots by h, N/m per m, shape (k, 2, 2)."""
+    """Of springs where forces are taken, or of dashpots by h, N/m per m, shape (k, 2, 2)."""
     released: float
     """Energy in springs that have gone, J/m."""
 
@@ -92,7 +92,7 @@ class ViscousBoundary:
             work=came + pulled - taken - stretched,
             ledger=Ledger(
                 boundary=taken - came,
-                fixed_points=0.5 * stretched - pulled - acting.released,
+                fixed_points=0.5 / start.forces_at * stretched - pulled - acting.released,
                 removed=acting.released,
             ),
             own=Reaction(force=acting.resting, held=acting.held),
@@ -138,7 +138,7 @@ class ViscousBoundary:
             resting=np.where(going[:, None, None], kept, own.force),
             pull=np.where(by_springs, pull, 0.0),
             wave=np.repeat(wave[:, None], 2, axis=1),
-            stiffness=np.where(by_springs, hold, dashpots / start.step),
+            stiffness=np.where(by_springs, start.forces_at * hold, dashpots / start.step),
             released=-0.5 * float(np.sum((pull * away)[going])),
         )
 

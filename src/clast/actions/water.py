@@ -86,9 +86,9 @@ class WaterPressure:
         block: list[Ints] = []
         force: list[Floats] = []
         for water in model.water:
-            if not water.pressure_of_head(start.end):
+            if not water.pressure_of_head(start.time_of_forces):
                 continue
-            found = pressed_by(water, model, midway.vertices, start.end)
+            found = pressed_by(water, model, midway.vertices, start.time_of_forces)
             left, right = found.forces(midway.centroid)
             paired = found.other >= 0
             block += [found.block, found.other[paired]]

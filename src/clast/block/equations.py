@@ -21,7 +21,8 @@ def terms(
     """Return K (n, 6, 6), F and its part that is momentum, M/(theta h2) drift, (n, 6) each.
 
     ``inertia``: mass matrix (n, 6, 6), 1/(theta h2) in 1/s2 and the drift h v (n, 6), m;
-    ``elastic``: area (n,), m2, and E' (n, 3, 3), Pa; ``stress`` (n, 3) in Pa, ``mass`` (n,) in
+    ``elastic``: area (n,), m2, and E' (n, 3, 3), Pa, times the share of the step after which stress
+    is taken; ``stress`` (n, 3) in Pa, ``mass`` (n,) in
     kg/m, ``acceleration`` (2,) of every mass, m/s2 (Shi 1988).
     """
     matrix, drift = np.empty_like(inertia[0]), inertia[2]

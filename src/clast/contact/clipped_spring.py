@@ -73,6 +73,14 @@ class Clipped:
         """The same as kernels take it."""
         return self.at_zero, self.stiffness, self.low, self.high
 
+    def taken_at(self, place: Floats, start: Floats) -> Clipped:
+        """Return the springs that bear at x what these do at a ``place`` between start and x.
+
+        ``start`` (m,), m, is the stretch there, ``place`` (m,) 0 at the start and 1 at x.
+        """
+        before = self.at_zero - (1.0 - place) * self.stiffness * start
+        return replace(self, at_zero=before, stiffness=place * self.stiffness)
+
     def put(self, rows: Rows, others: Clipped) -> Clipped:
         """Return the springs with others in some of their rows."""
         result = [one.copy() for one in self.arrays]

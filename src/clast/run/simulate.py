@@ -47,6 +47,8 @@ SMALLEST_SHARE = 2.0**-12
 """The smallest step tried, as a share of the wanted one, unless the schedule names it."""
 ROUNDING = 1e-9
 """Share of a step by which times may differ and be the same."""
+UNFELT = 1e-3
+"""Share of the energy turned over that may have been created: a wave brings all there is."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -316,7 +318,7 @@ class _March:
             if stepping.frame_is_due(self.now):
                 self.recorder.frame(result.state, result.contacts, result.response)
                 self.now = stepping.with_frame(self.now)
-            _reject_created_energy(stepping.model, stepping.method, result.state, self.now.first)
+            _reject_created_energy(stepping.model, stepping.method, self.now)
             if self.keep:
                 self.keep(self.now)
 
@@ -405,11 +407,13 @@ def _progress(now: RunState, result: StepResult, stepping: Stepping) -> Progress
     )
 
 
-def _reject_created_energy(model: Model, method: Method, state: State, first: Ledger) -> None:
+def _reject_created_energy(model: Model, method: Method, now: RunState) -> None:
     """Raise StepRejected where the blocks hold far more energy than they can have."""
-    created = energy_balance.created(state.ledger, first)
-    allowed = energy_balance.tolerated(model, state.ledger, first)
+    state = now.state
+    created = energy_balance.created(state.ledger, now.first)
+    allowed = energy_balance.tolerated(model, state.ledger, now.first)
     allowed += energy_balance.round_off(model, method, state, len(state.memory))
+    allowed += UNFELT * now.seen.turned_over
     if created > allowed:
         raise StepRejected(
             StepOutcome.ENERGY_CREATED,

@@ -54,6 +54,14 @@ class Watched:
     overlaps: Mapping[tuple[str, str], Overlap] = field(default_factory=dict)
     """The deepest overlap that contacts do not know of, by the names of the blocks."""
 
+    @property
+    def turned_over(self) -> float:
+        """Largest change of any entry of the ledger so far, J/m.
+
+        Kinetic energy counts from rest: a flight that nothing slows down is no small change.
+        """
+        return float((self.greatest - self.least).max())
+
 
 @dataclass(frozen=True, kw_only=True)
 class Watch:
@@ -158,7 +166,7 @@ class Watch:
         ratio = min(self.carried, self.method.dynamic_ratio)
         if ratio < 1.0 or self.method.integrator.theta > 0.5:
             return ""
-        turned_over = _turned_over(seen)
+        turned_over = seen.turned_over
         share = abs(ledger.numerical) / turned_over if turned_over > 0.0 else 0.0
         if share <= LOST or abs(ledger.numerical) <= self._negligible(ledger):
             return ""
@@ -170,7 +178,7 @@ class Watch:
 
     def _of_balance(self, seen: Watched, ledger: Ledger) -> str:
         """Return a warning where the entries of the ledger fail to explain too much energy."""
-        turned_over = max(_turned_over(seen), self._negligible(ledger))
+        turned_over = max(seen.turned_over, self._negligible(ledger))
         if abs(ledger.unaccounted) <= UNEXPLAINED * turned_over:
             return ""
         return (
@@ -251,11 +259,3 @@ class Watch:
             f"({self.method.contact_law.normal_stiffness:.3g}), or give an initial_stress that "
             "gravity, loads and supports balance"
         )
-
-
-def _turned_over(seen: Watched) -> float:
-    """Return the largest change of any entry of the ledger so far, J/m.
-
-    Kinetic energy counts from rest: a flight that nothing slows down is no small change.
-    """
-    return float((seen.greatest - seen.least).max())

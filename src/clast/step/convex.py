@@ -46,6 +46,7 @@ from clast.model.state import State
 from clast.step.energy_balance import noise_of, round_off
 from clast.step.finish import finish
 from clast.step.impact import after_impacts, bearing, first_bases, scheme_of
+from clast.step.integration import HalfWay, half_way
 from clast.step.method import Method, Solved, StepResult, Workspace
 from clast.step.relief import relieved
 from clast.step.start import Begun, begin, diagonal_terms
@@ -136,7 +137,9 @@ class Convex:
             contacts = relieved(model, method, begun.state, contacts)
             graph = graph_of(contacts, model.block_count)
             entering = after_impacts(begun, contacts, graph, self.restitution)
-            scheme = scheme_of(begun, contacts, graph, entering)
+            share = begun.at.forces_at
+            taken = half_way(model, method.contact_law, contacts, share, begun.step)
+            scheme = scheme_of(begun, contacts, graph, entering, taken)
         with stages("base system"):
             base = diagonal_terms(begun, entering.drift, scheme)
             others = () if begun.springs is None else (begun.springs,)
@@ -161,6 +164,7 @@ class Convex:
         factor = FactorOfStep(inexact(method.solver, DIRECTION), begun.workspace.patterns)
         search = Search(
             law=method.contact_law,
+            taken=taken,
             rows=rows,
             schedule=self.schedule(factor),
             friction=self.friction(),
@@ -178,7 +182,7 @@ class Convex:
             unknowns=unknowns,
             contacts=contacts,
             response=response,
-            applied=(response.normal_force, response.shear_force),
+            applied=search.applied(contacts, response, unknowns),
             bearing=bearing(contacts, entering, response.normal_force),
             depth=JUMP * method.critdis,
             lost=entering.lost,
@@ -230,6 +234,8 @@ class Search:
     """The minimum with friction bounds, bonds and multipliers in accord with it."""
 
     law: ContactLaw
+    taken: HalfWay | None
+    """Where in the step the contacts' forces are taken; None: at its end."""
     rows: Rows
     """Where the contacts are in the table of springs."""
     schedule: Schedule
@@ -328,10 +334,28 @@ class Search:
     def bound(self, potential: Potential, contacts: Contacts) -> Potential:
         """Return the potential with the springs that the contacts are now."""
         if has_limits(self.law):
-            return replace(
-                potential, springs=potential.springs.put(self.rows, *clipped(self.law, contacts))
-            )
-        return replace(potential, law=OfContacts(self.law, contacts, self.rows, potential.springs))
+            springs = clipped(self.law, contacts)
+            if self.taken is not None:
+                springs = self.taken.springs(springs, contacts)
+            return replace(potential, springs=potential.springs.put(self.rows, *springs))
+        of_contacts = OfContacts(self.law, self.taken, contacts, self.rows, potential.springs)
+        return replace(potential, law=of_contacts)
+
+    def applied(
+        self, contacts: Contacts, response: ContactResponse, unknowns: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return the forces N and T (m,), N/m, of the equations solved by ``unknowns`` (n, 6).
+
+        They are those of the ``response`` at the end but where they are taken half way.
+        """
+        at_end = response.normal_force, response.shear_force
+        if self.taken is None:
+            return at_end
+        opening, slip = contact_motions(contacts, unknowns)
+        on_the_way = self.taken.respond(self.law, contacts, contacts.gap + opening, slip)
+        halved = self.taken.bearing(contacts)
+        normal = np.where(halved, on_the_way.normal_force, at_end[0])
+        return normal, np.where(halved, on_the_way.shear_force, at_end[1])
 
 
 @dataclass(frozen=True)
@@ -339,6 +363,8 @@ class OfContacts:
     """What springs bear of which some are contacts whose law is no clipped straight line."""
 
     law: ContactLaw
+    taken: HalfWay | None
+    """Where in the step the contacts' forces are taken; None: at its end."""
     contacts: Contacts
     rows: Rows
     """Where the contacts are in the table of springs."""
@@ -347,7 +373,7 @@ class OfContacts:
 
     def at(self, gap: Floats, slip: Floats) -> Bearing:
         """Return what all springs bear at gaps and slips (m,), m."""
-        answer = self.law.respond(self.contacts, gap[self.rows], slip[self.rows])
+        answer = self._answer(gap, slip)
         if len(self.contacts) == len(self.springs):
             return answer
         forces = self.springs.at(gap, slip)
@@ -357,9 +383,16 @@ class OfContacts:
 
     def energy(self, gap: Floats, slip: Floats) -> float:
         """Return the energy of all springs at gaps and slips (m,), m, in J/m."""
-        answer = self.law.respond(self.contacts, gap[self.rows], slip[self.rows])
+        answer = self._answer(gap, slip)
         of_contacts = float(answer.energy.sum() + answer.dissipation.sum())
         return of_contacts + self.springs.energy(gap, slip)
+
+    def _answer(self, gap: Floats, slip: Floats) -> ContactResponse:
+        """Return what the contacts answer."""
+        gap, slip = gap[self.rows], slip[self.rows]
+        if self.taken is None:
+            return self.law.respond(self.contacts, gap, slip)
+        return self.taken.respond(self.law, self.contacts, gap, slip)
 
 
 def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:

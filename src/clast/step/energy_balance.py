@@ -1,6 +1,7 @@
 """The energy ledger: what each kind of force did in a step, measured term by term.
 
-For unknowns d, every force of the step's equations does the work F.d at its end-of-step value.
+For unknowns d, every force of the step's equations does the work F.d at its end-of-step value, or
+at that of its middle where the scheme has forces taken there.
 Where that differs from the change of the energy that the force stores, the difference is what the
 time integration removed.  Kinetic energy is compared with the inertia terms of the scheme, so
 ``unaccounted`` is what the solved equations leave open: it is measured, not made to vanish.
@@ -37,7 +38,7 @@ def opening(model: Model, state: State) -> Ledger:
     energies = energies_of_blocks(  # those of a step in which nothing moves
         (np.zeros_like(velocity), velocity, velocity),
         (frames.mass_matrix, 1.0),
-        (stress, stress),
+        (stress, stress, stress),
         (model.area, model.compliance),
     )
     contact = state.ledger.contact
@@ -99,10 +100,18 @@ class Ended:
     """Velocity, shape (n, 6)."""
     stress: Floats
     """Stress, Pa, shape (n, 3)."""
+    forces_at: float = 1.0
+    """Where in the step the stress acted, 1 at its end."""
     gap: Floats
     """Gap of each contact, m, shape (m,)."""
     slip: Floats
     """Slip of each contact in the step, m, shape (m,)."""
+
+    def acted_from(self, before: Floats) -> Floats:
+        """Return the stress (n, 3) of the equations, Pa; ``before`` (n, 3) is that of the start."""
+        if self.forces_at == 1.0:
+            return self.stress
+        return before + self.forces_at * (self.stress - before)
 
 
 def balance(
@@ -137,7 +146,7 @@ def _with_blocks_and_contacts(begun: Begun, solved: Solved, ended: Ended) -> Led
     of_blocks = energies_of_blocks(
         (solved.unknowns, solved.velocity, ended.velocity),
         (begun.frames.mass_matrix, begun.step),
-        (begun.state.stress, ended.stress),
+        (begun.state.stress, ended.acted_from(begun.state.stress), ended.stress),
         (model.area, model.compliance),
     )
     entering, kinetic, inertia_work = map(float, of_blocks[:3])
@@ -185,7 +194,7 @@ def _of_chunk(first, last, motion, inertia, stresses, elastic, s):
     """Add up the energies and works of blocks ``first`` to ``last`` - 1 in s (6,)."""
     d, entering, leaving = motion
     mass_matrix, step = inertia
-    before, after = stresses
+    before, acting, after = stresses
     area, compliance = elastic
     force = np.empty((1, 6))
     for b in range(first, last):
@@ -197,7 +206,7 @@ def _of_chunk(first, last, motion, inertia, stresses, elastic, s):
         s[3] += _strain_energy(b, area, compliance, before)
         s[4] += _strain_energy(b, area, compliance, after)
         for k in range(3):
-            s[5] -= area[b] * after[b, k] * d[b, 3 + k]
+            s[5] -= area[b] * acting[b, k] * d[b, 3 + k]
 
 
 @shared(Sharing(part=CHUNK, many=1))
@@ -216,7 +225,8 @@ def energies_of_blocks(motion, inertia, stresses, elastic):
     summed up first.
 
     ``motion``: d and the velocities that entered and left, (n, 6) each.  ``inertia``: mass matrix
-    (n, 6, 6) and h.  ``stresses``: before and after the step, unturned, Pa, (n, 3) each.
+    (n, 6, 6) and h.  ``stresses``: before the step, in its equations and after it, unturned, Pa,
+    (n, 3) each.
     ``elastic``: area (n,) and compliance (n, 3, 3).
     """
     area = elastic[0]

@@ -66,6 +66,7 @@ def end_of(begun: Begun, solved: Solved) -> Ended:
     return Ended(
         velocity=velocity,
         stress=end_stress(begun.model, begun.state, solved.unknowns),
+        forces_at=begun.at.forces_at,
         gap=solved.contacts.gap + opening,
         slip=slip,
     )

@@ -37,7 +37,7 @@ from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_f
 from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step import collisions, stopping
-from clast.step.integration import Scheme
+from clast.step.integration import HalfWay, Scheme
 from clast.step.start import Begun
 
 IMPACT = 1.0
@@ -192,12 +192,19 @@ def slowest_of(law: ContactLaw) -> float:
     return RESETTING if has_multipliers(law) and not law.carries else SLOWEST
 
 
-def scheme_of(begun: Begun, contacts: Contacts, graph: Graph, entering: Entering) -> Scheme:
-    """Return how the blocks take a step: where contacts close that stop them with theta = 1."""
+def scheme_of(
+    begun: Begun, contacts: Contacts, graph: Graph, entering: Entering, taken: HalfWay | None
+) -> Scheme:
+    """Return how the blocks take a step: where contacts close that stop them with theta = 1.
+
+    Contacts whose forces are ``taken`` half way stop nothing.
+    """
     model, scheme = begun.model, begun.scheme
     threshold = slowest_of(begun.method.contact_law) * float(np.hypot(*model.gravity)) * begun.step
     moved, _ = contact_motions(contacts, entering.drift)
     closes = closing(contacts.gap, moved, entering.rate, threshold)
+    if taken is not None:
+        closes &= ~taken.bearing(contacts)
     if scheme.theta == 1.0 or not closes.any():
         return scheme
     bears = closes | (contacts.normal_force > 0.0)

@@ -1,10 +1,10 @@
-"""The theta family of implicit schemes.
+"""The theta family of implicit schemes, and where in a step they take their forces.
 
     M (v+ - v) = h F,   d = h ((1 - theta) v + theta v+)
 
-with F the forces at the end of the step.  theta = 1/2 is constant acceleration (Shi 1988), 1 is
-backward Euler.  Eliminating v+ gives M/(theta h2) (d - h v) = F.  Every block receives the impulse
-h F whatever its theta, so blocks with different theta still exchange momentum exactly.
+theta = 1/2 is constant acceleration (Shi 1988), 1 is backward Euler.  Eliminating v+ gives
+M/(theta h2) (d - h v) = F.  Every block receives the impulse h F whatever its theta, so blocks with
+different theta still exchange momentum exactly.
 
 theta may be 1 for some motions of a block and the scheme's for all others: with Q that takes of a
 motion what contacts stop, orthogonally in the sense of M, M (1/theta + (1 - 1/theta) Q) stands in
@@ -12,16 +12,34 @@ place of M/theta.  What is free of these contacts moves as if they were not ther
 
 Where impacts change a block's velocity within the step (step/impact.py) v is that after them,
 and in place of h v stands how far the block would go, its ``drift``.
+
+F are the forces at the end of the step, which takes energy from vibrations; or those half way
+(the implicit midpoint rule; Simo, Tarnow & Wong 1992): what is stretched by x at the start and by
+x + d at the end bears what it does at x + d/2.  A contact then has
+
+    N = clip(N_0 - p (gap + x_n/2)),    T = clip(T_0 - k x_t/2)
+
+with x_n and x_t by how much it opens and slips, if it bears when the step starts or has a tensile
+strength.  Work and stored energy then agree to the last digit where the force goes straight,
+N x_n = 1/2 p gap^2 - 1/2 p (gap + x_n)^2; where it is clipped on the way, for the contact opens or
+slips, energy is lost and never made.  A contact that bears nothing may close, and half of that way
+would resist too little: it has the forces of the end of the step, which resist too much.  So has
+one without tensile strength whose own swing the step leaps over, w h > 2 pi: what rests on it would
+swing from step to step for ever.  Multipliers are those of the end of the step.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Protocol
 
 import numpy as np
 
-from clast.model.model import Floats, Ints
+from clast.contact.clipped_spring import Clipped
+from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.laws import ContactLaw, normal_stiffness_of
+from clast.contact.multipliers import has_multipliers
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.step import stopping
 
 
@@ -57,12 +75,20 @@ def end_velocity(scheme: Scheme, displacement: Floats, drift: Floats, velocity: 
 
 
 class Integrator(Protocol):
-    """An implicit time scheme of the theta family: d = h ((1 - theta) v + theta v+)."""
+    """An implicit time scheme of the theta family: d = h ((1 - theta) v + theta v+).
+
+    One that takes its forces elsewhere than at the end of the step says where: ``forces_at``.
+    """
 
     @property
     def theta(self) -> float:
         """Share of the end velocity in the displacement, 1/2 to 1."""
         ...
+
+
+def forces_at(integrator: Integrator) -> float:
+    """Return where in the step a scheme takes the forces of springs and straining, 1/2 to 1."""
+    return float(getattr(integrator, "forces_at", 1.0))
 
 
 @dataclass(frozen=True)
@@ -77,3 +103,77 @@ class BackwardEuler:
     """(1/h2) M d = (1/h) M v + F at the end of the step; v+ = d/h; dissipative."""
 
     theta: ClassVar[float] = 1.0
+
+
+@dataclass(frozen=True)
+class Midpoint:
+    """(2/h2) M d = (2/h) M v + F at mid-step; v+ = (2/h) d - v; of second order, no damping."""
+
+    theta: ClassVar[float] = 0.5
+    forces_at: ClassVar[float] = 0.5
+
+
+FOLLOWED = 2.0 * np.pi
+"""Largest w h of a contact without tensile strength that is taken half way."""
+
+
+@dataclass(frozen=True)
+class HalfWay:
+    """Where in the step the forces of contacts are taken."""
+
+    share: float
+    """Place of those that bear when it starts: 0 at the start, 1 at the end."""
+    springs_only: Bools
+    """Contacts without multipliers, shape (m,)."""
+    followed: Bools
+    """Contacts whose own swing the step follows, shape (m,)."""
+
+    def bearing(self, contacts: Contacts) -> Bools:
+        """Return which contacts are taken there, shape (m,)."""
+        bears = self.followed & (contacts.normal_force > 0.0)
+        return np.asarray(self.springs_only & (bears | (contacts.tensile_strength > 0.0)))
+
+    def place(self, contacts: Contacts) -> Floats:
+        """Return where the forces of each contact are taken, shape (m,)."""
+        return np.where(self.bearing(contacts), self.share, 1.0)
+
+    def springs(
+        self, springs: tuple[Clipped, Clipped], contacts: Contacts
+    ) -> tuple[Clipped, Clipped]:
+        """Return normal and shear springs that at gap and slip bear what these do on the way."""
+        normal, shear = springs
+        place, none = self.place(contacts), np.zeros(len(contacts))
+        return normal.taken_at(place, contacts.gap), shear.taken_at(place, none)
+
+    def respond(
+        self, law: ContactLaw, contacts: Contacts, gap: Floats, slip: Floats
+    ) -> ContactResponse:
+        """Return what a law answers on the way to gaps and slips (m,), m, as functions of these.
+
+        The energy is that of the potential whose slopes the forces are.
+        """
+        place = self.place(contacts)
+        answer = law.respond(contacts, contacts.gap + place * (gap - contacts.gap), place * slip)
+        return replace(
+            answer,
+            normal_stiffness=place * answer.normal_stiffness,
+            shear_stiffness=place * answer.shear_stiffness,
+            energy=answer.energy / place,
+            dissipation=answer.dissipation / place,
+        )
+
+
+def half_way(
+    model: Model, law: ContactLaw, contacts: Contacts, share: float, step: float
+) -> HalfWay | None:
+    """Return where in a step of ``step``, s, the forces of the contacts are taken.
+
+    It takes those of springs and straining at ``share`` of it; None: all are those of its end.
+    """
+    if share == 1.0:
+        return None
+    mobility = np.where(model.fixed, 0.0, 1.0 / model.mass)
+    both = mobility[contacts.vertex_block] + mobility[contacts.edge_block]
+    swing = np.sqrt(normal_stiffness_of(contacts, law) * both)
+    own = np.isnan(contacts.normal_stiffness) & has_multipliers(law)
+    return HalfWay(share, ~own, swing * step <= FOLLOWED)

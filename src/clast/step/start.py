@@ -10,7 +10,7 @@ rotation.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -26,7 +26,7 @@ from clast.linear.system import DiagonalTerms
 from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step import stopping
-from clast.step.integration import Scheme
+from clast.step.integration import Scheme, forces_at
 from clast.step.links import springs_between
 from clast.step.method import Method, Workspace
 
@@ -106,11 +106,16 @@ def begin(
         step=step,
         ahead=ahead * state.velocity if ahead > 0.0 else None,
         rotation=method.rotation,
+        forces_at=forces_at(method.integrator),
     )
     actions = actions_of(model, method.fixed_point_stiffness, method.damping)
     own = own_states(actions, model, state)
     shares = shares_of(actions, at, own)
     carried = method.dynamic_ratio * math.prod(share.carried for share in shares)
+    if carried < 1.0 and at.forces_at < 1.0:
+        # what does not swing on would step from one side of its equilibrium to the other
+        at = replace(at, forces_at=1.0)
+        shares = shares_of(actions, at, own)
     return Begun(
         at=at,
         method=method,
@@ -124,10 +129,10 @@ def begin(
 
 def diagonal_terms(begun: Begun, drift: Floats, scheme: Scheme) -> DiagonalTerms:
     """Return everything of a step but what couples blocks; ``drift`` (n, 6) is h v, m."""
-    model, frames = begun.model, begun.frames
+    model, frames, share = begun.model, begun.frames, begun.at.forces_at
     matrix, force, momentum = equations.terms(
         (frames.mass_matrix, scheme.inertia, drift),
-        (model.area, model.elasticity),
+        (model.area, model.elasticity if share == 1.0 else share * model.elasticity),
         begun.state.stress,
         model.mass,
         begun.acceleration,

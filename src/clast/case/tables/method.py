@@ -47,6 +47,7 @@ ROTATIONS = {
 INTEGRATORS = {
     "constant-acceleration": "clast.step.integration:ConstantAcceleration",
     "backward-euler": "clast.step.integration:BackwardEuler",
+    "midpoint": "clast.step.integration:Midpoint",
 }
 SOLVERS = {
     "auto": "clast.linear.solvers:Automatic",
