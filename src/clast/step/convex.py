@@ -46,7 +46,7 @@ from clast.model.state import State
 from clast.step.energy_balance import noise_of, round_off
 from clast.step.finish import finish
 from clast.step.impact import after_impacts, bearing, first_bases, scheme_of
-from clast.step.integration import HalfWay, half_way
+from clast.step.integration import HalfWay, answer, half_way
 from clast.step.method import Method, Solved, StepResult, Workspace
 from clast.step.relief import relieved
 from clast.step.start import Begun, begin, diagonal_terms
@@ -389,10 +389,7 @@ class OfContacts:
 
     def _answer(self, gap: Floats, slip: Floats) -> ContactResponse:
         """Return what the contacts answer."""
-        gap, slip = gap[self.rows], slip[self.rows]
-        if self.taken is None:
-            return self.law.respond(self.contacts, gap, slip)
-        return self.taken.respond(self.law, self.contacts, gap, slip)
+        return answer(self.law, self.contacts, gap[self.rows], slip[self.rows], self.taken)
 
 
 def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:

@@ -163,6 +163,15 @@ class HalfWay:
         )
 
 
+def answer(
+    law: ContactLaw, contacts: Contacts, gap: Floats, slip: Floats, taken: HalfWay | None
+) -> ContactResponse:
+    """Return what contacts answer in the equations to gaps and slips (m,) of the end, m."""
+    if taken is None:
+        return law.respond(contacts, gap, slip)
+    return taken.respond(law, contacts, gap, slip)
+
+
 def half_way(
     model: Model, law: ContactLaw, contacts: Contacts, share: float, step: float
 ) -> HalfWay | None:

@@ -26,6 +26,7 @@ from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step.finish import finish
 from clast.step.impact import advice_without
+from clast.step.integration import HalfWay, answer, half_way
 from clast.step.links import are_settled, coupled_system
 from clast.step.method import Method, Solved, StepResult, Workspace
 from clast.step.start import Begun, begin, diagonal_terms
@@ -77,6 +78,8 @@ class PassResult:
     """Slip in the step, m, shape (m,)."""
     response: ContactResponse
     """The law's answer at the end of the step."""
+    acting: ContactResponse
+    """The same, or half way where forces are taken there: what equations would hold."""
     applied: tuple[Floats, Floats]
     """Normal and shear forces (m,) that the equations held at the end of the step, N/m."""
     linearised_at: Floats | None = None
@@ -167,6 +170,7 @@ class Modified:
     ) -> PassResult:
         """Return what the passes of the step, with their multiplier solves, have found."""
         law, factor = begun.method.contact_law, factor_of(begun)
+        taken = half_way(begun.model, law, contacts, begun.at.forces_at, begun.step)
         contacts = multipliers.begin(law, contacts)
         # the first pass sees the gaps at the start and the slip that the velocity will bring
         seen = contacts.gap, slip_in_step(contacts, begun.drift)
@@ -178,7 +182,7 @@ class Modified:
             while True:
                 with stages("law"):
                     # (10) springs where a vertex has invaded, friction from spring or as a force
-                    entered = self.friction.enter(law.respond(contacts, *seen))
+                    entered = self.friction.enter(answer(law, contacts, *seen, taken))
                 with stages("assembly"):
                     # (11) the equations of all blocks
                     system, bearing = coupled_system(
@@ -187,12 +191,12 @@ class Modified:
                 with stages("solve"):
                     # (12) one solve
                     unknowns = factor.solve(system, bearing)
-                found = pass_result(law, contacts, entered, seen, unknowns)
+                found = pass_result(law, contacts, entered, seen, unknowns, taken)
                 solves += 1
                 if multipliers.enough(law, solves, contacts, found.gap):
                     break
                 contacts = found.contacts
-            settled = np.array_equal(found.response.mode, entered.mode)
+            settled = np.array_equal(found.acting.mode, entered.mode)
             settled = settled and are_settled(springs, at, unknowns)
             if passes >= self.passes or settled:
                 counts = counts_of(passes, factor)
@@ -206,6 +210,7 @@ def pass_result(
     entered: ContactResponse,
     seen: tuple[Floats, Floats],
     unknowns: Floats,
+    taken: HalfWay | None,
 ) -> PassResult:
     """Return what a solve leaves; ``seen`` are gap and slip (m,) where the law was linearised."""
     opening, slip = contact_motions(contacts, unknowns)
@@ -217,6 +222,7 @@ def pass_result(
         gap=gap,
         slip=slip,
         response=response,
+        acting=response if taken is None else taken.respond(law, contacts, gap, slip),
         applied=forces_in_equations(entered, *seen, gap, slip),
     )
 

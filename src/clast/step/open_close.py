@@ -31,6 +31,7 @@ from clast.model.model import Model
 from clast.model.state import State
 from clast.step.finish import finish
 from clast.step.impact import advice_without
+from clast.step.integration import answer, half_way
 from clast.step.links import are_settled, coupled_system
 from clast.step.method import Method, Solved, StepResult, Workspace
 from clast.step.modified import (
@@ -133,6 +134,7 @@ class OpenClose:
     ) -> PassResult:
         """Return the solve whose modes agree with those that it was assembled with."""
         law, factor = begun.method.contact_law, factor_of(begun)
+        taken = half_way(begun.model, law, contacts, begun.at.forces_at, begun.step)
         contacts = multipliers.begin(law, contacts)
         seen = contacts.gap, slip_in_step(contacts, begun.drift)
         springs, at = begun.springs, begun.drift
@@ -142,15 +144,15 @@ class OpenClose:
         while tried < self.iterations:
             tried, passes = tried + 1, passes + 1
             with stages("law"):
-                entered = as_springs_and_forces(law.respond(contacts, *seen))
+                entered = as_springs_and_forces(answer(law, contacts, *seen, taken))
             with stages("assembly"):
                 system, bearing = coupled_system(
                     base, contacts, entered, seen, springs, at, begun.model.fixed
                 )
             with stages("solve"):
                 unknowns = factor.solve(system, bearing)
-            found = pass_result(law, contacts, entered, seen, unknowns)
-            settled = have_settled(entered, found.response)
+            found = pass_result(law, contacts, entered, seen, unknowns, taken)
+            settled = have_settled(entered, found.acting)
             if tried >= least and settled and are_settled(springs, at, unknowns):
                 # each set of multipliers has its own open-close iteration
                 solves, tried = solves + 1, 0
