@@ -20,6 +20,35 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
+SIGNIFICANT = 0.95
+"""Share of a record's power that is in frequencies up to its highest significant one."""
+SAMPLES = 2**16
+"""Samples of a record at most that its spectrum is taken from."""
+
+
+def highest_frequency(time: Floats, values: Floats) -> float:
+    """Return the frequency, Hz, below which 95 % of the power of a record about its mean is.
+
+    ``time`` (k,), s, rises; ``values`` (k, c) are linear between, in any unit.  0 for a record that
+    does not change.
+    """
+    apart = np.diff(time)
+    apart = apart[apart > 0.0]
+    if not len(apart):
+        return 0.0
+    length = float(time[-1] - time[0])
+    count = int(min(SAMPLES, max(16.0, np.ceil(length / float(np.median(apart))))))
+    even = time[0] + length / count * np.arange(count)
+    power = np.zeros(count // 2 + 1)
+    for component in values.T:
+        sampled = np.interp(even, time, component)
+        power += np.abs(np.fft.rfft(sampled - sampled.mean())) ** 2
+    whole = np.cumsum(power)
+    if not whole[-1] > 0.0:
+        return 0.0
+    return float(np.searchsorted(whole, SIGNIFICANT * whole[-1]) / length)
+
+
 @dataclass(frozen=True, repr=False)
 class Accelerogram:
     """Acceleration of the ground over time, linear between instants."""

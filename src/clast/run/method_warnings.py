@@ -11,10 +11,11 @@ import numpy as np
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
 from clast.contact.joints import range_of_springs
 from clast.errors import ModelError, shortened
-from clast.model.ground_motion import Recorded
-from clast.model.model import Model
+from clast.model.ground_motion import Recorded, highest_frequency
+from clast.model.model import Floats, Model
 from clast.model.stages.stage import EQUILIBRIUM, TIME
 from clast.run.model_warnings import load_on, named, size_of_smallest, weight_of
+from clast.step.integration import forces_at
 
 if TYPE_CHECKING:
     from clast.run.schedule import Schedule
@@ -36,6 +37,12 @@ LOOSE = 1e-3
 """Tolerances of a process above this are felt in the results."""
 FELT = 0.05
 """Mass damping takes less than this share of a velocity where nobody minds it."""
+WEAKENED = 0.05
+"""Waves may lose this share of their height to the time steps."""
+SLOW = 0.1
+"""Share of the model's own frequency up to which it follows a motion within 1 %, unswung."""
+FINE = 20.0
+"""Steps a period with which a wave is followed."""
 TURNING = 2.0
 """Mass damping c with c h above this leaves a velocity of the other sign."""
 LARGE_FILE = 2e9
@@ -53,6 +60,7 @@ def method_warnings(model: Model, method: Method, schedule: Schedule) -> list[st
         *_joint_stiffness_warnings(model, method),
         *_static_warnings(model, method),
         *_damping_warnings(model, method, schedule),
+        *_wave_warnings(model, method, schedule),
         *_schedule_warnings(model, schedule),
         *_stage_warnings(schedule),
     ]
@@ -233,6 +241,67 @@ def _damping_warnings(model: Model, method: Method, schedule: Schedule) -> Itera
             f"{schedule.step:g} s: lower time.step to {TURNING / damping.mass:.2g}, or mass to "
             f"{TURNING / schedule.step:.2g}"
         )
+
+
+def _wave_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator[str]:
+    """Warn where the time steps take from waves of a record, or are too long to follow them.
+
+    A motion of frequency w loses exp(-(theta + alpha - 1) w2 h t/2) of its height, with alpha the
+    place in the step at which forces are taken: exp(-w2 h t/4) by constant acceleration.
+    """
+    stages = [stage.dynamic_ratio for stage in schedule.stages]
+    ratios = [method.dynamic_ratio if one is None else one for one in stages]
+    if max(ratios, default=method.dynamic_ratio) < 1.0:
+        return
+    integrator = method.integrator
+    loss = 0.5 * (integrator.theta + forces_at(integrator) - 1.0)
+    for what, time, values in _records(model):
+        frequency = highest_frequency(time, values)
+        circular, step = 2.0 * np.pi * frequency, schedule.step
+        last = float(time[-1]) if schedule.stages else min(schedule.end, float(time[-1]))
+        length = max(0.0, last - float(time[0]))
+        taken = -math.expm1(-loss * circular**2 * step * length)
+        if frequency < SLOW * own_frequency(model):
+            continue
+        if frequency * step * FINE > 1.0 + WEAKENED:
+            yield (
+                f"{what} has frequencies up to {frequency:.3g} Hz, of which a step of {step:g} s "
+                f"makes {1.0 / (frequency * step):.2g} a period: lower time.step to "
+                f"{1.0 / (FINE * frequency):.2g}, {FINE:g} a period"
+            )
+        elif taken > WEAKENED:
+            shorter = -math.log1p(-WEAKENED) / (loss * circular**2 * length)
+            yield (
+                f"{what} has frequencies up to {frequency:.3g} Hz, and the time steps damp "
+                f"vibrations of that frequency by {100.0 * taken:.2g} % in its {length:.3g} s "
+                f"({100.0 * loss * circular * step:.2g} % of critical): set "
+                f'method.integrator = "midpoint", which damps none, or lower time.step to '
+                f"{shorter:.2g}"
+            )
+
+
+def own_frequency(model: Model) -> float:
+    """Return about the lowest frequency of the blocks together, Hz: c_s/(4 L), joints included.
+
+    L is their largest extent, c_s the slowest speed of shear waves in any rock.
+    """
+    size = float(np.sqrt(np.median(model.area)))
+    joints = [one.shear_stiffness for one in model.joint_table.joints if one.shear_stiffness]
+    soft = 1.0 / (min(joints) * size) if joints else 0.0
+    speeds = [
+        1.0 / np.sqrt((2.0 * (1.0 + rock.poisson) / rock.young + soft) * rock.density)
+        for rock in model.rocks
+    ]
+    return float(min(speeds)) / (4.0 * float(np.ptp(model.vertices, axis=0).max()))
+
+
+def _records(model: Model) -> Iterator[tuple[str, Floats, Floats]]:
+    """Give name, instants (k,), s, and values (k, c) of all that acts on the blocks over time."""
+    if isinstance(model.ground_motion, Recorded):
+        record = model.ground_motion.accelerogram
+        yield "the ground motion", record.time, record.acceleration
+    for factor in model.factors:
+        yield f"table '{shortened(factor.name)}'", factor.time, factor.value[:, None]
 
 
 def _schedule_warnings(model: Model, schedule: Schedule) -> Iterator[str]:

@@ -14,6 +14,7 @@ import numpy as np
 from clast.model.model import Model
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
+from clast.verification.problem import Bracket
 from clast.verification.variants import Variant
 
 AT_REST = 5e-4
@@ -49,9 +50,12 @@ def unbalanced(
     return a_step / (method.integrator.theta * step**2 * gravity)
 
 
-def limit(holds: Callable[[float], bool], low: float, high: float, bisections: int) -> float:
-    """Return the value between ``low``, which fails, and ``high``, from which on it holds."""
+def limit(holds: Callable[[float], bool], low: float, high: float, bisections: int) -> Bracket:
+    """Return the bracket of the value between ``low``, which fails, and ``high``, which holds.
+
+    Both ends are those of the search where no value between them was tried on that side.
+    """
     for _ in range(bisections):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if holds(middle) else (middle, high)
-    return 0.5 * (low + high)
+    return Bracket(low, high)

@@ -28,6 +28,25 @@ class Measure(Enum):
     ABSOLUTE = "absolute"
 
 
+class Bracket(float):
+    """What a bisection leaves of a limit: its middle, which is the number, and both ends."""
+
+    low: float
+    """Lower end."""
+    high: float
+    """Upper end."""
+
+    def __new__(cls, one: float, other: float) -> Bracket:
+        """Return the bracket between two values, in any order."""
+        self = super().__new__(cls, 0.5 * (one + other))
+        self.low, self.high = min(one, other), max(one, other)
+        return self
+
+    def apart(self, exact: float) -> float:
+        """Return by how much the bracket misses a value: 0 where it holds it."""
+        return max(0.0, self.low - exact) + min(0.0, self.high - exact)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
     """One computed quantity beside its exact value."""
@@ -37,20 +56,27 @@ class Comparison:
     unit: str
     """Unit of both values."""
     computed: float
-    """Value that clast computed."""
+    """Value that clast computed; a Bracket where it was bisected."""
     exact: float
     """Value of the formula."""
     measure: Measure
     """How the error is measured."""
     tolerance: float
-    """Largest error that passes, -, or in ``unit`` where absolute."""
+    """Largest error that passes, -, or in ``unit`` where absolute; from the end of a bracket."""
     reason: str
     """Why the tolerance is what it is."""
 
     @property
     def error(self) -> float:
-        """Difference of computed and exact value, over the exact one where relative."""
-        difference = self.computed - self.exact
+        """Difference of computed and exact value, over the exact one where relative.
+
+        A bracket that holds the exact value has none.
+        """
+        computed = self.computed
+        if isinstance(computed, Bracket):
+            difference = computed.apart(self.exact)
+        else:
+            difference = computed - self.exact
         return difference / abs(self.exact) if self.measure is Measure.RELATIVE else difference
 
     @property
@@ -82,10 +108,17 @@ def _comparison(
     reason: str,
     measure: Measure,
 ) -> Comparison:
+    if isinstance(computed, Bracket):
+        # it is said beside the error, and no part of it
+        half = 0.5 * (computed.high - computed.low)
+        share = abs(exact) if measure is Measure.RELATIVE else 1.0
+        tolerance = max(0.0, tolerance - half / share)
+    else:
+        computed = float(computed)
     return Comparison(
         quantity=quantity,
         unit=unit,
-        computed=float(computed),
+        computed=computed,
         exact=float(exact),
         measure=measure,
         tolerance=float(tolerance),
@@ -113,11 +146,14 @@ class Row(Comparison):
 
     def as_dict(self) -> dict[str, Any]:
         """Return the row as plain numbers and texts, ready for JSON."""
+        computed = self.computed
+        bracket = [computed.low, computed.high] if isinstance(computed, Bracket) else None
         return {
             "problem": self.problem,
             "quantity": self.quantity,
             "unit": self.unit,
-            "computed": self.computed,
+            "computed": float(computed),
+            "bracket": bracket,
             "exact": self.exact,
             "error": self.error,
             "error_is": self.measure.value,

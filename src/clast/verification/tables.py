@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from clast.verification.problem import Comparison, Measure, Row, Verdict
+from clast.verification.problem import Bracket, Comparison, Measure, Row, Verdict
 
 HEADINGS = ("problem", "quantity", "computed", "exact", "error", "tolerance", "variant", "verdict")
 """Headings of the table."""
@@ -13,7 +13,7 @@ def cells(row: Row) -> tuple[str, ...]:
     return (
         row.problem,
         row.quantity,
-        value(row.computed, row.unit),
+        computed(row),
         value(row.exact, row.unit),
         error(row),
         tolerance(row),
@@ -25,6 +25,14 @@ def cells(row: Row) -> tuple[str, ...]:
 def value(number: float, unit: str) -> str:
     """Return a number with seven digits and its unit."""
     return f"{number:.7g} {unit}".strip()
+
+
+def computed(row: Comparison) -> str:
+    """Return the computed value, or what a bisection leaves of it: both ends of its bracket."""
+    number = row.computed
+    if isinstance(number, Bracket):
+        return f"{number.low:.5g} to {number.high:.5g} {row.unit}".strip()
+    return value(number, row.unit)
 
 
 def error(row: Comparison) -> str:

@@ -21,7 +21,7 @@ from clast.model.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.limits import AT_REST, limit, unbalanced
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problem import Bracket, Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, WATER = 9.81, 1000.0
@@ -139,7 +139,7 @@ def holds(slope: Slope, water: float, factor: float, variant: Variant) -> bool:
     return moving < AT_REST
 
 
-def factor_of_safety(slope: Slope, water: float, variant: Variant) -> float:
+def factor_of_safety(slope: Slope, water: float, variant: Variant) -> Bracket:
     """Return by what the strength is divided where the slab begins to slide."""
     exact = slope.exact_factor(water)
 
@@ -147,7 +147,8 @@ def factor_of_safety(slope: Slope, water: float, variant: Variant) -> float:
         return holds(slope, water, exact / share, variant)
 
     # shares of the exact strength: from a little less, which slides, to a little more
-    return exact / limit(stays, 1.0 - SPAN, 1.0 + SPAN, BISECTIONS)
+    found = limit(stays, 1.0 - SPAN, 1.0 + SPAN, BISECTIONS)
+    return Bracket(exact / found.low, exact / found.high)
 
 
 def examine(levels: tuple[float, ...], variant: Variant) -> Outcome:
