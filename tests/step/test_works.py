@@ -25,12 +25,12 @@ def test_works_of_blocks(count):
     d, entering, leaving = rng.normal(size=(3, count, 6))
     mass_matrix, compliance = definite(rng, count, 6), definite(rng, count, 3)
     area = rng.uniform(0.5, 1.0, count)
-    before, after = rng.normal(size=(2, count, 3))
+    before, acting, after = rng.normal(size=(3, count, 3))
     step = 0.01
     found = works.energies_of_blocks(
         (d, entering, leaving),
         (mass_matrix, step),
-        (before, after),
+        (before, acting, after),
         (area, compliance),
     )
     acceleration = (leaving - entering) / step
@@ -41,7 +41,7 @@ def test_works_of_blocks(count):
         float(np.einsum("ni,nij,nj->", d, mass_matrix, acceleration)),
         0.5 * form(weighed, before),
         0.5 * form(weighed, after),
-        -float(np.sum(area[:, None] * after * d[:, 3:])),
+        -float(np.sum(area[:, None] * acting * d[:, 3:])),
     ]
     assert found == pytest.approx(wanted, rel=1e-12, abs=1e-10)
 

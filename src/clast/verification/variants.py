@@ -103,6 +103,21 @@ CONVEX_LAGGED = Variant(
 OPEN_CLOSE = Variant(name="open-close", process={"name": "open-close"})
 """Shi's open-close iteration."""
 
+MIDPOINT = Variant(name="convex, midpoint", process={"name": "convex"}, integrator="midpoint")
+"""The convex process with forces half way through the step."""
+
+MIDPOINT_PASSES = Variant(
+    name="modified, 4 passes, midpoint",
+    process={"name": "modified", "friction": "implicit", "passes": 4},
+    integrator="midpoint",
+)
+"""The paper's process with passes, likewise."""
+
+MIDPOINT_OPEN_CLOSE = Variant(
+    name="open-close, midpoint", process={"name": "open-close"}, integrator="midpoint"
+)
+"""Shi's process, likewise."""
+
 FOUR_SOLVES = {"name": "augmented-lagrangian", "solves": 4}
 """Multipliers that start anew in every step, renewed in four solves (the paper's law)."""
 

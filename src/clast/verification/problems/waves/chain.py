@@ -1,0 +1,153 @@
+"""Blocks that are tied to a wall and to each other swing for ever, by the midpoint scheme.
+
+n blocks of mass m along a line, each tied to the one before by a joint of the stiffness K, swing in
+their lowest mode with
+
+    w = 2 sqrt(K/m) sin(pi/(2 (2 n + 1))),    x_j ~ sin(j pi/(2 n + 1))
+
+(Thomson 1993).  A scheme that takes its forces half way keeps their energy, and takes w for
+
+    w_h = (2/h) atan(w h/2)
+
+so that its error is one of the period alone, (w h)^2/12: of second order in h.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import (
+    MIDPOINT,
+    MIDPOINT_OPEN_CLOSE,
+    MIDPOINT_PASSES,
+    Variant,
+)
+
+BLOCKS, DENSITY = 3, 2500.0
+"""Number of blocks of 1 m x 1 m, and their density, kg/m3."""
+JOINT, RIGID = 1e9, 1e14
+"""Stiffness of the joints, Pa/m, and Young's modulus of blocks that give way by next to nothing."""
+SPEED = 0.01
+"""Largest velocity at the start, m/s."""
+CIRCULAR = float(2.0 * np.sqrt(JOINT / DENSITY) * np.sin(0.5 * np.pi / (2 * BLOCKS + 1)))
+"""w, 1/s."""
+PERIOD = 2.0 * np.pi / CIRCULAR
+STEPS, PERIODS, FEW = 20, 200, 20
+"""Steps a period, and periods; FEW where time is short."""
+ORDERS, LATER = (20, 40), 1.1
+"""Steps a period between which the order is taken, of the displacement after so many periods."""
+
+
+def chain() -> Model:
+    """Return the blocks, with the velocities of the lowest mode, and the wall."""
+    builder = ModelBuilder(title="Chain", gravity=(0.0, 0.0))
+    builder.add_rock("stone", young=RIGID, poisson=0.0, density=DENSITY)
+    builder.add_joint(
+        friction_angle=30.0,
+        cohesion=1e12,
+        tensile_strength=1e12,
+        normal_stiffness=JOINT,
+        shear_stiffness=JOINT,
+    )
+    builder.block(name="wall", vertices=[(-1, 0), (0, 0), (0, 1), (-1, 1)], fixed=True)
+    for j in range(1, BLOCKS + 1):
+        speed = SPEED * np.sin(j * np.pi / (2 * BLOCKS + 1))
+        corners = [(j - 1, 0), (j, 0), (j, 1), (j - 1, 1)]
+        builder.block(name=f"block {j}", vertices=corners, velocity=(speed, 0, 0))
+    builder.measured_point("end", (BLOCKS, 0.5), block=f"block {BLOCKS}")
+    return builder.build()
+
+
+def swung(steps: int, periods: float, variant: Variant) -> Run:
+    """Return the run over some periods with so many steps in each."""
+    model = chain()
+    method = variant.method(model, normal_stiffness=JOINT, max_displacement=0.05)
+    end = periods * PERIOD
+    return simulate(model, method, Schedule(step=PERIOD / steps, end=end, every=end))
+
+
+def frequency(steps: int) -> float:
+    """Return w_h, 1/s, by steps a period."""
+    step = PERIOD / steps
+    return float(2.0 / step * np.arctan(0.5 * CIRCULAR * step))
+
+
+def displacement(steps: int, variant: Variant) -> float:
+    """Return the displacement of the end after ``LATER`` periods, in units of its peak."""
+    moved = swung(steps, LATER, variant).history("end").displacement[-1, 0]
+    return float(moved / (SPEED * np.sin(BLOCKS * np.pi / (2 * BLOCKS + 1)) / CIRCULAR))
+
+
+def counted(run: Run) -> float:
+    """Return the circular frequency, 1/s, of the zero crossings of the end."""
+    history = run.history("end")
+    x, time = history.displacement[:, 0], history.time
+    at = np.flatnonzero((x[:-1] < 0.0) & (x[1:] >= 0.0))
+    crossing = time[at] - x[at] * (time[at + 1] - time[at]) / (x[at + 1] - x[at])
+    return float(2.0 * np.pi * (len(at) - 1) / (crossing[-1] - crossing[0]))
+
+
+def examine(periods: int, variant: Variant) -> Outcome:
+    """Compare energy, frequency and order."""
+    run = swung(STEPS, periods, variant)
+    energy = run.energy
+    held = energy["kinetic"] + energy["elastic"] + energy["contact"]
+    lost = 1.0 - held / held[0]
+    rows: list[Comparison] = [
+        absolute(
+            f"largest change of energy in {periods} periods, of it",
+            "",
+            float(np.abs(lost).max()),
+            0.0,
+            1e-5,
+            "gaps are measured anew in each step, and blocks are not quite rigid",
+        ),
+        relative(
+            f"frequency by {STEPS} steps a period",
+            "1/s",
+            counted(run),
+            frequency(STEPS),
+            1e-4,
+            "the instants of zero crossings are interpolated; blocks are not quite rigid",
+        ),
+    ]
+    exact = np.sin(2.0 * np.pi * LATER)
+    missed = [abs(displacement(steps, variant) - exact) for steps in ORDERS]
+    order = float(np.log2(missed[0] / missed[1]))
+    rows.append(absolute("order in h", "", order, 2.0, 0.1, "the order is that of small steps"))
+    cycles = np.arange(len(lost)) / STEPS
+    chart = Chart(
+        title="energy left",
+        x_label="periods",
+        y_label="share of that of the start",
+        curves=(
+            exact_curve("kept", cycles[[0, -1]], np.ones(2)),
+            curve(variant.name, cycles[:: 10 * STEPS], (1.0 - lost)[:: 10 * STEPS]),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="chain",
+    title="Chain of bonded blocks that swings for ever",
+    text=f"{BLOCKS} bonded blocks of 1 m with joints of 1 GPa/m, the first tied to a wall, with "
+    f"the velocities of their lowest mode; {STEPS} steps a period, {PERIODS} periods. The default "
+    "scheme, with forces at the end of a step, has lost all of this energy by then.",
+    formula="energy kept; w_h = (2/h) atan(w h/2), w = 2 sqrt(K/m) sin(pi/(2 (2 n + 1)))",
+    source="Thomson (1993), fixed-free chain; implicit midpoint rule on it",
+    set_up=chain,
+    examine=partial(examine, PERIODS),
+    variants=(MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE),
+    quick=(MIDPOINT,),
+    examine_briefly=partial(examine, FEW),
+)

@@ -1,0 +1,140 @@
+"""A damped layer on ground that moves sideways and up at once, at 7.5 Hz and at 10.6 Hz.
+
+Shear waves and pressure waves run up and down a layer of height H that does not give way sideways
+where it is pressed.  With damping by elasticity, G* = G (1 + i w s), the surface moves by
+
+    |u/u_base| = 1/|cos(k* H)|,    k* = (w/c)/sqrt(1 + i w s)
+
+times the base (Kramer 1996), with c_s = sqrt(G/rho) sideways and c_p = sqrt(E'/rho) up and down.
+Both frequencies are those of the second resonance of their waves, which go up and down many times:
+any damping by the time scheme shows.  There are 20 steps in a period of the quicker one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from clast.actions.damping import Rayleigh
+from clast.model.builder import ModelBuilder
+from clast.model.ground_motion import Accelerogram, MovingBase
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import MIDPOINT, Variant
+
+HEIGHT, BLOCKS, WIDTH = 20.0, 20, 60.0
+"""Height of the layer, m, number of blocks in it, and their width, m."""
+SPEED, DENSITY = 200.0, 2000.0
+"""Speed of shear waves, m/s, and density, kg/m3."""
+YOUNG = 2.0 * DENSITY * SPEED**2
+"""Young's modulus without Poisson's ratio, Pa."""
+SPEEDS = SPEED, float(np.sqrt(YOUNG / DENSITY))
+"""Speeds of waves sideways and up and down, m/s."""
+FREQUENCIES = tuple(3.0 * speed / (4.0 * HEIGHT) for speed in SPEEDS)
+"""Frequencies of the base, sideways and up and down, Hz: 3 c/(4 H)."""
+RATIO = 0.05
+"""Damping ratio sideways."""
+DELAY = RATIO / (np.pi * FREQUENCIES[0])
+"""Damping by elasticity s, s."""
+PEAK = 0.5
+"""Largest acceleration of the base, m/s2, either way."""
+STIFF = 1e12
+"""Normal stiffness of the contacts, N/m per m."""
+STEPS, SWELLING, SHAKING = 20, 1.6, 0.8
+"""Steps a period; times in which the base swells and in which it moves evenly, s."""
+COARSE = "steps and blocks, 27 in a wave, lower the resonance by 1 %"
+
+
+def layer() -> Model:
+    """Return the layer on a base that is held by fixed points, which move."""
+    time = np.arange(0.0, SWELLING + SHAKING + 1e-3, 1e-3)
+    swell = np.where(time < SWELLING, np.sin(0.5 * np.pi * time / SWELLING) ** 2, 1.0)
+    shake = [PEAK * swell * np.sin(2.0 * np.pi * f * time) for f in FREQUENCIES]
+    motion = MovingBase(Accelerogram(time, np.stack(shake, axis=1)))
+    builder = ModelBuilder(title="Damped layer", gravity=(0.0, 0.0), ground_motion=motion)
+    builder.add_rock("soil", young=YOUNG, poisson=0.0, density=DENSITY)
+    builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
+    thick = HEIGHT / BLOCKS
+    for k in range(BLOCKS):
+        low, high = k * thick, (k + 1) * thick
+        corners = [(0, low), (WIDTH, low), (WIDTH, high), (0, high)]
+        builder.block(name=f"layer {k + 1}", vertices=corners)
+    for x in np.linspace(0.0, WIDTH, 5):
+        builder.fixed_point((x, 0.0))
+    builder.measured_point("base", (0.5 * WIDTH, 0.0), block="layer 1")
+    builder.measured_point("surface", (0.5 * WIDTH, HEIGHT), block=f"layer {BLOCKS}")
+    return builder.build()
+
+
+def exact_amplification(frequency: float, speed: float) -> float:
+    """Return surface by base at a frequency, Hz, of waves of a speed, m/s."""
+    circular = 2.0 * np.pi * frequency
+    number = circular / speed / np.sqrt(1.0 + 1j * circular * DELAY)
+    return float(1.0 / abs(np.cos(number * HEIGHT)))
+
+
+def amplitude(time: Floats, velocity: Floats, frequency: float) -> float:
+    """Return the amplitude of a frequency, Hz, beside a velocity that changes evenly."""
+    since = time > SWELLING
+    t = time[since]
+    phase = 2.0 * np.pi * frequency * t
+    terms = np.stack([np.sin(phase), np.cos(phase), np.ones_like(t), t], axis=1)
+    return float(np.hypot(*np.linalg.lstsq(terms, velocity[since])[0][:2]))
+
+
+def amplifications(variant: Variant) -> tuple[float, ...]:
+    """Return surface by base, sideways and up and down."""
+    model = layer()
+    method = variant.method(model, normal_stiffness=STIFF, max_displacement=0.05)
+    method = replace(method, damping=Rayleigh(stiffness=DELAY))
+    end = SWELLING + SHAKING
+    schedule = Schedule(step=1.0 / (STEPS * max(FREQUENCIES)), end=end, every=end)
+    run = simulate(model, method, schedule)
+    moved = [run.history(name) for name in ("surface", "base")]
+    found = []
+    for k, frequency in enumerate(FREQUENCIES):
+        surface, base = (amplitude(one.time, one.velocity[:, k], frequency) for one in moved)
+        found.append(surface / base)
+    return tuple(found)
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare both amplifications."""
+    rows: list[Comparison] = []
+    curves = []
+    fine = np.linspace(1.0, 14.0, 300)
+    ways = zip(("sideways", "up and down"), FREQUENCIES, SPEEDS, strict=True)
+    for (name, frequency, speed), found in zip(ways, amplifications(variant), strict=True):
+        exact = exact_amplification(frequency, speed)
+        quantity = f"surface by base, {name} at {frequency:.3g} Hz"
+        rows.append(relative(quantity, "", found, exact, 0.02, COARSE))
+        curves.append(
+            exact_curve(f"formula, {name}", fine, [exact_amplification(f, speed) for f in fine])
+        )
+        curves.append(curve(f"{name}, {variant.name}", [frequency], [found]))
+    chart = Chart(
+        title="amplification",
+        x_label="frequency, Hz",
+        y_label="surface / base",
+        curves=tuple(curves),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="damped-layer",
+    title="Damped layer on ground that moves sideways and up",
+    text="A layer of 20 m (c_s = 200 m/s, c_p = 283 m/s, 2000 kg/m3) of 20 wide blocks, bonded, "
+    "with damping by elasticity (5 % of critical at 7.5 Hz), on fixed points that move sideways at "
+    "7.5 Hz and up and down at 10.6 Hz at once; 20 steps in a period of 10.6 Hz.",
+    formula="1/|cos(k H)|, k = (w/c)/sqrt(1 + i w s)",
+    source="damped layer on rigid rock; Kramer (1996)",
+    set_up=layer,
+    examine=examine,
+    variants=(MIDPOINT,),
+    quick=(MIDPOINT,),
+)
