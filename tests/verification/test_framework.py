@@ -12,7 +12,7 @@ from clast import verification
 from clast.errors import CaseError, RunStopped
 from clast.verification import PROBLEMS, Verdict, cells
 from clast.verification.catalogue import GROUPS
-from clast.verification.problem import KnownFailure, Outcome, absolute, relative
+from clast.verification.problem import Bracket, KnownFailure, Outcome, absolute, relative
 from clast.verification.problems.blocks.spin import PROBLEM as SPIN
 from clast.verification.report import anchor
 from clast.verification.variants import LAGGED, Variant
@@ -88,6 +88,24 @@ def test_relative_error_passes_within_its_tolerance():
     row = problem(relative("way", "m", 1.001, 1.0, 0.002, "why")).run(LAGGED)[0]
     assert (row.error, row.verdict) == (pytest.approx(0.001), Verdict.PASS)
     assert cells(row)[2:6] == ("1.001 m", "1 m", "0.1 %", "0.2 %")
+
+
+@pytest.mark.parametrize(
+    ("ends", "error", "verdict"),
+    [
+        ((0.99, 1.02), 0.0, Verdict.PASS),
+        ((1.02, 0.99), 0.0, Verdict.PASS),
+        ((1.01, 1.03), 0.01, Verdict.PASS),
+        ((0.95, 0.97), -0.03, Verdict.MISS),  # the middle is 0.04 away, the tolerance 0.03
+    ],
+)
+def test_a_bracket_has_no_error_within_itself(ends, error, verdict):
+    row = problem(relative("limit", "m", Bracket(*ends), 1.0, 0.03, "why")).run(LAGGED)[0]
+    assert (row.error, row.verdict) == (pytest.approx(error), verdict)
+    assert row.computed == pytest.approx(0.5 * sum(ends))
+    assert cells(row)[2] == f"{min(ends):g} to {max(ends):g} m"
+    assert row.as_dict()["bracket"] == sorted(ends)
+    assert row.tolerance == pytest.approx(0.03 - 0.5 * abs(ends[1] - ends[0]))
 
 
 @pytest.mark.parametrize("computed", [1.003, 0.997, math.nan, math.inf])

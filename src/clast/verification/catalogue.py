@@ -65,6 +65,9 @@ from clast.verification.problems.underground import (
     two_bolts,
 )
 from clast.verification.problems.waves import (
+    chain,
+    damped_block,
+    damped_layer,
     layer,
     moving_base,
     newmark,
@@ -135,6 +138,8 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         rocking.PROBLEM,
     ),
     "waves": (
+        chain.PROBLEM,
+        damped_block.PROBLEM,
         wave.PROBLEM,
         newmark.PROBLEM,
         moving_base.PROBLEM,
@@ -142,6 +147,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         sinking_block.PROBLEM,
         oblique_wave.PROBLEM,
         layer.PROBLEM,
+        damped_layer.PROBLEM,
         rocking_spectrum.PROBLEM,
     ),
     "cutting": (

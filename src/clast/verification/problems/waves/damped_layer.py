@@ -44,14 +44,14 @@ PEAK = 0.5
 """Largest acceleration of the base, m/s2, either way."""
 STIFF = 1e12
 """Normal stiffness of the contacts, N/m per m."""
-STEPS, SWELLING, SHAKING = 20, 1.6, 0.8
-"""Steps a period; times in which the base swells and in which it moves evenly, s."""
+STEPS, SWELLING, EVEN, END = 20, 3.0, 4.2, 5.0
+"""Steps a period; times, s, at which the base is up, at which all swings evenly, and the end."""
 COARSE = "steps and blocks, 27 in a wave, lower the resonance by 1 %"
 
 
 def layer() -> Model:
     """Return the layer on a base that is held by fixed points, which move."""
-    time = np.arange(0.0, SWELLING + SHAKING + 1e-3, 1e-3)
+    time = np.arange(0.0, END + 1e-3, 1e-3)
     swell = np.where(time < SWELLING, np.sin(0.5 * np.pi * time / SWELLING) ** 2, 1.0)
     shake = [PEAK * swell * np.sin(2.0 * np.pi * f * time) for f in FREQUENCIES]
     motion = MovingBase(Accelerogram(time, np.stack(shake, axis=1)))
@@ -79,7 +79,7 @@ def exact_amplification(frequency: float, speed: float) -> float:
 
 def amplitude(time: Floats, velocity: Floats, frequency: float) -> float:
     """Return the amplitude of a frequency, Hz, beside a velocity that changes evenly."""
-    since = time > SWELLING
+    since = time > EVEN
     t = time[since]
     phase = 2.0 * np.pi * frequency * t
     terms = np.stack([np.sin(phase), np.cos(phase), np.ones_like(t), t], axis=1)
@@ -91,8 +91,7 @@ def amplifications(variant: Variant) -> tuple[float, ...]:
     model = layer()
     method = variant.method(model, normal_stiffness=STIFF, max_displacement=0.05)
     method = replace(method, damping=Rayleigh(stiffness=DELAY))
-    end = SWELLING + SHAKING
-    schedule = Schedule(step=1.0 / (STEPS * max(FREQUENCIES)), end=end, every=end)
+    schedule = Schedule(step=1.0 / (STEPS * max(FREQUENCIES)), end=END, every=END)
     run = simulate(model, method, schedule)
     moved = [run.history(name) for name in ("surface", "base")]
     found = []
