@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from enum import Enum
 
 LONGEST_LINE = 400
@@ -14,6 +15,20 @@ def shortened(text: str, most: int = 40) -> str:
         return text
     kept = most - 3
     return f"{text[: kept - kept // 3]}...{text[len(text) - kept // 3 :]}"
+
+
+SLIP = re.compile(r"[^A-Za-z]*([A-Za-z][^A-Za-z]*){0,3}")
+"""What is mistyped for numbers: three letters at most.  Other text of a file is not repeated."""
+
+
+def mistyped(text: str) -> str:
+    """Return in quotes what stands in the place of numbers, or that it is not shown.
+
+    A path may name any file: messages repeat nothing of it that is no slip in a number.
+    """
+    if len(text) <= 40 and SLIP.fullmatch(text):
+        return f"'{text}'"
+    return "what stands there"
 
 
 class ClastError(Exception):

@@ -330,13 +330,15 @@ def _outline(source: Any, folder: Path, where: str, notes: list[str]) -> Any:
 
 def _lines(table: TraceTable, folder: Path, where: str, notes: list[str]) -> Sequence[Any]:
     """Return the traces of the file that a table names."""
-    from clast.rockmass.drawings.csv_lines import read_traces
+    from clast.rockmass.drawings.csv_lines import noted_traces
     from clast.rockmass.drawings.dxf import lines_of_layer
 
     path, layer = folder / str(table.file), _layer(table, where)
     with _asked_by(where):
         if layer is None:
-            return read_traces(path)
+            traces, said = noted_traces(path)
+            notes += [f"{where}: {note}" for note in said]
+            return traces
         found = lines_of_layer(path, layer, reading=_reading(table))
         if not found:
             raise CaseError("has no lines", where=str(path), remedy="name the layer of the joints")

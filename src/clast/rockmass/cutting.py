@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+from clast.errors import ModelError
 from clast.model.model import Bools, Floats, Ints
 from clast.rockmass import blocks as block_loops
 from clast.rockmass.account import Before, Work, report_of
@@ -137,7 +138,7 @@ def _drawn(
     for one in sets:
         one.check()
     most_blocks = at.domain.most_blocks
-    check_expected(sets, [plan_of(at, one, NONE) for one in sets], most_blocks)
+    check_expected(sets, [plan_of(at, one, NONE) for one in sets], patterns, most_blocks)
     drawn = trace_lines(at, traces, len(sets))
     lines = [*set_lines(at, sets, drawn.lines, seed), *drawn.lines]
     found = tables(at, sets, lines, traces, patterns)
@@ -163,6 +164,7 @@ def _cut(at: Site, found: Sequence[Table], before: Before, stages: Stages) -> Cu
         graph = graph.only(~_in_one_block(at, graph))
     with stages("faces"):
         whole, dangling = _faces(at, graph, before.limits)
+        _check_left(at, whole)
     with stages("tidying"):
         grid = on_grid(net.xy, at)
         held = block_loops.anchors(net, np.unique(whole.graph.edge), rank, ends + at.origin, grid)
@@ -256,6 +258,19 @@ def _faces(at: Site, graph: Graph, limits: Limits) -> tuple[Whole, Graph]:
     graph = sided(graph, place)
     smallest2 = 2.0 * limits.smallest_block / at.grid**2
     return without_holes(graph, smallest2), _inside(at, dangling)
+
+
+def _check_left(at: Site, whole: Whole) -> None:
+    """Refuse openings that leave nothing of the domain."""
+    if (whole.graph.side != NOTHING).any():
+        return
+    voids = [one.where for one in at.openings if one.excavated]
+    raise ModelError(
+        "nothing of the domain is left",
+        where=voids[0] if len(voids) == 1 else "openings that are void from the start",
+        remedy="make it smaller, or the domain larger; or let a stage excavate it: excavated = "
+        "false",
+    )
 
 
 def _in_cells(at: Site, polygon: shapely.Polygon) -> shapely.Polygon:

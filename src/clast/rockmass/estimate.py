@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -14,10 +15,11 @@ from clast.errors import ModelError
 from clast.model.model import Bools, Floats, Ints
 from clast.rockmass.joints.distributions import distribution
 from clast.rockmass.joints.joint_set import JointSet
+from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import Plan
 from clast.rockmass.sources import Table
 
-ROUGH = 10.0
+ROUGH = 3.0
 """Numbers that are only expected must exceed the limit this often before lines are drawn."""
 QUICK = 100_000.0
 """So many lines and crossings are drawn and counted at once, whatever the limit is."""
@@ -25,8 +27,45 @@ BRUTE = 3000
 """Up to this many lines all pairs are tried for crossings."""
 
 
-def check_expected(sets: Sequence[JointSet], plans: Sequence[Plan], most: int) -> None:
-    """Refuse sets that are expected to make far more than ``most`` blocks, before drawing them."""
+@dataclass(frozen=True, kw_only=True)
+class _Expected:
+    """Blocks that lines make: those that grow with their number, and with its square."""
+
+    lines: float
+    """Lines, or cells."""
+    crossings: float
+    """Crossings between them."""
+
+    @property
+    def total(self) -> float:
+        """Blocks."""
+        return 1.0 + self.lines + self.crossings
+
+    def times(self, most: int) -> float:
+        """Return by which factor all spacings must grow for ``most`` blocks."""
+        # lines/k + crossings/k2 = most - 1
+        room = max(most - 1.0, 1.0)
+        root = math.sqrt(self.lines**2 + 4.0 * room * self.crossings)
+        return (self.lines + root) / (2.0 * room)
+
+
+def check_expected(
+    sets: Sequence[JointSet], plans: Sequence[Plan], patterns: Sequence[BlockPattern], most: int
+) -> None:
+    """Refuse sets and patterns that are expected to make far more than ``most`` blocks.
+
+    Nothing is drawn for it.
+    """
+    for pattern in patterns:
+        bricks = float(np.prod(pattern.bricks()))
+        if bricks > max(ROUGH * most, QUICK):
+            times = math.sqrt(bricks / most)
+            raise ModelError(
+                f"about {bricks:.3g} blocks are expected, and {most:g} are allowed",
+                where=f"{pattern.where}, brick",
+                remedy=f"give bricks {times:.3g} times as long and as high, or raise "
+                "domain.most_blocks",
+            )
     lines = [one.model.blocks(plan) for one, plan in zip(sets, plans, strict=True)]
     crossings = 0.0
     for k, one in enumerate(plans):
@@ -37,10 +76,10 @@ def check_expected(sets: Sequence[JointSet], plans: Sequence[Plan], most: int) -
             share = 0.5 if one is other else 1.0
             area = min(one.window.area, other.window.area)
             crossings += share * turn * area * one.density * other.density
-    total = 1.0 + sum(lines) + crossings
-    if not total <= max(ROUGH * most, QUICK):
+    expected = _Expected(lines=float(sum(lines)), crossings=crossings)
+    if not expected.total <= max(ROUGH * most, QUICK):
         where = sets[int(np.argmax([plan.density for plan in plans]))]
-        raise _too_many(total, most, where)
+        raise _too_many(expected, most, where)
 
 
 def check_counted(tables: Sequence[Table], sets: Sequence[JointSet], most: int) -> int:
@@ -59,12 +98,13 @@ def check_counted(tables: Sequence[Table], sets: Sequence[JointSet], most: int) 
         size = [len(one.ends) for one in inner]
         which = int(np.argmax(size))
         where = sets[which] if which < len(sets) else inner[which].name
-        raise _too_many(total, most, where)
+        lines = float(min(sum(size), total - 1))
+        raise _too_many(_Expected(lines=lines, crossings=total - 1 - lines), most, where)
     return total
 
 
-def _too_many(total: float, most: int, where: JointSet | str) -> ModelError:
-    times = math.sqrt(total / most)
+def _too_many(expected: _Expected, most: int, where: JointSet | str) -> ModelError:
+    times = expected.times(most)
     label, advice = f"'{where}'", "take lines out"
     if isinstance(where, JointSet):
         label = where.where
@@ -77,7 +117,7 @@ def _too_many(total: float, most: int, where: JointSet | str) -> ModelError:
             advice += f" ({mean * times:.3g} m for this set)" if mean else ""
             advice += " would do"
     return ModelError(
-        f"about {total:.3g} blocks are expected, and {most:g} are allowed",
+        f"about {expected.total:.3g} blocks are expected, and {most:g} are allowed",
         where=f"{label}, spacing" if isinstance(where, JointSet) else label,
         remedy=f"{advice}; or raise domain.most_blocks",
     )

@@ -17,8 +17,9 @@ from pathlib import Path
 import numpy as np
 
 from clast.case.records.series import UNITS, Series, number_of, numbers_of
-from clast.case.text import LONGEST_ECHO, read_text
-from clast.errors import CaseError, shortened
+from clast.case.records.unit_names import unit_of_heading
+from clast.case.text import read_text
+from clast.errors import CaseError
 
 HEADING = 12
 """Lines within which NPTS and DT are looked for."""
@@ -32,10 +33,10 @@ LAYOUT = (
     "AT2 has lines of heading, then e.g. 'NPTS= 4000, DT= .005 SEC', then the values, five a line; "
     'give format = "csv" for columns of numbers'
 )
-UNIT_NAMES = {"g": "g", "cm/s2": "cm/s2", "cm/sec2": "cm/s2", "cm/s/s": "cm/s2"}
-UNIT_NAMES |= {"cm/sec/sec": "cm/s2", "gal": "gal", "m/s2": "m/s2", "m/sec2": "m/s2"}
-UNIT_NAMES |= {"cm/s": "cm/s", "cm/sec": "cm/s", "m/s": "m/s", "m/sec": "m/s", "cm": "cm", "m": "m"}
-"""Units as headings write them, in small letters -> as the case file does."""
+NO_SECONDS = re.compile(
+    r"DT\s*=\s*[-+.\dEe]+\s*(MS|MSEC|MILLISEC\w*|MIN|MINUTES?)\b", re.IGNORECASE
+)
+"""An interval that is not in s."""
 
 
 def read_at2(path: Path) -> Series:
@@ -56,6 +57,9 @@ def read_at2(path: Path) -> Series:
     if interval is None or interval <= 0.0:
         remedy = "DT is the time between two values, s, above 0"
         raise CaseError(f"DT is {counted[1]}", where=where, remedy=remedy)
+    if NO_SECONDS.search(lines[last]):
+        remedy = "give DT in s"
+        raise CaseError("DT is not in seconds", where=where, remedy=remedy)
     values = numbers_of(
         enumerate(lines[last + 1 :], start=last + 2), name, "give finite numbers parted by blanks"
     )
@@ -72,7 +76,7 @@ def read_at2(path: Path) -> Series:
         time=interval * np.arange(len(values), dtype=np.float64),
         values=values[:, None],
         quantity=_quantity(heading),
-        unit=_unit(heading),
+        unit=unit_of_heading(lines[: last + 1]),
     )
 
 
@@ -83,8 +87,7 @@ def _counted(lines: list[str], name: str) -> tuple[int, tuple[str, str]]:
             found = pattern.search(line)
             if found:
                 return index, (found[1], found[2])
-    seen = shortened(lines[0].strip(), LONGEST_ECHO)
-    what = f"no line of its heading has NPTS and DT; it begins with '{seen}'"
+    what = "no line of its heading has NPTS and DT"
     raise CaseError(what, where=f"{name}: lines 1 to {min(len(lines), HEADING)}", remedy=LAYOUT)
 
 
@@ -92,9 +95,3 @@ def _quantity(heading: str) -> str | None:
     """Return the one quantity that a heading names, or None."""
     found = [quantity for quantity in UNITS if quantity in heading.lower()]
     return found[0] if len(found) == 1 else None
-
-
-def _unit(heading: str) -> str | None:
-    """Return the unit that a heading names in the words of the case file, or None."""
-    found = re.search(r"\bUNITS?\s+(?:OF|:|=)?\s*([A-Za-z/0-9]+)", heading, re.IGNORECASE)
-    return UNIT_NAMES.get(found[1].lower()) if found else None

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from clast.case.text import LONGEST_ECHO, read_text
-from clast.errors import CaseError, shortened
+from clast.case.records.instants import check_heading
+from clast.case.text import read_text
+from clast.errors import CaseError, mistyped
 from clast.model.model import Floats, Ints
 
 SEPARATOR = re.compile(r"[,;\s]+")
@@ -64,13 +65,14 @@ def read_record(path: Path) -> Record:
         commas = "," in line.strip(" ,;") and re.search(r"[;\t]", line.strip(" \t,;"))
         if row is None or len(row) not in (2, 3) or (columns and len(row) != columns) or commas:
             raise CaseError(
-                f"'{shortened(line.strip(), LONGEST_ECHO)}' is no line of an accelerogram",
+                f"{mistyped(line.strip())} is no line of an accelerogram",
                 where=f"{path}: line {number}",
                 remedy=REMEDY
                 + ("; decimals have a point" if commas else "; headings begin with #"),
             )
         rows.append(row)
         lines.append(number)
+    check_heading(heading, path)
     if not rows:
         raise CaseError("holds no numbers", where=str(path), remedy=REMEDY)
     table = np.array(rows)

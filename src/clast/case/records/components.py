@@ -9,6 +9,7 @@ import numpy as np
 
 from clast.case.records.conversion import CONVERSIONS, Samples
 from clast.case.records.formats import READERS, format_of
+from clast.case.records.instants import check_sizes, doubted_times
 from clast.case.records.series import UNITS, Series
 from clast.errors import CaseError, shortened
 from clast.model.model import Floats
@@ -63,7 +64,10 @@ def component(wanted: Wanted) -> Component:
     series = READERS[chosen](wanted.path)
     quantity = _quantity(series, wanted.quantity)
     unit = _unit(series, quantity, wanted)
-    values = wanted.scale * UNITS[quantity][unit] * series.values
+    factor = wanted.scale * UNITS[quantity][unit]
+    check_sizes(series.time, series.values, series.name)
+    values = factor * series.values
+    check_sizes(series.time, values, series.name)
     try:
         samples = CONVERSIONS[quantity](series.time, values)
     except CaseError as error:
@@ -75,7 +79,10 @@ def component(wanted: Wanted) -> Component:
         f"{unit}, {source}"
     )
     return Component(
-        samples=samples, quantity=quantity, note=note, doubt=_doubt(series, wanted, unit, name)
+        samples=samples,
+        quantity=quantity,
+        note=note,
+        doubt=_doubt(series, wanted, unit, name) or doubted_times(series.time, name),
     )
 
 
@@ -116,12 +123,14 @@ def _unit(series: Series, quantity: str, wanted: Wanted) -> str:
         )
     if unit not in known:
         other = next(name for name, units in UNITS.items() if unit in units)
+        # What the heading says of the quantity is not to be changed for its unit.
+        change = "" if series.quantity else f', or quantity = "{other}"'
         raise CaseError(
             f"{unit} is no unit of {quantity}",
             where="unit",
-            remedy=f'give one of {listed}, or quantity = "{other}"',
+            remedy=f"give one of {listed}{change}",
         )
-    if wanted.unit and series.unit and known.get(series.unit) != known[unit]:
+    if wanted.unit and series.unit in known and known[series.unit] != known[unit]:
         raise CaseError(
             f"is {unit}, but the heading of {series.name} says {series.unit}",
             where="unit",

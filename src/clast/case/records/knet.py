@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from clast.case.records.series import Series, header_number, numbers_of
-from clast.case.text import LONGEST_ECHO, read_text
-from clast.errors import CaseError, shortened
+from clast.case.text import read_text
+from clast.errors import CaseError
 
 HEADING = 17
 """Lines of the heading."""
@@ -43,7 +43,7 @@ def read_knet(path: Path) -> Series:
     for number, beginning in BEGINNINGS.items():
         line = lines[number - 1] if number <= len(lines) else ""
         if not line.startswith(beginning):
-            what = f"'{shortened(line.strip(), LONGEST_ECHO)}' does not begin with '{beginning}'"
+            what = f"does not begin with '{beginning}'"
             raise CaseError(what, where=f"{name}: line {number}", remedy=LAYOUT)
 
     def given(number: int, pattern: str, example: str) -> float:

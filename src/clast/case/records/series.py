@@ -9,20 +9,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.case.text import LONGEST_ECHO
-from clast.errors import CaseError, shortened
+from clast.errors import CaseError, mistyped
 from clast.model.model import Floats
 
 STANDARD_GRAVITY = 9.80665
 """What records in g are multiples of, m/s2 (CGPM 1901)."""
 UNITS: dict[str, dict[str, float]] = {
-    "acceleration": {"m/s2": 1.0, "g": STANDARD_GRAVITY, "cm/s2": 0.01, "gal": 0.01},
-    "velocity": {"m/s": 1.0, "cm/s": 0.01},
-    "displacement": {"m": 1.0, "cm": 0.01},
+    "acceleration": {
+        "m/s2": 1.0,
+        "g": STANDARD_GRAVITY,
+        "cm/s2": 0.01,
+        "gal": 0.01,
+        "mm/s2": 1e-3,
+    },
+    "velocity": {"m/s": 1.0, "cm/s": 0.01, "mm/s": 1e-3},
+    "displacement": {"m": 1.0, "cm": 0.01, "mm": 1e-3},
 }
 """Quantity -> unit -> its size in SI."""
-LONGEST_WORD = 40
-"""Most characters of a number that a message repeats."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +59,7 @@ def numbers_of(lines: Iterable[tuple[int, str]], name: str, remedy: str) -> Floa
             value = number_of(word)
             if value is None:
                 raise CaseError(
-                    f"'{shortened(word, LONGEST_WORD)}' is no finite number",
+                    f"{mistyped(word)} is no finite number",
                     where=f"{name}: line {number}",
                     remedy=remedy,
                 )
@@ -78,6 +81,5 @@ def header_number(pattern: str, line: str, where: str, remedy: str) -> float:
     found = re.search(pattern, line, re.IGNORECASE)
     value = number_of(found[1]) if found else None
     if value is None or value <= 0.0:
-        what = f"'{shortened(line.strip(), LONGEST_ECHO)}' is not what this line must be"
-        raise CaseError(what, where=where, remedy=remedy)
+        raise CaseError("is not what this line must be", where=where, remedy=remedy)
     return value

@@ -3,7 +3,7 @@
 | columns | what it is |
 | --- | --- |
 | x1, y1, x2, y2 [, joint [, set]] | one straight trace a row |
-| id, x, y [, joint [, set]] | traces of several points: rows of one id in their order |
+| id [, part], x, y [, joint [, set]] | traces of several points: rows of one id (and part) |
 | x, y | an outline: its corners in their order |
 | dip, dip_direction [, length] [, joint [, set]] | a joint survey in space, degrees |
 
@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from clast import spelling
-from clast.errors import CaseError, shortened
+from clast.errors import CaseError, mistyped, shortened
 from clast.rockmass.drawings.drawing import (
     DEFAULT_JOINT,
     Drawing,
@@ -38,6 +38,8 @@ from clast.rockmass.drawings.numbers import number_of
 
 PLAIN = ("x1", "y1", "x2", "y2")
 """Columns of a table without a heading."""
+PLAIN_NAME = re.compile(r"[a-z_][a-z0-9_ ]{0,20}")
+"""What may be the name of a column, in small letters."""
 DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eEdD][+-]?\d+)?")
 LARGEST = 1e12
 """Largest coordinate that is believed."""
@@ -69,7 +71,7 @@ class Row:
         plain = written.replace(",", ".") if self.decimal_comma else written
         value = number_of(plain)
         if value is None:
-            what = f"'{shortened(written)}' is no number" if written else "is empty"
+            what = f"{mistyped(written)} is no number" if written else "is empty"
             remedy = "write a number such as 12.5"
             raise CaseError(what, where=f"{self.where}, column {column}", remedy=remedy)
         if abs(value) > LARGEST:
@@ -104,8 +106,11 @@ def read_csv(path: str | Path) -> Drawing:
             return kind.read(table, _left_out(table, kind))
     known = "; ".join(", ".join(kind.needed) for kind in KINDS)
     close = _misspelt(table.columns)
+    # The file may be anything: what is no heading is not repeated.
+    plain = len(table.columns) > 1 and all(map(PLAIN_NAME.fullmatch, table.columns))
+    named = f"the columns {shortened(', '.join(table.columns), 100)}" if plain else "a heading"
     raise CaseError(
-        f"has the columns {shortened(', '.join(table.columns), 100)}, from which nothing is read",
+        f"has {named}, from which nothing is read",
         where=f"{table.file}: its heading",
         remedy=f"{close}it needs one of: {known}",
     )
@@ -116,11 +121,16 @@ def read_traces(path: str | Path, joint: str = "") -> tuple[Polyline, ...]:
 
     Raises CaseError where the file is no table of traces.
     """
+    return noted_traces(path, joint)[0]
+
+
+def noted_traces(path: str | Path, joint: str = "") -> tuple[tuple[Polyline, ...], tuple[str, ...]]:
+    """Return the traces of a CSV file, and what was left out of it or taken otherwise."""
     drawing = read_csv(path)
     if not drawing.traces:
         needed = "a heading x1,y1,x2,y2 or id,x,y"
         raise CaseError("has no traces", where=str(path), remedy=f"a table of traces has {needed}")
-    return tuple(
+    traces = tuple(
         Polyline(
             points=trace.points,
             joint=joint if joint and trace.joint == DEFAULT_JOINT else trace.joint,
@@ -129,6 +139,13 @@ def read_traces(path: str | Path, joint: str = "") -> tuple[Polyline, ...]:
         )
         for trace in drawing.traces
     )
+    return traces, _said(drawing)
+
+
+def _said(drawing: Drawing) -> tuple[str, ...]:
+    """Return what was left out of a table, and what was taken otherwise than it is given."""
+    left = (f"left out: {one.what}, {one.reason}" for one in drawing.left_out)
+    return (*drawing.notes, *left)
 
 
 def read_outline(path: str | Path) -> Floats:
@@ -145,7 +162,7 @@ def noted_outline(path: str | Path) -> tuple[Floats, tuple[str, ...]]:
     if drawing.boundary is None:
         remedy = "an outline has the heading x,y and a row for each corner"
         raise CaseError("is no outline", where=str(path), remedy=remedy)
-    return drawing.boundary, drawing.notes
+    return drawing.boundary, _said(drawing)
 
 
 # The table ---------------------------------------------------------------------------------------
@@ -205,9 +222,11 @@ def _heading(cells: Sequence[str], file: str, number: int) -> list[str]:
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice:
         raise CaseError(
-            f"has two columns {shortened(twice)}",
+            f"has two columns {shortened(twice)}"
+            if PLAIN_NAME.fullmatch(twice)
+            else "is no heading",
             where=f"{file}: line {number}",
-            remedy="rename one of them",
+            remedy="give each column a name of its own",
         )
     return names
 
@@ -219,7 +238,7 @@ def _fits(cells: Sequence[str], columns: Sequence[str], file: str, number: int) 
         raise CaseError(
             f"has {len(cells)} columns instead of {len(columns)}",
             where=f"{file}: line {number}",
-            remedy=f"the columns are {shortened(', '.join(columns), 100)}",
+            remedy="give each row as many as the heading has, in the order of its columns",
         )
     return True
 
@@ -246,7 +265,7 @@ def _left_out(table: CsvTable, kind: Kind) -> tuple[LeftOut, ...]:
             )
     return tuple(
         LeftOut(
-            what=f"column {shortened(name)}, first value '{shortened(table.rows[0].text(name))}'",
+            what=f"column {shortened(name)}, first value {mistyped(table.rows[0].text(name))}",
             place=f"{table.file}: its heading",
             reason=f"{kind.name} has no such column",
         )
@@ -269,16 +288,16 @@ def _straight(table: CsvTable, left: tuple[LeftOut, ...]) -> Drawing:
 
 def _polylines(table: CsvTable, left: tuple[LeftOut, ...]) -> Drawing:
     """Return one trace for the rows of an id."""
-    groups: dict[str, list[Row]] = {}
+    groups: dict[tuple[str, str], list[Row]] = {}
     for row in table.rows:
         name = row.text("id")
         if not name:
             remedy = "name the trace that the point is of"
             raise CaseError("is empty", where=f"{row.where}, column id", remedy=remedy)
-        groups.setdefault(name, []).append(row)
+        groups.setdefault((name, row.text("part")), []).append(row)
     traces: list[Polyline] = []
     dropped = list(left)
-    for name, rows in groups.items():
+    for (name, _), rows in groups.items():
         joints = {row.text("joint", DEFAULT_JOINT) for row in rows}
         if len(joints) > 1:
             raise CaseError(
@@ -375,7 +394,7 @@ KINDS = (
     Kind(
         name="a table of traces",
         needed=("id", "x", "y"),
-        optional=("joint", "set"),
+        optional=("part", "joint", "set"),
         read=_polylines,
     ),
     Kind(

@@ -199,6 +199,7 @@ def _quiet() -> Iterator[None]:
 
 def _exploded(document: Any, path: Path, left: list[LeftOut]) -> Iterator[tuple[Any, str, str]]:
     """Yield entity, layer and place of all in model space, block references exploded."""
+    _check_copies(document, path)
     count = 0
     waiting = [(entity, "", "", 0) for entity in reversed(list(document.modelspace()))]
     while waiting:
@@ -225,6 +226,45 @@ def _exploded(document: Any, path: Path, left: list[LeftOut]) -> Iterator[tuple[
         else:
             inner = _inside(entity, path, place)
             waiting += [(one, layer, place, depth + 1) for one in reversed(inner)]
+
+
+def _check_copies(document: Any, path: Path) -> None:
+    """Refuse block references that draw too much, counted before anything is drawn.
+
+    References may be nested, and each may be an array: their copies multiply.
+    """
+    known: dict[tuple[str, int], int] = {}
+
+    def drawn(entities: Any, depth: int) -> int:
+        return sum(1 if one.dxftype() != "INSERT" else copies(one, depth) for one in entities)
+
+    def copies(insert: Any, depth: int) -> int:
+        name = str(insert.dxf.get("name", ""))
+        if depth >= DEEPEST or name not in document.blocks:
+            return 1
+        if (name, depth) not in known:
+            known[name, depth] = 1 + drawn(document.blocks.get(name), depth + 1)
+        return int(insert.mcount) * known[name, depth]
+
+    for insert in document.modelspace():
+        if insert.dxftype() != "INSERT":
+            continue
+        place = f"INSERT {insert.dxf.handle}"
+        with _guarded(path, place):
+            count = copies(insert, 0)
+            if count > MOST_ENTITIES:
+                raise CaseError(
+                    f"draws more than {MOST_ENTITIES} entities: its block, and the blocks in it, "
+                    f"{_rounded(count)} times in all",
+                    where=f"{path}: {place}",
+                    remedy="see to the rows and columns of the references to blocks, also of those "
+                    "within blocks",
+                )
+
+
+def _rounded(count: int) -> str:
+    """Return a count, which may have any number of digits, as text."""
+    return f"{count:.3g}" if count < 1e300 else "more than 1e300"
 
 
 def _layer(entity: Any) -> str:

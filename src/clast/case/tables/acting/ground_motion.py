@@ -26,6 +26,7 @@ from clast.case.records.components import (
 from clast.case.records.conversion import STOPPING, Samples, brought_to_rest
 from clast.case.records.csv import check_rising
 from clast.case.records.formats import format_of
+from clast.case.records.instants import check_sizes, doubted_times
 from clast.case.tables.table import Acceleration, Instant, Table
 from clast.errors import CaseError, ModelError, shortened
 from clast.model import ranges
@@ -52,7 +53,7 @@ NEED_UNIT = frozenset({*OF_FILES, "baseline", "after"})
 
 Format = Literal["auto", "csv", "at2", "k-net", "sac"]
 Quantity = Literal["acceleration", "velocity", "displacement"]
-Unit = Literal["m/s2", "g", "cm/s2", "gal", "m/s", "cm/s", "m", "cm"]
+Unit = Literal["m/s2", "g", "cm/s2", "gal", "mm/s2", "m/s", "cm/s", "mm/s", "m", "cm", "mm"]
 Scale = Annotated[Number, within(ranges.FACTOR)]
 
 
@@ -229,6 +230,9 @@ class GroundMotionTable(Table):
         with _placed("file"):
             record = read_record(path)
             check_rising(record, path)
+            check_sizes(record.time, record.acceleration, str(path))
+        doubt = doubted_times(record.time, path.name)
+        said.doubts.extend([doubt] if doubt else [])
         if record.unit is not None:
             name, size = record.unit
             if not size / OTHER_UNIT <= abs(self.scale) <= size * OTHER_UNIT:
