@@ -24,6 +24,7 @@ from clast.case import writing as case_writing
 from clast.case.cutting import CutCase, RockMass
 from clast.case.faults import Fault, case_error, faults_of, refusal
 from clast.case.meanings import explain
+from clast.case.tables import plausibility
 from clast.case.tables.acting.bolts import BoltKindTable, BoltPatternTable, BoltTable, stage_faults
 from clast.case.tables.acting.damping import Damping, chosen_damping
 from clast.case.tables.acting.ground_motion import GroundMotionTable
@@ -372,7 +373,8 @@ class Case(BaseModel):
         folder = self._folder
         remarks = (text for _, table in self._tables() for text in table.remarks(folder))
         cut = self._cut.warnings if self._cut else ()
-        return dataclasses.replace(sanity, warnings=(*sanity.warnings, *cut, *remarks))
+        doubts = plausibility.doubts(self.bolt_kind, self.in_situ, model, self.schedule().stages)
+        return dataclasses.replace(sanity, warnings=(*sanity.warnings, *cut, *remarks, *doubts))
 
     def _not_compared(self) -> Iterator[str]:
         """Say which references the run does not reach; the run itself says so at its end."""

@@ -21,6 +21,7 @@ from clast import spelling
 from clast.case.faults import Fault
 from clast.case.tables.blocks import BlockTable
 from clast.case.tables.joint_sets import JointSetTable
+from clast.case.tables.plausibility import doubted_sets
 from clast.case.tables.rock_mass import (
     SHAPES,
     BlockPatternTable,
@@ -121,7 +122,7 @@ class RockMass:
         return CutCase(
             cut=found,
             notes=(*notes, *said),
-            warnings=found.report.warnings,
+            warnings=(*found.report.warnings, *doubted_sets(self.joint_sets)),
             fixed=_fixed(found, sides, self.domain.fixed_sides),
             line_joints=tuple(sorted(name for name in names if name not in (None, DEFAULT))),
             outlines={one.name: one.outline().corners for one in openings},
