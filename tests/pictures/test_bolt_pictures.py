@@ -43,7 +43,7 @@ def test_frames_and_histories_are_drawn(tmp_path: Path):
     run = clast.simulate(builder, end=0.15, step=2e-3)
     frame = clast.plot_results(run, tmp_path / "frame.svg")
     drawn = frame.read_text()
-    for colour in ("#1b4f9c", "#8e24aa", "#c0143c"):
+    for colour in ("#0b6b50", "#8e24aa", "#c0143c"):
         assert colour in drawn
     curve = clast.plot_bolt_history(run, tmp_path / "brittle.svg", "brittle")
     assert "#c0143c" in curve.read_text()

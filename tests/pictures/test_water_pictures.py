@@ -8,7 +8,7 @@ import pytest
 
 import clast
 from clast.pictures.look import Look
-from clast.pictures.water import pressures_of, with_levels
+from clast.pictures.water import pressures_of, waters_of, with_levels
 
 matplotlib.use("Agg")
 
@@ -42,8 +42,9 @@ def test_a_result_file_keeps_the_water(wet_run: clast.Run):
 def test_pressures_of_a_frame_follow_table_and_depth(wet_run: clast.Run):
     assert wet_run.output is not None
     results = clast.read(wet_run.output)
-    assert pressures_of(results, 0, results.vertices(0)).largest == 0.0
-    found = pressures_of(results, -1, results.vertices(-1))
+    assert not waters_of(results, 0)
+    last = len(results.times) - 1
+    found = pressures_of(results, waters_of(results, last), last, results.vertices(-1))
     assert found.largest == pytest.approx(1000.0 * 9.81 * 3.4, rel=1e-3)  # at the foot of the base
     on_faces = found.sides[:, 0] == 0.0
     assert (found.ends[..., 0] > 9999.0).all()  # where the user drew them
@@ -52,7 +53,7 @@ def test_pressures_of_a_frame_follow_table_and_depth(wet_run: clast.Run):
 
 def test_the_level_above_the_blocks_is_in_the_picture(wet_run: clast.Run, tmp_path: Path):
     part = np.array([1e4, -1.0]), np.array([10004.0, 2.0])
-    assert with_levels(wet_run, part)[1][1] == pytest.approx(2.4)
+    assert with_levels(wet_run, wet_run.water, part)[1][1] == pytest.approx(2.4)
     path = clast.plot_results(wet_run, tmp_path / "pier.svg", field="block")
     text = path.read_text("utf-8")
     assert "water level" in text and "water pressure, up to 33.4 kPa" in text

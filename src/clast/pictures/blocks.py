@@ -28,16 +28,16 @@ EXCAVATED = (0, (4.0, 3.0))
 HATCH = "////"
 """Hatching of fixed blocks."""
 KIND_COLOURS = (
-    "#8dbcd8",
-    "#f0b67f",
-    "#9cc99c",
-    "#d8a0b4",
+    "#e0c9a0",
+    "#a9b88f",
+    "#d9a384",
+    "#c3b9c9",
     "#c9c07a",
-    "#a9a3d1",
-    "#d4a88c",
-    "#8fc7c1",
+    "#b59a7a",
+    "#e3b7b7",
+    "#9c9c8e",
 )
-"""Muted colours for rocks and blocks, told apart by most eyes."""
+"""Muted colours for rocks and blocks, told apart by most eyes; none is blue, as water is."""
 
 
 class Divided(Protocol):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 LOOKS: tuple[tuple[str, str, Any], ...] = (
     ("bolt, not installed", "#8a8a8a", (0, (1, 1.5))),
-    ("bolt", "#1b4f9c", "-"),
+    ("bolt", "#0b6b50", "-"),
     ("bolt, yielded", "#8e24aa", "-"),
     ("bolt, broken", "#c0143c", (0, (3, 1.5))),
 )

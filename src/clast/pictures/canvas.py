@@ -32,6 +32,8 @@ TITLE_SIZE, TEXT_SIZE, SMALL_SIZE = 11.0, 9.0, 8.0
 """Sizes of type, points."""
 LINE = 0.2
 """Height of a line of text, inches."""
+KEY = 0.33
+"""Width of a line or patch in a legend, and of the space behind it, inches."""
 BAR, BAR_LABELS = 0.16, 0.95
 """Width of a colour bar and of its labels, inches."""
 
@@ -167,13 +169,23 @@ def empty_part(low: Floats, high: Floats) -> CaseError:
 
 
 class Keys:
-    """The legend, in as many lines as it needs below axes that are ``width`` inches wide."""
+    """The legend, in as many lines as it needs below axes that are ``width`` inches wide.
+
+    Labels that are longer than a line go on in the next one.
+    """
 
     def __init__(self, handles: list[Any], width: float) -> None:
-        longest = max((len(handle.get_label()) for handle in handles), default=0)
+        for handle in handles:
+            label = wrapped(handle.get_label(), width + 0.5 * RIGHT - KEY, SMALL_SIZE)
+            handle.set_label("\n".join(label))
+        labels = [handle.get_label().split("\n") for handle in handles]
+        longest = max((len(line) for lines in labels for line in lines), default=0)
         self._handles = handles
         self._columns = max(1, int(width / (0.45 + 0.075 * longest)))
-        self.lines = -(-len(handles) // self._columns)
+        if self._columns == 1:
+            self.lines = sum(map(len, labels))
+        else:
+            self.lines = -(-len(handles) // self._columns)
 
     def draw(self, figure: Figure, sheet: Sheet) -> None:
         """Draw it at the lower end of a sheet."""
@@ -248,6 +260,12 @@ def wrapped(text: str, width: float, size: float) -> list[str]:
 def letters_in(width: float, size: float) -> int:
     """Return how many letters of type of ``size`` points a line ``width`` inches wide holds."""
     return int(width * 72.0 / (0.56 * size))
+
+
+def cut_to(text: str, width: float, size: float) -> str:
+    """Return a text, or its beginning, that fits ``width`` inches in type of ``size`` points."""
+    most = max(6, letters_in(width, size))
+    return text if len(text) <= most else text[: most - 1] + "…"
 
 
 def literal(text: str) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from clast.model.model import Bools, Floats
 from clast.model.stages.records import counted_from
+from clast.model.water.water import Water
 from clast.pictures import blocks, bolts, canvas
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.fields import KINDS, SCALARS, check_field
@@ -18,7 +19,13 @@ from clast.pictures.history import plot_bolt_history, plot_history
 from clast.pictures.joints import edges_by_joint
 from clast.pictures.look import NO_WISHES, Look
 from clast.pictures.strokes import Edges, draw_edges, handles_of
-from clast.pictures.water import draw_water, handles_of_water, pressures_of, with_levels
+from clast.pictures.water import (
+    draw_water,
+    handles_of_water,
+    pressures_of,
+    waters_of,
+    with_levels,
+)
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
 
@@ -58,17 +65,18 @@ def plot_results(
     check_field(field)
     number = results.frame(frame).number
     here, start = results.vertices(number), results.vertices(0)
-    part = _part(results, here, start, look)
+    waters = waters_of(results, number)
+    part = _part(results, here, start, look, waters)
     bars = int(field in SCALARS)
     title = results.title or results.name
     gone = gone_in_frame(results, number)
     edges = _edges(results, field, here, start, part, gone)
-    water = pressures_of(results, number, here)
+    water = pressures_of(results, waters, number, here)
     bolted = results.bolts(number)
     handles = [
         *_legend_handles(results, field, gone),
         *handles_of(edges, part),
-        *handles_of_water(results, water),
+        *handles_of_water(waters, water),
         *bolts.handles_of(bolted),
     ]
     size, keys, narrowest = canvas.sizes(part, look, title, handles, bars, 1)
@@ -85,13 +93,12 @@ def plot_results(
     figure = canvas.new_figure(sheet.size, look.dpi or (160 if few else 220))
     axes = figure.add_axes(sheet.share(sheet.axes))
     canvas.view(axes, *whole, size)
-    time = f"$t$ = {results.times[number]:.4g} s"
-    canvas.head(figure, sheet.axes[0], sheet.title, f"{_label(field)} at {time}")
+    canvas.head(figure, sheet.axes[0], sheet.title, _below(results, number, field, sheet))
     blocks.draw_start(axes, results, start, gone)
     free = blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0, gone)
     shown = blocks.within(results, here, *whole)
     blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
-    draw_water(axes, results, water, whole)
+    draw_water(axes, results, waters, water, whole)
     draw_edges(axes, edges, whole, size[0], int(shown.sum()))
     bolts.draw_bolts(axes, bolted)
     if arrows is not None:
@@ -103,12 +110,14 @@ def plot_results(
     return canvas.save(figure, Path(path))
 
 
-def _part(results: Recording, here: Floats, start: Floats, look: Look) -> canvas.Part:
+def _part(
+    results: Recording, here: Floats, start: Floats, look: Look, waters: Sequence[Water]
+) -> canvas.Part:
     """Return what is shown: all blocks, now and at the start, or the part asked for."""
     low = np.minimum(here.min(axis=0), start.min(axis=0))
     high = np.maximum(here.max(axis=0), start.max(axis=0))
     if look.zoom is None:
-        return with_levels(results, (low, high))
+        return with_levels(results, waters, (low, high))
     part = np.array(look.zoom[:2]), np.array(look.zoom[2:])
     if not blocks.within(results, here, *part).any():
         raise canvas.empty_part(low, high)
@@ -137,6 +146,20 @@ def _with_ends(part: canvas.Part, ends: Floats, per_inch: float) -> canvas.Part:
     return low, np.maximum(part[1], ends.max(axis=0) + slack)
 
 
+def _below(results: Recording, number: int, field: str, sheet: canvas.Sheet) -> str:
+    """Return the line below the title: field, time and stage, without the field if need be."""
+    time, stage = f"$t$ = {results.times[number]:.4g} s", results.frame(number).stage
+    whole = f"{_label(field)} at {time}"
+    if not stage:
+        return whole
+    letters = canvas.letters_in(sheet.size[0] - sheet.axes[0], canvas.TEXT_SIZE)
+    for text in (f"{whole}, stage {stage}", f"Stage {stage}, {time}"):
+        if len(text) <= letters + 2:  # the dollars are not seen
+            return text.replace(stage, canvas.literal(stage))
+    room = max(6, letters - len(time) - len("Stage , "))
+    return f"Stage {canvas.literal(stage[: room - 1])}…, {time}"
+
+
 def _label(field: str) -> str:
     return SCALARS[field].label if field in SCALARS else KINDS[field]
 
@@ -150,16 +173,30 @@ def _draw_points(axes: Axes, results: Recording, frame: int) -> None:
         before = counted_from(results.stages, number, float(history.time[row]))
         at = start + before + history.displacement[row]
         axes.plot(*at, "o", ms=3.5, mfc="white", mec=INK, mew=0.9, zorder=6)
+        text, side = _beside(axes, name, float(at[0]))
         axes.annotate(
-            canvas.literal(name),
+            canvas.literal(text),
             at,
-            xytext=(4, 4),
+            xytext=(4, 4) if side == "left" else (-4, 4),
             textcoords="offset points",
+            ha=side,
             fontsize=SMALL_SIZE,
             color=INK,
             bbox=NAME_BOX,
             zorder=7,
         )
+
+
+def _beside(axes: Axes, name: str, x: float) -> tuple[str, str]:
+    """Return a name as it fits beside a point at ``x``, m, and which of its ends is there."""
+    figure = axes.get_figure(root=True)
+    low, high = axes.get_xlim()
+    width = float(axes.get_position().width * (figure.get_size_inches()[0] if figure else 1.0))
+    right = (high - x) / (high - low) * width + canvas.RIGHT
+    left = (x - low) / (high - low) * width + canvas.LEFT
+    if canvas.letters_in(right, SMALL_SIZE) > len(name) or right >= left:
+        return canvas.cut_to(name, right, SMALL_SIZE), "left"
+    return canvas.cut_to(name, left, SMALL_SIZE), "right"
 
 
 def _legend_handles(results: Recording, field: str, gone: Bools) -> list[Any]:

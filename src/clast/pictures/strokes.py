@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 GROUND = "#f3efe6"
 """Fill of blocks where their edges have the colours."""
-JOINT_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#aa4499", "#e69f00", "#56b4e9", "#882255")
-"""Colours of joints, told apart by most eyes (after Okabe and Ito, and Tol)."""
+JOINT_COLOURS = ("#d55e00", "#009e73", "#aa4499", "#e69f00", "#882255", "#7a6a00", "#d6708b")
+"""Colours of joints, told apart by most eyes (after Okabe and Ito, and Tol); water is blue."""
 DASHES: tuple[Any, ...] = ("-", (0, (4, 1.5)), (0, (1.5, 1)))
 """Lines of the first seven joints, of the next seven, and of all others."""
 LONGEST = 40

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from clast.model.model import Floats
+from clast.model.stages.loads import standing
 from clast.model.water.water import (
     Water,
     ends_of_faces,
@@ -52,12 +54,29 @@ class Pressures:
         return float(self.pressure.max(initial=0.0))
 
 
-def pressures_of(results: Recording, frame: int, here: Floats) -> Pressures:
-    """Return the pressures of all water in a frame with vertices ``here`` (nv, 2), m."""
+def waters_of(results: Recording, frame: int) -> tuple[Water, ...]:
+    """Return the waters that press in a frame: of those that a stage brings, what it has brought.
+
+    A stage begins with the last frame of the one before.
+    """
+    stages, begins = results.frame_stages, results.begins
+    begun: dict[str, float | None] = {}
+    for name, stage in begins.items():
+        first = stages.index(stage) if stage in stages else len(stages)
+        begun[name] = None if first > frame else float(results.times[max(0, first - 1)])
+    now = float(results.times[frame])
+    standings = (standing(water, begun) for water in results.water)
+    return tuple(water for water in standings if water.pressure_of_head(now) > 0.0)
+
+
+def pressures_of(
+    results: Recording, waters: Sequence[Water], frame: int, here: Floats
+) -> Pressures:
+    """Return the pressures of waters in a frame with vertices ``here`` (nv, 2), m."""
     vertices, after = here - results.origin, following(results.block_start)
     ends, pressure = [np.zeros((0, 2, 2))], [np.zeros((0, 2))]
     sides = [np.zeros((0, 2))]
-    for water in results.water:
+    for water in waters:
         weight = water.pressure_of_head(float(results.times[frame]))
         faces = wetted(water.surface, ends_of_faces(water.faces, vertices, after))
         one, other = faces_of_joints(water.joints, vertices, after)
@@ -74,11 +93,11 @@ def pressures_of(results: Recording, frame: int, here: Floats) -> Pressures:
     )
 
 
-def with_levels(results: Recording, part: Part) -> Part:
+def with_levels(results: Recording, waters: Sequence[Water], part: Part) -> Part:
     """Return what is shown, made so high that levels not far above the blocks are in it."""
     low, high = part
     most = float(high[1] + ABOVE * (high[1] - low[1]))
-    tops = [float(_points(water, results, part)[:, 1].max()) for water in results.water]
+    tops = [float(_points(water, results, part)[:, 1].max()) for water in waters]
     seen = [top for top in tops if top <= most]
     return low, np.array([high[0], max([float(high[1]), *seen])])
 
@@ -91,12 +110,12 @@ def _points(water: Water, results: Recording, part: Part) -> Floats:
     return np.stack([x, surface_at(water.surface, x)], axis=1) + results.origin
 
 
-def handles_of_water(results: Recording, pressures: Pressures) -> list[Any]:
+def handles_of_water(waters: Sequence[Water], pressures: Pressures) -> list[Any]:
     """Return what the legend explains of water, nothing where there is none."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    if not results.water:
+    if not waters:
         return []
     level: dict[str, Any] = {"marker": "v", "mfc": "white", "mec": BLUE, "ms": 5.0}
     handles: list[Any] = [Line2D([], [], color=BLUE, lw=0.9, label="water level", **level)]
@@ -107,12 +126,14 @@ def handles_of_water(results: Recording, pressures: Pressures) -> list[Any]:
     return handles
 
 
-def draw_water(axes: Axes, results: Recording, pressures: Pressures, part: Part) -> None:
+def draw_water(
+    axes: Axes, results: Recording, waters: Sequence[Water], pressures: Pressures, part: Part
+) -> None:
     """Draw the levels and the pressures: outside faces, and across joints."""
     from matplotlib.collections import PolyCollection
     from matplotlib.transforms import ScaledTranslation
 
-    if not results.water:
+    if not waters:
         return
     if pressures.largest > 0.0:
         axes.add_collection(
@@ -127,7 +148,7 @@ def draw_water(axes: Axes, results: Recording, pressures: Pressures, part: Part)
         )
     figure = axes.get_figure(root=True)
     up = ScaledTranslation(0.0, 0.5 * POINTS / 72.0, figure.dpi_scale_trans) if figure else None
-    for number, water in enumerate(results.water):
+    for number, water in enumerate(waters):
         points = _points(water, results, part)
         axes.plot(*points.T, color=BLUE, lw=0.9, zorder=5.5)
         x = float(part[0][0] + (1.0 + 0.7 * number) * BESIDE * (part[1][0] - part[0][0]))

@@ -43,6 +43,8 @@ def about_in(text: str) -> dict[str, Any]:
         raise ValueError("/model/about does not say how the run was made")
     if not all(isinstance(name, str) for name in about.get("stages", ())):
         raise ValueError("/model/about has a stage without a name")
+    if not all(isinstance(name, str) for name in about.get("begins", {}).values()):
+        raise ValueError("/model/about has a load that begins with no stage")
     parts = (about[key] for key in ("process", "contact_law") if key in about)
     if not all(isinstance(part.get("name"), str) for part in parts):
         raise ValueError("/model/about has a part without a name")
@@ -61,6 +63,7 @@ SHAPES: dict[str, type] = {
     "contact_law": dict,
     "rocks": list,
     "stages": list,
+    "begins": dict,
     "step": float,
     "end": float,
 }

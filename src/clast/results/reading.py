@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -108,6 +108,12 @@ class Results:
     def name(self) -> str:
         """Name of the file."""
         return self.path.name
+
+    @property
+    def begins(self) -> Mapping[str, str]:
+        """Stage with which each load, water or table that stages name begins."""
+        begins: Mapping[str, str] = self.about.get("begins", {})
+        return begins
 
     @property
     def stages(self) -> tuple[StageRecord, ...]:

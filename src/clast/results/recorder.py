@@ -90,6 +90,7 @@ class RunRecorder:
         self.checkpoint: Path | None = None
         """The last checkpoint written of the run."""
         self._stages: list[str] = []
+        self._begins: dict[str, str] = {}
         self._stage = 0
         self._kept = FramesInMemory(model, memory_limit) if output is None else None
         self._file = None
@@ -114,6 +115,7 @@ class RunRecorder:
         """
         about = about or {}
         self._stages = list(about.get("stages", ()))
+        self._begins = dict(about.get("begins", {}))
         if self._file is not None:
             self._file.about = about
         if self._recorded is not None:
@@ -279,6 +281,7 @@ class RunRecorder:
             step_rows=self._steps.rows,
             times=np.array(self._frame_times) if self._kept is None else self._kept.times,
             kept=self._kept,
+            begins=self._begins,
         )
 
     def _record(self, state: State) -> None:

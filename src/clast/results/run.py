@@ -152,6 +152,8 @@ class Run:
     """Time of each frame, s, shape (frames,)."""
     kept: FramesInMemory | None = None
     """Frames in memory; None where they are in the file."""
+    begins: Mapping[str, str] = field(default_factory=dict)
+    """Stage with which each load, water or table that stages name begins."""
     ended_by: int = 0
     """Number of the signal that ended the run early, 0 where none did."""
     checkpoint: Path | None = None

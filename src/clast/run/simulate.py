@@ -255,7 +255,8 @@ def _about(method: Method, schedule: Schedule) -> dict[str, Any]:
     """Return how a run is simulated, ready for JSON."""
     about = about_method(method, schedule.step, schedule.latest)
     names = [stage.name for stage in schedule.stages]
-    return {**about, "stages": names} if names else about
+    begins = {name: stage.name for stage in schedule.stages for name in stage.loads}
+    return {**about, "stages": names, "begins": begins} if names else about
 
 
 def _by(number: int) -> str:

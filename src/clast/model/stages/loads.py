@@ -50,7 +50,7 @@ def with_loads(
         kind: _acting(getattr(base, kind), values, begun, base.factors, factors)
         for kind, values in KINDS.items()
     }
-    water = tuple(_standing(one, begun) for one in base.water)
+    water = tuple(standing(one, begun) for one in base.water)
     return replace(model, **loads, water=water, factors=tuple(factors))
 
 
@@ -64,8 +64,11 @@ def _begun(factor: Factor, begun: Mapping[str, float | None]) -> Factor:
     return replace(factor, time=factor.time + start)
 
 
-def _standing(water: Water, begun: Mapping[str, float | None]) -> Water:
-    """Return water as it stands: none before the stage that names it."""
+def standing(water: Water, begun: Mapping[str, float | None]) -> Water:
+    """Return water as it stands: none before the stage that names it.
+
+    ``begun`` has when the stages that name loads and tables have begun, s; None: not yet.
+    """
     if water.name and water.name in begun:
         start = begun[water.name]
         if start is None:
