@@ -71,7 +71,8 @@ class TraceTable(Table):
     points: Loop | None = None
     """Points [x, y] of a polyline in order, m."""
     file: StrictStr | None = None
-    """Traces in a file beside the case file: .csv (x1, y1, x2, y2 or id, x, y, with joint and set)
+    """Traces in a file beside the case file: .csv (x1, y1, x2, y2 or id, x, y, with part, joint
+    and set)
     or .dxf; instead of points."""
     layer: StrictStr | None = None
     """Layer of a DXF drawing; needed there."""
