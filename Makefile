@@ -2,11 +2,13 @@
 #
 #   PYTHON       the interpreter the environment is made from (3.11 or newer)
 #   WORKERS      processes for the tests
+#   PORT         port on which docs-serve shows the documentation site
 #   PYTEST_ARGS  further arguments for pytest, for example PYTEST_ARGS="-k incline"
 
 PYTHON ?= python3
 WORKERS ?= 2
 PYTEST_ARGS ?=
+PORT ?= 8000
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -14,7 +16,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help env env-test env-docs demo paper verify docs reference test test-fast format lint types layers check build clean distclean
+.PHONY: help env env-test env-docs demo paper verify docs docs-serve reference test test-fast format lint types layers check build clean distclean
 
 help:
 	@echo "make env        make .venv and install clast in it"
@@ -22,6 +24,7 @@ help:
 	@echo "make paper      repeat the paper's studies and write docs/paper.md (some minutes)"
 	@echo "make verify     run all verification problems and write docs/verification.md (minutes)"
 	@echo "make docs       build the documentation site into build/site"
+	@echo "make docs-serve builds it and shows it on http://127.0.0.1:8000, with its search"
 	@echo "make reference  write docs/reference/case-file.md from the models of the case file"
 	@echo "make test       run all tests"
 	@echo "make test-fast  run the tests that are not marked slow"
@@ -99,7 +102,12 @@ verify: env
 
 docs: env-docs
 	@$(BIN)/zensical build --clean --strict
-	@echo "Wrote build/site; open build/site/index.html"
+	@echo "Wrote build/site; open build/site/index.html, or make docs-serve to search in it"
+
+# browsers keep the search of a page that was opened from the disk from its index
+docs-serve: docs
+	@echo "Open http://127.0.0.1:$(PORT); Ctrl-C ends it"
+	@$(BIN)/python -m http.server $(PORT) --bind 127.0.0.1 --directory build/site
 
 reference: env
 	@$(BIN)/python tools/case_reference.py

@@ -11,6 +11,7 @@ from clast.errors import shortened
 from clast.model.ground_motion import IncomingWave, MovingBase, Recorded
 from clast.model.model import WELD_STRENGTH, Floats, Ints, Model
 from clast.model.water.water import Water
+from clast.run.slide_warnings import slide_warnings
 
 SOFTEST, HARDEST = 1e8, 2e12
 """Young's moduli outside look like kPa, MPa or GPa, Pa."""
@@ -58,6 +59,7 @@ def model_warnings(model: Model, step: float, end: float) -> list[str]:
         *_coarse_steps(model, step),
         *_water_warnings(model),
         *_bolt_warnings(model),
+        *slide_warnings(model),
     ]
 
 

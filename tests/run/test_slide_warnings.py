@@ -1,0 +1,72 @@
+"""Slides over bent ground: which are warned of, however they are turned, mirrored and numbered."""
+
+import numpy as np
+import pytest
+
+from clast.case.case_file import Case
+from clast.case.templates import TEMPLATES
+from clast.run.slide_warnings import slide_warnings
+from scenes.systems import system, turned
+
+UPPER, LOWER = np.radians(45.0), np.radians(20.0)
+
+
+def slide(cut, lower=LOWER):
+    """Return ground and a slide over a bend at (0, 0), cut at an angle, degrees from +x, or not."""
+    head = 10.0 * np.array([-np.cos(UPPER), np.sin(UPPER)])
+    foot = 10.0 * np.array([np.cos(lower), -np.sin(lower)])
+    ground = np.array([head, [head[0], -12.0], [foot[0], -12.0], foot, [0.0, 0.0]])
+    top = [head + np.array([0.0, 3.0]), foot + np.array([0.0, 3.0])]
+    if cut is None:
+        return [ground, np.array([[0.0, 0.0], foot, top[1], [0.0, 4.0], top[0], head])]
+    at = (
+        4.0 / np.sin(np.radians(cut)) * np.array([np.cos(np.radians(cut)), np.sin(np.radians(cut))])
+    )
+    return [
+        ground,
+        np.array([[0.0, 0.0], at, top[0], head]),
+        np.array([[0.0, 0.0], foot, top[1], at]),
+    ]
+
+
+BISECTOR = 90.0 - 0.5 * (45.0 + 20.0)
+
+
+@pytest.mark.parametrize("mirrored", [1.0, -1.0])
+@pytest.mark.parametrize("scale", [0.1, 30.0])
+@pytest.mark.parametrize(
+    ("cut", "said"),
+    [
+        (None, "locked"),
+        (90.0, "32 degrees off its bisector"),
+        (BISECTOR + 12.0, "12 degrees off its bisector"),
+        (BISECTOR - 12.0, "12 degrees off its bisector"),
+        (BISECTOR, ""),
+        (BISECTOR + 3.0, ""),
+    ],
+)
+def test_a_slide_over_a_bend_is_to_be_cut_along_the_bisector(cut, said, scale, mirrored):
+    outlines = [scale * one * [mirrored, 1.0] for one in slide(cut)]
+    outlines = [one[::-1] if mirrored < 0.0 else one for one in outlines]
+    for order in (outlines, outlines[::-1]):
+        fixed = [0 if order is outlines else len(order) - 1]
+        found = list(slide_warnings(system(order, fixed=fixed)))
+        assert len(found) == bool(said)
+        assert all(said in text and "(0, 0)" in text.replace("-0", "0") for text in found)
+        assert all("bisector" in text for text in found)
+
+
+def test_the_direction_of_the_bisector_is_told_for_turned_gravity():
+    """Turned with its gravity, a slide is the same."""
+    angle = 0.6
+    outlines = [turned(one, angle) for one in slide(90.0)]
+    gravity = turned(np.array([[0.0, -9.8]]), angle)[0]
+    (text,) = slide_warnings(system(outlines, fixed=[0], gravity=tuple(gravity)))
+    assert f"({BISECTOR + np.degrees(angle):.3g} degrees from +x)" in text
+
+
+def test_even_ground_and_other_systems_are_not_warned_of():
+    assert not list(slide_warnings(system(slide(90.0, lower=UPPER), fixed=[0])))
+    assert not list(slide_warnings(system(slide(None), fixed=[])))
+    for name in TEMPLATES:
+        assert not list(slide_warnings(Case.from_toml(TEMPLATES[name]()).model())), name
