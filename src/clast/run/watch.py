@@ -150,8 +150,8 @@ class Watch:
         texts = [
             f"overlap: blocks '{one.blocks[0]}' and '{one.blocks[1]}' share {one.area:.3g} m2, "
             f"{one.depth:.3g} m deep, at t = {one.time:.4g} s, of which their contacts know "
-            f"{one.known:.3g} m. Do not trust what follows there; use a smaller time.step or a "
-            "higher method.contact_law.normal_stiffness"
+            f"{one.known:.3g} m. Do not trust what follows there; use a smaller time.step, or "
+            f"raise {stiffnesses_named(self.model, self.method)}"
             for one in worst[:NAMED]
         ]
         if len(worst) > NAMED:
@@ -255,7 +255,6 @@ class Watch:
         return (
             f"the mean stress of the blocks with an initial stress went from ({texts[0]}) to "
             f"({texts[1]}) Pa, a change of {100.0 * lost:.3g} %: contacts give way until they bear "
-            "it. Raise method.contact_law.normal_stiffness "
-            f"({self.method.contact_law.normal_stiffness:.3g}), or give an initial_stress that "
-            "gravity, loads and supports balance"
+            f"it. Raise {stiffnesses_named(self.model, self.method)}, or give an initial_stress "
+            "that gravity, loads and supports balance"
         )

@@ -263,7 +263,7 @@ def _refuse_dry(entry: WaterEntry, surface: Floats, outlines: Outlines) -> None:
         return
     nearest = int(np.argmax(depth))
     raise ModelError(
-        f"its surface is below all blocks, by {-depth[nearest]:.6g} m at the nearest, "
+        f"its surface is below all blocks, by {abs(depth[nearest]):.6g} m at the nearest, "
         f"{outlines.vertex_label(nearest)}",
         where=entry.label,
         remedy="give its height y in the coordinates of the case, not a depth",
