@@ -213,7 +213,9 @@ def goes_on(pairs, box, outlines, critdis):
         right, high = min(box[i, 2], box[k, 2]), min(box[i, 3], box[k, 3])
         for q in range(block_start[k], block_start[k + 1]):
             x, y = vertices[q, 0], vertices[q, 1]
-            if not (left - critdis <= x <= right + critdis and low - critdis <= y <= high + critdis):
+            if not (
+                left - critdis <= x <= right + critdis and low - critdis <= y <= high + critdis
+            ):
                 continue
             for p in range(block_start[i], block_start[i + 1]):
                 if abs(vertices[p, 0] - x) <= critdis and abs(vertices[p, 1] - y) <= critdis:
@@ -252,9 +254,9 @@ def _is_level(v, e, side, outlines, bearing):
 
 @kernel()
 def is_no_corner(v, j, nx, ny, own, outlines, bearing):
-    """Return True if v, with what lies flush beside it, is no vertex that comes in along (-nx, -ny).
+    """Return True if v, with what lies flush beside it, is no vertex that could enter block j.
 
-    Into block j; ``own`` (ax, ay, bx, by) are the vertex's two edges, pointing away from it.
+    Over an edge with the normal (nx, ny); ``own`` (ax, ay, bx, by) are the vertex's two edges, pointing away from it.
     """
     _, direction, _, vertex_block, _ = outlines
     beyond = bearing[7]
@@ -301,7 +303,7 @@ def _pressed_in(p, block, bearing):
 
 @kernel()
 def _runs_along(x, y, e, inwards, direction):
-    """Return True if (x, y), of length 1, is the direction of edge e within 3 degrees, or its reverse.
+    """Return True if the unit vector (x, y) runs along edge e within 3 degrees, or back along it.
 
     ``inwards`` is 1 or -1 for the two.
     """
@@ -352,10 +354,7 @@ def stands_beyond(p, e, at_end, inside, own, outlines, bearing):
         x, y = (-1.0 + 2.0 * k) * direction[f, 0], (-1.0 + 2.0 * k) * direction[f, 1]
         ox, oy = own[2 * (1 - k)], own[2 * (1 - k) + 1]
         corner = f if k == 1 else _end_of(f, vertex_block, block_start)
-        if (
-            _runs_along(x, y, e, inwards, direction)
-            and _runs_along(ox, oy, e, -inwards, direction)
-        ):
+        if _runs_along(x, y, e, inwards, direction) and _runs_along(ox, oy, e, -inwards, direction):
             if inside <= slack + _has_given_way(v, j, corner, f, outlines, bearing):
                 return True
     return False

@@ -13,6 +13,7 @@ has its share of that; those models keep their outlines.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +62,7 @@ class Outlines:
     """Outlines of blocks that are gone, shape (o,)."""
 
     def edges_at(self, edge: Ints, along: Floats) -> Ints:
-        """Return the model's edge at a way ``along``, m, from the start of outlines' edges, (m,)."""
+        """Return the model's edges ``along`` m from the start of edges of the outlines, (m,)."""
         first, last = self.run_start[edge], self.run_start[edge + 1] - 1
         place = self.run_place[first] + np.maximum(along, 0.0)
         found = np.searchsorted(self.run_place, place, side="right") - 1
@@ -86,7 +87,7 @@ def joined_outlines(
         return None
     of_body = _bodies(sides, len(area))
     outlines: list[tuple[int, list[list[tuple[int, int]]]]] = []
-    for block, (first, last) in enumerate(zip(block_start[:-1], block_start[1:], strict=True)):
+    for block, (first, last) in enumerate(pairwise(block_start)):
         if not fixed[block] or gone[block]:
             outlines.append((block, [[(k, k)] for k in range(first, last)]))
         else:
@@ -150,9 +151,7 @@ def _points(places: Floats, tolerance: float) -> Ints:
     return np.asarray(connected_components(links, directed=False)[1], np.int64)
 
 
-def _corners_on(
-    begin: int, end: int, vertices: Floats, by_x: Ints, tolerance: float
-) -> list[int]:
+def _corners_on(begin: int, end: int, vertices: Floats, by_x: Ints, tolerance: float) -> list[int]:
     """Return the corners that lie on an edge between its ends, one after the other.
 
     ``by_x`` are the corners that may, from left to right.
@@ -171,9 +170,10 @@ def _corners_on(
 
 def _twins(begin: Ints, end: Ints, block: Ints) -> Ints:
     """Return for each side that of another block which runs from its end to its begin, or -1."""
-    twin, open_sides = np.full(len(begin), -1), {}
+    twin = np.full(len(begin), -1)
+    open_sides: dict[tuple[int, int], int] = {}
     for k, ends in enumerate(zip(begin.tolist(), end.tolist(), strict=True)):
-        other = open_sides.pop(ends[::-1], -1)
+        other = open_sides.pop((ends[1], ends[0]), -1)
         if other >= 0 and block[other] != block[k]:
             twin[k], twin[other] = other, k
         else:
@@ -277,7 +277,7 @@ def _assembled(
         of_vertex=of_vertex,
         of_edge=of_edge,
         body=of_body,
-        area=np.bincount(of_body, area)[of_body],
+        area=np.asarray(np.bincount(of_body, area), np.float64)[of_body],
         fixed=fixed[block],
         gone=gone[block],
     )

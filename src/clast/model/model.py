@@ -17,10 +17,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from clast.model.bodies import Outlines, joined_outlines
 from clast.model.bolts import Bolts
 from clast.model.factors import Factor
 from clast.model.ground_motion import GroundMotion, Still
-from clast.model.bodies import Outlines, joined_outlines
 from clast.model.in_situ import InSituStress
 from clast.model.openings import Opening, blocks_called
 from clast.model.viscous_edges import ViscousEdges
