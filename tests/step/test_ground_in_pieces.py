@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+import clast
 from clast.contact.laws import Penalty
 from clast.model.builder import ModelBuilder
 from clast.model.model import Floats
@@ -169,3 +170,46 @@ def test_the_column_loses_what_housner_says(cuts, free):
     left = (1.0 - 1.5 * 0.2) ** 2
     lost = trial.end(cuts, free=free).ledger.impacts
     assert lost == pytest.approx(before * (1.0 - left), rel=0.01)
+
+
+RIM = """
+schema = 1
+title = "A block whose pad is taken out, beside a flush rim"
+gravity = [0.0, -9.81]
+time = {{step = 4e-3, end = 0.45}}
+rock.stone = {{young = 5e9, poisson = {poisson}, density = 2200.0}}
+joint.default = {{friction_angle = 32.0}}
+[[block]]
+name = "ground"
+fixed = true
+vertices = [[-2,-1],[2,-1],[2,0],[1,0],[1,-0.1],[-2,-0.1]]
+[[block]]
+name = "pad"
+vertices = [[-2,-0.1],[1,-0.1],[1,0],[-2,0]]
+[[block]]
+name = "block"
+vertices = [[0,0],[1,0],[1,1],[0,1]]
+[[opening]]
+name = "settle"
+blocks = ["pad"]
+[[stage]]
+name = "weight"
+dynamic_ratio = 0.0
+time = 0.1
+[[stage]]
+name = "settlement"
+excavate = ["settle"]
+until = "time"
+time = 0.35
+"""
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3])
+def test_a_block_falls_past_a_rim_that_is_flush_with_it(tmp_path, poisson):
+    """Pressed into its pad, and wider by its weight, it does not come to hang on the rim."""
+    case = tmp_path / "rim.toml"
+    case.write_text(RIM.format(poisson=poisson), encoding="utf-8")
+    run = clast.load(case).run(progress=False)
+    block = run.final.vertices[-4:]
+    assert block[:, 1].min() == pytest.approx(-0.1, abs=1e-4)
+    assert np.abs(block[:, 0] - [0.0, 1.0, 1.0, 0.0]).max() < 1e-3

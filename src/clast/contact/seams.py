@@ -256,7 +256,8 @@ def _is_level(v, e, side, outlines, bearing):
 def is_no_corner(v, j, nx, ny, own, outlines, bearing):
     """Return True if v, with what lies flush beside it, is no vertex that could enter block j.
 
-    Over an edge with the normal (nx, ny); ``own`` (ax, ay, bx, by) are the vertex's two edges, pointing away from it.
+    Over an edge with the normal (nx, ny); ``own`` (ax, ay, bx, by) are the vertex's two edges,
+    pointing away from it.
     """
     _, direction, _, vertex_block, _ = outlines
     beyond = bearing[7]
