@@ -166,6 +166,21 @@ def _comes_in(p, e, gap, along, own, outlines, looks):
     )
 
 
+@kernel()
+def _has_face_on(e, at_end, own, direction):
+    """Return True if an edge of a vertex at one end of edge e runs along e from there.
+
+    Two blocks have a face in common then, whatever third block meets them at its end.
+    """
+    back = -1.0 if at_end else 1.0
+    tx, ty = back * direction[e, 0], back * direction[e, 1]
+    ax, ay, bx, by = own
+    for ux, uy in ((ax, ay), (bx, by)):
+        if ux * tx + uy * ty > 0.0 and abs(ux * ty - uy * tx) <= SMALL_ANGLE:
+            return True
+    return False
+
+
 @kernel(inline="always")
 def _is_candidate(p, e, gap, along, own, outlines, looks):
     """Return True if vertex p could be in contact with edge e: the entrance test.
@@ -200,10 +215,13 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
             return False
     if gap < 0.0 and _is_hidden(p, e, along, critdis, outlines):
         return False
+    at_corner = -beyond <= max(critdis, depth, front)
+    if at_corner and _has_face_on(e, at_end, own, direction):
+        return True
     i, j = outlines[3][p], outlines[3][e]
     if is_no_corner(p, j, nx, ny, own, outlines, bearing):
         return False
-    if -beyond > max(critdis, depth, front):
+    if not at_corner:
         return True
     return not (
         is_in_joint(e, at_end, i, outlines, bearing)

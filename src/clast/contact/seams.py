@@ -160,11 +160,6 @@ def is_covered(v, e, at_end, own, outlines, bearing):
     f = corner if at_end else vertex_before(e, first, last)
     nx, ny = direction[f, 1], -direction[f, 0]
     ax, ay, bx, by = own
-    back = -1.0 if at_end else 1.0  # from the corner along e
-    for ux, uy in ((ax, ay), (bx, by)):
-        along = back * (ux * direction[e, 0] + uy * direction[e, 1])
-        if along > 0.0 and abs(ux * direction[e, 1] - uy * direction[e, 0]) <= SMALL_ANGLE:
-            return False  # its face lies on e
     if ax * nx + ay * ny < -BEND or bx * nx + by * ny < -BEND:
         return False  # it could not come in through f, not even where the surface bends
     ex, ey = direction[e, 1], -direction[e, 0]
