@@ -348,7 +348,8 @@ class Case(BaseModel):
         model = model or self.model()
         method = self.method_.method(
             model,
-            step=self.time.step,
+            # an automatic stiffness is for the longest step that it has to bear
+            step=max([self.time.step, *(one.step for one in self.stage if one.step)]),
             max_displacement=self.time.largest_movement(model),
             dynamic_ratio=self.time.dynamic_ratio,
         )

@@ -17,13 +17,14 @@ from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
 from clast.contact.candidates import SearchDistance
 from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
 from clast.contact.laws import ContactLaw, normal_stiffness_of
-from clast.errors import StepOutcome
+from clast.errors import StepOutcome, shortened
 from clast.linear.reuse import FactorOfStep
 from clast.linear.system import DiagonalTerms, contact_motions, slip_in_step
-from clast.model.model import Floats, Model
-from clast.model.state import State
+from clast.model.model import Floats, Ints, Model
+from clast.model.state import State, initial_state
 from clast.step.finish import finish
 from clast.step.impact import advice_without
 from clast.step.integration import HalfWay, answer, half_way
@@ -157,12 +158,9 @@ class Modified:
 
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:
         """Return E, or less where one pass could not settle (p h2/m = 1)."""
-        share = (
-            float(model.mass[~model.fixed].min(initial=np.inf)) / multipliers.CONTACTS_OF_A_BLOCK
-        )
-        stable = share / step**2
+        stable, reason = bearable_stiffness(model, step)
         if stable < model.stiffest:
-            return stable, f"p h2/m = 1 for a contact that carries {share:.3g} kg/m (limit 6)"
+            return stable, reason
         return model.stiffest, "E of the stiffest rock; p h2/m stays below 1"
 
     def _solve(
@@ -265,6 +263,39 @@ def search_of_modified(method: Method) -> SearchDistance:
 
 STABILITY_LIMIT = 6.0
 """Largest p h2/m with which a contact settles without passes (m: mass per contact)."""
+NEAR = 0.005
+"""Distance within which blocks touch at the start, as a share of the smallest block's size."""
+
+
+def bearable_stiffness(model: Model, step: float) -> tuple[float, str]:
+    """Return the normal stiffness, N/m per m, that a step of ``step``, s, bears, and the reason.
+
+    p h2/m = 1 for the lightest block with four contacts; no more than the limit for any block with
+    the contacts that it has at the start.  Infinity where all blocks are fixed.
+    """
+    free = ~model.fixed
+    if not free.any():
+        return np.inf, "all blocks are fixed"
+    state = initial_state(model)
+    near = NEAR * float(np.sqrt(model.smallest))
+    reach = SearchDistance(front=near, depth=near, critdis=near)
+    contacts = detect(model, Bisector(), state, block_frames(model, state).centroid, reach)
+    count = np.bincount(_sides(contacts), minlength=model.block_count)
+    of_four = model.mass / multipliers.CONTACTS_OF_A_BLOCK
+    share = np.minimum(of_four, STABILITY_LIMIT * model.mass / np.maximum(1, count))
+    least = int(np.argmin(np.where(free, share, np.inf)))
+    stable = float(share[least]) / step**2
+    if share[least] == of_four[least]:
+        carried = f"p h2/m = 1 for a contact that carries {share[least]:.3g} kg/m"
+        return stable, f"{carried} (limit {STABILITY_LIMIT:g})"
+    name = shortened(model.block_name[least])
+    reason = f"p h2/m = {STABILITY_LIMIT:g}, the limit, for the {count[least]} contacts of '{name}'"
+    return stable, reason
+
+
+def _sides(contacts: Contacts) -> Ints:
+    """Return the blocks of all contacts (m,), those of vertices first, shape (2 m,)."""
+    return np.concatenate([contacts.vertex_block, contacts.edge_block])
 
 
 def stability_number(model: Model, method: Method, state: State, step: float) -> float:
@@ -281,7 +312,7 @@ def stability_number(model: Model, method: Method, state: State, step: float) ->
         frames.centroid,
         search_of_modified(method),
     )
-    sides = np.concatenate([contacts.vertex_block, contacts.edge_block])
+    sides = _sides(contacts)
     per_block = np.maximum(1, np.bincount(sides, minlength=model.block_count))
     stiffness = np.full(model.block_count, method.contact_law.normal_stiffness)
     if len(contacts):
@@ -297,6 +328,7 @@ __all__ = [
     "ImplicitFriction",
     "LaggedFriction",
     "Modified",
+    "bearable_stiffness",
     "forces_in_equations",
     "search_of_modified",
     "stability_number",

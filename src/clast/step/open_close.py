@@ -37,6 +37,7 @@ from clast.step.method import Method, Solved, StepResult, Workspace
 from clast.step.modified import (
     STABILITY_LIMIT,
     PassResult,
+    bearable_stiffness,
     counts_of,
     factor_of,
     pass_result,
@@ -126,8 +127,15 @@ class OpenClose:
         )
 
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:
-        """Return 40 E of the stiffest rock, within Shi's 10 to 100 E L for a length of 1 m."""
-        return SHI_FACTOR * model.stiffest, f"{SHI_FACTOR:g} E of the stiffest rock (Shi: 10-100)"
+        """Return 40 E of the stiffest rock, or less where the step would throw blocks apart.
+
+        Shi's 10 to 100 E L are for a length L of 1 m.
+        """
+        stiff = SHI_FACTOR * model.stiffest
+        stable, reason = bearable_stiffness(model, step)
+        if stable < stiff:
+            return stable, reason
+        return stiff, f"{SHI_FACTOR:g} E of the stiffest rock (Shi: 10-100)"
 
     def _iterate(
         self, begun: Begun, base: DiagonalTerms, contacts: Contacts, stages: Stages
