@@ -234,7 +234,7 @@ class Search:
     """The minimum with friction bounds, bonds and multipliers in accord with it."""
 
     law: ContactLaw
-    taken: HalfWay | None
+    taken: HalfWay | None = None
     """Where in the step the contacts' forces are taken; None: at its end."""
     rows: Rows
     """Where the contacts are in the table of springs."""
