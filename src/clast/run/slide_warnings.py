@@ -1,12 +1,8 @@
-"""Warnings about slides over bent ground: slices that lock at a bend, or wear at their cuts.
+"""Warnings about slides over bent ground, on which stiff blocks lock.
 
-Rock that slides over a bend has to shear inside.  Blocks are stiff: one whose base runs over the
-bend is locked, and of two that meet at it, each sliding along its own plane at a speed s,
-
-    s1 t1.n = s2 t2.n                                      n: normal of the cut between them,
-
-so that both go at one speed, as a slide does, only where the cut follows the bisector of the bend;
-along any other cut they grind past each other.
+Rock that slides over a bend has to shear inside.  A block whose base runs over the bend is locked.
+Of two slices that meet at a bend where the ground flattens, the toe of the upper one would go into
+the next plane: it bears there from the first movement on, whatever the direction of the cut.
 """
 
 from __future__ import annotations
@@ -23,8 +19,6 @@ BENDS = np.radians(3.0), np.radians(60.0)
 """Bends of the ground below are none, and above are two faces, rad."""
 FLAT = np.radians(5.0)
 """Bases that dip less do not slide, rad."""
-ASKEW = np.radians(5.0)
-"""Cuts that leave the bisector by more do not follow the bend, rad."""
 MOST = 20_000
 """Blocks up to which slides are looked for: more are no row of slices."""
 NAMED = 3
@@ -46,7 +40,7 @@ def slide_warnings(model: Model) -> Iterator[str]:
     if len(np.setdiff1d(np.flatnonzero(~ground), owner[on_ground])):
         return
     yield from _locked(model, on_ground)
-    yield from _askew(model, facing, on_ground)
+    yield from _toes(model, facing, on_ground)
 
 
 def _locked(model: Model, on_ground: Bools) -> Iterator[str]:
@@ -64,13 +58,13 @@ def _locked(model: Model, on_ground: Bools) -> Iterator[str]:
         f"the base of block {_names(model, model.vertex_block[corner[found]])} runs over a bend of "
         f"the ground, of {np.degrees(abs(bend[worst])):.2g} degrees at "
         f"{_place(model, int(corner[worst]))}: it is locked there until it leaves the ground, and "
-        "factors of safety come out too high. Cut the slide at its bends, along their bisectors, "
-        "and give the cuts the strength of the rock inside"
+        "factors of safety come out too high. Cut the slide at its bends, and give the cuts the "
+        "strength of the rock inside"
     )
 
 
-def _askew(model: Model, facing: Ints, on_ground: Bools) -> Iterator[str]:
-    """Warn of cuts between slices that begin at a bend and leave it in another direction."""
+def _toes(model: Model, facing: Ints, on_ground: Bools) -> Iterator[str]:
+    """Warn of slices whose toe is at a bend where the ground flattens."""
     owner, after, along = model.vertex_block, _after(model), _along(model)
     before = np.empty_like(after)
     before[after] = np.arange(len(after))
@@ -80,26 +74,17 @@ def _askew(model: Model, facing: Ints, on_ground: Bools) -> Iterator[str]:
     near = 1e-6 * np.sqrt(model.area)[owner[up]]
     apart = np.hypot(*(model.vertices[up] - model.vertices[other]).T)
     standing = on_ground[one] & on_ground[other] & (apart <= near)
-    up, one, other = up[standing], one[standing], other[standing]
-    bend = _bends(model, along[one], along[other])
-    middle = along[one] + along[other]
-    bisector = np.stack([-middle[:, 1], middle[:, 0]], axis=1)
-    cut = along[up]
-    off = np.arctan2(
-        bisector[:, 0] * cut[:, 1] - bisector[:, 1] * cut[:, 0], (bisector * cut).sum(axis=1)
-    )
-    found = np.flatnonzero(np.isfinite(bend) & (np.abs(off) > ASKEW))
+    up, bend = up[standing], _bends(model, along[one[standing]], along[other[standing]])
+    found = np.flatnonzero(bend > 0.0)
     if not len(found):
         return
-    worst = found[np.argmax(np.abs(bend[found]))]
-    upwards = bisector[worst] * -np.sign(bisector[worst] @ model.gravity)
-    wanted = np.degrees(np.arctan2(upwards[1], upwards[0]))
+    worst = found[np.argmax(bend[found])]
     yield (
-        f"{len(found)} cut(s) between slices do not follow the bend of the ground below: at "
-        f"{_place(model, int(up[worst]))} it bends by {np.degrees(abs(bend[worst])):.2g} degrees, "
-        f"and the cut is {np.degrees(abs(off[worst])):.2g} degrees off its bisector. Slices grind "
-        "past each other there, and factors of safety come out too high: cut along the bisector "
-        f"({wanted:.3g} degrees from +x), or give the cut no more strength than the rock inside"
+        f"the ground flattens under {len(found)} cut(s) between slices, by "
+        f"{np.degrees(bend[worst]):.2g} degrees at {_place(model, int(up[worst]))}: the toe of the "
+        "slice above bears on the next plane as soon as it moves, and factors of safety come out "
+        "too high. Cut the toe off where it meets the bend, so that it can move, and compare with "
+        "limit equilibrium"
     )
 
 
