@@ -225,7 +225,10 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
         return True
     return not (
         is_in_joint(e, at_end, i, outlines, bearing)
-        or (-critdis <= beyond <= 0.0 and stands_beyond(p, e, at_end, -beyond, own, outlines, bearing))
+        or (
+            -critdis <= beyond <= 0.0
+            and stands_beyond(p, e, at_end, -beyond, own, outlines, bearing)
+        )
         or is_covered(p, e, at_end, own, outlines, bearing)
     )
 

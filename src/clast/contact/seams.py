@@ -208,7 +208,9 @@ def goes_on(pairs, box, outlines, critdis):
         right, high = min(box[i, 2], box[k, 2]), min(box[i, 3], box[k, 3])
         for q in range(block_start[k], block_start[k + 1]):
             x, y = vertices[q, 0], vertices[q, 1]
-            if not (left - critdis <= x <= right + critdis and low - critdis <= y <= high + critdis):
+            if not (
+                left - critdis <= x <= right + critdis and low - critdis <= y <= high + critdis
+            ):
                 continue
             for p in range(block_start[i], block_start[i + 1]):
                 if abs(vertices[p, 0] - x) <= critdis and abs(vertices[p, 1] - y) <= critdis:
@@ -348,10 +350,7 @@ def stands_beyond(p, e, at_end, inside, own, outlines, bearing):
         x, y = (-1.0 + 2.0 * k) * direction[f, 0], (-1.0 + 2.0 * k) * direction[f, 1]
         ox, oy = own[2 * (1 - k)], own[2 * (1 - k) + 1]
         corner = f if k == 1 else _end_of(f, vertex_block, block_start)
-        if (
-            _runs_along(x, y, e, inwards, direction)
-            and _runs_along(ox, oy, e, -inwards, direction)
-        ):
+        if _runs_along(x, y, e, inwards, direction) and _runs_along(ox, oy, e, -inwards, direction):
             if inside <= slack + _has_given_way(v, j, corner, f, outlines, bearing):
                 return True
     return False

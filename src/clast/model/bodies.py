@@ -151,9 +151,7 @@ def _points(places: Floats, tolerance: float) -> Ints:
     return np.asarray(connected_components(links, directed=False)[1], np.int64)
 
 
-def _corners_on(
-    begin: int, end: int, vertices: Floats, by_x: Ints, tolerance: float
-) -> list[int]:
+def _corners_on(begin: int, end: int, vertices: Floats, by_x: Ints, tolerance: float) -> list[int]:
     """Return the corners that lie on an edge between its ends, one after the other.
 
     ``by_x`` are the corners that may, from left to right.
