@@ -61,6 +61,14 @@ class ResultsLost(CaseError):
     """A result file that cannot be written any further: what was written before is kept."""
 
 
+class ActionFault(CaseError):
+    """An action of a script that edits what it is given, or hands back what no step can use."""
+
+
+class RunWarning(UserWarning):
+    """The category of what a run warns a script of: Python's ``warnings`` filter it by this."""
+
+
 class StepOutcome(Enum):
     """How a step ended; the value is the text that a user reads."""
 

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from clast.actions.action import Action, Share, StepStart
+from clast.actions.action import Action, Done, Share, Solution, StepStart
 from clast.actions.bolts import Bolting
 from clast.actions.gravity import Gravity
 from clast.actions.ground_motion import GroundAcceleration
+from clast.actions.handed_back import answer, checked_done, checked_share, is_of_script
 from clast.actions.in_situ import Outline
 from clast.actions.loads import Loads
 from clast.actions.pressure import Pressures
@@ -55,12 +56,26 @@ def own_states(actions: Sequence[Action], model: Model, state: State) -> tuple[A
     """Return the own state of each action: what a run carries, or that of its start."""
     if len(state.actions) == len(actions):
         return state.actions
-    return tuple(action.begin(model) for action in actions)
+    return tuple(answer(action, action.begin, model) for action in actions)
 
 
 def shares_of(actions: Sequence[Action], start: StepStart, own: Sequence[Any]) -> tuple[Share, ...]:
     """Return what each action adds to the equations of a step."""
-    return tuple(action.share(start, mine) for action, mine in zip(actions, own, strict=True))
+    return tuple(_share_of(action, start, mine) for action, mine in zip(actions, own, strict=True))
+
+
+def _share_of(action: Action, start: StepStart, own: Any) -> Share:
+    """Return what an action adds to a step, looked at where it is that of a script."""
+    if not is_of_script(action):
+        return action.share(start, own)
+    return checked_share(action, answer(action, action.share, start, own), start)
+
+
+def done_by(action: Action, start: StepStart, own: Any, share: Share, solution: Solution) -> Done:
+    """Return what an action has done in a step, looked at where it is that of a script."""
+    if not is_of_script(action):
+        return action.finish(start, own, share, solution)
+    return checked_done(action, answer(action, action.finish, start, own, share, solution))
 
 
 def acceleration_of(shares: Sequence[Share]) -> Floats:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from llvmlite.binding import Linkage
+from numba.core import types
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 from numba.core.registry import CPUDispatcher, cpu_target
 
@@ -97,6 +98,15 @@ class Kernel(CPUDispatcher):
         taken_in = {**(targetoptions or {}), "no_cpython_wrapper": True}
         self.taken_in = CPUDispatcher(py_func, locals, taken_in)
 
+    def typeof_pyval(self, val: Any) -> Any:
+        """Return the type of what Python hands over.
+
+        Arrays of models and states are read-only to Python, others are not: to numba these would
+        be two types, and every kernel would be compiled for both.  Kernels write into none that
+        they are not made to fill.
+        """
+        return _writable(super().typeof_pyval(val))
+
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Return the type of a call by another kernel."""
         return self.taken_in.get_call_template(args, kws)
@@ -104,3 +114,14 @@ class Kernel(CPUDispatcher):
     def get_overload(self, sig: Any) -> Any:
         """Return what stands for the code that another kernel calls."""
         return self.taken_in.get_overload(sig)
+
+
+def _writable(kind: Any) -> Any:
+    """Return the type of an array that may be written to for that of one that may not be."""
+    if isinstance(kind, types.Array) and not kind.mutable:
+        return kind.copy(readonly=False)
+    if isinstance(kind, types.BaseTuple):
+        parts: Any = kind
+        own = getattr(kind, "instance_class", None)
+        return types.BaseTuple.from_types([_writable(one) for one in parts.types], own)
+    return kind

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import accumulate
 from typing import Any, Protocol
 
@@ -25,6 +24,7 @@ from clast.model.in_situ import InSituStress
 from clast.model.openings import Opening, blocks_called
 from clast.model.viscous_edges import ViscousEdges
 from clast.model.water.water import Water
+from clast.read_only import kept_property, seal
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -209,7 +209,7 @@ class JointTable:
     block_pair_joint: Ints
     """Joint index of each such pair, shape (k,)."""
 
-    @cached_property
+    @kept_property
     def strengths(self) -> tuple[Floats, Floats, Floats]:
         """tan(phi), cohesion, Pa, and tensile strength, Pa, of all joints, shape (joints,) each."""
         return (
@@ -218,7 +218,7 @@ class JointTable:
             np.array([one.tensile_strength for one in self.joints], float),
         )
 
-    @cached_property
+    @kept_property
     def stiffnesses(self) -> tuple[Floats, Floats]:
         """k_n and k_s of all joints, Pa/m, nan where the contact law has it, (joints,) each."""
         return (
@@ -341,45 +341,49 @@ class Model:
     notes: tuple[str, ...] = ()
     """What was changed of the input, e.g. loops that were turned round."""
 
+    def __post_init__(self) -> None:
+        """Let nobody write into the arrays; actions of a script are the script's own."""
+        seal(self, but=("actions",))
+
     @property
     def block_count(self) -> int:
         """Number of blocks n."""
         return len(self.block_rock)
 
-    @cached_property
+    @kept_property
     def vertex_block(self) -> Ints:
         """Block index of each vertex, shape (nv,)."""
         return np.repeat(np.arange(self.block_count), np.diff(self.block_start))
 
-    @cached_property
+    @kept_property
     def vertex_after(self) -> Ints:
         """Vertex after each one in its block, shape (nv,)."""
         after = np.arange(1, len(self.vertices) + 1)
         after[self.block_start[1:] - 1] = self.block_start[:-1]
         return after
 
-    @cached_property
+    @kept_property
     def density(self) -> Floats:
         """Density of each block, kg/m3, shape (n,)."""
         return np.array([rock.density for rock in self.rocks])[self.block_rock]
 
-    @cached_property
+    @kept_property
     def mass(self) -> Floats:
         """Mass of each block, kg per metre of thickness, shape (n,); constant."""
         return self.density * self.area
 
-    @cached_property
+    @kept_property
     def smallest(self) -> float:
         """Area of the smallest body that is not gone, m2: a block, or fixed ones that are one."""
         area = self.area if self.outlines is None else self.outlines.area
         return float(area[~self.gone].min())
 
-    @cached_property
+    @kept_property
     def body(self) -> Ints:
         """Body of each block, shape (n,): a number that fixed blocks which are one share."""
         return np.arange(self.block_count) if self.outlines is None else self.outlines.body
 
-    @cached_property
+    @kept_property
     def outlines(self) -> Outlines | None:
         """Outlines on which contacts are looked for, None where they are those of the blocks.
 
@@ -391,13 +395,13 @@ class Model:
             return None
         return joined_outlines(self.vertices, self.block_start, self.area, self.fixed, self.gone)
 
-    @cached_property
+    @kept_property
     def elasticity(self) -> Floats:
         """Elasticity matrix E' of each block, Pa, shape (n, 3, 3)."""
         by_rock = np.array([self.plane.elasticity(r.young, r.poisson) for r in self.rocks])
         return by_rock[self.block_rock]
 
-    @cached_property
+    @kept_property
     def impedances(self) -> Floats:
         """Impedances rho c_p and rho c_s of each block, Pa s/m, shape (n, 2).
 
@@ -406,24 +410,24 @@ class Model:
         moduli = self.elasticity[:, [0, 2], [0, 2]]
         return np.asarray(np.sqrt(self.density[:, None] * moduli))
 
-    @cached_property
+    @kept_property
     def compliance(self) -> Floats:
         """Inverse of the elasticity matrix of each block, 1/Pa, shape (n, 3, 3)."""
         return np.ascontiguousarray(np.linalg.inv(self.elasticity), np.float64)
 
-    @cached_property
+    @kept_property
     def stiffest(self) -> float:
         """Largest Young's modulus of the rocks, Pa."""
         return max(rock.young for rock in self.rocks)
 
-    @cached_property
+    @kept_property
     def longest_edge(self) -> float:
         """Length of the longest edge at the start, m."""
         after = np.arange(1, len(self.vertices) + 1)
         after[self.block_start[1:] - 1] = self.block_start[:-1]
         return float(np.hypot(*(self.vertices[after] - self.vertices).T).max())
 
-    @cached_property
+    @kept_property
     def material_points(self) -> MaterialPoints:
         """All material points in one list: fixed, loaded, line starts and ends, bolts, measured."""
         lines = self.line_loads
@@ -450,7 +454,7 @@ class Model:
             ),
         )
 
-    @cached_property
+    @kept_property
     def point_slices(self) -> PointSlices:
         """Which of the material points are of which kind."""
         lines = len(self.line_loads.block)

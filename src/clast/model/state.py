@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from clast.model.model import Bools, Floats, Ints, Model
+from clast.read_only import seal
 
 
 def _no_floats() -> Floats:
@@ -153,6 +154,10 @@ class State:
     """Energy ledger."""
     actions: tuple[Any, ...] = ()
     """Own state of each action, in the order of ``clast.actions.acting.actions_of``."""
+
+    def __post_init__(self) -> None:
+        """Let nobody write into the arrays: a state is replaced, never edited."""
+        seal(self)
 
     def __repr__(self) -> str:
         speed = np.hypot(*self.velocity[:, :2].T).max(initial=0.0)

@@ -21,7 +21,7 @@ from clast.block.inertia import block_frames
 from clast.contact import multipliers
 from clast.contact.contacts import Contacts
 from clast.contact.detection import remembered
-from clast.errors import ModelError
+from clast.errors import ModelError, shortened
 from clast.model.model import Bools, Ints, Model
 from clast.model.state import ContactMemory, Ledger, State
 from clast.step.method import Method
@@ -39,9 +39,11 @@ def excavated(
 
     The share ``relax`` (0 to 1) of the forces that they exert on their neighbours ends at once, the
     rest falls to nothing within ``relax_time``, s.  Blocks that are gone already count no more.
-    Raises ModelError for shares and times out of range, and where no block would be left.
+    Raises ModelError for shares and times out of range, for what are no numbers of blocks, and
+    where no block would be left.
     """
     _check(relax, relax_time)
+    blocks = _numbers(blocks, model.block_count)
     leaving = np.zeros(model.block_count, np.bool_)
     leaving[blocks] = True
     leaving &= ~model.gone
@@ -84,6 +86,25 @@ def as_in(model: Model, state: State) -> Model:
     """Return the model without the blocks that are gone in a state of its run."""
     gone = gone_in(state)
     return model if gone is None or not gone.any() else without(model, gone)
+
+
+def _numbers(blocks: Any, count: int) -> Ints:
+    """Return numbers of blocks, of which there are ``count``, (k,)."""
+    found = np.asarray(blocks)
+    whole = found.ndim == 1 and (found.dtype.kind in "iu" or found.size == 0)
+    if not whole:
+        raise ModelError(
+            f"{shortened(repr(blocks))} are no numbers of blocks",
+            where="blocks",
+            remedy='give their numbers from 0; those of names are model.blocks_called(["name"])',
+        )
+    for number in found[(found < 0) | (found >= count)][:1]:
+        raise ModelError(
+            f"there is no block {number}",
+            where="blocks",
+            remedy=f"give numbers from 0 to {count - 1}",
+        )
+    return found.astype(np.int64)
 
 
 def _check(relax: float, relax_time: float) -> None:

@@ -14,7 +14,7 @@ from typing import Any
 from clast.compute.compilation import COMPILATION, working_time
 from clast.compute.threads import threads_worth
 from clast.contact.contacts import Contacts
-from clast.errors import ResultsLost, RunStopped, StepOutcome, StepRejected
+from clast.errors import ActionFault, ResultsLost, RunStopped, StepOutcome, StepRejected
 from clast.model.model import Model
 from clast.model.stages.records import Event, StageRecord
 from clast.model.stages.stage import Stage
@@ -231,7 +231,7 @@ def simulate(
     with held_back() as let_go, threads_worth(model.block_count):
         try:
             march.to_the_end(let_go)
-        except (StepRejected, ResultsLost) as gave_up:
+        except (StepRejected, ResultsLost, ActionFault) as gave_up:
             march.count_cuts(getattr(gave_up, "cuts", 0))
             failure = str(gave_up)
             outcome = f"stopped at t = {march.recorder.state.time:.6g} s: {failure}"

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from clast.actions.acting import done_by
 from clast.actions.action import Solution
 from clast.block.inertia import block_frames
 from clast.compute.jit import kernel
@@ -132,7 +133,7 @@ def balance(
     changes: list[Ledger] = []
     own = []
     for action, mine, share in zip(begun.actions, begun.own, begun.shares, strict=True):
-        done = action.finish(begun.at, mine, share, solution)
+        done = done_by(action, begun.at, mine, share, solution)
         change = done.ledger
         removed = change.brought - done.work - change.stored - change.lost
         changes += [change, Ledger(numerical=removed, unaccounted=-done.work)]

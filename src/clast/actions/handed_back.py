@@ -1,0 +1,138 @@
+"""What actions of a script hand back, looked at before kernels count on it.
+
+Kernels look at no block number twice: one that does not exist would be read from anywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
+
+import numpy as np
+
+from clast.actions.action import Action, Done, Share, StepStart
+from clast.contact.clipped_spring import Clipped, Springs
+from clast.errors import ActionFault
+from clast.model.state import Ledger
+
+Answer = TypeVar("Answer")
+HELP = "see the how-to page on actions"
+
+
+def is_of_script(action: Action) -> bool:
+    """Return whether an action is none of clast's own."""
+    return not type(action).__module__.startswith("clast.")
+
+
+def answer(action: Action, method: Callable[..., Answer], *given: Any) -> Answer:
+    """Return what a method of an action gives; raises ActionFault where it edits what it gets."""
+    try:
+        return method(*given)
+    except ValueError as error:
+        if "read-only" not in str(error):
+            raise
+        raise ActionFault(
+            f"{method.__name__}() writes into an array that is read-only: state and model are "
+            "replaced from step to step, never edited",
+            where=_name(action),
+            remedy="change a copy (array.copy()), and act on blocks by the forces, stiffnesses and "
+            "springs of a Share",
+        ) from error
+
+
+def checked_share(action: Action, share: Any, start: StepStart) -> Share:
+    """Return a share that kernels can count on; raises ActionFault naming the action."""
+    for fault in _of_share(share, start.model.block_count):
+        raise ActionFault(f"share() gives {fault}", where=_name(action), remedy=HELP)
+    checked: Share = share
+    return checked
+
+
+def checked_done(action: Action, done: Any) -> Done:
+    """Return what an action has done; raises ActionFault where it is nothing of the kind."""
+    if not isinstance(done, Done):
+        fault = f"a {type(done).__name__}, not a Done"
+    elif not _is_number(done.work):
+        fault = f"work = {done.work!r:.40}, which is no finite number"
+    elif not isinstance(done.ledger, Ledger):
+        fault = f"a {type(done.ledger).__name__} as its ledger, not a Ledger"
+    elif not all(map(_is_number, vars(done.ledger).values())):
+        fault = "a ledger with an entry that is no finite number"
+    else:
+        return done
+    raise ActionFault(f"finish() gives {fault}", where=_name(action), remedy=HELP)
+
+
+def _name(action: Action) -> str:
+    return f"action {type(action).__name__}"
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, float | int | np.floating | np.integer) and bool(np.isfinite(value))
+
+
+def _of_share(share: Any, blocks: int) -> Iterator[str]:
+    """Give what is wrong with a share for so many blocks."""
+    if not isinstance(share, Share):
+        yield f"a {type(share).__name__}, not a Share"
+        return
+    count = np.shape(share.block)[0] if np.ndim(share.block) == 1 else -1
+    yield from _of_blocks("block", share.block, blocks)
+    yield from _of_numbers("force", share.force, (count, 6))
+    if share.stiffness is not None:
+        yield from _of_numbers("stiffness", share.stiffness, (count, 6, 6))
+    if share.acceleration is not None:
+        yield from _of_numbers("acceleration", share.acceleration, (2,))
+    if not _is_number(share.carried) or not 0.0 <= share.carried <= 1.0:
+        yield f"carried = {share.carried!r:.40}, which is no share from 0 to 1"
+    if share.springs is not None:
+        yield from _of_springs(share.springs, blocks)
+
+
+def _of_blocks(name: str, number: Any, blocks: int) -> Iterator[str]:
+    """Give what is wrong with an array of block numbers (k,)."""
+    if not isinstance(number, np.ndarray) or number.ndim != 1:
+        yield f"{name} as a {type(number).__name__} of shape {np.shape(number)}, not an array (k,)"
+    elif number.dtype != np.int64:
+        yield f"{name} as numbers of type {number.dtype}, not whole numbers (numpy.int64)"
+    elif len(number) and (number.min() < 0 or number.max() >= blocks):
+        wrong = int(number[(number < 0) | (number >= blocks)][0])
+        yield f"{name} {wrong}, and there are only the blocks 0 to {blocks - 1}"
+
+
+def _of_numbers(
+    name: str, values: Any, shape: tuple[int, ...], limit: float = 0.0
+) -> Iterator[str]:
+    """Give what is wrong with an array of numbers, which ``limit`` infinity lets be infinite."""
+    if not isinstance(values, np.ndarray) or values.dtype != np.float64:
+        kind = values.dtype if isinstance(values, np.ndarray) else type(values).__name__
+        yield f"{name} as {kind}, not an array of numbers (numpy.float64)"
+    elif values.shape != shape:
+        yield f"{name} of shape {values.shape}, not {shape}"
+    elif np.isnan(values).any() or (limit == 0.0 and not np.isfinite(values).all()):
+        yield f"{name} with a value that is no finite number"
+
+
+def _of_springs(springs: Any, blocks: int) -> Iterator[str]:
+    """Give what is wrong with springs between blocks."""
+    if not isinstance(springs, Springs):
+        yield f"springs as a {type(springs).__name__}, not as clipped_spring.table makes them"
+        return
+    count = len(springs.gap)
+    for name in ("vertex_block", "edge_block"):
+        yield from _of_blocks(f"springs with {name}", getattr(springs, name), blocks)
+    yield from _of_blocks("springs with pair", springs.pair, len(springs.pairs))
+    yield from _of_blocks("springs with pairs", np.ravel(springs.pairs), blocks)
+    if any(len(one) != count for one in (springs.vertex_block, springs.edge_block, springs.pair)):
+        yield "springs whose blocks are not as many as their gaps"
+    for name, shape in {"levers": (count, 6), "gap": (count,), "slip": (count,)}.items():
+        yield from _of_numbers(f"springs with {name}", getattr(springs, name), shape)
+    for name in ("normal", "shear"):
+        clipped: Clipped = getattr(springs, name)
+        for part, limit in PARTS.items():
+            values = getattr(clipped, part)
+            yield from _of_numbers(f"springs with {name}.{part}", values, (count,), limit)
+
+
+PARTS = {"at_zero": 0.0, "stiffness": 0.0, "low": np.inf, "high": np.inf}
+"""Numbers of clipped springs, and whether they may be infinite."""

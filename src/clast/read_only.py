@@ -1,0 +1,53 @@
+"""Arrays that nobody writes into: those of a model, and of the states that a run goes through.
+
+What a state says is what the next step, a rejected step that is tried again, and a checkpoint go on
+from.  An array that is edited in place would change them without a word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import is_dataclass
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+
+Value = TypeVar("Value")
+
+
+def read_only(value: Any) -> Any:
+    """Return an array as a view that cannot be written to, and tuples and dataclasses of them.
+
+    The arrays of a dataclass are replaced in it; the array that a caller holds stays as it is.
+    """
+    if isinstance(value, np.ndarray):
+        if value.flags.writeable:
+            value = value.view()
+            value.flags.writeable = False
+        return value
+    if type(value) is tuple and value and not isinstance(value[0], str | float | int):
+        return tuple(map(read_only, value))
+    if is_dataclass(value) and not isinstance(value, type):
+        seal(value)
+    return value
+
+
+def seal(thing: Any, but: tuple[str, ...] = ()) -> None:
+    """Make the arrays of a dataclass read-only, and those of what it holds; ``but`` some fields."""
+    held = vars(thing)
+    for name, value in held.items():
+        if isinstance(value, np.ndarray | tuple) or is_dataclass(value):
+            if name in but:
+                continue
+            sealed = read_only(value)
+            if sealed is not value:
+                held[name] = sealed
+
+
+class kept_property(cached_property[Value]):  # noqa: N801 - used as `property` is
+    """A property that is computed once; its arrays are read-only."""
+
+    def __init__(self, function: Callable[[Any], Value]) -> None:
+        super().__init__(lambda thing: read_only(function(thing)))
+        self.__doc__ = function.__doc__
