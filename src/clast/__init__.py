@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from clast.errors import ClastError as ClastError
     from clast.errors import ModelError as ModelError
     from clast.errors import RunStopped as RunStopped
+    from clast.errors import RunWarning as RunWarning
     from clast.model.ground_motion import Accelerogram as Accelerogram
     from clast.model.ground_motion import IncomingWave as IncomingWave
     from clast.model.ground_motion import InertialForce as InertialForce
@@ -71,6 +72,7 @@ HOME = {
     "ClastError": "clast.errors",
     "ModelError": "clast.errors",
     "RunStopped": "clast.errors",
+    "RunWarning": "clast.errors",
     "Accelerogram": "clast.model.ground_motion",
     "Adaptive": "clast.actions.damping",
     "Kinetic": "clast.actions.damping",

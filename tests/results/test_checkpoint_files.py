@@ -48,11 +48,10 @@ def holding(held: Any) -> Checkpoint:
     none = np.zeros(1)
     recorded = Recorded(
         file="a.vtkhdf",
+        lineage=(("a", 0),),
         frames=1,
         frame=none,
         energy=none,
-        lengths={},
-        counts={},
         since={},
         contacts=none,
     )
@@ -236,13 +235,37 @@ def test_what_is_no_checkpoint_is_not_written_over(tmp_path: Path):
     assert not is_checkpoint(path)
 
 
-def test_names_of_stages_make_names_of_files():
-    output = Path("runs/a.b.vtkhdf")
-    assert checkpoint_path(output) == Path("runs/a.b.checkpoint.h5")
-    assert checkpoint_path(output, "support") == Path("runs/a.b.support.checkpoint.h5")
+def test_names_of_files_and_stages_make_names_of_checkpoints():
+    output = Path("runs/a.vtkhdf")
+    assert checkpoint_path(output) == Path("runs/a.checkpoint.h5")
+    assert checkpoint_path(output, "support") == Path("runs/a.support.checkpoint.h5")
     names = {checkpoint_path(output, stage).name for stage in ("a/b", "a%2Fb", "a b", "..", "ä")}
     assert len(names) == 5
     assert not any("/" in name for name in names)
+
+
+def test_no_two_files_and_stages_share_a_checkpoint():
+    files = [
+        "n.vtkhdf",
+        "n.rest.vtkhdf",
+        "n.h5",
+        "n.h5.vtkhdf",
+        "n",
+        "n.",
+        "n.%.vtkhdf",
+        "n%.vtkhdf",
+    ]
+    files += [
+        "n%2Eh5.vtkhdf",
+        "n%2Erest.vtkhdf",
+        "n.vtkhdf.vtkhdf",
+        "n.VTKHDF",
+        "n.rest",
+        ".vtkhdf",
+    ]
+    stages = ["", "rest", "h5", "vtkhdf", "%", ".", "rest.rest", "checkpoint", "2E"]
+    names = [checkpoint_path(Path(one), stage).name for one in files for stage in stages]
+    assert len(set(names)) == len(files) * len(stages)
 
 
 def test_fingerprints_tell_what_differs():

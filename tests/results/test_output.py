@@ -18,6 +18,7 @@ from clast.case.templates import INCLINE
 from clast.errors import CaseError
 from clast.results import RunRecorder, read_results
 from clast.results.layout import history_path
+from clast.results.output import claimed, fresh, hidden
 from scenes.recorded_run import moved, record, report, step_result, three_blocks
 
 posix = pytest.mark.skipif(os.name != "posix", reason="needs what POSIX systems have")
@@ -293,3 +294,41 @@ def test_a_full_disk_is_said_in_two_lines(tmp_path, room, code):
         results = read_results(path)
         assert results.times[-1] == pytest.approx(0.001 * (len(results.times) - 1))
         assert path.stat().st_size <= room
+
+
+def in_the_way(part: Path, victim: Path, how: str) -> None:
+    """Put something else in the place of a hidden file."""
+    if how == "link":
+        part.symlink_to(victim)
+    elif how == "second name":
+        part.hardlink_to(victim)
+    elif how == "pipe":
+        os.mkfifo(part)
+    else:
+        part.mkdir()
+
+
+@pytest.mark.parametrize("how", ["link", "second name", "pipe", "folder"])
+def test_what_is_in_the_place_of_a_hidden_file_stays(tmp_path: Path, how: str):
+    output, victim = tmp_path / "k.vtkhdf", tmp_path / "victim.txt"
+    victim.write_text("precious")
+    part = hidden(output)
+    in_the_way(part, victim, how)
+    with pytest.raises(CaseError, match="is in the place of the file that results are written to"):
+        claimed(output)
+    assert victim.read_text() == "precious"
+    assert part.is_symlink() == (how == "link")
+    assert not output.exists()
+
+
+@pytest.mark.parametrize("how", ["link", "second name", "pipe"])
+def test_a_checkpoint_is_written_to_a_file_of_its_own(tmp_path: Path, how: str):
+    victim = tmp_path / "victim.txt"
+    victim.write_text("precious")
+    part = hidden(tmp_path / "k.checkpoint.h5")
+    in_the_way(part, victim, how)
+    with fresh(part) as file:
+        file.write(b"mine")
+    assert victim.read_text() == "precious"
+    assert part.read_bytes() == b"mine"
+    assert not part.is_symlink()

@@ -27,9 +27,10 @@ NAMES = [f"{process} {law}" for process in PROCESSES for law in LAWS]
 
 def resumed(paths: list[Path], threads: str) -> None:
     """Go on from checkpoints in a process of its own."""
+    path = os.pathsep.join([str(TESTS), os.environ.get("PYTHONPATH", "")])
     done = subprocess.run(
         [sys.executable, "-m", "scenes.restarts", *map(str, paths)],
-        env={**os.environ, "NUMBA_NUM_THREADS": threads, "PYTHONPATH": str(TESTS)},
+        env={**os.environ, "NUMBA_NUM_THREADS": threads, "PYTHONPATH": path},
         capture_output=True,
         text=True,
         check=False,

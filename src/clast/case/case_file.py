@@ -60,6 +60,7 @@ from clast.model.model import Model, PlaneStrain, PlaneStress
 
 if TYPE_CHECKING:
     from clast.results import Run
+    from clast.results.checkpoints.checkpoint import Source
     from clast.run.preflight import Sanity
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
@@ -153,6 +154,7 @@ class Case(BaseModel):
 
     _file: str = PrivateAttr("case")
     _text: str | None = PrivateAttr(None)
+    _origin: str | None = PrivateAttr(None)
     _cut: CutCase | None = PrivateAttr(None)
 
     @model_validator(mode="after")
@@ -232,6 +234,7 @@ class Case(BaseModel):
                 content.pop("reference", None)
         case = cls.validated(content, file)
         case._text = None if settings else text
+        case._origin = text
         return case
 
     @classmethod
@@ -339,6 +342,11 @@ class Case(BaseModel):
         return self._file
 
     @property
+    def origin(self) -> str | None:
+        """The text that was read, before any settings; None where the case was made."""
+        return self._origin
+
+    @property
     def _folder(self) -> Path:
         """Where the file is, and files that it names."""
         return Path(self._file).parent
@@ -424,9 +432,9 @@ class Case(BaseModel):
         """Simulate the case and return its results.
 
         ``progress`` is True for a line on the terminal, or a function to call after every step;
-        ``output`` is the result file to write; ``warn`` is called before the first step with each
-        warning that is known by then (the report has them all).  Raises RunStopped, with the
-        partial results in its ``run``, where the run cannot go on.
+        ``output`` is the result file to write.  ``warn`` is called once with each warning, before
+        the first step or after the last; without it they are Python warnings, of the category
+        ``clast.RunWarning``.  Raises RunStopped, with its partial ``run``, where it cannot go on.
         """
         # A bad case is refused before anything slow is loaded and anything is written.
         model = self.model()
@@ -434,36 +442,31 @@ class Case(BaseModel):
 
         from clast.case.resuming import case_source, checkpoints
         from clast.results import RunRecorder
-        from clast.run.progress import shown
+        from clast.run.progress import Warner, shown
         from clast.run.simulate import simulate
 
-        schedule = self.schedule()
-        with shown(progress) as watch:
-            warnings = self.foreseen(model, method)
-            if warn:
-                for warning in warnings:
-                    warn(warning)
-            recorder = RunRecorder(
-                model,
-                case_text=self.text,
-                output=None if output is None else Path(output),
-                contacts=self.output.contacts,
-            )
-            return simulate(
-                model,
-                method,
-                schedule,
-                recorder=recorder,
-                watch=watch,
-                keep=checkpoints(
-                    recorder,
-                    lambda: case_source(self, model, method, schedule),
-                    output=output,
-                    every=self.output.checkpoint_every,
-                    tell=warn,
-                ),
-                warnings=warnings,
-            )
+        schedule, say, every = self.schedule(), Warner(warn), self.output.checkpoint_every
+
+        def source() -> Source:
+            return case_source(self, model, method, schedule)
+
+        def made() -> Run:
+            with shown(progress) as watch:
+                warnings = say.all_of(self.foreseen(model, method))
+                recorder = RunRecorder(
+                    model, case_text=self.text, output=output, contacts=self.output.contacts
+                )
+                return simulate(
+                    model,
+                    method,
+                    schedule,
+                    recorder=recorder,
+                    watch=watch,
+                    keep=checkpoints(recorder, source, output=output, every=every, tell=say),
+                    warnings=warnings,
+                )
+
+        return say.with_report(made)
 
     def __repr__(self) -> str:
         numbered = len(self.geometry.blocks) if self.geometry else 0

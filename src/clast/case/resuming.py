@@ -6,9 +6,9 @@ run = clast.resume("wall.checkpoint.h5")
 from __future__ import annotations
 
 import dataclasses
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,10 +22,13 @@ from clast.results.checkpoints.checkpoint import OBJECTS, SETTINGS, TEXT, Checkp
 from clast.results.checkpoints.files import (
     check_place,
     checkpoint_path,
+    damaged,
     read_checkpoint,
 )
-from clast.results.checkpoints.fingerprints import fingerprints
+from clast.results.checkpoints.fingerprints import digest, fingerprints
 from clast.results.checkpoints.plain import classes_near
+from clast.results.checkpoints.record_checks import rows_in_all, wrong_record
+from clast.results.checkpoints.regular_files import print_of, print_of_text, print_of_text_in
 from clast.results.checkpoints.taking_over import taken_over
 
 if TYPE_CHECKING:
@@ -33,8 +36,10 @@ if TYPE_CHECKING:
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 
-NAMING = ("file", "vertical")
-"""Keys of a case that name files beside it."""
+NAMING = "file"
+"""Key of all tables of a case that names a file beside it."""
+LARGEST_NAMED = 500_000_000
+"""Files above this size are not read, bytes."""
 LATER = frozenset({"time.end", "output.checkpoint_every"})
 """Keys that change nothing of what a run has done before a checkpoint."""
 NAMED = 6
@@ -72,7 +77,8 @@ def case_source(case: Case, model: Model, method: Method, schedule: Schedule) ->
         text=case.text,
         gives=TEXT if _is_whole(case) else OBJECTS,
         file=str(Path(case.file).absolute()),
-        files=dict(_named_files(case.model_dump(by_alias=True), Path(case.file).parent)),
+        file_text="" if case.origin is None else print_of_text(case.origin),
+        files={name: _print_of(Path(case.file).parent / name) for name in _named_files(case)},
         schedule=schedule,
         fingerprints=fingerprints(model=model, method=method),
     )
@@ -100,16 +106,20 @@ def _is_whole(case: Case) -> bool:
     return True
 
 
-def _named_files(value: Any, folder: Path, key: str = "") -> Iterator[tuple[str, str]]:
-    """Give the files that a case names, each with its fingerprint, empty where there is none."""
-    if isinstance(value, dict):
-        for name, inner in value.items():
-            yield from _named_files(inner, folder, str(name))
-    elif isinstance(value, list | tuple):
-        for inner in value:
-            yield from _named_files(inner, folder, key)
-    elif isinstance(value, str) and key in NAMING:
-        yield value, _print_of(folder / value)
+def _named_files(case: Case) -> list[str]:
+    """Return the files that a case names, each once."""
+
+    def named(value: Any, key: str) -> Iterator[str]:
+        if isinstance(value, dict):
+            for name, inner in value.items():
+                yield from named(inner, str(name))
+        elif isinstance(value, list | tuple):
+            for inner in value:
+                yield from named(inner, key)
+        elif isinstance(value, str) and key == NAMING:
+            yield value
+
+    return list(dict.fromkeys(named(case.model_dump(by_alias=True), "")))
 
 
 # going on --------------------------------------------------------------------------------------
@@ -165,39 +175,51 @@ def resume(
     path = Path(path)
     known = {} if model is None else classes_near(model.actions)
     checkpoint = read_checkpoint(path, known)
+    source = checkpoint.source
+    _check_source(source, path)
     if stage:
-        source, path = checkpoint.source, stage_before(checkpoint, path, stage)
-        checkpoint = read_checkpoint(path, known)
+        path, checkpoint = stage_before(checkpoint, path, stage, known)
         now = _prepared_again(source, checkpoint, path, settings)
     else:
         now = _prepared(checkpoint, path, settings, Given(model=model, method=method))
+    _check_content(checkpoint, path, now)
 
-    from clast.run.progress import shown
+    from clast.run.progress import Warner, shown
     from clast.run.simulate import simulate
 
-    with shown(progress) as watch:
-        if warn:
-            for warning in (*_of_versions(checkpoint), *now.warnings):
-                warn(warning)
-        target, recorded = taken_over(path, now.model, checkpoint.recorded, output, warn)
-        recorder = RunRecorder(
-            now.model,
-            case_text=now.source.text,
-            output=target,
-            contacts=now.output.contacts if now.output else True,
-            recorded=recorded,
-        )
-        every = now.output.checkpoint_every if now.output else None
-        return simulate(
-            now.model,
-            now.method,
-            now.source.schedule,
-            recorder=recorder,
-            watch=watch,
-            keep=checkpoints(recorder, lambda: now.source, output=target, every=every, tell=warn),
-            begin=checkpoint.run,
-            warnings=now.warnings,
-        )
+    say = Warner(warn)
+
+    def made() -> Run:
+        with shown(progress) as watch:
+            for text in (
+                *_of_versions(checkpoint),
+                *_of_case_file(checkpoint.source),
+                *now.warnings,
+            ):
+                say(text)
+            target, recorded = taken_over(path, now.model, checkpoint.recorded, output, say)
+            recorder = RunRecorder(
+                now.model,
+                case_text=now.source.text,
+                output=target,
+                contacts=now.output.contacts if now.output else True,
+                recorded=recorded,
+            )
+            every = now.output.checkpoint_every if now.output else None
+            return simulate(
+                now.model,
+                now.method,
+                now.source.schedule,
+                recorder=recorder,
+                watch=watch,
+                keep=checkpoints(
+                    recorder, lambda: now.source, output=target, every=every, tell=say
+                ),
+                begin=checkpoint.run,
+                warnings=now.warnings,
+            )
+
+    return say.with_report(made)
 
 
 def _prepared(
@@ -241,6 +263,7 @@ def _prepared_again(
             where=str(path),
             remedy="write the model as a case file (builder.to_toml), or run the script again",
         )
+    _as_it_was(source, path)
     case = Case.from_text(
         source.text, str(_folder(source, path) / Path(source.file).name), settings
     )
@@ -288,6 +311,61 @@ def _of_versions(checkpoint: Checkpoint) -> Iterator[str]:
         )
 
 
+def _of_case_file(source: Source) -> Iterator[str]:
+    """Say where the case file is no longer what the run was begun with."""
+    now = print_of_text_in(Path(source.file), LARGEST_NAMED)
+    if now and source.file_text and now != source.file_text:
+        yield (
+            f"{source.file} is not what it was when the run began: the run goes on with the case "
+            "in its checkpoint. To run what the file says now, run it again: clast run"
+        )
+
+
+def _check_content(checkpoint: Checkpoint, path: Path, now: Prepared) -> None:
+    """Raise CaseError where what a checkpoint carries cannot be of this model and its stages.
+
+    Nothing has been written until here, and no kernel has seen it.
+    """
+    from clast.run.restored import wrong_state
+    from clast.run.simulate import RunState
+
+    run, recorded = checkpoint.run, checkpoint.recorded
+    if not isinstance(run, RunState):
+        raise damaged(path, "it carries no run")
+    wrong = wrong_record(recorded, now.model, checkpoint.time)
+    wrong = wrong or wrong_state(run, now.model, now.method, now.source.schedule)
+    if not wrong and not run.state.time == checkpoint.time:
+        wrong = "its times differ"
+    if not wrong and run.tally.steps != rows_in_all(recorded):
+        wrong = "its steps are not those that were recorded"
+    if wrong:
+        raise damaged(path, wrong)
+
+
+def _check_source(source: Source, path: Path) -> None:
+    """Raise CaseError where a checkpoint does not say where its run came from."""
+    from clast.run.schedule import Schedule
+
+    schedule, most = source.schedule, sys.float_info.max
+    wrong = source.gives not in (TEXT, SETTINGS, OBJECTS) or not isinstance(schedule, Schedule)
+    if not wrong:
+        lengths = (schedule.step, schedule.end, schedule.every, schedule.smallest_step or 1.0)
+        wrong = not all(0.0 < length <= most for length in lengths)
+    if wrong:
+        raise damaged(path, "it does not say when to simulate")
+
+
+def _as_it_was(source: Source, path: Path) -> Case:
+    """Return the case of a checkpoint's text; no file is looked at that it does not name."""
+    case = Case.from_text(source.text, source.file)
+    if source.gives == TEXT and (
+        set(_named_files(case)) != set(source.files)
+        or digest(case.schedule()) != digest(source.schedule)
+    ):
+        raise damaged(path, "its case is another than its run's")
+    return case
+
+
 def _check_given(source: Source, path: Path, given: Given) -> None:
     """Raise CaseError where a script must give what no text holds."""
     missing = {
@@ -320,11 +398,11 @@ def _check_settings(settings: Sequence[str]) -> None:
 
 def _case(source: Source, path: Path, settings: Sequence[str]) -> Case:
     """Return the case of a text with settings; frames stay where they were to be."""
+    case = _as_it_was(source, path)
     folder = _folder(source, path)
     file = str(folder / Path(source.file).name) if source.gives == TEXT else source.file
-    case = Case.from_text(source.text, file)
     if not settings:
-        return case
+        return case if file == source.file else Case.from_text(source.text, file)
     kept = () if case.output.every else (f"output.every={source.schedule.every!r}",)
     return Case.from_text(source.text, file, (*settings, *kept))
 
@@ -350,11 +428,8 @@ def _folder(source: Source, path: Path) -> Path:
 
 
 def _print_of(path: Path) -> str:
-    """Return the fingerprint of a file, empty where there is none."""
-    try:
-        return sha256(path.read_bytes()).hexdigest()
-    except OSError:
-        return ""
+    """Return the fingerprint of a file that a case names, empty where there is none."""
+    return print_of(path, LARGEST_NAMED)
 
 
 def _end(case: Case | None, settings: Sequence[str], checkpoint: Checkpoint, path: Path) -> float:

@@ -43,7 +43,7 @@ from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.measurements import MeasuredPointTable
 from clast.case.tables.method import MethodTable
 from clast.case.tables.rock_mass import OpeningTable
-from clast.case.tables.stages import stage_keys
+from clast.case.tables.stages import given_stages, stage_keys
 from clast.case.tables.table import Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
 from clast.case.writing import as_plain, table_of
@@ -133,7 +133,7 @@ class ModelBuilder(model_builder.ModelBuilder):
         """
         # what cannot be built is no case either, be it two rocks of one name
         tables = _with_time(_tables(keys), self.build())
-        parts = {"stage": [stage_keys(one) for one in stages]} if stages else {}
+        parts = {"stage": [stage_keys(one) for one in given_stages(stages)]} if stages else {}
         return Case.validated({**self._content(), **tables, **parts}, "script")
 
     def to_toml(self, *, stages: Sequence[Stage] = (), **keys: Unpack[Keys]) -> str:
@@ -287,7 +287,8 @@ def simulate(
     (the step, 1 s for the end).  ``method`` and ``schedule`` are in the place of these keys where
     they are given.  ``output`` is the result file to write (.vtkhdf); without it frames are kept in
     memory.  ``progress`` is True for a line on the terminal, or a function to call after every
-    step.  ``stages`` are the parts of the run, one after the other.
+    step.  ``stages`` are the parts of the run, one after the other.  What the run warns of are
+    Python warnings of the category ``clast.RunWarning``, each of them once.
 
     Raises CaseError and ModelError for what cannot be simulated, RunStopped where the run cannot go
     on, with the partial results in its ``run``.
@@ -303,7 +304,7 @@ def simulate(
     # a bad model is refused before anything slow is loaded
     from clast.case.resuming import checkpoints, script_source
     from clast.run.preflight import examine
-    from clast.run.progress import shown
+    from clast.run.progress import Warner, shown
     from clast.run.simulate import simulate as march
 
     # a case that has everything but blocks
@@ -311,8 +312,8 @@ def simulate(
     text = settings.text if method is None and schedule is None else ""
     method = method or settings.method(model)
     schedule = schedule or settings.schedule()
+    schedule = replace(schedule, stages=given_stages(stages or schedule.stages))
     if stages:
-        schedule = replace(schedule, stages=tuple(stages))
         every = settings.output.interval(schedule.step, schedule.latest)
         schedule = replace(schedule, every=every) if "every" not in keys else schedule
     recorder = recorder or RunRecorder(
@@ -321,22 +322,30 @@ def simulate(
         output=None if output is None else Path(output),
         contacts=settings.output.contacts,
     )
-    with shown(progress) as watch:
-        warnings = examine(model, method, schedule).warnings
-        return march(
-            model,
-            method,
-            schedule,
-            recorder=recorder,
-            watch=watch,
-            keep=checkpoints(
-                recorder,
-                lambda: script_source(settings if text else None, model, method, schedule),
-                output=output,
-                every=settings.output.checkpoint_every,
-            ),
-            warnings=warnings,
-        )
+    say = Warner(None)
+
+    def made() -> Run:
+        with shown(progress) as watch:
+            warnings = examine(model, method, schedule).warnings
+            for warning in warnings:
+                say(warning)
+            return march(
+                model,
+                method,
+                schedule,
+                recorder=recorder,
+                watch=watch,
+                keep=checkpoints(
+                    recorder,
+                    lambda: script_source(settings if text else None, model, method, schedule),
+                    output=output,
+                    every=settings.output.checkpoint_every,
+                    tell=say,
+                ),
+                warnings=warnings,
+            )
+
+    return say.with_report(made)
 
 
 def usual_step(model: Model) -> float:

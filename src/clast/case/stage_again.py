@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +11,10 @@ from clast.errors import CaseError, shortened
 from clast.model.model import Model
 from clast.model.state import State
 from clast.results.checkpoints.checkpoint import Checkpoint
-from clast.results.checkpoints.files import checkpoint_path
+from clast.results.checkpoints.files import checkpoint_path, damaged, read_checkpoint
 from clast.results.checkpoints.fingerprints import SHAPE, digest
+from clast.results.checkpoints.lineage import belongs
+from clast.results.checkpoints.record_checks import is_file_name
 
 if TYPE_CHECKING:
     from clast.run.schedule import Schedule
@@ -21,10 +23,13 @@ KEPT = (*SHAPE, "measured_points")
 """Parts of a model that are what they were."""
 
 
-def stage_before(checkpoint: Checkpoint, path: Path, stage: str) -> Path:
+def stage_before(
+    checkpoint: Checkpoint, path: Path, stage: str, known: Mapping[str, type]
+) -> tuple[Path, Checkpoint]:
     """Return the checkpoint of the end of the stage before ``stage``, beside another of the run.
 
-    Raises CaseError where there is no such stage, or none before it.
+    Raises CaseError where there is no such stage, or none before it, and where what lies there is
+    not of this run or of another moment.  ``known`` are classes of scripts.
     """
     names = [one.name for one in _stages(checkpoint.source.schedule)]
     if stage not in names:
@@ -41,7 +46,9 @@ def stage_before(checkpoint: Checkpoint, path: Path, stage: str) -> Path:
             remedy="run the case again: clast run CASE --set ...",
         )
     if checkpoint.stage == names[at - 1]:
-        return path
+        return path, _at_its_end(checkpoint, path, names[:at])
+    if not is_file_name(checkpoint.recorded.file):
+        raise damaged(path, "it names a result file that does not lie beside it")
     before = checkpoint_path(path.resolve().parent / checkpoint.recorded.file, names[at - 1])
     if not before.exists():
         raise CaseError(
@@ -49,7 +56,30 @@ def stage_before(checkpoint: Checkpoint, path: Path, stage: str) -> Path:
             where=str(before),
             remedy="put it beside the one that is named, or run the case again",
         )
-    return before
+    found = _at_its_end(read_checkpoint(before, known), before, names[:at])
+    runs = [(one.recorded.lineage, one.recorded.frames) for one in (found, checkpoint)]
+    (first, frames), (second, later) = runs
+    if not belongs(first, frames, second) and not belongs(second, later, first):
+        raise CaseError(
+            f"is of another run than {path.name}",
+            where=str(before),
+            remedy="name a checkpoint of the run that wrote the result file last, or run the case "
+            "again",
+        )
+    return before, found
+
+
+def _at_its_end(checkpoint: Checkpoint, path: Path, names: Sequence[str]) -> Checkpoint:
+    """Return a checkpoint if it is of the end of the last of these stages; else raise CaseError."""
+    position: Any = getattr(checkpoint.run, "position", None)
+    at_end = checkpoint.stage == names[-1] and position is not None and position.over
+    if not at_end or len(position.starts) != len(names):
+        raise CaseError(
+            f"is no checkpoint of the end of stage '{shortened(names[-1])}'",
+            where=str(path),
+            remedy="run the case again",
+        )
+    return checkpoint
 
 
 def check_fits(

@@ -57,7 +57,7 @@ def _run(case: Path, target: Path, settings: Sequence[str], as_json: bool, quiet
 
     loaded = Case.from_toml(case, settings)
     _shown(
-        lambda foresee: loaded.run(progress=not quiet, output=target, warn=foresee),
+        lambda warn: loaded.run(progress=not quiet, output=target, warn=warn),
         lambda done: deviations(loaded, done),
         as_json=as_json,
         quiet=quiet,
@@ -71,22 +71,14 @@ def _shown(
     as_json: bool,
     quiet: bool,
 ) -> None:
-    """Simulate, with a function to call for every warning; print how it went."""
-    foreseen: list[str] = []
-
-    def foresee(warning: str) -> None:
-        foreseen.append(warning)
-        warn([warning])
-
+    """Simulate, with a function to call once for every warning; print how it went."""
     try:
-        done = simulate(foresee)
+        done = simulate(lambda warning: warn([warning]))
     except RunStopped as stopped:
         partial: Any = stopped.run
-        warn(text for text in partial.report.warnings if text not in foreseen)
         print_run(partial, compared(partial), as_json=as_json, quiet=quiet)
         say(f"the results until then are in {partial.output}{_way_on(partial)}")
         raise
-    warn(text for text in done.report.warnings if text not in foreseen)
     print_run(done, compared(done), as_json=as_json, quiet=quiet)
     if not done.report.finished:
         say(f"{done.report.outcome}; the results until then are in {done.output}{_way_on(done)}")
@@ -128,13 +120,13 @@ def resume(
         )
     with heard():
         _shown(
-            lambda foresee: go_on(
+            lambda warn: go_on(
                 checkpoint,
                 settings or (),
                 stage=stage or "",
                 output=output,
                 progress=not quiet,
-                warn=foresee,
+                warn=warn,
             ),
             _compared,
             as_json=as_json,

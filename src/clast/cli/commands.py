@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import warnings
 from typing import Annotated, Any
 
 import typer
@@ -15,7 +16,7 @@ from typer.core import TyperGroup
 from clast.cli import cases, exports, files, importing, rock_masses, studies
 from clast.cli.exit_codes import BAD_INPUT, STOPPED, interrupted_by
 from clast.cli.terminal import say
-from clast.errors import ClastError, RunStopped, shortened
+from clast.errors import ClastError, RunStopped, RunWarning, shortened
 from clast.spelling import visible
 
 USAGE_ERROR: Any = typer.BadParameter.__base__
@@ -32,7 +33,10 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run a command; say its errors."""
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                # commands say themselves what a run warns of
+                warnings.simplefilter("ignore", RunWarning)
+                return super().invoke(ctx)
         except RunStopped as stopped:
             say(f"stopped: {stopped}")
             raise typer.Exit(STOPPED) from None

@@ -19,6 +19,8 @@
                    and what it wets
     /report        how the run went; only in a file that was finished
 
+The attribute ``runs`` of the file says which runs have written it (``checkpoints.lineage``).
+
 A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after its data have
 reached the file; a process killed at any moment leaves all frames before readable.  Behind the
 end of HDF5's part there are checksums of it (``clast.results.pages``), and after a kill there
@@ -62,6 +64,15 @@ CELL_ARRAYS: dict[str, tuple[int, ...]] = {
     "CellData/gone": (),
 }
 """Arrays with a row per block and frame: name -> shape of a row."""
+
+CHUNK_ROWS = 512
+"""Rows that small things share a chunk of the file with."""
+
+MOVING = f"CellDataOffsets/{next(iter(CELL_ARRAYS)).removeprefix('CellData/')}"
+"""Where the offsets of the blocks' arrays are stored; all arrays share them by hard links."""
+
+OFFSETS = ("NumberOfParts", "PartOffsets", "CellOffsets", "PointOffsets", MOVING)
+"""Datasets of offsets in /VTKHDF/Steps, written a chunk of frames at a time."""
 
 SINCE = {"CellData/gone": "blocks could be excavated"}
 """Arrays that files of earlier versions do not have -> since when they are written."""

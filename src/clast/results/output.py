@@ -65,15 +65,25 @@ def hidden(path: Path) -> Path:
     return path.with_name(f".{path.name}.part")
 
 
+def fresh(part: Path) -> BinaryIO:
+    """Return a new file at a hidden name, open for writing; what was there before is removed.
+
+    Nobody else's file is written to: a link is removed, not followed.
+    """
+    part.unlink(missing_ok=True)
+    flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
+    return open(os.open(part, flags | getattr(os, "O_BINARY", 0), 0o666), "w+b")
+
+
 def claimed(path: Path) -> BinaryIO:
     """Return the hidden file beside a result file, empty, open and locked for one run.
 
-    Raises CaseError where another run has it, or has given it its name already.
+    Raises CaseError where another run has it, or has given it its name already, and where
+    something else is in its place.
     """
     part = hidden(path)
     while True:
-        flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
-        file = open(os.open(part, flags, 0o666), "r+b", buffering=0)
+        file = _opened(part)
         if not locks.claim(file):
             file.close()
             raise _in_use(path)
@@ -91,12 +101,39 @@ def claimed(path: Path) -> BinaryIO:
     return file
 
 
+def _opened(part: Path) -> BinaryIO:
+    """Return a hidden file, new or left by a run that was killed: no link, pipe or device."""
+    flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+    try:
+        file = open(os.open(part, flags | getattr(os, "O_BINARY", 0), 0o666), "r+b", buffering=0)
+    except OSError as error:
+        if not part.is_symlink() and not part.exists():
+            raise
+        raise _occupied(part) from error
+    status = os.fstat(file.fileno())
+    # a file with a second name is somebody's who did not mean it to be emptied
+    if not stat.S_ISREG(status.st_mode) or status.st_nlink > 1:
+        file.close()
+        raise _occupied(part)
+    return file
+
+
+def _occupied(part: Path) -> CaseError:
+    return CaseError(
+        "is in the place of the file that results are written to first, and is none that a run "
+        "has left; it is not written over",
+        where=str(part),
+        remedy=f"remove it, or {ELSEWHERE}",
+    )
+
+
 def taken_up(path: Path) -> BinaryIO:
     """Return a result file, open and locked for a run that goes on with it.
 
     Raises CaseError where another run has it.
     """
-    file = open(path, "r+b", buffering=0)
+    flags = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+    file = open(os.open(path, flags | getattr(os, "O_BINARY", 0)), "r+b", buffering=0)
     if not locks.claim(file) or not _is_at(file, path):
         file.close()
         raise _in_use(path)

@@ -16,6 +16,7 @@ from clast.model.model import Model
 from clast.model.stages.reference import Reference
 from clast.model.state import LEDGER_ENTRIES, State
 from clast.results.checkpoints.checkpoint import Recorded
+from clast.results.checkpoints.cutting_back import rows_after
 from clast.results.layout import ENERGY_ROW, FRAME_ROW, STEP_ROW, bolts_row
 from clast.results.run import Report, Run
 from clast.results.tables import Table, no_contacts, points_row
@@ -40,8 +41,6 @@ class Mark:
     """Row of the last of them: time, s, and how many steps, instants and contacts there were."""
     counts: Mapping[str, int] = field(default_factory=dict)
     """Rows of each table after it."""
-    lengths: Mapping[str, int] = field(default_factory=dict)
-    """Rows of each growing dataset of the file after it."""
     now: Mapping[str, int] = field(default_factory=dict)
     """Rows of each table after the step."""
     result: StepResult | None = None
@@ -137,8 +136,7 @@ class RunRecorder:
         self._framed = Mark(
             frames=recorded.frames,
             frame=recorded.frame[0].item(),
-            counts=recorded.counts,
-            lengths=recorded.lengths,
+            counts=self._counts_after(recorded.frame),
         )
 
     def enter(self, stage: int, reference: Reference | None) -> None:
@@ -201,7 +199,6 @@ class RunRecorder:
                 self._framed.frame[3] + len(rows),
             ),
             counts=self._counts(),
-            lengths={} if self._file is None else dict(self._file.lengths),
         )
 
     def mark(self) -> Mark:
@@ -223,11 +220,10 @@ class RunRecorder:
         at = mark.counts["energy"]
         return Recorded(
             file=self._file.path.name,
+            lineage=self._file.lineage,
             frames=mark.frames,
             frame=np.array([mark.frame], FRAME_ROW),
             energy=self._energy.rows[at - 1 : at].copy(),
-            lengths=mark.lengths,
-            counts=mark.counts,
             since={
                 name: table.rows[mark.counts[name] : mark.now[name]].copy()
                 for name, table in self._tables().items()
@@ -303,6 +299,11 @@ class RunRecorder:
     def _counts(self) -> dict[str, int]:
         """Return how many rows each table has."""
         return {name: len(table) for name, table in self._tables().items()}
+
+    def _counts_after(self, last: NDArray[Any]) -> dict[str, int]:
+        """Return how many rows each table had after the frame with this row, shape (1,)."""
+        counts = rows_after(last)
+        return counts if len(self._model.bolts) else {**counts, "bolts": 0}
 
     def _tables(self) -> dict[str, Table]:
         return {

@@ -20,16 +20,19 @@ from numpy.typing import DTypeLike, NDArray
 from clast.errors import CaseError, ResultsLost
 from clast.model.model import Floats, Ints, Model
 from clast.results.checkpoints.checkpoint import Recorded
-from clast.results.checkpoints.cutting_back import check_fit, cut_back
+from clast.results.checkpoints.cutting_back import check_fit, cut_back, rows_after
+from clast.results.checkpoints.lineage import extended, read_lineage, write_lineage
 from clast.results.journal import JournalledFile
 from clast.results.layout import (
     ABOUT,
     CELL_ARRAYS,
+    CHUNK_ROWS,
     CONTACT_ROW,
     ENERGY_ROW,
     FORMAT,
     FRAME_ROW,
     FRAME_STAGE,
+    MOVING,
     POINT_ARRAYS,
     POINT_ROW,
     POLYGON,
@@ -52,8 +55,6 @@ PACKED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle
 LARGE = 64
 """Rows that a frame must have for a chunk of its own."""
 CHECKED = {"fletcher32": True}
-CHUNK_ROWS = 512
-"""Rows that small things share a chunk of the file with."""
 
 
 class ResultFile:
@@ -81,8 +82,8 @@ class ResultFile:
         self._frames = 0
         self._saved = {"energy": 0, "steps": 0, "history": 0, "bolts": 0}
         self._contacts = 0
-        self.lengths: dict[str, int] = {}
-        """Rows of each dataset that grows, after the last frame."""
+        self.lineage = extended((), 0)
+        """Which runs have written the file; the last is this one."""
         weakref.finalize(self, _let_go, self._storage, hidden(self.path))
 
     def frame(
@@ -105,6 +106,7 @@ class ResultFile:
             with self._guarded("make room, or choose another place"):
                 self._open(h5py.File(self._storage, "w", libver=FILE_FORMAT, **IN_ONE_PAGE))
                 _write_start(self._file, self._model, self._case_text, self.about)
+                write_lineage(self._file, self.lineage)
                 self._put_frame(time, arrays, contacts, tables, bolt_points)
                 self._file.close()
                 self._storage.commit()
@@ -123,11 +125,13 @@ class ResultFile:
         with self._guarded():
             self._open(h5py.File(self._storage, "r+", libver=FILE_FORMAT))
             self._frames, self._contacts = recorded.frames, int(recorded.frame["contacts"][0])
-            self.lengths, self._saved = dict(recorded.lengths), dict(recorded.counts)
-            cut_back(self._file, self._frames, self.lengths)
+            self._saved = rows_after(recorded.frame)
+            cut_back(self._file, self._model, self._frames, recorded.frame)
             first = self._frames // CHUNK_ROWS * CHUNK_ROWS
             self._put_offsets(first)
             write_source(self._file["model"], self._model, self._case_text, self.about)
+            self.lineage = extended(read_lineage(self._file), self._frames)
+            write_lineage(self._file, self.lineage)
             self._file.flush()
             self._storage.commit()
             times: Floats = self._file["frames"]["time"]
@@ -211,7 +215,6 @@ class ResultFile:
         self._storage.commit()
         self._frames, self._contacts = number + 1, contact_end
         self._saved = {name: len(table) for name, table in tables.items()}
-        self.lengths |= {name: column.length for name, column in self._columns.items()}
 
     def _put_offsets(self, number: int) -> None:
         """Put the offsets of a chunk of frames, which are known beforehand, from ``number`` on."""
@@ -310,10 +313,6 @@ def _check_texts(model: Model) -> None:
                 f"{text!r} holds a character that a result file cannot hold",
                 remedy="give it another title or name",
             )
-
-
-MOVING = f"CellDataOffsets/{next(iter(CELL_ARRAYS)).removeprefix('CellData/')}"
-"""Where the offsets of the blocks' arrays are stored; all arrays share them by hard links."""
 
 
 def _step_offsets(model: Model, frames: Ints) -> dict[str, NDArray[Any]]:

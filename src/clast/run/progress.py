@@ -2,16 +2,24 @@
 
 Where there is no terminal (a pipe, a file) nothing is said of a run; of compilation, which takes
 long but only once, a line for each part of the method.
+
+What a run warns of reaches whoever started it, each warning once.  A script that names no function
+for it gets Python's own warnings, of the category ``clast.RunWarning``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import sys
+import warnings
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 from clast.compute.compilation import COMPILATION, working_time
+from clast.errors import RunStopped, RunWarning
+from clast.results import Run
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -158,3 +166,47 @@ def _part(module: str) -> str:
     """Return what the kernels of a module are for."""
     folder = module.split(".")[1]
     return PARTS.get(folder, folder)
+
+
+PACKAGE = str(Path(__file__).resolve().parents[1])
+"""Where the package is."""
+
+
+class Warner:
+    """Says each warning once, to a function, or by ``warnings.warn`` where that is None."""
+
+    def __init__(self, warn: Callable[[str], None] | None) -> None:
+        self._warn = warn or _as_python_does
+        self._said: set[str] = set()
+
+    def __call__(self, text: str) -> None:
+        """Say a warning, if it has not been said yet."""
+        if text not in self._said:
+            self._said.add(text)
+            self._warn(text)
+
+    def all_of(self, texts: Iterable[str]) -> tuple[str, ...]:
+        """Say warnings, and return them."""
+        found = tuple(texts)
+        for text in found:
+            self(text)
+        return found
+
+    def with_report(self, run: Callable[[], Run]) -> Run:
+        """Return a run that is still to be made; say what its report warns of."""
+        try:
+            done = run()
+        except RunStopped as stopped:
+            if isinstance(stopped.run, Run):
+                self.all_of(stopped.run.report.warnings)
+            raise
+        self.all_of(done.report.warnings)
+        return done
+
+
+def _as_python_does(text: str) -> None:
+    """Warn at the line of the script that called."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(PACKAGE):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, RunWarning, stacklevel=level)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import fields
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, replace
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
+from pydantic_core import PydanticCustomError
 
 from clast.case.choices import Number, class_at, within
 from clast.case.faults import Fault, refusal
 from clast.case.tables.acting.damping import DAMPINGS, Damping, chosen_damping
 from clast.case.tables.table import Interval, Positive, Strength, Table
-from clast.errors import CaseError
+from clast.errors import CaseError, shortened
 from clast.model import ranges
 from clast.model.stages.stage import Stage
 
@@ -87,6 +88,34 @@ class StageTable(Table):
         }
         damping = None if self.damping is None else chosen_damping(self.damping).build()
         return Stage(**given, joints=joints, damping=damping)
+
+
+def given_stages(stages: Any) -> tuple[Stage, ...]:
+    """Return the stages that a script gives; their damping may be a name or a table, as in a file.
+
+    Raises CaseError for what are no stages, and for a damping that is none.
+    """
+    if isinstance(stages, str | Stage) or not isinstance(stages, Iterable):
+        stages = [stages]
+    found = tuple(stages)
+    for one in found:
+        if not isinstance(one, Stage):
+            raise CaseError(
+                f"{shortened(repr(one))} is no stage",
+                where="stages",
+                remedy='give a list of them: stages=[clast.Stage(name="gravity"), ...]',
+            )
+    return tuple(one if one.damping is None else _with_damping(one) for one in found)
+
+
+def _with_damping(stage: Stage) -> Stage:
+    """Return a stage whose damping is an object."""
+    try:
+        return replace(stage, damping=chosen_damping(stage.damping).build())
+    except PydanticCustomError as error:
+        fault: Fault = (error.context or {})["faults"][0]
+        where = f"stage '{shortened(str(stage.name))}', damping"
+        raise CaseError(fault.what, where=where, remedy=fault.remedy) from None
 
 
 def stage_keys(stage: Stage) -> dict[str, Any]:

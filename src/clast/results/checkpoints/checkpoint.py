@@ -8,6 +8,8 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from clast.results.checkpoints.lineage import Lineage
+
 TEXT, SETTINGS, OBJECTS = "a case file", "the settings of a script", "objects of a script"
 """What the text of a case gives: all of a run, all but its blocks, or neither."""
 
@@ -22,6 +24,8 @@ class Source:
     """What the text gives of the run: one of the texts above."""
     file: str = "case"
     """The case file, whose folder has the files that it names."""
+    file_text: str = ""
+    """Fingerprint of the text that the file had then, empty where the case is of no file."""
     files: Mapping[str, str] = field(default_factory=dict)
     """Fingerprints of these files by the names that the case gives them."""
     schedule: Any = None
@@ -36,16 +40,14 @@ class Recorded:
 
     file: str
     """Name of the result file, which lies beside the checkpoint."""
+    lineage: Lineage
+    """Which runs have written it; the last of them is that of the checkpoint."""
     frames: int
     """Frames in it."""
     frame: NDArray[Any]
     """Row of the last of them in its table of frames, shape (1,)."""
     energy: NDArray[Any]
     """Row of that instant in its table of energies, shape (1,)."""
-    lengths: Mapping[str, int]
-    """Rows of each growing dataset of the file after that frame."""
-    counts: Mapping[str, int]
-    """Rows of each table of the run after that frame."""
     since: Mapping[str, NDArray[Any]]
     """Rows of each table that came after it."""
     contacts: NDArray[Any]

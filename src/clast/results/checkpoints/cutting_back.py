@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import stat
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model.model import Model
 from clast.results.checkpoints.checkpoint import Recorded
-from clast.results.layout import FORMAT
+from clast.results.checkpoints.lineage import belongs, read_lineage
+from clast.results.layout import (
+    CELL_ARRAYS,
+    CHUNK_ROWS,
+    FORMAT,
+    FRAME_STAGE,
+    OFFSETS,
+    POINT_ARRAYS,
+    history_path,
+)
 from clast.results.opening import ask, check_ours
 
 ELSEWHERE = "clast resume CHECKPOINT -o FILE writes a file of what comes from there on"
@@ -31,15 +41,25 @@ def check_fit(path: Path, model: Model, recorded: Recorded) -> None:
         if len(held) < recorded.frames:
             return f"it has {len(held)} frames, the checkpoint goes on from {recorded.frames}"
         at = int(recorded.frame["instants"][0]) - 1
+        if not belongs(recorded.lineage, recorded.frames, read_lineage(file)):
+            return "its frames are those of another run, which was begun later"
         same = held[recorded.frames - 1] == recorded.frame[0]
-        if not same or file["energy"][at] != recorded.energy[0]:
+        if not same or at >= len(file["energy"]) or file["energy"][at] != recorded.energy[0]:
             return "its frames are those of another run"
         return ""
 
     where = str(path)
-    if not path.exists():
+    try:
+        status = path.lstat()
+    except OSError:
         raise CaseError(
             "the result file of the checkpoint is missing", where=where, remedy=ELSEWHERE
+        ) from None
+    if not stat.S_ISREG(status.st_mode):
+        raise CaseError(
+            "is no regular file: the results of a checkpoint lie beside it",
+            where=where,
+            remedy=ELSEWHERE,
         )
     try:
         why = ask(path, misfit, whole=CHECKED_WHOLE)
@@ -49,14 +69,42 @@ def check_fit(path: Path, model: Model, recorded: Recorded) -> None:
         raise CaseError(f"does not belong to the checkpoint: {why}", where=where, remedy=ELSEWHERE)
 
 
-def cut_back(file: Any, frames: int, lengths: Mapping[str, int]) -> None:
+def cut_back(file: Any, model: Model, frames: int, last: NDArray[Any]) -> None:
     """Take all that came after its first ``frames`` frames out of an open result file.
 
-    ``lengths`` are the rows that each dataset had then.
+    ``last`` is the row of the last of them in its table of frames, shape (1,).
     """
     # In the order in which a frame is taken back: for a viewer it is gone first.
     file["VTKHDF/Steps"].attrs.modify("NSteps", np.int64(frames))
-    for name, length in lengths.items():
-        file[name].resize(min(length, len(file[name])), axis=0)
+    for name, length in lengths_after(model, frames, last).items():
+        if name in file:
+            file[name].resize(min(length, len(file[name])), axis=0)
     if "report" in file:
         del file["report"]
+
+
+def lengths_after(model: Model, frames: int, last: NDArray[Any]) -> dict[str, int]:
+    """Return the rows of each growing dataset of a file after so many frames."""
+    counts = rows_after(last)
+    instants, vertices = counts["energy"], len(model.vertices)
+    whole_chunks = -(-frames // CHUNK_ROWS) * CHUNK_ROWS
+    return {
+        **{f"VTKHDF/{name}": frames * vertices for name in POINT_ARRAYS},
+        **{f"VTKHDF/{name}": frames * model.block_count for name in CELL_ARRAYS},
+        **{f"VTKHDF/Steps/{name}": whole_chunks for name in OFFSETS},
+        "VTKHDF/Steps/Values": frames,
+        "frames": frames,
+        FRAME_STAGE: frames,
+        "contacts": int(last["contacts"][0]),
+        "bolt_points": frames * len(model.bolts.block),
+        "energy": instants,
+        "steps": counts["steps"],
+        "bolts": instants,
+        **{history_path(name): instants for name in model.measured_points.name},
+    }
+
+
+def rows_after(last: NDArray[Any]) -> dict[str, int]:
+    """Return the rows of each table of a run after the frame with this row, shape (1,)."""
+    instants, steps = int(last["instants"][0]), int(last["steps"][0])
+    return {"energy": instants, "steps": steps, "history": instants, "bolts": instants}

@@ -12,7 +12,6 @@ from __future__ import annotations
 import io
 import json
 import os
-import stat
 import struct
 from collections.abc import Mapping
 from contextlib import suppress
@@ -21,10 +20,9 @@ from pathlib import Path
 from typing import Any
 
 import h5py
-import numpy as np
 from numpy.typing import NDArray
 
-from clast.errors import CaseError
+from clast.errors import CaseError, shortened
 from clast.results.checkpoints.checkpoint import Checkpoint
 from clast.results.checkpoints.plain import (
     NotPlainError,
@@ -32,11 +30,15 @@ from clast.results.checkpoints.plain import (
     put_together,
     taken_apart,
 )
+from clast.results.checkpoints.regular_files import content_of
+from clast.results.checkpoints.stored_arrays import arrays_of, put_array
 from clast.results.opening import is_result_file
-from clast.results.output import hidden
+from clast.results.output import fresh, hidden
 
-LAYOUT = 1
-"""Version of the layout of checkpoint files."""
+LAYOUT = 2
+"""Version of the layout of checkpoint files: 1 did not say which run each belongs to."""
+LARGEST = 2**31
+"""Checkpoints above this size are not read, bytes."""
 SUMS = struct.Struct("<Q32s8s")
 MARK = b"clastchk"
 ENDING = ".checkpoint.h5"
@@ -44,12 +46,23 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """How every HDF5 file begins."""
 
 
+RESULTS = ".vtkhdf"
+"""Usual ending of result files, which the names of their checkpoints leave out."""
+
+
 def checkpoint_path(output: Path, stage: str = "") -> Path:
-    """Return where the checkpoint of a result file is: that of now, or of the end of a stage."""
+    """Return where the checkpoint of a result file is: that of now, or of the end of a stage.
+
+    No two files and stages share one.  The dot before a stage is the only one that is left:
+    ``n.vtkhdf`` with a stage ``rest`` has n.rest.checkpoint.h5, ``n.rest.vtkhdf`` has
+    n%2Erest.checkpoint.h5; ``a.h5``, without the usual ending, has a%2Eh5%.checkpoint.h5.
+    """
+    usual = output.suffix == RESULTS
+    name = (output.stem if usual else output.name).replace("%", "%25").replace(".", "%2E")
     safe = "".join(
         sign if sign.isalnum() or sign in "-_ " else f"%{ord(sign):02X}" for sign in stage
     )
-    return output.with_name(f"{output.stem}{'.' if safe else ''}{safe}{ENDING}")
+    return output.with_name(f"{name}{'' if usual else '%'}{'.' if safe else ''}{safe}{ENDING}")
 
 
 def check_place(path: Path) -> None:
@@ -65,8 +78,8 @@ def check_place(path: Path) -> None:
 def is_checkpoint(path: Path) -> bool:
     """Return whether a file is a whole checkpoint, of whatever layout."""
     try:
-        return stat.S_ISREG(path.stat().st_mode) and _image(path.read_bytes()) is not None
-    except OSError:
+        return _image(content_of(path, LARGEST)) is not None
+    except (OSError, CaseError):
         return False
 
 
@@ -79,7 +92,7 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     part = hidden(path)
     image = _as_bytes(checkpoint)
     try:
-        with open(part, "wb") as file:
+        with fresh(part) as file:
             file.write(image)
             file.write(SUMS.pack(len(image), sha256(image).digest(), MARK))
             file.flush()
@@ -95,18 +108,20 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
 def read_checkpoint(path: Path, known: Mapping[str, type]) -> Checkpoint:
     """Return the checkpoint in a file; ``known`` are classes of scripts that it may hold.
 
+    Whoever wrote it may have meant harm: a right checksum says only that the bytes are what was
+    written.  All that is made of them are clast's own dataclasses, with fields of their types.
     Raises CaseError for what is none, is damaged or is of another clast.
     """
     image = _sound_image(path)
-    with h5py.File(io.BytesIO(image), "r") as file:
-        held, version = file["checkpoint"], str(file["checkpoint"].attrs["version"])
-        if int(held.attrs["layout"]) > LAYOUT:
-            raise CaseError(
-                f"was written by a newer clast ({version})", where=str(path), remedy="update clast"
-            )
-        group = file["arrays"]
-        arrays = [_array(group[str(number)]) for number in range(len(group))]
-        written = json.loads(held[()])
+    try:
+        with h5py.File(io.BytesIO(image), "r") as file:
+            version = _check_layout(file["checkpoint"].attrs, path)
+            arrays = arrays_of(file["arrays"])
+            written = json.loads(file["checkpoint"][()])
+    except CaseError:
+        raise
+    except Exception as error:  # HDF5 raises whatever it likes where its structures are wrong
+        raise damaged(path, "its parts do not fit together") from error
     try:
         found = put_together(written, arrays, known)
     except UnknownClassError as error:
@@ -116,11 +131,43 @@ def read_checkpoint(path: Path, known: Mapping[str, type]) -> Checkpoint:
             remedy=f"resume with clast {version}, which has written it; what a script has added "
             "must be given again: clast.resume(file, model=...)",
         ) from None
-    except (KeyError, IndexError, TypeError, ValueError) as error:
-        raise CaseError(f"is damaged: {error}", where=str(path)) from error
+    except (LookupError, TypeError, ValueError, AttributeError, RuntimeError) as error:
+        raise damaged(path, "it does not say what it should") from error
     if not isinstance(found, Checkpoint):
-        raise CaseError("is no checkpoint of a run", where=str(path))
+        raise CaseError(
+            "is no checkpoint of a run",
+            where=str(path),
+            remedy=f"name a file that ends in {ENDING}",
+        )
     return found
+
+
+def damaged(path: Path, why: str) -> CaseError:
+    """Return what is raised where a checkpoint does not hold what a run can go on from."""
+    return CaseError(
+        f"is damaged: {why}",
+        where=str(path),
+        remedy="resume from another checkpoint of the run, or run the case again",
+    )
+
+
+def _check_layout(attributes: Mapping[str, Any], path: Path) -> str:
+    """Return the version of clast that has written a checkpoint of this layout."""
+    version, layout = str(attributes["version"]), int(attributes["layout"])
+    if layout > LAYOUT:
+        raise CaseError(
+            f"was written by a newer clast ({shortened(version)})",
+            where=str(path),
+            remedy="update clast",
+        )
+    if layout < LAYOUT:
+        raise CaseError(
+            f"was written by an older clast ({shortened(version)}), whose checkpoints do not say "
+            "which run they belong to",
+            where=str(path),
+            remedy=f"resume with clast {shortened(version)}, or run the case again",
+        )
+    return shortened(version)
 
 
 def _as_bytes(checkpoint: Checkpoint) -> bytes:
@@ -142,32 +189,8 @@ def _as_bytes(checkpoint: Checkpoint) -> bytes:
         held.attrs["version"] = checkpoint.version
         group = file.create_group("arrays")
         for number, array in enumerate(arrays):
-            _put(group, str(number), array)
+            put_array(group, str(number), array)
     return buffer.getvalue()
-
-
-def _put(group: Any, name: str, array: NDArray[Any]) -> None:
-    """Write an array; one of rows or of texts as its bytes."""
-    if array.dtype.kind in "biuf":
-        group.create_dataset(name, data=array)
-        return
-    content = np.frombuffer(np.ascontiguousarray(array).tobytes(), np.uint8)
-    one = group.create_dataset(name, data=content)
-    one.attrs["dtype"] = json.dumps(array.dtype.descr)
-    one.attrs["shape"] = np.array(array.shape, np.int64)
-
-
-def _array(dataset: Any) -> NDArray[Any]:
-    """Return an array as it was."""
-    content: NDArray[Any] = dataset[()] if dataset.shape else np.asarray(dataset[()])
-    if "dtype" not in dataset.attrs:
-        return content
-    entries = json.loads(dataset.attrs["dtype"])
-    if entries[0][0] == "":
-        kind = np.dtype(entries[0][1])
-    else:
-        kind = np.dtype([(name, of, *map(tuple, shape)) for name, of, *shape in entries])
-    return np.frombuffer(content.tobytes(), kind).reshape(tuple(dataset.attrs["shape"])).copy()
 
 
 def _image(content: bytes) -> bytes | None:
@@ -184,19 +207,16 @@ def _sound_image(path: Path) -> bytes:
     """Return the HDF5 part of a checkpoint file; raises CaseError for what is none."""
     where = str(path)
     try:
-        if path.exists() and not stat.S_ISREG(path.stat().st_mode):
-            raise CaseError(
-                "is a directory or a device, not a checkpoint",
-                where=where,
-                remedy=f"name a file that ends in {ENDING}",
-            )
-        content = path.read_bytes()
+        content = content_of(path, LARGEST)
     except FileNotFoundError:
         raise CaseError(
             "there is no such file",
             where=where,
             remedy=f"name a checkpoint: the name of the result file with {ENDING}",
         ) from None
+    except CaseError as error:
+        remedy = f"name a file that ends in {ENDING}"
+        raise CaseError(f"{error.what}, not a checkpoint", where=where, remedy=remedy) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise CaseError(f"cannot be read: {reason}", where=where) from error
@@ -210,11 +230,7 @@ def _sound_image(path: Path) -> bytes:
             remedy=f"name the checkpoint beside it: {checkpoint_path(path)}",
         )
     if content.startswith(SIGNATURE) and (b"clastchk" in content or path.name.endswith(ENDING)):
-        raise CaseError(
-            "is damaged: it is cut off, or bytes are not what was written",
-            where=where,
-            remedy="resume from another checkpoint of the run, or run the case again",
-        )
+        raise damaged(path, "it is cut off, or bytes are not what was written")
     raise CaseError(
         "is no checkpoint of clast", where=where, remedy=f"name a file that ends in {ENDING}"
     )

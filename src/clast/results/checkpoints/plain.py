@@ -3,12 +3,13 @@
 Plain are None, truth values, numbers, texts, arrays, enumerations, and tuples, lists, sets,
 mappings and dataclasses of plain data.  Classes go by their names.  A name is looked up among
 clast's own dataclasses and enumerations, and among classes that are handed in: reading a file
-never runs what the file names.
+never runs what the file names.  What is put together has fields of the types that its classes say.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import Enum
@@ -18,9 +19,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from clast.errors import shortened
+from clast.results.checkpoints.field_types import wrong_field
+
 Arrays = list[NDArray[Any]]
 """Arrays that a text refers to by their numbers."""
-OURS = "clast."
+OURS = re.compile(r"clast\.(actions|contact|model|results|run|step)(\.[a-z][a-z0-9_]*)+")
+"""Modules whose classes a run may carry; to import one does nothing else."""
 
 
 class NotPlainError(Exception):
@@ -96,13 +101,18 @@ def put_together(written: Any, arrays: Sequence[NDArray[Any]], known: Mapping[st
     ValueError for what ``taken_apart`` never writes.
     """
     if not isinstance(written, dict):
+        if written is not None and not isinstance(written, bool | int | float | str):
+            raise TypeError("a row of JSON")
         return written
     if "array" in written:
-        return arrays[written["array"]]
+        return arrays[_number(written["array"], len(arrays))]
     if "scalar" in written:
-        return arrays[written["scalar"]][()]
+        return arrays[_number(written["scalar"], len(arrays))][()]
     if "enum" in written:
-        return _class(written["enum"], known)[written["name"]]  # type: ignore[index]
+        kind = _class(written["enum"], known)
+        if not issubclass(kind, Enum):
+            raise TypeError("no enumeration")
+        return kind[written["name"]]
     if "is" in written:
         parts = written["with"].items()
         values = {name: put_together(part, arrays, known) for name, part in parts}
@@ -110,15 +120,24 @@ def put_together(written: Any, arrays: Sequence[NDArray[Any]], known: Mapping[st
     if "map" in written:
         pairs = ([put_together(one, arrays, known) for one in pair] for pair in written["map"])
         return {key: value for key, value in pairs}
-    name = next(iter(written))
+    name = next(iter(written), "")
     return ROWS[name](put_together(one, arrays, known) for one in written[name])
+
+
+def _number(written: Any, count: int) -> int:
+    """Return the number of an array, counted from the first."""
+    if type(written) is not int or not 0 <= written < count:
+        raise IndexError("there is no such array")
+    return written
 
 
 def _class(name: str, known: Mapping[str, type]) -> type:
     """Return the class of a name: a dataclass or an enumeration."""
+    if not isinstance(name, str):
+        raise TypeError("no name of a class")
     module, _, inner = name.partition(":")
     found: Any = known.get(name)
-    if found is None and module.startswith(OURS):
+    if found is None and OURS.fullmatch(module):
         try:
             found = import_module(module)
             for part in inner.split("."):
@@ -128,15 +147,24 @@ def _class(name: str, known: Mapping[str, type]) -> type:
     if not isinstance(found, type) or not (
         dataclasses.is_dataclass(found) or issubclass(found, Enum)
     ):
-        raise UnknownClassError(f"{inner} of {module} is not known")
+        raise UnknownClassError(f"{shortened(inner)} of {shortened(module)} is not known")
     return found
 
 
 def _made(kind: type, values: Mapping[str, Any]) -> Any:
-    """Return an object with these fields, as they were: nothing is checked or computed anew."""
+    """Return an object with these fields, as they were: nothing is computed anew.
+
+    Raises UnknownClassError for other fields than the class has, TypeError for those of other
+    types than it says.
+    """
+    if not dataclasses.is_dataclass(kind):
+        raise TypeError("no dataclass")
     fields = {entry.name for entry in dataclasses.fields(kind)}
     if fields != set(values):
         raise UnknownClassError(f"{kind.__qualname__} has other fields than it had")
+    wrong = wrong_field(kind, values)
+    if wrong:
+        raise TypeError(f"{kind.__qualname__}.{wrong} is of another type")
     one: Any = object.__new__(kind)
     for name, value in values.items():
         object.__setattr__(one, name, value)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 
@@ -17,6 +19,8 @@ from clast.rockmass.drawings.files import checked_file, replaced
 HEADING = ("block", "vertex", "x", "y", "joint", "rock")
 ARRAYS = ("vertices", "block_start", "rock", "edge_joint")
 """Names of the arrays of an archive."""
+LARGEST_EXPANDED = 1_000_000_000
+"""Most bytes that the arrays of an archive may have when they are expanded."""
 
 
 def write_blocks_csv(
@@ -67,6 +71,34 @@ def write_blocks_npz(
         )
 
 
+def _check_size(path: Path) -> None:
+    """Raise CaseError where an archive's arrays are larger than its blocks could need.
+
+    No more is expanded of each than the archive says, whatever the array itself says.
+    """
+    with ZipFile(path) as archive:
+        parts = [one for one in archive.infolist() if one.filename.removesuffix(".npy") in ARRAYS]
+        size = sum(one.file_size for one in parts)
+        if size > LARGEST_EXPANDED or len(parts) > len(ARRAYS):
+            raise CaseError(
+                f"has arrays of {size:.3g} bytes, more than blocks can be meant to need",
+                where=str(path),
+                remedy="divide it, or write it anew with write_blocks_npz",
+            )
+        for one in parts:
+            with archive.open(one) as file:
+                headers = np.lib.format
+                first = headers.read_magic(file) == (1, 0)
+                read = headers.read_array_header_1_0 if first else headers.read_array_header_2_0
+                shape, _, kind = read(file)
+            if kind.hasobject or math.prod(shape) * kind.itemsize > one.file_size:
+                raise CaseError(
+                    f"the array {one.filename.removesuffix('.npy')} is not what it says",
+                    where=str(path),
+                    remedy="write it anew with write_blocks_npz",
+                )
+
+
 def read_blocks_npz(path: str | Path) -> Blocks:
     """Return the blocks of an archive that ``write_blocks_npz`` wrote.
 
@@ -74,7 +106,8 @@ def read_blocks_npz(path: str | Path) -> Blocks:
     """
     file = str(path)
     try:
-        with np.load(checked_file(Path(path)), allow_pickle=False) as archive:
+        _check_size(checked_file(Path(path)))
+        with np.load(path, allow_pickle=False) as archive:
             missing = [name for name in ARRAYS if name not in archive.files]
             if missing:
                 raise CaseError(
@@ -95,6 +128,11 @@ def read_blocks_npz(path: str | Path) -> Blocks:
         if arrays[name].ndim != 1 or arrays[name].dtype.kind != "U":
             raise CaseError(
                 f"the array {name} is no list of texts", where=file, remedy="save names as texts"
+            )
+    for name, kinds in {"vertices": "fiu", "block_start": "iu"}.items():
+        if arrays[name].dtype.kind not in kinds:
+            raise CaseError(
+                f"the array {name} does not hold numbers", where=file, remedy="save it as numbers"
             )
     rock, joints = arrays["rock"].tolist(), arrays["edge_joint"].tolist()
     return blocks_of(arrays["vertices"], arrays["block_start"], rock, joints, file)

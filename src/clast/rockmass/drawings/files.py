@@ -78,7 +78,9 @@ def replaced(path: Path) -> Iterator[BinaryIO]:
         _check_target(real, path)
         part = real.with_name(f".{real.name}.{os.getpid()}.part")
         try:
-            with part.open("wb") as file:
+            part.unlink(missing_ok=True)
+            # a new file: where somebody has put a link, that is not followed
+            with part.open("xb") as file:
                 yield file
                 file.flush()
                 os.fsync(file.fileno())

@@ -1,0 +1,182 @@
+"""Whether what a run carries, as a checkpoint has it, can be so for a model and its stages.
+
+Kernels look at no index twice: a vertex that does not exist would be read from anywhere.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from clast.actions.acting import actions_of
+from clast.actions.damping import Motion
+from clast.actions.relaxation import SupportForces
+from clast.model.model import Model
+from clast.model.state import ContactMemory, State
+from clast.run.schedule import Schedule
+from clast.run.simulate import RunState
+from clast.run.stages.position import Held, Position
+from clast.run.watch import Watch
+from clast.step.method import Method
+
+MODES = 3
+"""Modes of a contact: open, slide, lock."""
+
+
+def wrong_state(run: RunState, model: Model, method: Method, schedule: Schedule) -> str:
+    """Return what is wrong with what a run carries; "" for nothing."""
+    return next((what for what in _faults(run, model, method, schedule)), "")
+
+
+def _faults(run: RunState, model: Model, method: Method, schedule: Schedule) -> Iterator[str]:
+    state = run.state
+    yield from _of_numbers(run, schedule)
+    yield from _of_blocks(state, model)
+    yield from _of_memory(state.memory, model)
+    actions = actions_of(model, method.fixed_point_stiffness, method.damping)
+    if len(state.actions) not in (0, len(actions)):
+        yield "other things act on the blocks"
+        return
+    for action, own in zip(actions, state.actions, strict=False):
+        if not _own_fits(own, action.begin(model), model):
+            yield f"the state of {type(action).__name__} is none that it can have"
+    watched = Watch(model=model, method=method).begin(state)
+    for name in ("lowest", "highest"):
+        if getattr(run.seen, name).shape != getattr(watched, name).shape:
+            yield "the energies that were seen are not those of a run"
+    yield from _of_position(run.position, model, schedule)
+
+
+def _of_numbers(run: RunState, schedule: Schedule) -> Iterator[str]:
+    """Give what is wrong with the numbers of a run."""
+    tally, longest = run.tally, max([schedule.step, *(one.step or 0.0 for one in schedule.stages)])
+    if not 0.0 < run.step <= longest * (1.0 + 1e-9) or not 0.0 <= run.taken <= longest * 1.5:
+        yield "the length of its step is none of this run"
+    if not 0.0 <= run.state.time < np.inf or run.frame < 0:
+        yield "its time is none of a run"
+    counts = (tally.steps, tally.passes, tally.cut_steps, tally.contacts, *tally.counts.values())
+    if min(counts) < 0 or not np.isfinite([tally.penetration, *tally.seconds.values()]).all():
+        yield "its counts are none of a run"
+    for ledger in (run.first, run.state.ledger):
+        if not np.isfinite(dataclasses.astuple(ledger)).all():
+            yield "its energies are not finite"
+
+
+def _of_blocks(state: State, model: Model) -> Iterator[str]:
+    """Give what is wrong with the blocks of a state."""
+    blocks, vertices = model.block_count, len(model.vertices)
+    shapes = {
+        "vertices": (vertices, 2),
+        "velocity": (blocks, 6),
+        "stress": (blocks, 3),
+        "rotation": (blocks,),
+        "points": model.material_points.at.shape,
+    }
+    for name, shape in shapes.items():
+        array = getattr(state, name)
+        if array.shape != shape:
+            yield f"it has {name} of other blocks"
+        elif not np.isfinite(array).all():
+            yield f"its {name} are not finite"
+
+
+def _of_memory(memory: ContactMemory, model: Model) -> Iterator[str]:
+    """Give what is wrong with the contacts of a state."""
+    arrays = {one.name: getattr(memory, one.name) for one in dataclasses.fields(memory)}
+    if any(array.shape != (len(memory),) for array in arrays.values()):
+        yield "its contacts do not have as many numbers each"
+        return
+    limits = {
+        "vertex": len(model.vertices),
+        "edge": len(model.vertices),
+        "block": model.block_count,
+        "mode": MODES,
+    }
+    for name, limit in limits.items():
+        if ((arrays[name] < 0) | (arrays[name] >= limit)).any():
+            yield f"its contacts have a {name} that does not exist"
+            return
+    if not all(np.isfinite(array).all() for array in arrays.values()):
+        yield "its contacts have forces that are not finite"
+    owner = model.vertex_block
+    if (owner[memory.edge] != memory.block).any() or (owner[memory.vertex] == memory.block).any():
+        yield "its contacts are between other blocks than they say"
+    order = np.lexsort((memory.edge, memory.block, memory.vertex))
+    if (order != np.arange(len(memory))).any():
+        yield "its contacts are out of order"
+
+
+def _own_fits(own: Any, begun: Any, model: Model) -> bool:
+    """Return whether an action can have a state of its own, given that at the start of a run."""
+    if isinstance(own, Motion):  # any stage may have damped
+        free = own.force.shape in ((0, 6), (model.block_count, 6))
+        return begun is None and free and bool(np.isfinite(own.force).all())
+    if isinstance(own, SupportForces):
+        return isinstance(begun, SupportForces) and _forces_fit(own, model)
+    if begun is None or own is None or type(begun).__module__.split(".")[0] != "clast":
+        return own is None or begun is not None  # that of a script's action is the script's own
+    if type(own) is not type(begun):
+        return False
+    return all(
+        np.shape(getattr(own, one.name)) == np.shape(getattr(begun, one.name))
+        for one in dataclasses.fields(begun)
+    )
+
+
+def _forces_fit(own: SupportForces, model: Model) -> bool:
+    """Return whether support forces are on blocks and vertices that exist."""
+    count = len(own.block)
+    shapes = [
+        own.gone.shape == (model.block_count,),
+        own.block.shape == own.share.shape == own.since.shape == own.duration.shape == (count,),
+        own.vertex.shape == own.force.shape == (count, 2),
+    ]
+    within = [
+        ((own.block >= 0) & (own.block < model.block_count)).all(),
+        ((own.vertex >= 0) & (own.vertex < len(model.vertices))).all(),
+        all(np.isfinite(one).all() for one in (own.share, own.force, own.since, own.duration)),
+    ]
+    return all(shapes) and all(within)
+
+
+def _of_position(position: Position | None, model: Model, schedule: Schedule) -> Iterator[str]:
+    """Give what is wrong with the place of a run among its stages."""
+    if (position is None) != (not schedule.stages):
+        yield "its stages are not those of the case"
+        return
+    if position is None:
+        return
+    starts, records = position.starts, position.records
+    begun = 1 <= len(starts) <= len(schedule.stages) and list(starts) == sorted(starts)
+    if not begun or not len(starts) - 1 <= len(records) <= len(starts):
+        yield "its stages are not those of the case"
+    if position.steps < 0 or not np.isfinite([*starts, position.seconds]).all():
+        yield "the numbers of its stage are none of a run"
+    points = len(model.measured_points.name)
+    if any(len(one.reset) not in (0, points) for one in records):
+        yield "its displacements count from other points"
+    reference = position.reference
+    if reference is not None and not _same_shapes(
+        [reference.vertices, reference.points, reference.rotation],
+        [model.vertices.shape, model.material_points.at.shape, (model.block_count,)],
+    ):
+        yield "its displacements count from other blocks"
+    if not _held_fits(position.held, model.block_count):
+        yield "its steps in equilibrium are those of other blocks"
+
+
+def _held_fits(held: Held, blocks: int) -> bool:
+    """Return whether steps in equilibrium are those of so many blocks."""
+    count = blocks if held.steps else 0
+    arrays, shapes = [held.sliding, held.net, held.path], [(count,), (count, 2), (count,)]
+    return held.steps >= 0 and held.half.shape in ((0,), (count,)) and _same_shapes(arrays, shapes)
+
+
+def _same_shapes(arrays: Sequence[Any], shapes: Sequence[tuple[int, ...]]) -> bool:
+    return all(
+        one.shape == shape and np.isfinite(one).all()
+        for one, shape in zip(arrays, shapes, strict=True)
+    )
