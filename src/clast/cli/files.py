@@ -19,6 +19,7 @@ from clast.cli.options import (
 )
 from clast.cli.tables import print_points, print_stages, two_columns
 from clast.cli.terminal import print_json, print_table, tell
+from clast.errors import CaseError
 
 
 def info(file: ResultFile, as_json: AsJson = False) -> None:
@@ -82,12 +83,15 @@ def plot(
         str, typer.Option(metavar="W[,H]", help="Width and height of the picture, cm.")
     ] = "",
     dpi: Annotated[int | None, typer.Option(metavar="N", help="Dots per inch.")] = None,
+    point: Annotated[
+        str, typer.Option(metavar="NAME", help="Draw how this measured point moved over time.")
+    ] = "",
     bolt: Annotated[
-        str, typer.Option(metavar="NAME", help="Draw the history of this bolt instead of a frame.")
+        str, typer.Option(metavar="NAME", help="Draw what this bolt bore over time.")
     ] = "",
 ) -> None:
-    """Draw a frame of a result file, or what a bolt bore."""
-    from clast.pictures.plot import Look, plot_bolt_history, plot_results
+    """Draw a frame of a result file, or over time how a point moved or what a bolt bore."""
+    from clast.pictures.plot import Look, plot_bolt_history, plot_history, plot_results
     from clast.results import read_results
 
     look = Look(
@@ -98,8 +102,14 @@ def plot(
     )
     target = output or file.with_suffix(".png")
     results = read_results(file)
-    if bolt:
-        plot_bolt_history(results, target, bolt)
+    curves = {"--point": (point, plot_history), "--bolt": (bolt, plot_bolt_history)}
+    asked = {option: one for option, one in curves.items() if one[0]}
+    if len(asked) > 1:
+        raise CaseError(
+            "each is a picture of its own", where=", ".join(asked), remedy="ask for one at a time"
+        )
+    for name, draw in asked.values():
+        draw(results, target, name)
         tell(f"picture: {target}")
         return
     number = frame_asked(results, frame, time, stage)

@@ -30,6 +30,10 @@ class Factor:
     value: Floats
     """Factor at the instants, -, shape (k,)."""
 
+    def __repr__(self) -> str:
+        first, last = self.time[0], self.time[-1]
+        return f"Factor('{self.name}', {len(self.time)} instants from {first:g} to {last:g} s)"
+
     def at(self, time: float) -> float:
         """Return the factor, -, at a time, s."""
         return float(np.interp(time, self.time, self.value))

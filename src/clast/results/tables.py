@@ -4,11 +4,11 @@ What is read has columns of equal length by name, as pandas and polars take them
 
     pandas.DataFrame(run.history("A"))
     pandas.DataFrame(run.energy)
+    pandas.DataFrame(run.bolts(-1))
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -171,25 +171,55 @@ class BoltHistory(Columns):
         return BOLT_STATES[int(self.state[-1])]
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
-class FrameBolts:
-    """The k bolts of one frame, and the q points that they lie along."""
+BOLT_OF_FRAME = np.dtype([("name", "O"), *BOLT_ROW.descr[1:]])
+"""One bolt of one frame."""
 
-    name: tuple[str, ...]
-    """Name of each bolt."""
-    points: Floats
-    """Points from head to toe of one bolt after the other, m, shape (q, 2)."""
-    bolt: Ints
-    """Bolt of each point, shape (q,)."""
-    force: Floats
-    """Force of each bolt, N/m, tension positive, shape (k,)."""
-    elongation: Floats
-    """Elongation of each bolt, m, shape (k,)."""
-    state: Ints
-    """State of each bolt, as in BoltHistory, shape (k,)."""
 
-    def __len__(self) -> int:
-        return len(self.name)
+class FrameBolts(Columns):
+    """The k bolts of one frame, a row each, and the q points that they lie along.
+
+    Columns: name, force, elongation, state.
+    """
+
+    def __init__(
+        self,
+        *,
+        name: tuple[str, ...],
+        points: Floats,
+        bolt: Ints,
+        force: Floats,
+        elongation: Floats,
+        state: Ints,
+    ) -> None:
+        rows = np.zeros(len(name), BOLT_OF_FRAME)
+        columns = {"name": name, "force": force, "elongation": elongation, "state": state}
+        for key, values in columns.items():
+            rows[key] = values
+        super().__init__(rows)
+        self.points = points
+        """Points from head to toe of one bolt after the other, m, shape (q, 2)."""
+        self.bolt = bolt
+        """Bolt of each point, shape (q,)."""
+
+    @property
+    def name(self) -> tuple[str, ...]:
+        """Name of each bolt."""
+        return tuple(self["name"])
+
+    @property
+    def force(self) -> Floats:
+        """Force of each bolt, N/m, tension positive, shape (k,)."""
+        return self["force"]
+
+    @property
+    def elongation(self) -> Floats:
+        """Elongation of each bolt, m, shape (k,)."""
+        return self["elongation"]
+
+    @property
+    def state(self) -> Ints:
+        """State of each bolt, as in BoltHistory, shape (k,)."""
+        return self["state"]
 
     def __repr__(self) -> str:
         counts = np.bincount(self.state, minlength=len(BOLT_STATES))

@@ -24,7 +24,7 @@ SHORTEST = 1e-300
 """What a length is divided by at least, m."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class WetFaces:
     """Parts of edges that no other block covers at the start."""
 
@@ -33,8 +33,11 @@ class WetFaces:
     share: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     """Where it begins and ends, 0 at the first vertex of the edge and 1 at the next, (k, 2)."""
 
+    def __repr__(self) -> str:
+        return f"WetFaces({len(self.edge)} parts of edges)"
 
-@dataclass(frozen=True, kw_only=True)
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class WetJoints:
     """Parts of two edges that lie along each other at the start: two faces of a joint."""
 
@@ -47,8 +50,11 @@ class WetJoints:
     widest: Floats = field(default_factory=lambda: np.zeros(0))
     """Distance of its faces beyond which the water has run out, m, shape (k,)."""
 
+    def __repr__(self) -> str:
+        return f"WetJoints({len(self.edge)} parts of joints)"
 
-@dataclass(frozen=True, kw_only=True)
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Water:
     """Water under one level or phreatic line."""
 
@@ -75,13 +81,23 @@ class Water:
         share = self.share if self.factor is None else self.share * self.factor.at(time)
         return self.weight * share
 
+    def __repr__(self) -> str:
+        level = len(self.surface) == 1
+        line = "under a level" if level else f"under a line of {len(self.surface)} points"
+        head = "" if self.share == 1.0 else f", {self.share:g} of the full head"
+        by = "" if self.factor is None else f", by table '{self.factor.name}'"
+        return (
+            f"Water('{self.name}', {line}{head}{by}; {len(self.faces.edge)} parts of edges, "
+            f"{len(self.joints.edge)} of joints)"
+        )
+
 
 def surface_at(surface: Floats, x: Floats) -> Floats:
     """Return the height of a phreatic line (m, 2) at x, m; beyond its ends it goes on level."""
     return np.asarray(np.interp(x, surface[:, 0], surface[:, 1]))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Wetted:
     """Parts of lines that are under water, r of them."""
 
@@ -91,6 +107,9 @@ class Wetted:
     """Its ends, m, shape (r, 2, 2)."""
     head: Floats
     """Head of water at either, m, 0 or more, shape (r, 2)."""
+
+    def __repr__(self) -> str:
+        return f"Wetted({len(self.line)} parts of lines)"
 
 
 def wetted(surface: Floats, ends: Floats, lowered: Floats | None = None) -> Wetted:
