@@ -439,7 +439,6 @@ class Case(BaseModel):
         # A bad case is refused before anything slow is loaded and anything is written.
         model = self.model()
         method = self.method(model)
-
         from clast.case.resuming import case_source, checkpoints
         from clast.results import RunRecorder
         from clast.run.progress import Warner, shown

@@ -326,7 +326,7 @@ def _check_content(checkpoint: Checkpoint, path: Path, now: Prepared) -> None:
 
     Nothing has been written until here, and no kernel has seen it.
     """
-    from clast.run.restored import wrong_state
+    from clast.run.stages.restored import wrong_state
     from clast.run.simulate import RunState
 
     run, recorded = checkpoint.run, checkpoint.recorded
