@@ -63,18 +63,18 @@ class StepStart:
         (c = 0) constant acceleration makes the motion grow as exp(omega^2 h t/4).  With
         theta = 1/2 this is the position Verlet scheme, of second order, stable for s < 2.
         """
-        state, model, centroid = self.state, self.model, self.frames.centroid
-        if self.ahead is None:
+        state, model, centroid, ahead = self.state, self.model, self.frames.centroid, self.ahead
+        if ahead is None:
             return Placed(vertices=state.vertices, points=state.points, centroid=centroid)
 
         def placed(at: Floats, block: Ints) -> Floats:
             offset = polygon.offsets(at, block, centroid)
-            return at + movements(self.rotation, offset, self.ahead, block)
+            return np.asarray(at + movements(self.rotation, offset, ahead, block))
 
         return Placed(
             vertices=placed(state.vertices, model.vertex_block),
             points=placed(state.points, model.material_points.block),
-            centroid=centroid + self.ahead[:, :2],
+            centroid=centroid + ahead[:, :2],
         )
 
 
