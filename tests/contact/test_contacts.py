@@ -28,7 +28,7 @@ def near(found, wanted, share=1e-12, *, beside=0.0):
 
 def answer(gap, slip, p, k, joint, memory):
     """Return what one contact answers, case by case."""
-    friction, cohesion, tensile_strength, length = joint
+    friction, cohesion, tensile_strength, length, residual = joint
     bonded, shear_force, multiplier, rest, base = memory
     trial, tension, given = (
         rest + multiplier - p * gap,
@@ -46,7 +46,7 @@ def answer(gap, slip, p, k, joint, memory):
     pull = shear_force - k * slip
     t, ks, coupling, mode, loss = 0.0, 0.0, 0.0, 1, 0.0
     if abs(pull) > bound:
-        intact = intact and strength == 0.0 and tension == 0.0
+        intact = intact and (np.isnan(residual) or (strength == 0.0 and tension == 0.0))
         t, loss = np.sign(pull) * bound, bound * (abs(pull) - bound) / k
         coupling = 0.0 if given or bound == 0.0 else np.sign(pull) * friction
     elif bound > 0.0:
@@ -60,6 +60,7 @@ def test_contacts_answer_case_by_case(count):
     rng = np.random.default_rng(4)
     gap, slip = rng.choice([0.0, 1.0, 1.0], (2, count)) * rng.normal(size=(2, count)) * 1e-5
     joints = tuple(rng.choice([0.0, size], count) for size in (0.5, 1e4, 5e3, 2.0))
+    joints = *joints, rng.choice([np.nan, 0.0, 1e3], count)
     memory = (
         rng.random(count) < 0.5,
         rng.choice([0.0, 1e3], count) * rng.normal(size=count),

@@ -179,6 +179,7 @@ def test_overlap_that_contacts_know_is_not_told(known, seen):
         rest_force=np.zeros(2),
         mode=np.ones(2, np.int64),
         bonded=np.zeros(2, np.bool_),
+        cohesive=np.zeros(2, np.bool_),
     )
     found = unseen_overlaps(model, replace(state, memory=memory), 0.005)
     assert (not found) == seen
@@ -230,6 +231,7 @@ def test_blocks_across_a_corner_may_give_way_to_their_neighbours(share, told):
         rest_force=none,
         mode=np.zeros(len(rows), np.int64),
         bonded=np.zeros(len(rows), np.bool_),
+        cohesive=np.zeros(len(rows), np.bool_),
     )
     overlaps = unseen_overlaps(model, replace(state, memory=memory), 0.005)
     across = {("1", "4"), ("2", "3")}

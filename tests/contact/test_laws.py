@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from clast.contact.bonds import without_bonds
 from clast.contact.contacts import LOCK, OPEN, SLIDE
 from clast.contact.laws import AugmentedLagrangian, Penalty
 from clast.errors import CaseError
@@ -26,6 +27,7 @@ def contacts(count, **values):
     usual = {
         "friction": 0.6,
         "cohesion": 0.0,
+        "residual_cohesion": np.nan,
         "tensile_strength": 0.0,
         "length": 0.5,
         "bonded": False,
@@ -65,7 +67,7 @@ def reference(one, c, gap, slip):
     trial = one.shear_force[c] - KS * slip
     answer.shear = min(max(trial, -bound), bound)
     answer.mode = LOCK if abs(trial) <= bound and bound > 0.0 else SLIDE
-    if abs(trial) > bound and bond:
+    if abs(trial) > bound and bond and not np.isnan(one.residual_cohesion[c]):
         answer.intact = False
     if answer.normal == 0.0 and tension == 0.0:
         answer.mode = OPEN
@@ -81,6 +83,7 @@ def random_contacts(seed, count=400):
         friction=rng.choice([0.0, 0.3, 1.0], count),
         cohesion=np.where(bonded, rng.choice([0.0, 2e4, 2e5], count), 0.0),
         tensile_strength=np.where(bonded, rng.choice([0.0, 1e4, 1e5], count), 0.0),
+        residual_cohesion=rng.choice([np.nan, 0.0, 1e4], count),
         length=rng.uniform(0.0, 1.0, count),
         bonded=bonded,
         shear_force=rng.choice([0.0, 1.0], count) * rng.normal(0.0, 3e4, count),
@@ -204,25 +207,39 @@ def test_energy_and_loss_are_the_work_of_shearing():
 # --- bonds ---------------------------------------------------------------------------------
 
 
-def test_cohesion_holds_up_to_its_strength_and_is_gone_afterwards():
-    """Direct shear: slip starts at N tan(phi) + c L and goes on at N tan(phi)."""
-    normal, strength, friction = 1e4, 2e5 * 0.5, 0.6
+@pytest.mark.parametrize("residual", [np.nan, 0.0, 5e4])
+def test_cohesion_holds_up_to_its_strength_and_leaves_the_residual_one(residual):
+    """Direct shear: slip starts at N tan(phi) + c L, goes on with c or with what slip leaves."""
+    normal, cohesion, length, friction = 1e4, 2e5, 0.5, 0.6
     gap = np.array([-normal / P])
-    one = contacts(1, cohesion=2e5, bonded=True)
-    peak, forces = normal * friction + strength, []
+    one = contacts(1, cohesion=cohesion, residual_cohesion=residual, bonded=True, cohesive=True)
+    peak, forces = normal * friction + cohesion * length, []
     for _ in range(400):
         answer = LAW.respond(one, gap, np.array([1e-5]))
         forces.append(-answer.shear_force[0])
-        gone = one.bonded & ~answer.bonded
-        one = replace(
-            one,
-            shear_force=answer.shear_force,
-            bonded=answer.bonded,
-            cohesion=np.where(gone, 0.0, one.cohesion),
-        )
+        one = replace(without_bonds(one, answer), shear_force=answer.shear_force)
+    plastic = np.isnan(residual)
+    left = cohesion if plastic else residual
     assert max(forces) == pytest.approx(peak)
-    assert forces[-1] == pytest.approx(normal * friction)
-    assert not one.bonded[0]
+    assert forces[-1] == pytest.approx(normal * friction + left * length)
+    assert one.bonded[0] == plastic
+    assert one.cohesive[0]
+
+
+@pytest.mark.parametrize("residual", [np.nan, 5e4])
+def test_tension_beyond_the_strength_ends_all_cohesion(residual):
+    one = contacts(
+        1,
+        cohesion=2e5,
+        residual_cohesion=residual,
+        tensile_strength=1e5,
+        bonded=True,
+        cohesive=True,
+    )
+    answer = LAW.respond(one, np.array([1.01 * 0.5e5 / P]), np.zeros(1))
+    torn = without_bonds(one, answer)
+    assert not torn.bonded[0] and not torn.cohesive[0]
+    assert torn.cohesion[0] == torn.tensile_strength[0] == 0.0
 
 
 def test_tension_is_cut_off():

@@ -31,6 +31,7 @@ def memory_of(rows):
         rest_force=zero,
         mode=zero.astype(np.int64),
         bonded=zero.astype(np.bool_),
+        cohesive=zero.astype(np.bool_),
     )
 
 

@@ -50,11 +50,15 @@ class Contacts:
     friction: Floats
     """tan(friction angle) of the joint, shape (m,)."""
     cohesion: Floats
-    """Cohesion of the joint while bonded, Pa (0 once broken), shape (m,)."""
+    """Cohesion that the contact has now, Pa: all, the residual one or none, shape (m,)."""
+    residual_cohesion: Floats
+    """Cohesion that slip leaves, Pa; nan: slip leaves the bond whole, shape (m,)."""
     tensile_strength: Floats
     """Tensile strength of the joint while bonded, Pa (0 once broken), shape (m,)."""
     bonded: Bools
     """True while cohesion and tensile strength are intact, shape (m,)."""
+    cohesive: Bools
+    """True while bonded, or slipped but not opened since, shape (m,)."""
     known: Bools
     """True where the contact memory held this contact, shape (m,)."""
     shear_force: Floats

@@ -4,8 +4,8 @@
 
 L is the length of joint that a contact stands for; compression is positive.  The shear force
 follows its spring from the remembered one, T = T_old - k s, and is returned to the bound (Shi 1988:
-lock, slide, open).  A step in which a bonded contact slips or reaches its tension is its last as a
-bonded one.  Every law of contacts ends here, whatever its normal force.
+lock, slide, open).  A bond ends with the step in which it reaches its tension, or, if the joint is
+brittle, slips (contact/bonds.py).  Every law of contacts ends here, whatever its normal force.
 """
 
 from __future__ import annotations
@@ -24,12 +24,13 @@ Found = tuple[Floats, Floats, Floats, Floats, Floats, Any, Any, Floats, Floats]
 loss; the fields of a ContactResponse."""
 
 
-def strengths_of(contacts: Contacts) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return tan(phi), c, sigma_t, Pa, and L, m, of the contacts, (m,) each, as kernels take them.
+def strengths_of(contacts: Contacts) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Return tan(phi), c, sigma_t, Pa, L, m, and residual c, Pa, of contacts, for kernels.
 
-    c and sigma_t are 0 once the bond is broken.
+    (m,) each.  c and sigma_t are what is left; the last is nan where slip leaves bonds whole.
     """
-    return contacts.friction, contacts.cohesion, contacts.tensile_strength, contacts.length
+    strengths = contacts.friction, contacts.cohesion, contacts.tensile_strength
+    return *strengths, contacts.length, contacts.residual_cohesion
 
 
 def memory_of(contacts: Contacts) -> tuple[Any, Floats, Floats, Floats, Floats]:
@@ -66,13 +67,14 @@ def tension_of(tensile_strength, length):
 def resist(slip, k, strengths, memory, normal, bears, counts):
     """Return T, its stiffness and coupling to N, mode, bond, energy and loss of one contact.
 
-    ``strengths`` are tan(phi), c, sigma_t and the length, ``memory`` the bond, T_old and the N that
-    bounds friction, numbers of one contact (``strengths_of``, ``memory_of``).  ``normal``
-    is its N, N/m; ``bears``: whether it is pressed together; ``counts``: whether it may bear shear.
+    ``strengths`` are tan(phi), c, sigma_t, length and residual c, ``memory`` the bond, T_old and
+    the N that bounds friction, numbers of one contact (``strengths_of``, ``memory_of``).
+    ``normal`` is its N, N/m; ``bears``: whether it is pressed together; ``counts``: whether it may
+    bear shear.
     What the spring does not take up of a slip is lost.  Without any strength there is nothing to
     stick to, even at rest.
     """
-    friction, cohesion, tensile_strength, length = strengths
+    friction, cohesion, tensile_strength, length, residual = strengths
     bonded, shear_force, friction_base = memory
     given = not np.isnan(friction_base)
     base = friction_base if given else normal
@@ -85,10 +87,12 @@ def resist(slip, k, strengths, memory, normal, bears, counts):
     t = trial if sticks else sign * bound
     coupling = sign * friction if slips & (bound > 0.0) & (not given) else 0.0
     loss = bound * (size - bound) / k if slips else 0.0
-    tension, strength = tension_of(tensile_strength, length), cohesion * length
+    tension = tension_of(tensile_strength, length)
     away = (not counts) | ((normal == 0.0) & (tension == 0.0))
     mode = OPEN if away else LOCK if sticks else SLIDE
-    unbroken = (bears | (tension == 0.0)) & ((not slips) | ((strength == 0.0) & (tension == 0.0)))
+    has_strength = (cohesion * length != 0.0) | (tension != 0.0)
+    slipped = slips & has_strength & (not np.isnan(residual))
+    unbroken = (bears | (tension == 0.0)) & (not slipped)
     return (
         t if bound > 0.0 else 0.0,
         k if sticks else 0.0,
@@ -114,7 +118,7 @@ def answer_with_friction(first, last, slip, k, strengths, memory, found):
     ``k`` are the stiffness of the law and those that joints give (m,), N/m per m.
     """
     k_of_law, k_of_joint = k
-    friction, cohesion, tensile_strength, length = strengths
+    friction, cohesion, tensile_strength, length, residual = strengths
     bonded, shear_force, _, _, friction_base = memory
     normal, shear, _, ks, coupling, mode, intact, energy, loss = found
     for c in range(first, last):
@@ -124,7 +128,7 @@ def answer_with_friction(first, last, slip, k, strengths, memory, found):
         shear[c], ks[c], coupling[c], mode[c], intact[c], energy[c], loss[c] = resist(
             slip[c],
             of_joint_or_law(k_of_joint[c], k_of_law),
-            (friction[c], cohesion[c], tensile_strength[c], length[c]),
+            (friction[c], cohesion[c], tensile_strength[c], length[c], residual[c]),
             (bonded[c], shear_force[c], friction_base[c]),
             normal[c],
             bears,
@@ -135,7 +139,7 @@ def answer_with_friction(first, last, slip, k, strengths, memory, found):
 @shared(CONTACTS)
 def _limits(first, last, strengths, base, tension, strength):
     """Write tension and shear force that contacts ``first`` to ``last`` - 1 bear at most."""
-    friction, cohesion, tensile_strength, length = strengths
+    friction, cohesion, tensile_strength, length, _ = strengths
     for c in range(first, last):
         tension[c] = tension_of(tensile_strength[c], length[c])
         strength[c] = shear_strength(base[c], friction[c], cohesion[c], length[c])

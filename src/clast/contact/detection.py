@@ -17,6 +17,7 @@ from clast.block.edge_lists import FEW, edges_around, first_at_least
 from clast.block.polygon import depth_inside, vertex_after
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
+from clast.contact.bonds import Bonds, bonds_of
 from clast.contact.candidates import SearchDistance, find_candidates
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
@@ -25,7 +26,7 @@ from clast.contact.joints import contact_lengths, joints_of, springs_of_joints
 from clast.contact.memory import pair_penetration, recall
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.model.bodies import Outlines
-from clast.model.model import Bools, Floats, Ints, JointTable, Model
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory, State
 
 
@@ -213,9 +214,10 @@ def _contacts(
     bond_reach = critdis if state.time == 0.0 else -1.0
     ends = vertex, edge, i, j, pair
     joint = joints_of(model, ends, touching, direction)
-    ways = edge, direction
-    carried = _carried(row, gap, bond_reach, state.memory, ways, joint, model.joint_table)
     of_edges = state.vertices, model.block_start, direction, edge_length
+    carried = _carried(row, gap, bond_reach, state.memory, (edge, direction))
+    bonds = Bonds(bonded=carried.pop("bonded"), cohesive=carried.pop("cohesive"))
+    strengths = bonds_of(bonds, row, ends, joint, state.memory, of_edges, model)
     length, of_springs = contact_lengths(ends, of_edges, critdis)
     normal, shear = springs_of_joints(model.joint_table, joint, of_springs)
     return Contacts(
@@ -235,6 +237,7 @@ def _contacts(
         levers=levers,
         friction_base=np.full(len(gap), np.nan),
         **carried,
+        **strengths,
     )
 
 
@@ -261,52 +264,49 @@ def _carried(
     bond_reach: float,
     memory: ContactMemory,
     ways: tuple[Ints, Floats],
-    joint: Ints,
-    table: JointTable,
 ) -> dict[str, Any]:
-    """Return what contacts remember, and the strength that they have left, (m,) each by its name.
+    """Return what contacts remember, (m,) each by its name.
 
     ``row`` (m,) is the row of a contact in the memory or -1: then it carries nothing, and it is
     bonded where the gap is within ``bond_reach``, m.  ``ways`` are the edge of each contact (m,)
-    and the directions of all edges (nv, 2); ``joint`` (m,) is its joint.  Cohesion and tensile
-    strength are 0 once the bond is broken.
+    and the directions of all edges (nv, 2).
     """
     count = len(row)
-    known, bonded, mode = np.empty(count, np.bool_), np.empty(count, np.bool_), np.empty_like(row)
+    known, bonded, cohesive = (np.empty(count, np.bool_) for _ in range(3))
+    mode = np.empty_like(row)
     shear, normal, multiplier, rest = (np.empty(count) for _ in range(4))
     forces = memory.shear_force, memory.normal_force, memory.multiplier, memory.rest_force
-    carried = known, bonded, mode, shear, normal, multiplier, rest
-    _carry(count, row, gap, bond_reach, (memory.bonded, memory.mode, *forces), carried)
+    carried = known, bonded, cohesive, mode, shear, normal, multiplier, rest
+    before = memory.bonded, memory.cohesive, memory.mode, *forces
+    _carry(count, row, gap, bond_reach, before, carried)
     _turn_rest_forces(count, row, memory.edge, ways, (shear, normal, rest))
-    friction, cohesion, tensile_strength = table.strengths
     return {
         "known": known,
         "bonded": bonded,
+        "cohesive": cohesive,
         "shear_force": shear,
         "normal_force": normal,
         "multiplier": multiplier,
         "rest_force": rest,
         "mode": mode,
-        "friction": friction.take(joint),
-        "cohesion": np.where(bonded, cohesion.take(joint), 0.0),
-        "tensile_strength": np.where(bonded, tensile_strength.take(joint), 0.0),
     }
 
 
 @shared(CONTACTS)
 def _carry(first, last, row, gap, bond_reach, memory, carried):
     """Write what contacts ``first`` to ``last`` - 1 remember."""
-    bonded, mode, shear_force, normal_force, multiplier, rest_force = memory
-    known, intact, modes, shear, normal, multipliers, rests = carried
+    bonded, cohesive, mode, shear_force, normal_force, multiplier, rest_force = memory
+    known, intact, holding, modes, shear, normal, multipliers, rests = carried
     for c in range(first, last):
         r = row[c]
         known[c] = r >= 0
         if known[c]:
-            intact[c], modes[c] = bonded[r], mode[r]
+            intact[c], holding[c], modes[c] = bonded[r], cohesive[r], mode[r]
             shear[c], normal[c], multipliers[c] = shear_force[r], normal_force[r], multiplier[r]
             rests[c] = rest_force[r]
         else:
             intact[c], modes[c] = abs(gap[c]) <= bond_reach, 0
+            holding[c] = intact[c]
             shear[c], normal[c], multipliers[c], rests[c] = 0.0, 0.0, 0.0, 0.0
 
 

@@ -35,7 +35,7 @@ def answer_of_springs(first, last, gap, slip, stiffnesses, strengths, memory, fo
     at the kink either is a derivative, and it is about to close.
     """
     p_of_law, k_of_law, p_of_joint, k_of_joint = stiffnesses
-    friction, cohesion, tensile_strength, length = strengths
+    friction, cohesion, tensile_strength, length, residual = strengths
     bonded, shear_force, multiplier, rest_force, friction_base = memory
     normal, shear, kn, ks, coupling, mode, intact, energy, loss = found
     for c in range(first, last):
@@ -55,7 +55,7 @@ def answer_of_springs(first, last, gap, slip, stiffnesses, strengths, memory, fo
         shear[c], ks[c], coupling[c], mode[c], intact[c], sheared, loss[c] = resist(
             slip[c],
             k,
-            (friction[c], cohesion[c], tensile_strength[c], length[c]),
+            (friction[c], cohesion[c], tensile_strength[c], length[c], residual[c]),
             (bonded[c], shear_force[c], friction_base[c]),
             n,
             bears,

@@ -10,6 +10,7 @@ import numpy as np
 
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
+from clast.contact.bonds import torn
 from clast.contact.contacts import OPEN, ContactResponse, Contacts
 from clast.model.model import Floats, Ints
 from clast.model.state import ContactMemory
@@ -181,11 +182,13 @@ def renew(
     """Return the memory after a step; ``gap`` (m,) at its end, m.
 
     A contact that has opened forgets its shear force, and what it bore at the start; one that is
-    open further than critdis loses its bond.
+    open further than critdis loses its bond and all cohesion.
     """
     count = len(gap)
+    cohesive = contacts.cohesive & ~torn(contacts, response)
     order = _order(contacts.vertex, contacts.edge_block, contacts.edge)
-    keys = contacts.vertex, contacts.edge_block, contacts.edge, response.mode, response.bonded
+    bonds = response.bonded, cohesive
+    keys = contacts.vertex, contacts.edge_block, contacts.edge, response.mode, *bonds
     forces = (
         gap,
         response.normal_force,
@@ -194,7 +197,8 @@ def renew(
         contacts.rest_force,
     )
     vertex, block, edge, mode = (np.empty(count, np.int64) for _ in range(4))
-    new_keys = vertex, block, edge, mode, np.empty(count, np.bool_)
+    new_bonds = np.empty(count, np.bool_), np.empty(count, np.bool_)
+    new_keys = vertex, block, edge, mode, *new_bonds
     new_forces = tuple(np.empty(count) for _ in forces)
     _renew(count, order, keys, forces, critdis, new_keys, new_forces)
     return ContactMemory(
@@ -202,7 +206,8 @@ def renew(
         block=block,
         edge=edge,
         mode=mode,
-        bonded=new_keys[4],
+        bonded=new_bonds[0],
+        cohesive=new_bonds[1],
         gap=new_forces[0],
         normal_force=new_forces[1],
         shear_force=new_forces[2],
@@ -237,9 +242,9 @@ def _sort(vertex, block, edge, start, filled, order):
 @shared(CONTACTS)
 def _renew(first, last, order, keys, forces, critdis, new_keys, new_forces):
     """Write rows ``first`` to ``last`` - 1 of the new memory."""
-    vertex, block, edge, mode, bonded = keys
+    vertex, block, edge, mode, bonded, cohesive = keys
     gap, normal, shear, multiplier, rest = forces
-    vertices, blocks, edges, modes, intact = new_keys
+    vertices, blocks, edges, modes, intact, holding = new_keys
     gaps, normals, shears, multipliers, rests = new_forces
     for row in range(first, last):
         c = order[row]
@@ -251,3 +256,4 @@ def _renew(first, last, order, keys, forces, critdis, new_keys, new_forces):
         ends = gap[c] >= 0.0 if rest[c] < 0.0 and not bonded[c] else mode[c] == OPEN
         rests[row] = 0.0 if ends else rest[c]
         intact[row] = bonded[c] and gap[c] <= critdis
+        holding[row] = cohesive[c] and gap[c] <= critdis

@@ -130,7 +130,8 @@ class ModelBuilder(SupportsAndLoads):
     ) -> str:
         """Add a joint and return its name: ``friction_angle`` in degrees, strengths in Pa.
 
-        ``cohesion`` and ``tensile_strength`` are lost where the joint has slipped or opened;
+        ``cohesion`` and ``tensile_strength`` are those of bonds, which end where the joint opens;
+        with ``residual_cohesion`` they end where it slips, too, and leave that (contact/bonds.py);
         ``normal_stiffness`` and ``shear_stiffness``, Pa/m, go before those of the contact law, and
         ``restitution``, 0 to 1, before that of the process.
 

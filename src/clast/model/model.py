@@ -107,9 +107,14 @@ class Joint:
     friction_angle: float = 0.0
     """Coulomb friction angle, degrees."""
     cohesion: float = 0.0
-    """Cohesion, Pa; lost where the joint has slipped or opened."""
+    """Cohesion of bonds, Pa; it stays while the joint slips, and ends where it opens."""
     tensile_strength: float = 0.0
-    """Tension cut-off, Pa; lost where the joint has slipped or opened."""
+    """Tension cut-off of bonds, Pa; tension beyond it ends it and the cohesion."""
+    residual_cohesion: float | None = None
+    """Cohesion left where a bond has slipped, Pa; None: all of it, the joint is ideally plastic.
+
+    A joint that has one is brittle: with its first slip a bond loses its tensile strength, too.
+    """
     restitution: float | None = None
     """Share of the closing velocity with which impacts rebound, 0 to 1; None: the process' own."""
     normal_stiffness: float | None = None
@@ -217,6 +222,11 @@ class JointTable:
             np.array([one.cohesion for one in self.joints], float),
             np.array([one.tensile_strength for one in self.joints], float),
         )
+
+    @kept_property
+    def residual_cohesion(self) -> Floats:
+        """Cohesion left after slip, Pa, nan where slip leaves bonds whole, shape (joints,)."""
+        return np.array([one.residual_cohesion for one in self.joints], float)
 
     @kept_property
     def stiffnesses(self) -> tuple[Floats, Floats]:

@@ -52,6 +52,8 @@ class ContactMemory:
     """0 open, 1 slide, 2 lock, shape (k,)."""
     bonded: Bools = field(default_factory=_no_bools)
     """True while cohesion and tensile strength are intact, shape (k,)."""
+    cohesive: Bools = field(default_factory=_no_bools)
+    """True while the contact is bonded, or has slipped but not opened since, shape (k,)."""
 
     def __len__(self) -> int:
         return len(self.vertex)

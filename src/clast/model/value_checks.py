@@ -63,7 +63,10 @@ def check_joint(joint: Joint, *, allow_small_friction_angle: bool) -> None:
             remedy=f"write {math.degrees(angle):.6g}, or 0 for no friction; if {angle:g} degrees "
             "is meant, add allow_small_friction_angle = true to the joint",
         )
-    for key, value in (("cohesion", joint.cohesion), ("tensile_strength", joint.tensile_strength)):
+    strengths = {"cohesion": joint.cohesion, "tensile_strength": joint.tensile_strength}
+    if joint.residual_cohesion is not None:
+        strengths["residual_cohesion"] = joint.residual_cohesion
+    for key, value in strengths.items():
         if not 0.0 <= value < math.inf:
             raise ModelError(
                 f"{value:g} is no strength",
@@ -71,6 +74,12 @@ def check_joint(joint: Joint, *, allow_small_friction_angle: bool) -> None:
                 remedy="give it in Pa, 0 or more",
             )
         ranges.check_size(value, ranges.STRESS, f"{where}, {key}", "give it in Pa")
+    if strengths.get("residual_cohesion", 0.0) > joint.cohesion:
+        raise ModelError(
+            f"{joint.residual_cohesion:g} Pa are more than the cohesion, {joint.cohesion:g} Pa",
+            where=f"{where}, residual_cohesion",
+            remedy="give what slip leaves of the cohesion, or leave it out: then all of it stays",
+        )
     if joint.restitution is not None and not 0.0 <= joint.restitution <= 1.0:
         raise ModelError(
             f"{joint.restitution:g} is no restitution",

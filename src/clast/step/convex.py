@@ -28,6 +28,7 @@ import numpy as np
 
 from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
+from clast.contact.bonds import without_bonds
 from clast.contact.clipped_spring import Clipped, Rows, Springs, merged, springs_of
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.laws import ContactLaw, SpringLaw, has_limits
@@ -292,7 +293,7 @@ class Search:
                 broken = contacts.bonded & ~response.bonded
                 if not broken.any():
                     return point, multipliers.renew(law, contacts, response), response
-                contacts, solves = without_bonds(contacts, broken), solves - 1
+                contacts, solves = without_bonds(contacts, response), solves - 1
             with stages("law"):
                 contacts = replace(contacts, friction_base=response.normal_force)
                 potential = self.bound(potential, contacts)
@@ -432,14 +433,4 @@ def first_friction_base(begun: Begun, contacts: Contacts, largest: float) -> Flo
             begun.state.time == 0.0,
             largest,
         )
-    )
-
-
-def without_bonds(contacts: Contacts, broken: np.ndarray) -> Contacts:
-    """Return the contacts with the bonds of those ``broken`` (m,) gone."""
-    return replace(
-        contacts,
-        bonded=contacts.bonded & ~broken,
-        cohesion=np.where(broken, 0.0, contacts.cohesion),
-        tensile_strength=np.where(broken, 0.0, contacts.tensile_strength),
     )

@@ -36,9 +36,11 @@ class JointTable(Table):
     friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] = 0.0
     """Coulomb friction angle, degrees."""
     cohesion: Strength = 0.0
-    """Cohesion, Pa; lost where the joint has slipped or opened."""
+    """Cohesion, Pa; it stays while the joint slips, and ends where it opens."""
     tensile_strength: Strength = 0.0
-    """Tension cut-off, Pa; lost where the joint has slipped or opened."""
+    """Tension cut-off, Pa; tension beyond it ends it and the cohesion."""
+    residual_cohesion: Strength | None = None
+    """Cohesion left after slip, Pa; 0: brittle, as mortar; else all of it: ideally plastic."""
     restitution: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
     """Share of the closing velocity with which impacts rebound, 0 to 1; else the process' own."""
     normal_stiffness: Annotated[Positive, within(ranges.JOINT_STIFFNESS)] | None = None

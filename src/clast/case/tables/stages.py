@@ -27,11 +27,15 @@ class StrengthTable(Table):
     """Cohesion of bonds that are whole, Pa."""
     tensile_strength: Strength | None = None
     """Tension cut-off of bonds that are whole, Pa."""
+    residual_cohesion: Strength | None = None
+    """Cohesion of bonds that have slipped, Pa."""
 
     @model_validator(mode="after")
     def _changes_something(self) -> Self:
         if not self.model_fields_set:
-            remedy = "give friction_angle, cohesion or tensile_strength, or leave the joint out"
+            remedy = (
+                "give friction_angle or a strength, cohesion for example, or leave the joint out"
+            )
             raise refusal(Fault(what="says nothing of the joint", remedy=remedy))
         return self
 

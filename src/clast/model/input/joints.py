@@ -20,6 +20,7 @@ class JointNumbers(TypedDict, total=False):
     friction_angle: float
     cohesion: float
     tensile_strength: float
+    residual_cohesion: float | None
     restitution: float | None
     normal_stiffness: float | None
     shear_stiffness: float | None

@@ -8,7 +8,7 @@ from typing import Any
 
 EQUILIBRIUM, TIME = "equilibrium", "time"
 """What a stage may last until."""
-STRENGTHS = ("friction_angle", "cohesion", "tensile_strength")
+STRENGTHS = ("friction_angle", "cohesion", "tensile_strength", "residual_cohesion")
 """Numbers of a joint that a stage may change."""
 
 

@@ -4,7 +4,8 @@ A joint of length A under the normal force N holds until the shear force reaches
 
     N tan(phi) + c A.
 
-There its bonds break, and from then on it carries N tan(phi), however far it slips.
+There its bonds break, for it is brittle (no residual cohesion), and from then on it carries
+N tan(phi), however far it slips.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from functools import partial
 import numpy as np
 
 from clast.model.builder import ModelBuilder
+from clast.model.input.joints import JointNumbers
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -59,7 +61,8 @@ def sheared_block(force: float = PEAK) -> Model:
     """
     builder = ModelBuilder(title="Direct shear", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=DENSITY)
-    builder.add_joint("default", friction_angle=FRICTION_ANGLE, cohesion=COHESION)
+    strength: JointNumbers = {"cohesion": COHESION, "residual_cohesion": 0.0}
+    builder.add_joint("default", friction_angle=FRICTION_ANGLE, **strength)
     builder.block(name="base", vertices=[(-0.5, -0.2), (2, -0.2), (2, 0), (-0.5, 0)], fixed=True)
     corners = [(0, 0), (LENGTH, 0), (LENGTH, HEIGHT), (0, HEIGHT)]
     builder.block(name="block", vertices=corners)

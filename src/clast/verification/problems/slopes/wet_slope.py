@@ -6,8 +6,8 @@
 for a block on a plane of dip a and length A, with a vertical crack of depth z behind it that is
 filled to zw; on the plane the pressure falls from that at the foot of the crack to none at the toe.
 The block holds with its strength divided by a little less than F, and slides with it divided by a
-little more.  Limit equilibrium has all of the cohesion at work at once; bonds of contacts break
-where the first of them is overloaded.  So cohesion is a traction c/F up the plane here.
+little more.  The joint is ideally plastic: all of its cohesion is at work at once, as in the
+formula.
 """
 
 from __future__ import annotations
@@ -110,16 +110,17 @@ def slope_model(slope: Slope, water: float, divided_by: float = 1.0) -> Model:
     builder = ModelBuilder(title="Wet slope", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=20e9, poisson=0.2, density=WEIGHT / GRAVITY)
     friction = np.tan(np.radians(slope.friction_angle)) / divided_by
-    builder.add_joint(friction_angle=float(np.degrees(np.arctan(friction))))
+    angle = float(np.degrees(np.arctan(friction)))
+    builder.add_joint(friction_angle=angle)
+    builder.add_joint("plane", friction_angle=angle, cohesion=slope.cohesion / divided_by)
     # the plane goes on below the toe, so that nothing holds the slab there
     low = -0.2 * slope.height
     toe = (low, low * float(np.tan(np.radians(slope.plane))))
     corners = [(low, 2.0 * low), (back, 2.0 * low), (back, slope.height), top, foot, toe]
     builder.block(name="rock", vertices=corners, fixed=True)
-    builder.block(name="slab", vertices=[(0.0, 0.0), foot, top, crest])
-    up = slope.foot / np.hypot(*slope.foot)
-    holding = tuple((slope.cohesion / divided_by * up).tolist())
-    builder.line_load((0.0, 0.0), foot, holding, block="slab")
+    # its first edge lies on the plane; the crack has no cohesion
+    joints = ["plane", "", "", ""]
+    builder.block(name="slab", vertices=[(0.0, 0.0), foot, top, crest], edge_joint=joints)
     if water > 0.0:
         builder.water(foot[1] + water, acts_on="joints", drained_at=[(0.0, 0.0)])
     builder.measured_point("slab", top, block="slab")

@@ -1,0 +1,141 @@
+"""Bonds of contacts: where they are, what slip and tension leave of them.
+
+Contacts along a joint with strength are bonded where the joint is closed at the start of the run.
+A bond has the cohesion c and the tensile strength sigma_t of its joint.
+
+- Tension beyond sigma_t, or a gap beyond critdis, ends both for good.
+- Slip ends nothing where the joint is ideally plastic: |T| <= N tan(phi) + c L however far it
+  slips, as limit equilibrium has it.  A joint with a residual cohesion is brittle: the first slip
+  ends the bond, and leaves that cohesion until the contact opens.
+
+Cohesion belongs to the plane, not to the corner that was there first.  A face that slides on takes
+its bonds along: a contact that comes up where faces lie on each other is bonded as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from clast.block.polygon import SMALL_ANGLE
+from clast.contact.contacts import ContactResponse, Contacts
+from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.state import ContactMemory
+
+
+@dataclass(frozen=True)
+class Bonds:
+    """What is left of the bonds of contacts."""
+
+    bonded: Bools
+    """True while cohesion and tensile strength are intact, shape (m,)."""
+    cohesive: Bools
+    """True while bonded, or slipped but not opened since, shape (m,)."""
+
+
+def torn(contacts: Contacts, response: ContactResponse) -> Bools:
+    """Return which bonds end because of tension, shape (m,)."""
+    ended = contacts.bonded & ~response.bonded
+    return np.asarray(ended & (response.normal_force < 0.0))
+
+
+def without_bonds(contacts: Contacts, response: ContactResponse) -> Contacts:
+    """Return the contacts without the bonds that the ``response`` says have ended."""
+    ended, cohesive = contacts.bonded & ~response.bonded, contacts.cohesive
+    cohesive = cohesive & ~torn(contacts, response)
+    residual = contacts.residual_cohesion
+    # a law of one's own may end bonds that slip leaves whole
+    slipped = np.where(np.isnan(residual), contacts.cohesion, residual)
+    left = np.where(cohesive, slipped, 0.0)
+    return replace(
+        contacts,
+        bonded=contacts.bonded & response.bonded,
+        cohesive=cohesive,
+        cohesion=np.where(ended, left, contacts.cohesion),
+        tensile_strength=np.where(ended, 0.0, contacts.tensile_strength),
+    )
+
+
+def bonds_of(
+    bonds: Bonds,
+    row: Ints,
+    ends: tuple[Ints, Ints, Ints, Ints, Ints],
+    joint: Ints,
+    memory: ContactMemory,
+    outlines: tuple[Floats, Ints, Floats, Floats],
+    model: Model,
+) -> dict[str, Any]:
+    """Return friction, bonds and the strengths that they have left, (m,) each by its name.
+
+    ``bonds`` are those that the contacts have of themselves, ``row`` (m,) is the row of a contact
+    in the memory or -1, ``joint`` (m,) its joint; ``ends`` and ``outlines`` as ``contact_lengths``
+    takes them.
+    """
+    table = model.joint_table
+    friction, cohesion, tensile_strength = table.strengths
+    residual = table.residual_cohesion
+    lasts = (cohesion > 0.0) & ~(residual == 0.0)
+    new = np.flatnonzero((row < 0) & lasts.take(joint) & ~bonds.bonded) if lasts.any() else ()
+    if len(new) and memory.cohesive.any():
+        bonds = _taken_along(bonds, new, ends, memory, outlines)
+    left = np.where(np.isnan(residual), cohesion, residual)
+    bonded = bonds.bonded
+    return {
+        "bonded": bonded,
+        "cohesive": bonds.cohesive,
+        "friction": friction.take(joint),
+        "cohesion": np.where(
+            bonded, cohesion.take(joint), np.where(bonds.cohesive, left.take(joint), 0.0)
+        ),
+        "residual_cohesion": residual.take(joint),
+        "tensile_strength": np.where(bonded, tensile_strength.take(joint), 0.0),
+    }
+
+
+def _taken_along(
+    bonds: Bonds,
+    new: Ints,
+    ends: tuple[Ints, Ints, Ints, Ints, Ints],
+    memory: ContactMemory,
+    outlines: tuple[Floats, Ints, Floats, Floats],
+) -> Bonds:
+    """Return the bonds with those of contacts ``new`` (k,) that their faces had elsewhere.
+
+    A face has those of the contacts that it lay on another face with.
+    """
+    _, block_start, direction, _ = outlines
+    before = np.arange(-1, len(direction) - 1)
+    before[block_start[:-1]] = block_start[1:] - 1
+    along = _flush_edges(memory.vertex, memory.edge, before, direction)
+    vertex, edge = ends[0][new], ends[1][new]
+    mine = _flush_edges(vertex, edge, before, direction)
+    result = []
+    for kept, had in ((bonds.bonded, memory.bonded), (bonds.cohesive, memory.cohesive)):
+        # of every edge, and of -1, which is none
+        face = np.zeros(len(direction) + 1, np.bool_)
+        for own in along:
+            face[np.where(had & (own >= 0), own, -1)] = True
+            face[np.where(had & (own >= 0), memory.edge, -1)] = True
+        face[-1] = False
+        found = [(own >= 0) & (face[own] | face[edge]) for own in mine]
+        kept = kept.copy()
+        kept[new] |= found[0] | found[1]
+        result.append(kept)
+    return Bonds(*result)
+
+
+def _flush_edges(vertex: Ints, edge: Ints, before: Ints, direction: Floats) -> tuple[Ints, Ints]:
+    """Return which of its two edges each vertex (k,) has along an edge (k,), else -1, (k,) each.
+
+    Along it means within 3 degrees, the blocks on either side; ``before`` (nv,) is the vertex
+    before each.
+    """
+    found = []
+    for own in (before[vertex], vertex):
+        one, other = direction[own], direction[edge]
+        sine = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+        opposite = np.einsum("kx,kx->k", one, other) < 0.0
+        found.append(np.where((np.abs(sine) <= SMALL_ANGLE) & opposite, own, -1))
+    return found[0], found[1]
