@@ -69,9 +69,10 @@ def test_contacts_answer_case_by_case(count):
         rng.choice([np.nan, 0.0, 1e4], count),
     )
     of_joints = rng.choice([np.nan, 3e8, 5e9], (2, count))
-    p, k = np.where(np.isnan(of_joints), [[P], [K]], of_joints)
+    share = rng.uniform(0.1, 1.0, count)
+    p, k = np.where(np.isnan(of_joints), share * [[P], [K]], of_joints)
     found = nothing_found(count)
-    answer_of_springs(count, gap, slip, (P, K, *of_joints), joints, memory, found)
+    answer_of_springs(count, gap, slip, (P, K, *of_joints, share), joints, memory, found)
     wanted = [
         answer(gap[c], slip[c], p[c], k[c], [one[c] for one in joints], [one[c] for one in memory])
         for c in range(count)

@@ -180,6 +180,7 @@ def test_overlap_that_contacts_know_is_not_told(known, seen):
         mode=np.ones(2, np.int64),
         bonded=np.zeros(2, np.bool_),
         cohesive=np.zeros(2, np.bool_),
+        point=np.zeros(2, np.int64),
     )
     found = unseen_overlaps(model, replace(state, memory=memory), 0.005)
     assert (not found) == seen
@@ -232,6 +233,7 @@ def test_blocks_across_a_corner_may_give_way_to_their_neighbours(share, told):
         mode=np.zeros(len(rows), np.int64),
         bonded=np.zeros(len(rows), np.bool_),
         cohesive=np.zeros(len(rows), np.bool_),
+        point=np.zeros(len(rows), np.int64),
     )
     overlaps = unseen_overlaps(model, replace(state, memory=memory), 0.005)
     across = {("1", "4"), ("2", "3")}

@@ -32,6 +32,7 @@ def memory_of(rows):
         mode=zero.astype(np.int64),
         bonded=zero.astype(np.bool_),
         cohesive=zero.astype(np.bool_),
+        point=zero.astype(np.int64),
     )
 
 

@@ -22,4 +22,5 @@ def remembering(edge, gap=0.0, vertex=4, block=0, shear_force=7.0):
         mode=np.array([2]),
         bonded=np.array([True]),
         cohesive=np.array([True]),
+        point=np.array([0]),
     )

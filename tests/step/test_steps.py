@@ -316,6 +316,7 @@ def remembered(depth, vertex=4):
         mode=np.ones(1, np.int64),
         bonded=np.zeros(1, np.bool_),
         cohesive=np.zeros(1, np.bool_),
+        point=np.zeros(1, np.int64),
     )
 
 

@@ -21,6 +21,7 @@ import numpy as np
 
 from clast.block.polygon import SMALL_ANGLE
 from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.faces import Places
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory
 
@@ -59,27 +60,20 @@ def without_bonds(contacts: Contacts, response: ContactResponse) -> Contacts:
 
 
 def bonds_of(
-    bonds: Bonds,
-    row: Ints,
-    ends: tuple[Ints, Ints, Ints, Ints, Ints],
-    joint: Ints,
-    memory: ContactMemory,
-    outlines: tuple[Floats, Ints, Floats, Floats],
-    model: Model,
+    bonds: Bonds, places: Places, memory: ContactMemory, direction: Floats, model: Model
 ) -> dict[str, Any]:
     """Return friction, bonds and the strengths that they have left, (m,) each by its name.
 
-    ``bonds`` are those that the contacts have of themselves, ``row`` (m,) is the row of a contact
-    in the memory or -1, ``joint`` (m,) its joint; ``ends`` and ``outlines`` as ``contact_lengths``
-    takes them.
+    ``bonds`` are those that the contacts at ``places`` have of themselves; ``direction`` (nv, 2)
+    are the unit vectors of edges.
     """
-    table = model.joint_table
+    table, joint = model.joint_table, places.joint
     friction, cohesion, tensile_strength = table.strengths
     residual = table.residual_cohesion
     lasts = (cohesion > 0.0) & ~(residual == 0.0)
-    new = np.flatnonzero((row < 0) & lasts.take(joint) & ~bonds.bonded) if lasts.any() else ()
+    new = np.flatnonzero((places.row < 0) & lasts.take(joint) & ~bonds.bonded)
     if len(new) and memory.cohesive.any():
-        bonds = _taken_along(bonds, new, ends, memory, outlines)
+        bonds = _taken_along(bonds, new, places, memory, direction, model.block_start)
     left = np.where(np.isnan(residual), cohesion, residual)
     bonded = bonds.bonded
     return {
@@ -97,19 +91,19 @@ def bonds_of(
 def _taken_along(
     bonds: Bonds,
     new: Ints,
-    ends: tuple[Ints, Ints, Ints, Ints, Ints],
+    places: Places,
     memory: ContactMemory,
-    outlines: tuple[Floats, Ints, Floats, Floats],
+    direction: Floats,
+    block_start: Ints,
 ) -> Bonds:
     """Return the bonds with those of contacts ``new`` (k,) that their faces had elsewhere.
 
     A face has those of the contacts that it lay on another face with.
     """
-    _, block_start, direction, _ = outlines
     before = np.arange(-1, len(direction) - 1)
     before[block_start[:-1]] = block_start[1:] - 1
     along = _flush_edges(memory.vertex, memory.edge, before, direction)
-    vertex, edge = ends[0][new], ends[1][new]
+    vertex, edge = places.vertex[new], places.edge[new]
     mine = _flush_edges(vertex, edge, before, direction)
     result = []
     for kept, had in ((bonds.bonded, memory.bonded), (bonds.cohesive, memory.cohesive)):

@@ -20,7 +20,7 @@ class Contacts:
     """
 
     vertex: Ints
-    """Invading vertex P, shape (m,)."""
+    """Invading vertex P, or the first vertex of the edge that P lies inside, shape (m,)."""
     edge: Ints
     """Entrance edge: index of its first vertex, shape (m,)."""
     vertex_block: Ints
@@ -39,6 +39,10 @@ class Contacts:
     """Foot Q of P on the edge's line, m, shape (m, 2)."""
     length: Floats
     """Length of joint that the contact stands for (cohesion, tensile strength), m, shape (m,)."""
+    point: Ints
+    """0 where P is a vertex, 1 to 7 for the points inside a face (contact/faces.py), shape (m,)."""
+    along: Floats
+    """Place of P on the edge that begins at ``vertex``, as a share of its length, shape (m,)."""
     levers: Floats
     """Normal (nx, ny), and offsets of P and Q from the centroids of i and j, m, shape (m, 6)."""
     joint: Ints
@@ -47,6 +51,8 @@ class Contacts:
     """Normal stiffness that the joint gives, N/m per m; nan: the law has its own, shape (m,)."""
     shear_stiffness: Floats
     """Shear stiffness that the joint gives, N/m per m; nan: the law has its own, shape (m,)."""
+    spring_share: Floats
+    """Share of the springs of the law that the contact has where its joint gives none, (m,)."""
     friction: Floats
     """tan(friction angle) of the joint, shape (m,)."""
     cohesion: Floats
@@ -76,6 +82,11 @@ class Contacts:
 
     def __len__(self) -> int:
         return len(self.vertex)
+
+    @property
+    def corners(self) -> Bools:
+        """True where P is a vertex, shape (m,)."""
+        return np.asarray(self.point == 0)
 
     @property
     def rows(self) -> Floats:

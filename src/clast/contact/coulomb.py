@@ -115,9 +115,10 @@ def answer_with_friction(first, last, slip, k, strengths, memory, found):
     """Write what contacts ``first`` to ``last`` - 1 answer to slips under a given N.
 
     N (m,) stands in ``found``, in N/m; energies become those of the shear spring alone.
-    ``k`` are the stiffness of the law and those that joints give (m,), N/m per m.
+    ``k`` are the stiffness of the law and those that joints give (m,), N/m per m, and the shares of
+    the first that contacts have (m,).
     """
-    k_of_law, k_of_joint = k
+    k_of_law, k_of_joint, share = k
     friction, cohesion, tensile_strength, length, residual = strengths
     bonded, shear_force, _, _, friction_base = memory
     normal, shear, _, ks, coupling, mode, intact, energy, loss = found
@@ -127,7 +128,7 @@ def answer_with_friction(first, last, slip, k, strengths, memory, found):
         counts = bears | given | (tension_of(tensile_strength[c], length[c]) != 0.0)
         shear[c], ks[c], coupling[c], mode[c], intact[c], energy[c], loss[c] = resist(
             slip[c],
-            of_joint_or_law(k_of_joint[c], k_of_law),
+            of_joint_or_law(k_of_joint[c], share[c] * k_of_law),
             (friction[c], cohesion[c], tensile_strength[c], length[c], residual[c]),
             (bonded[c], shear_force[c], friction_base[c]),
             normal[c],

@@ -22,6 +22,7 @@ from clast.contact.candidates import SearchDistance, find_candidates
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.crossings import Chosen, with_crossings
+from clast.contact.faces import Places, with_faces
 from clast.contact.joints import contact_lengths, joints_of, springs_of_joints
 from clast.contact.memory import pair_penetration, recall
 from clast.contact.verlet_list import VerletList, near_pairs
@@ -90,9 +91,9 @@ def detect(
 def remembered(model: Model, state: State, centroid: Floats, critdis: float) -> Contacts:
     """Return the contacts that a state remembers, as its last step left them.
 
-    Their gaps are those of the memory; ``centroid`` (n, 2) in m.
+    Their gaps are those of the memory, those inside faces between them; ``centroid`` (n, 2) in m.
     """
-    memory, count = state.memory, model.block_count
+    memory, count = state.memory.corners, model.block_count
     own = model.vertex_block[memory.vertex]
     key = np.minimum(own, memory.block) * count + np.maximum(own, memory.block)
     order = np.argsort(key, kind="stable")
@@ -130,7 +131,7 @@ class _Sought:
 
 def _sought(model: Model, state: State) -> _Sought:
     """Return the outlines on which the contacts of a state are looked for."""
-    one, memory = model.outlines, state.memory
+    one, memory = model.outlines, state.memory.corners
     if one is None:
         return _Sought(
             vertices=state.vertices,
@@ -202,42 +203,74 @@ def _contacts(
     ``chosen`` has them, and the rows (m,) of the state's memory that are theirs, -1 where none is.
     ``edges`` are the directions (nv, 2) and the lengths (nv,) of all edges.
     """
-    direction, edge_length = edges
+    direction, _ = edges
     (vertex, edge, pair, gap), row = chosen
     begins = np.diff(pair, prepend=-1) != 0  # of every pair that shares contacts the first one
     pair, touching = np.cumsum(begins) - 1, pairs[pair[begins]]
-    i, j = model.vertex_block.take(vertex), model.vertex_block.take(edge)
-    foot, levers = np.empty((len(gap), 2)), np.empty((len(gap), 6))
-    outlines = state.vertices, direction
-    _geometry(len(gap), (vertex, edge, i, j), gap, outlines, centroid, foot, levers)
+    ends = vertex, edge, model.vertex_block.take(vertex), model.vertex_block.take(edge), pair
+    corners = _at_vertices(model, state, centroid, (ends, gap, touching, row), edges, critdis)
+    places = with_faces(corners, model, state, centroid, edges)
     # bonds exist only along joints that are closed at the start of the run
     bond_reach = critdis if state.time == 0.0 else -1.0
-    ends = vertex, edge, i, j, pair
-    joint = joints_of(model, ends, touching, direction)
-    of_edges = state.vertices, model.block_start, direction, edge_length
-    carried = _carried(row, gap, bond_reach, state.memory, (edge, direction))
+    carried = _carried(places.row, places.gap, bond_reach, state.memory, (places.edge, direction))
     bonds = Bonds(bonded=carried.pop("bonded"), cohesive=carried.pop("cohesive"))
-    strengths = bonds_of(bonds, row, ends, joint, state.memory, of_edges, model)
-    length, of_springs = contact_lengths(ends, of_edges, critdis)
-    normal, shear = springs_of_joints(model.joint_table, joint, of_springs)
+    strengths = bonds_of(bonds, places, state.memory, direction, model)
+    springs = springs_of_joints(model, places.joint, places.of_springs)
     return Contacts(
-        joint=joint,
+        joint=places.joint,
+        vertex=places.vertex,
+        edge=places.edge,
+        vertex_block=places.vertex_block,
+        edge_block=places.edge_block,
+        pair=places.pair,
+        pairs=touching,
+        gap=places.gap,
+        normal=places.levers[:, :2],
+        foot=places.foot,
+        length=places.length,
+        normal_stiffness=springs[0],
+        shear_stiffness=springs[1],
+        spring_share=springs[2],
+        point=places.point,
+        along=places.along,
+        levers=places.levers,
+        friction_base=np.full(len(places.gap), np.nan),
+        **carried,
+        **strengths,
+    )
+
+
+def _at_vertices(
+    model: Model,
+    state: State,
+    centroid: Floats,
+    chosen: tuple[Any, Floats, Ints, Ints],
+    edges: tuple[Floats, Floats],
+    critdis: float,
+) -> Places:
+    """Return where the contacts of vertices are, ``chosen`` by ends, gaps, pairs and rows."""
+    ends, gap, touching, row = chosen
+    vertex, edge, i, j, pair = ends
+    count = len(gap)
+    foot, levers = np.empty((count, 2)), np.empty((count, 6))
+    _geometry(count, ends[:4], gap, (state.vertices, edges[0]), centroid, foot, levers)
+    of_edges = state.vertices, model.block_start, *edges
+    length, of_springs = contact_lengths(ends, of_edges, critdis)
+    return Places(
         vertex=vertex,
         edge=edge,
         vertex_block=i,
         edge_block=j,
         pair=pair,
-        pairs=touching,
+        point=np.zeros(count, np.int64),
+        along=np.zeros(count),
         gap=gap,
-        normal=levers[:, :2],
         foot=foot,
-        length=length,
-        normal_stiffness=normal,
-        shear_stiffness=shear,
         levers=levers,
-        friction_base=np.full(len(gap), np.nan),
-        **carried,
-        **strengths,
+        joint=joints_of(model, ends, touching, edges[0]),
+        length=length,
+        of_springs=of_springs,
+        row=row,
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from clast.block.polygon import SMALL_ANGLE, turn_at, vertex_after, vertex_before
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
-from clast.model.model import Floats, Ints, JointTable, Model
+from clast.model.model import Floats, Ints, Model
 
 LEAST = 1e-3
 """Least length of joint that springs stand for, in units of critdis: corners that only coincide."""
@@ -93,7 +93,7 @@ def _overlap(p, w, e, others, outlines, critdis):
 
 
 @kernel(inline="always")
-def _edge_along(p, w, e, j, outlines, critdis):
+def edge_along(p, w, e, j, outlines, critdis):
     """Return the edge that own edge from p to w runs along: e, or the next one at a flat corner."""
     vertices, block_start, direction, length = outlines
     first, last = block_start[j], block_start[j + 1]
@@ -141,7 +141,7 @@ def _lengths(low, high, contacts, outlines, critdis, result, bearing):
             if abs(sine) > SMALL_ANGLE:
                 tip += (1.0 - sine * sine) * _overlap(p, w, e, others, outlines, critdis)
                 continue
-            along, is_flush = _edge_along(p, w, e, j, outlines, critdis), True
+            along, is_flush = edge_along(p, w, e, j, outlines, critdis), True
             result[c] += _overlap(p, w, along, others, outlines, critdis)
         bearing[c] = max(result[c] if is_flush else tip, LEAST * critdis)
 
@@ -170,13 +170,26 @@ def contact_lengths(
 # its springs -----------------------------------------------------------------------------------
 
 
-def springs_of_joints(table: JointTable, joint: Ints, length: Floats) -> tuple[Floats, Floats]:
-    """Return k_n L and k_s L of contacts, N/m per m, nan where their joint leaves them to the law.
+def springs_of_joints(model: Model, joint: Ints, length: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return k_n L and k_s L of contacts, N/m per m, and their shares of the springs of the law.
 
-    ``joint`` (m,) are their joints, ``length`` (m,) those of their springs, m.
+    The first two are nan where their joint leaves them to the law.  The springs p of the law stand
+    for a corner, whatever it stands for; where a face is to be integrated they are taken as 2 p
+    over the size of the smallest block, per area.  ``joint`` (m,) are their joints, ``length`` (m,)
+    those of their springs, m.
     """
-    normal, shear = table.stiffnesses
-    return normal.take(joint) * length, shear.take(joint) * length
+    normal, shear = model.joint_table.stiffnesses
+    integrated = model.joint_table.integrated.take(joint)
+    share = np.where(integrated, per_area(1.0, model) * length, 1.0)
+    return normal.take(joint) * length, shear.take(joint) * length, share
+
+
+def per_area(stiffness: float, model: Model) -> float:
+    """Return the stiffness of the law, N/m per m, as one per area, Pa/m.
+
+    Such that a face as long as the smallest block has as much of it as two corners.
+    """
+    return 2.0 * stiffness / float(np.sqrt(model.smallest))
 
 
 def range_of_springs(model: Model, stiffness: float) -> tuple[float, float]:
@@ -185,8 +198,8 @@ def range_of_springs(model: Model, stiffness: float) -> tuple[float, float]:
     ``stiffness`` is that of the contact law.  Those of joints are k_n L with L between half the
     size of the smallest block and the longest edge.
     """
-    normal = model.joint_table.stiffnesses[0]
-    own = normal[~np.isnan(normal)]
+    table, normal = model.joint_table, model.joint_table.stiffnesses[0]
+    own = np.where(np.isnan(normal), per_area(stiffness, model), normal)[table.integrated]
     if not len(own):
         return stiffness, stiffness
     shortest = 0.5 * float(np.sqrt(model.smallest))

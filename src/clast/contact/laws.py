@@ -34,14 +34,14 @@ def answer_of_springs(first, last, gap, slip, stiffnesses, strengths, memory, fo
     In a minimisation (friction bound given) a contact that just touches counts with its stiffness:
     at the kink either is a derivative, and it is about to close.
     """
-    p_of_law, k_of_law, p_of_joint, k_of_joint = stiffnesses
+    p_of_law, k_of_law, p_of_joint, k_of_joint, share = stiffnesses
     friction, cohesion, tensile_strength, length, residual = strengths
     bonded, shear_force, multiplier, rest_force, friction_base = memory
     normal, shear, kn, ks, coupling, mode, intact, energy, loss = found
     for c in range(first, last):
         given = not np.isnan(friction_base[c])
-        p = of_joint_or_law(p_of_joint[c], p_of_law)
-        k = of_joint_or_law(k_of_joint[c], k_of_law)
+        p = of_joint_or_law(p_of_joint[c], share[c] * p_of_law)
+        k = of_joint_or_law(k_of_joint[c], share[c] * k_of_law)
         trial = rest_force[c] + multiplier[c] - p * gap[c]
         tension = tension_of(tensile_strength[c], length[c])
         bears = (trial > -tension) | (given & (trial == -tension))
@@ -104,7 +104,7 @@ def with_friction(
     """
     found = nothing_found(len(slip))
     found[0][:] = normal_force
-    k = float(shear_stiffness), contacts.shear_stiffness
+    k = float(shear_stiffness), contacts.shear_stiffness, contacts.spring_share
     answer_with_friction(len(slip), slip, k, strengths_of(contacts), memory_of(contacts), found)
     response = _response(found)
     return replace(response, normal_stiffness=normal_stiffness, energy=energy + response.energy)
@@ -113,15 +113,19 @@ def with_friction(
 def normal_stiffness_of(contacts: Contacts, law: ContactLaw) -> Floats:
     """Return p of each contact, N/m per m, shape (m,): that of its joint, else the law's."""
     of_joint = contacts.normal_stiffness
-    return np.where(np.isnan(of_joint), law.normal_stiffness, of_joint)
+    return np.where(np.isnan(of_joint), contacts.spring_share * law.normal_stiffness, of_joint)
 
 
 def _stiffnesses(
     contacts: Contacts, normal: float, shear: float | None
-) -> tuple[float, float, Floats, Floats]:
-    """Return p and k of a law, and those (m,) that joints give, N/m per m, as kernels take them."""
+) -> tuple[float, float, Floats, Floats, Floats]:
+    """Return p and k of a law, those (m,) that joints give, N/m per m, and shares of the first two.
+
+    As kernels take them.
+    """
     k = normal if shear is None else shear
-    return float(normal), float(k), contacts.normal_stiffness, contacts.shear_stiffness
+    of_joints = contacts.normal_stiffness, contacts.shear_stiffness
+    return float(normal), float(k), *of_joints, contacts.spring_share
 
 
 def _response(found: Found) -> ContactResponse:
@@ -145,10 +149,10 @@ def limits_of_springs(
 ) -> SpringLimits:
     """Return the bounds of ``springs`` for contacts whose friction bound is given."""
     tension, strength = largest_forces(contacts, contacts.friction_base)
-    p, k, p_of_joint, k_of_joint = _stiffnesses(contacts, normal_stiffness, shear_stiffness)
+    p, k, p_of_joint, k_of_joint, share = _stiffnesses(contacts, normal_stiffness, shear_stiffness)
     return SpringLimits(
-        normal_stiffness=np.where(np.isnan(p_of_joint), p, p_of_joint),
-        shear_stiffness=np.where(np.isnan(k_of_joint), k, k_of_joint),
+        normal_stiffness=np.where(np.isnan(p_of_joint), share * p, p_of_joint),
+        shear_stiffness=np.where(np.isnan(k_of_joint), share * k, k_of_joint),
         tension=tension,
         strength=strength,
     )

@@ -186,7 +186,7 @@ def renew(
     """
     count = len(gap)
     cohesive = contacts.cohesive & ~torn(contacts, response)
-    order = _order(contacts.vertex, contacts.edge_block, contacts.edge)
+    order = _order_of(contacts)
     bonds = response.bonded, cohesive
     keys = contacts.vertex, contacts.edge_block, contacts.edge, response.mode, *bonds
     forces = (
@@ -205,6 +205,7 @@ def renew(
         vertex=vertex,
         block=block,
         edge=edge,
+        point=contacts.point[order],
         mode=mode,
         bonded=new_bonds[0],
         cohesive=new_bonds[1],
@@ -214,6 +215,17 @@ def renew(
         multiplier=new_forces[3],
         rest_force=new_forces[4],
     )
+
+
+def _order_of(contacts: Contacts) -> Ints:
+    """Return the order of contacts in the memory, shape (m,): vertices, then points of faces."""
+    keys = contacts.vertex, contacts.edge_block, contacts.edge
+    if not contacts.point.any():
+        return _order(*keys)
+    corners, inside = (np.flatnonzero(one) for one in (contacts.corners, ~contacts.corners))
+    of_corners = _order(*(np.ascontiguousarray(key[corners]) for key in keys))
+    of_inside = np.lexsort((contacts.point[inside], keys[2][inside], keys[0][inside]))
+    return np.concatenate([corners[of_corners], inside[of_inside]])
 
 
 def _order(vertex: Ints, block: Ints, edge: Ints) -> Ints:

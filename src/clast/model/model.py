@@ -224,6 +224,18 @@ class JointTable:
         )
 
     @kept_property
+    def integrated(self) -> Bools:
+        """True for joints whose faces are integrated (contact/faces.py), shape (joints,).
+
+        Those with a stiffness or a strength per area, but no weld, which gives way to nothing.
+        """
+        _, cohesion, tensile_strength = self.strengths
+        bonded = (cohesion > 0.0) | (tensile_strength > 0.0)
+        welded = np.minimum(cohesion, tensile_strength) >= WELD_STRENGTH
+        normal, shear = self.stiffnesses
+        return (bonded & ~welded) | ~np.isnan(normal) | ~np.isnan(shear)
+
+    @kept_property
     def residual_cohesion(self) -> Floats:
         """Cohesion left after slip, Pa, nan where slip leaves bonds whole, shape (joints,)."""
         return np.array([one.residual_cohesion for one in self.joints], float)
@@ -433,9 +445,14 @@ class Model:
     @kept_property
     def longest_edge(self) -> float:
         """Length of the longest edge at the start, m."""
+        return float(np.hypot(*(self.vertices[self.edge_end] - self.vertices).T).max())
+
+    @kept_property
+    def edge_end(self) -> Ints:
+        """Vertex at which the edge ends that begins at each vertex, shape (nv,)."""
         after = np.arange(1, len(self.vertices) + 1)
         after[self.block_start[1:] - 1] = self.block_start[:-1]
-        return float(np.hypot(*(self.vertices[after] - self.vertices).T).max())
+        return after
 
     @kept_property
     def material_points(self) -> MaterialPoints:

@@ -24,12 +24,17 @@ def _no_bools() -> Bools:
     return np.zeros(0, np.bool_)
 
 
+POINTS = 8
+"""Numbers that points of a contact may have."""
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class ContactMemory:
     """What a contact carries from step to step, keyed by (vertex, block of the edge).
 
     Sorted by vertex, then by the block of the edge, then by edge.  At a re-entrant corner one key
-    may hold two rows, told apart by their edge.
+    may hold two rows, told apart by their edge.  Points inside faces (contact/faces.py) come after
+    all vertices; their key is the first vertex of their own edge, the other edge and their number.
     """
 
     vertex: Ints = field(default_factory=_no_ints)
@@ -38,6 +43,8 @@ class ContactMemory:
     """Block that owns the entrance edge, shape (k,)."""
     edge: Ints = field(default_factory=_no_ints)
     """Entrance edge (index of its first vertex), shape (k,)."""
+    point: Ints = field(default_factory=_no_ints)
+    """0 for a vertex, 1 to 7 for the points inside a face, shape (k,)."""
     gap: Floats = field(default_factory=_no_floats)
     """Gap at the end of the step, m, negative in penetration, shape (k,)."""
     normal_force: Floats = field(default_factory=_no_floats)
@@ -58,8 +65,34 @@ class ContactMemory:
     def __len__(self) -> int:
         return len(self.vertex)
 
+    @property
+    def corner_count(self) -> int:
+        """Number of rows of vertices, which come first."""
+        return len(self) - int(np.count_nonzero(self.point))
+
+    @property
+    def corners(self) -> ContactMemory:
+        """The rows of vertices alone."""
+        count = self.corner_count
+        if count == len(self):
+            return self
+        return ContactMemory(**{one.name: getattr(self, one.name)[:count] for one in fields(self)})
+
+    def keys(self, count: int) -> Ints:
+        """Return a number for each row, ascending, (k,), of a system of ``count`` vertices."""
+        return contact_keys(self.vertex, self.edge, self.point, count)
+
     def __repr__(self) -> str:
         return f"ContactMemory({len(self)} contacts)"
+
+
+def contact_keys(vertex: Ints, edge: Ints, point: Ints, count: int) -> Ints:
+    """Return a number for each contact (k,) that no other has, of a system of ``count`` vertices.
+
+    In the order of the contact memory.
+    """
+    inside = point > 0
+    return np.asarray(((inside * count + vertex) * count + edge) * POINTS + point)
 
 
 @dataclass(frozen=True, kw_only=True)

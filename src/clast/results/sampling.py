@@ -57,7 +57,7 @@ class FrameFields:
         """Return a row for every contact that carries a force."""
         loaded = np.flatnonzero((response.normal_force != 0.0) | (response.shear_force != 0.0))
         rows = np.zeros(len(loaded), CONTACT_ROW)
-        rows["position"] = state.vertices[contacts.vertex[loaded]] + self._model.origin
+        rows["position"] = self._places(state, contacts, loaded) + self._model.origin
         rows["normal"] = contacts.normal[loaded]
         rows["normal_force"] = response.normal_force[loaded]
         rows["shear_force"] = response.shear_force[loaded]
@@ -66,6 +66,12 @@ class FrameFields:
         rows["mode"] = response.mode[loaded]
         rows["joint"] = contacts.joint[loaded]
         return rows
+
+    def _places(self, state: State, contacts: Contacts, rows: Ints) -> Floats:
+        """Return where the points P of some contacts are, m, (k, 2)."""
+        vertex, along = contacts.vertex[rows], contacts.along[rows, None]
+        here = state.vertices
+        return here[vertex] + along * (here[self._model.edge_end[vertex]] - here[vertex])
 
 
 def counted(rotation: Floats, reference: Floats | None) -> Floats:

@@ -162,18 +162,18 @@ def _on_neighbours(
     moves = ~(leaving | model.fixed)
     of_vertex = bears & leaving[contacts.edge_block] & moves[contacts.vertex_block]
     of_edge = bears & leaving[contacts.vertex_block] & moves[contacts.edge_block]
-    tip, edge = contacts.vertex[of_vertex], contacts.edge[of_edge]
+    own, edge = contacts.vertex[of_vertex], contacts.edge[of_edge]
     owner = contacts.edge_block[of_edge]
-    end = np.where(edge + 1 < model.block_start[owner + 1], edge + 1, model.block_start[owner])
+    own_end, end = model.edge_end[own], model.edge_end[edge]
     way = state.vertices[end] - state.vertices[edge]
     foot = contacts.foot[of_edge] - state.vertices[edge]
     place = np.einsum("kx,kx->k", foot, way) / np.einsum("kx,kx->k", way, way)
-    count = len(tip) + len(edge)
+    count = len(own) + len(edge)
     return SupportForces(
         gone=model.gone | leaving,
         block=np.concatenate([contacts.vertex_block[of_vertex], owner]),
-        vertex=np.concatenate([np.stack([tip, tip], axis=1), np.stack([edge, end], axis=1)]),
-        share=np.concatenate([np.zeros(len(tip)), place]),
+        vertex=np.concatenate([np.stack([own, own_end], axis=1), np.stack([edge, end], axis=1)]),
+        share=np.concatenate([contacts.along[of_vertex], place]),
         force=share * np.concatenate([force[of_vertex], -force[of_edge]]),
         since=np.full(count, state.time),
         duration=np.full(count, duration),

@@ -42,7 +42,7 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     """
     vertices, block_start = state.vertices, model.block_start
     pairs = near_pairs(VerletList(), vertices, block_start, model.fixed, 0.0, gone=model.gone)
-    contacts, pair = _closed(model, state.memory, pairs)
+    contacts, pair = _closed(model, state.memory.corners, pairs)
     direction, _ = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
     outlines = (vertices, direction, block_start)

@@ -94,13 +94,16 @@ def after_impacts(begun: Begun, contacts: Contacts, graph: Graph, restitution: f
     # one that gives nothing back passes an impulse on as if it were struck right after
     bears |= (back == 0.0) & (contacts.gap <= even) & (rate >= -impact)
     acceleration = flying(begun, contacts, graph)
+    # a face that lands lands on its ends
+    some = contacts.corners if contacts.point.any() else slice(None)
+    bears = bears[some]
     struck = (
-        contacts.gap,
-        contacts.vertex_block,
-        contacts.edge_block,
-        contacts.levers,
-        back,
-        contacts.friction,
+        contacts.gap[some],
+        contacts.vertex_block[some],
+        contacts.edge_block[some],
+        contacts.levers[some],
+        back[some],
+        contacts.friction[some],
     )
     limits = step, impact, even
     if not collisions.any_strikes(velocity, acceleration, struck, bears, limits):

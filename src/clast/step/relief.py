@@ -18,7 +18,7 @@ from clast.contact.contacts import Contacts
 from clast.contact.laws import normal_stiffness_of
 from clast.contact.multipliers import has_multipliers
 from clast.model.model import Floats, Model
-from clast.model.state import State
+from clast.model.state import State, contact_keys
 from clast.step.method import Method
 
 SLACK = 0.02
@@ -58,9 +58,11 @@ def _left_over(model: Model, state: State, contacts: Contacts, wanting: np.ndarr
     """
     memory, body, width = state.memory, model.body, model.block_count
     own, other = body[model.vertex_block[memory.vertex]], body[memory.block]
-    bore = memory.normal_force > 0.0
-    known = contacts.vertex * width + body[contacts.edge_block]
-    gone = bore & ~np.isin(memory.vertex * width + other, known)
+    bore, count = memory.normal_force > 0.0, len(model.vertices)
+    # a vertex takes its force along to the next edge, a point inside a face does not
+    into = body[contacts.edge_block]
+    known = contact_keys(contacts.vertex, into, contacts.point, count)
+    gone = bore & ~np.isin(contact_keys(memory.vertex, other, memory.point, count), known)
     taken: Floats = np.zeros(len(contacts))
     if not gone.any():
         return taken

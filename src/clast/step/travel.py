@@ -72,8 +72,9 @@ def closes_unseen(seen: Contacts, contacts: Contacts, displacement: Floats) -> b
 
     While none does, d is the solution with all of them: an open contact bears nothing.
     """
-    closed = gap_at_end(contacts, displacement) < 0.0
+    # points inside faces come with the vertices at their ends
+    closed = contacts.corners & (gap_at_end(contacts, displacement) < 0.0)
     width = int(max(seen.edge.max(initial=0), contacts.edge.max(initial=0))) + 1
-    known = seen.vertex * width + seen.edge
+    known = (seen.vertex * width + seen.edge)[seen.corners]
     wanted = contacts.vertex[closed] * width + contacts.edge[closed]
     return not np.isin(wanted, known, assume_unique=True).all()

@@ -35,7 +35,7 @@ from clast.model.stages.loads import are_constant, factors_in
 from clast.model.stages.motion import InStages
 from clast.model.stages.records import Mover
 from clast.model.stages.stage import EQUILIBRIUM, Stage
-from clast.model.state import ContactMemory, State
+from clast.model.state import ContactMemory, State, contact_keys
 from clast.run.stages.balance import ForceSums, forces_of
 from clast.run.stages.position import Held, Judged, Position
 from clast.step.method import Method, StepResult
@@ -191,8 +191,8 @@ class Judge:
         A corner that goes on to the next edge of the same block, with as much force and in the
         same mode, has changed nothing.
         """
-        count, blocks = len(self.model.vertices), self.model.block_count
-        old, new = (one.vertex * count + one.edge for one in (before, after))
+        count = len(self.model.vertices)
+        old, new = (one.keys(count) for one in (before, after))
         old_bears, new_bears = (self._bears(one, sums) for one in (before, after))
         row, there = _rows(old, new)
         was = np.where(there, _taken(before.mode, row), OPEN)
@@ -201,7 +201,9 @@ class Judge:
         gone = ~np.isin(old, new, assume_unique=True) & old_bears & (before.mode != OPEN)
         if not (changed.any() or gone.any()):
             return ""
-        old, new = (one.vertex * blocks + one.block for one in (before, after))
+        old, new = (
+            contact_keys(one.vertex, one.block, one.point, count) for one in (before, after)
+        )
         gone_on, come_from = self._moved_on((before, after), (old, new), (gone, changed & ~bore))
         gone, changed = gone & ~gone_on, changed & ~come_from
         for which, memory in ((changed, after), (gone, before)):

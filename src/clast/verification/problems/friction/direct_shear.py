@@ -15,7 +15,6 @@ from functools import partial
 import numpy as np
 
 from clast.model.builder import ModelBuilder
-from clast.model.input.joints import JointNumbers
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -61,8 +60,9 @@ def sheared_block(force: float = PEAK) -> Model:
     """
     builder = ModelBuilder(title="Direct shear", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=DENSITY)
-    strength: JointNumbers = {"cohesion": COHESION, "residual_cohesion": 0.0}
-    builder.add_joint("default", friction_angle=FRICTION_ANGLE, **strength)
+    builder.add_joint(
+        "default", friction_angle=FRICTION_ANGLE, cohesion=COHESION, residual_cohesion=0.0
+    )
     builder.block(name="base", vertices=[(-0.5, -0.2), (2, -0.2), (2, 0), (-0.5, 0)], fixed=True)
     corners = [(0, 0), (LENGTH, 0), (LENGTH, HEIGHT), (0, HEIGHT)]
     builder.block(name="block", vertices=corners)

@@ -204,8 +204,9 @@ PROBLEM = Problem(
     title="Plane failure and two wedges with the cohesion of their joints",
     text="A slab of 12 m x 1.2 m on a plane of 40 degrees, phi = 30 degrees, c for F = 1.3, with "
     "the plane in 1 to 12 pieces and the slab in 1 to 6; p = 2 GPa, h = 2 ms static "
-    "(dynamic_ratio = 0), h = 1 ms with inertia. Two wedges on planes of 50 and 5 degrees, phi = 25 degrees, c = 5 kPa; "
-    "p = 0.5 GPa, h = 8 ms. The factor by which the strength is divided is bisected.",
+    "(dynamic_ratio = 0), h = 1 ms with inertia. Two wedges on planes of 50 and 5 degrees, "
+    "phi = 25 degrees, c = 5 kPa; p = 0.5 GPa, h = 8 ms. The factor by which the "
+    "strength is divided is bisected.",
     formula="F = (c A + W cos a tan phi)/(W sin a)",
     source="limit equilibrium of Hoek & Bray (1974); two-wedge limit equilibrium",
     set_up=lambda: slab(CUTS[0]),

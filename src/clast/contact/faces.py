@@ -1,0 +1,221 @@
+"""Faces: contacts at points inside the length that two edges share.
+
+Two corners alone carry the resultant of a face, but not its bending: springs of k L/2 at both ends
+of a length L turn by 4 M/(k L^3), a face of stiffness k per area by 12 M/(k L^3).  So where a joint
+has a stiffness per area, or a bond, which has a strength per area, the shared length of two faces
+is integrated: its ends, which are vertices, and seven points at its eighths stand for these shares
+of it, in 240ths:
+
+    15  23  43  21  36  21  43  23  15
+
+They add up to 1 and their second moment about the middle is L^2/12, so that closure k L, rotation
+k L^3/12 and opening at e = L/6 are exact.  They are chosen so that a face that has opened in part
+is right, too (contact length 3 (L/2 - e), within 3 % up to e = 0.4 L), and so that no crack that
+has begun bears more than sigma_t L^2/6, the moment that began it: from the third weight on every
+remainder of the face is weaker, which Simpson's rule, for one, does not have.
+
+A point is kept by the two edges and its number.  It moves along with the shared length, whose ends
+are vertices: as blocks slide, its place and its share are those of the moment.  The edge of the
+block with the lower number has the point P, the other one Q.  Joints without stiffness and bond
+keep their corners alone, about which blocks then tip exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from clast.block.polygon import SMALL_ANGLE, vertex_after, vertex_before
+from clast.compute.jit import kernel
+from clast.contact.joints import edge_along, joints_of
+from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.state import ContactMemory, State, contact_keys
+
+PLACES: Floats = np.arange(1, 8) / 8.0
+"""Places of the inner points, as shares of the shared length, shape (7,)."""
+SHARES: Floats = np.array([23, 43, 21, 36, 21, 43, 23]) / 240.0
+"""Shares of the length that they stand for, shape (7,)."""
+END = 15.0 / 240.0
+"""Share that each end stands for."""
+OF_TWO_CORNERS = 2.0 * END
+"""The same in units of the half that a corner stands for by itself."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Places:
+    """Where contacts are; m contacts in the order of their pairs of blocks."""
+
+    vertex: Ints
+    """Vertex P, or the first vertex of the edge that P lies inside, shape (m,)."""
+    edge: Ints
+    """Entrance edge: index of its first vertex, shape (m,)."""
+    vertex_block: Ints
+    """Block of P, shape (m,)."""
+    edge_block: Ints
+    """Block of the edge, shape (m,)."""
+    pair: Ints
+    """Index of the pair of blocks, shape (m,)."""
+    point: Ints
+    """0 for a vertex, 1 to 7 for the points inside a face, shape (m,)."""
+    along: Floats
+    """Place of P on the edge that begins at ``vertex``, as a share of its length, shape (m,)."""
+    gap: Floats
+    """Signed distance of P to the edge's line, m, shape (m,)."""
+    foot: Floats
+    """Foot Q of P on the edge's line, m, shape (m, 2)."""
+    levers: Floats
+    """Normal, and offsets of P and Q from the centroids (contact/jacobian.py), m, shape (m, 6)."""
+    joint: Ints
+    """Joint, shape (m,)."""
+    length: Floats
+    """Length of joint that the contact stands for, m, shape (m,)."""
+    of_springs: Floats
+    """Length that its springs stand for, m, shape (m,)."""
+    row: Ints
+    """Row of the contact in the memory, or -1, shape (m,)."""
+
+
+def with_faces(
+    corners: Places, model: Model, state: State, centroid: Floats, edges: tuple[Floats, Floats]
+) -> Places:
+    """Return the contacts of vertices with those inside the faces that are to be integrated.
+
+    ``edges`` are the directions (nv, 2) and the lengths, m, (nv,) of all edges.
+    """
+    integrated = model.joint_table.integrated
+    if not integrated.any() or not integrated[corners.joint].any():
+        return corners
+    share = np.where(integrated[corners.joint], OF_TWO_CORNERS, 1.0)
+    length, of_springs = share * corners.length, share * corners.of_springs
+    own, edge, pair = _shared_edges(corners, integrated, model, state.vertices, edges)
+    inner = _inside(own, edge, pair, model, state, centroid, edges)
+    if not len(inner.pair):
+        return _with(corners, length=length, of_springs=of_springs)
+    corners = _with(corners, length=length, of_springs=of_springs)
+    order = np.argsort(np.concatenate([corners.pair, inner.pair]), kind="stable")
+    joined = {
+        one.name: np.concatenate([getattr(corners, one.name), getattr(inner, one.name)])[order]
+        for one in fields(Places)
+    }
+    return Places(**joined)
+
+
+def _with(places: Places, **changed: Floats) -> Places:
+    """Return the places with other lengths."""
+    return Places(**{one.name: getattr(places, one.name) for one in fields(Places)} | changed)
+
+
+def _shared_edges(
+    corners: Places,
+    integrated: Bools,
+    model: Model,
+    vertices: Floats,
+    edges: tuple[Floats, Floats],
+) -> tuple[Ints, Ints, Ints]:
+    """Return edges that lie on each other: of the lower block, of the higher one, and the pair.
+
+    Each pair of edges once (k,), though up to four vertices tell of it.
+    """
+    some = np.flatnonzero(integrated[corners.joint])
+    own, other = np.full((2, 2 * len(some)), -1, np.int64)
+    ends = corners.vertex[some], corners.edge[some]
+    blocks = corners.vertex_block[some], corners.edge_block[some]
+    outlines = vertices, model.block_start, *edges
+    _edges_on_each_other(ends, blocks, outlines, own, other)
+    there = own >= 0
+    own, other, which = own[there], other[there], np.repeat(some, 2)[there]
+    low = corners.vertex_block[which] < corners.edge_block[which]
+    first, second = np.where(low, own, other), np.where(low, other, own)
+    _, at = np.unique(first * len(vertices) + second, return_index=True)
+    return first[at], second[at], corners.pair[which[at]]
+
+
+@kernel()
+def _edges_on_each_other(ends, blocks, outlines, own, other):
+    """Write the own edge of each vertex that lies along its entrance edge, and that edge.
+
+    Two places (2 m,) for the two own edges of each contact, -1 where they do not.
+    """
+    vertex, edge = ends
+    vertices, block_start, direction, length = outlines
+    of_edges = vertices, block_start, direction, length
+    for c in range(len(vertex)):
+        p, e, i, j = vertex[c], edge[c], blocks[0][c], blocks[1][c]
+        first, last = block_start[i], block_start[i + 1]
+        before, after = vertex_before(p, first, last), vertex_after(p, first, last)
+        for side in range(2):
+            a, w = (before, before) if side == 0 else (p, after)
+            sine = direction[a, 0] * direction[e, 1] - direction[a, 1] * direction[e, 0]
+            cosine = direction[a, 0] * direction[e, 0] + direction[a, 1] * direction[e, 1]
+            if abs(sine) <= SMALL_ANGLE and cosine < 0.0:
+                own[2 * c + side] = a
+                other[2 * c + side] = edge_along(p, w, e, j, of_edges, 0.0)
+
+
+def _inside(
+    own: Ints,
+    edge: Ints,
+    pair: Ints,
+    model: Model,
+    state: State,
+    centroid: Floats,
+    edges: tuple[Floats, Floats],
+) -> Places:
+    """Return the points inside what edges (k,) of the lower and the higher blocks share."""
+    vertices, (direction, length) = state.vertices, edges
+    block = model.vertex_block
+    end = model.edge_end[own]
+    tangent, start = direction[edge], vertices[edge]
+    here = np.einsum("kx,kx->k", vertices[own] - start, tangent)
+    there = np.einsum("kx,kx->k", vertices[end] - start, tangent)
+    low = np.maximum(0.0, np.minimum(here, there))
+    shared = np.minimum(length[edge], np.maximum(here, there)) - low
+    some = np.flatnonzero(shared > 0.0)
+    own, edge, pair, shared = own[some], edge[some], pair[some], shared[some]
+    ends = own, edge, block[own], block[edge], np.arange(len(own))
+    joint = joints_of(model, ends, np.stack([block[own], block[edge]], axis=1), direction)
+    lies = model.joint_table.integrated[joint]
+    some, joint = some[lies], joint[lies]
+    own, edge, pair, shared = own[lies], edge[lies], pair[lies], shared[lies]
+    at = low[some, None] + shared[:, None] * PLACES
+    along = ((at - here[some, None]) / (there - here)[some, None]).ravel()
+    at = at.ravel()
+    own, edge, pair, joint = (np.repeat(one, len(PLACES)) for one in (own, edge, pair, joint))
+    i, j = block[own], block[edge]
+    # from vertices on, not from the origin: what is far away loses no digits
+    onwards = along[:, None] * (vertices[model.edge_end[own]] - vertices[own])
+    tangent, start = direction[edge], vertices[edge]
+    normal = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
+    gap = np.einsum("kx,kx->k", (vertices[own] - start) + onwards, normal)
+    offset = (vertices[own] - centroid[i]) + onwards
+    foot_offset = (start - centroid[j]) + at[:, None] * tangent
+    stands_for = (shared[:, None] * SHARES).ravel()
+    point = np.tile(np.arange(1, 1 + len(PLACES)), len(shared))
+    return Places(
+        vertex=own,
+        edge=edge,
+        vertex_block=i,
+        edge_block=j,
+        pair=pair,
+        point=point,
+        along=along,
+        gap=gap,
+        foot=start + at[:, None] * tangent,
+        levers=np.concatenate([normal, offset, foot_offset], axis=1),
+        joint=joint,
+        length=stands_for,
+        of_springs=stands_for,
+        row=_rows(state.memory, own, edge, point, len(vertices)),
+    )
+
+
+def _rows(memory: ContactMemory, own: Ints, edge: Ints, point: Ints, count: int) -> Ints:
+    """Return the rows of points inside faces in the memory, or -1, (k,)."""
+    first = memory.corner_count
+    keys = memory.keys(count)[first:]
+    wanted = contact_keys(own, edge, point, count)
+    if not len(keys):
+        return np.full(len(wanted), -1, np.int64)
+    at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    return np.where(keys[at] == wanted, first + at, -1)
