@@ -36,6 +36,7 @@ from clast.verification.problems.masonry import (
     arch,
     arch_load,
     arch_push,
+    bonded_beam,
     kern,
     overhang,
     rocking,
@@ -132,6 +133,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
     "masonry": (
         overhang.PROBLEM,
         kern.PROBLEM,
+        bonded_beam.PROBLEM,
         arch.PROBLEM,
         arch_load.PROBLEM,
         arch_push.PROBLEM,
