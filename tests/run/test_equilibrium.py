@@ -38,19 +38,19 @@ def run_of(builder: clast.ModelBuilder, stage: Stage, **keys: object) -> Run:
 
 
 @pytest.mark.parametrize("ratio", [0.0, 1.0])
-def test_a_tenth_of_a_degree_too_steep_is_moving(ratio: float):
+def test_a_tenth_of_a_degree_too_steep_is_no_equilibrium(ratio: float):
     stage = Stage(name="rest", time=0.08, dynamic_ratio=ratio)
     run = run_of(on_plane(0.1), stage, step=1e-3)
     (record,) = run.stages
-    assert record.outcome == "moving"
-    assert record.end == pytest.approx(0.08)
+    assert record.outcome == ("moving" if ratio else "fails")
+    assert record.end <= 0.08 * (1.0 + 1e-9)
     assert record.mover.block == "block"
     assert abs(record.mover.direction) < 3.0
     # the acceleration that is left over
     beyond = np.radians(0.1) / np.cos(np.radians(FRICTION))
     assert record.force_ratio > 0.3 * beyond
     (text,) = (one for one in run.report.warnings if "stage 'rest'" in one)
-    assert "'block'" in text and "m/s" in text and "+x" in text
+    assert "'block'" in text and "+x" in text
 
 
 @pytest.mark.parametrize("ratio", [0.0, 1.0])
@@ -61,21 +61,19 @@ def test_a_tenth_of_a_degree_less_is_at_rest(ratio: float):
     assert not [one for one in run.report.warnings if "stage" in one]
 
 
-def test_slow_sliding_under_a_large_load_is_moving():
-    """Neither force nor speed tell: what is left over is a small share of all that presses."""
+def test_slow_sliding_under_a_large_load_fails():
+    """Its force does not tell: what is left over is a small share of all that presses."""
     seen = []
     stage = Stage(name="rest", time=0.1, dynamic_ratio=0.0)
     run = run_of(
         on_plane(0.03, press=10.0),
         stage,
         step=5e-4,
-        progress=lambda now: seen.append((now.force_ratio, now.speed)),
+        progress=lambda now: seen.append(now.force_ratio),
     )
-    force, speed = np.array(seen[-60:]).T
-    assert force.max() < stage.force_ratio
-    assert speed.max() < stage.speed * np.sqrt(G)
-    assert run.stages[0].outcome == "moving"
-    assert run.stages[0].mover.block == "block"
+    assert max(seen[-10:]) < stage.force_ratio
+    assert run.stages[0].outcome == "fails"
+    assert run.stages[0].mechanism == ("block",)
 
 
 def test_a_pendulum_is_moving_at_the_end_of_its_swing():
@@ -143,7 +141,7 @@ def test_a_stiff_stack_comes_to_rest(
     (record,) = run.stages
     assert record.outcome == "equilibrium"
     assert record.force_ratio < 1e-4
-    assert 20 <= record.steps < 500
+    assert (20 if ratio else 2) <= record.steps < 500
     weight = 2500.0 * G
     assert run.contacts().normal_force.sum() == pytest.approx(weight * (3 + 2 + 1), rel=1e-3)
 
@@ -195,12 +193,12 @@ def on_wet_plane(share: float) -> clast.ModelBuilder:
     return builder
 
 
-@pytest.mark.parametrize(("share", "outcome"), [(1.01, "moving"), (0.98, "equilibrium")])
-def test_slow_sliding_on_a_wet_plane_is_moving(share: float, outcome: str):
+@pytest.mark.parametrize(("share", "outcome"), [(1.01, "fails"), (0.98, "equilibrium")])
+def test_slow_sliding_on_a_wet_plane_fails(share: float, outcome: str):
     stage = Stage(name="rest", time=0.3, dynamic_ratio=0.0)
     run = run_of(on_wet_plane(share), stage, step=1e-3)
     assert run.stages[0].outcome == outcome
-    if outcome == "moving":
+    if outcome == "fails":
         assert run.stages[0].mover.block == "block"
         assert run.stages[0].mover.direction == pytest.approx(-20.0, abs=3.0)
 
@@ -223,7 +221,7 @@ def test_a_column_that_creeps_on_dashpots_is_moving(ratio: float):
     stage = Stage(name="rest", time=0.3, dynamic_ratio=ratio, speed=1.0, hold=5)
     run = run_of(sinking(static="none"), stage, step=2e-3)
     (record,) = run.stages
-    assert record.outcome == "moving"
+    assert record.outcome == ("moving" if ratio else "fails")
     assert record.force_ratio > 0.1
     # nothing but its force tells: by then it is as slow as the stage allows
     assert record.mover.speed < np.sqrt(G)

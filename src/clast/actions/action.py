@@ -24,6 +24,9 @@ from clast.linear.system import stretches
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import Ledger, State
 
+INSTANT = 1e-5
+"""Time over which a mean is taken as the value of an instant, s."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class StepStart:
@@ -42,16 +45,25 @@ class StepStart:
     """How blocks are placed with it."""
     forces_at: float = 1.0
     """Where in the step its forces are taken: 1 at the end, 1/2 half way."""
+    clock: float | None = None
+    """By how much time goes on in a static step, s; None: by h."""
 
     @property
     def end(self) -> float:
         """Time at the end of the step, s."""
-        return self.state.time + self.step
+        return self.state.time + (self.step if self.clock is None else self.clock)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Start and end of the time whose mean acts, s: a static step has what acts at its end."""
+        if self.clock is None:
+            return self.state.time, self.end
+        return self.end - INSTANT, self.end
 
     @property
     def time_of_forces(self) -> float:
         """Time at which loads act as they do then, s."""
-        return self.state.time + self.forces_at * self.step
+        return self.state.time + self.forces_at * (self.end - self.state.time)
 
     @cached_property
     def midway(self) -> Placed:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from clast.actions.action import Done, Share, Solution, StepStart
+from clast.model.factors import NO_FACTOR
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger
 
@@ -17,6 +18,13 @@ def work_on_masses(model: Model, acceleration: Floats, displacement: Floats) -> 
     return float(acceleration @ (model.mass @ displacement[:, :2]))
 
 
+def gravity_at(model: Model, time: float) -> Floats:
+    """Return the acceleration of gravity at a time, s, in m/s2, shape (2,)."""
+    if model.gravity_factor == NO_FACTOR:
+        return model.gravity
+    return model.factors[model.gravity_factor].at(time) * model.gravity
+
+
 @dataclass(frozen=True)
 class Gravity:
     """Weight: m g at the centroid of each block."""
@@ -25,10 +33,17 @@ class Gravity:
         """Return nothing: weight has no state."""
 
     def share(self, start: StepStart, own: None) -> Share:
-        """Return the acceleration of gravity."""
-        return Share(acceleration=start.model.gravity)
+        """Return the acceleration of gravity at the end of the step."""
+        return Share(acceleration=gravity_at(start.model, start.time_of_forces))
 
     def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
-        """Return the work of weight, which the potential energy of gravity has lost."""
+        """Return the work of weight, which the potential energy of gravity has lost.
+
+        Weight that changes with time has no potential: its work is that of a load.
+        """
+        if start.model.gravity_factor != NO_FACTOR:
+            acting = gravity_at(start.model, start.time_of_forces)
+            work = work_on_masses(start.model, acting, solution.displacement)
+            return Done(work=work, ledger=Ledger(loads=work))
         work = work_on_masses(start.model, start.model.gravity, solution.displacement)
         return Done(work=work, ledger=Ledger(gravity=-work))

@@ -27,4 +27,4 @@ class GroundAcceleration:
         return Done(work=work, ledger=Ledger(loads=work))
 
     def _acceleration(self, start: StepStart) -> Floats:
-        return start.model.ground_motion.body_acceleration(start.state.time, start.end)
+        return start.model.ground_motion.body_acceleration(*start.span)

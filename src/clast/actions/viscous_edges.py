@@ -129,7 +129,7 @@ class ViscousBoundary:
         multiple = np.stack([edges.normal, edges.tangential], axis=1)
         dashpots = _along_and_across(normal, multiple * impedance)
         below = (normal[:, 1] <= DOWNWARDS) & ~held
-        speed = model.ground_motion.incoming_velocity(start.state.time, start.end)
+        speed = model.ground_motion.incoming_velocity(*start.span)
         wave = 2.0 * below[:, None] * (_along_and_across(normal, impedance) @ speed)
         by_springs = held[:, None, None]
         return _Acting(

@@ -88,6 +88,8 @@ class Case(BaseModel):
     """Plane stress or plane strain."""
     gravity: tuple[Acceleration, Acceleration] = (0.0, -9.8)
     """Acceleration of gravity [x, y], m/s2."""
+    gravity_factor: StrictStr | None = None
+    """Table that gravity is multiplied by; constant if absent."""
     time: TimeTable
     """When to simulate: [time] with step and end."""
     rock: dict[str, RockTable]
@@ -286,6 +288,7 @@ class Case(BaseModel):
     def model(self) -> Model:
         """Return the system of blocks; raises ModelError naming the place and the remedy."""
         builder = ModelBuilder(title=self.title, plane=PLANES[self.plane](), gravity=self.gravity)
+        builder.gravity_factor = self.gravity_factor
         with self._located():
             folder = self._folder
             for name, table in self._tables():

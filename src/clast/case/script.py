@@ -153,6 +153,7 @@ class ModelBuilder(model_builder.ModelBuilder):
             "title": self.title,
             "plane": _plane_name(self.plane),
             "gravity": as_plain(np.asarray(self.gravity, np.float64)),
+            **({"gravity_factor": self.gravity_factor} if self.gravity_factor else {}),
             "rock": rocks,
             "joint": {entry.joint.name: self._joint(entry) for entry in self._placed_joints()},
             "block": list(self._blocks()),

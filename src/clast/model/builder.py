@@ -28,6 +28,7 @@ from clast.errors import ModelError
 from clast.model import checks as model_checks
 from clast.model import ranges, value_checks
 from clast.model.checks import Outlines
+from clast.model.factors import NO_FACTOR
 from clast.model.ground_motion import GroundMotion, Still, ending_note
 from clast.model.in_situ import InSituStress, Overburden, stress_in_situ
 from clast.model.input.blocks import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
@@ -74,6 +75,7 @@ class ModelBuilder(SupportsAndLoads):
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
     yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
     that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
+    ``gravity_factor`` names the table by which gravity is multiplied.
     ``in_situ`` is the stress in the rock before anything is dug.  ``line_joints`` are joints that
     lines have whether or not they become edges of blocks; ``notes`` say what was done to the blocks
     before they came here; ``mending`` puts them together where they are drawn a little apart, e.g.
@@ -83,6 +85,7 @@ class ModelBuilder(SupportsAndLoads):
     title: str = ""
     plane: Plane = field(default_factory=PlaneStress)
     gravity: Vector = (0.0, -9.8)
+    gravity_factor: str | None = None
     ground_motion: GroundMotion = field(default_factory=Still)
     in_situ: InSituStress | Overburden | None = None
     actions: list[Any] = field(default_factory=list)
@@ -288,6 +291,7 @@ class ModelBuilder(SupportsAndLoads):
             title=self.title,
             plane=self.plane,
             gravity=gravity,
+            gravity_factor=self._factor_of_gravity(factor_number),
             origin=outlines.origin,
             rocks=tuple(self._rocks),
             joint_table=table,
@@ -339,6 +343,12 @@ class ModelBuilder(SupportsAndLoads):
                 *ending_note(self.ground_motion),
             ),
         )
+
+    def _factor_of_gravity(self, number: dict[str, int]) -> int:
+        """Return the number of the table by which gravity is multiplied."""
+        if self.gravity_factor is None:
+            return NO_FACTOR
+        return value_checks.number_of(self.gravity_factor, number, "table", "gravity_factor")
 
     def _mended(self, drawn: Outlines, clockwise: Bools) -> tuple[Mended, model_checks.Geometries]:
         """Return the blocks counter-clockwise, put together if that is asked for, and checked."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from clast.model.bodies import Outlines, joined_outlines
 from clast.model.bolts import Bolts
-from clast.model.factors import Factor
+from clast.model.factors import NO_FACTOR, Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.in_situ import InSituStress
 from clast.model.openings import Opening, blocks_called
@@ -341,6 +341,8 @@ class Model:
     """Water that presses on outer faces and in joints."""
     factors: tuple[Factor, ...] = ()
     """Tables of time by which loads are multiplied."""
+    gravity_factor: int = NO_FACTOR
+    """Number of the table by which gravity is multiplied; NO_FACTOR: it is constant."""
     actions: tuple[Any, ...] = ()
     """What else acts on blocks: objects with the methods of ``clast.actions.action.Action``."""
     ground_motion: GroundMotion = field(default_factory=Still)

@@ -14,7 +14,7 @@ from typing import Any
 from clast.compute.compilation import COMPILATION, working_time
 from clast.compute.threads import threads_worth
 from clast.contact.contacts import Contacts
-from clast.errors import ActionFault, ResultsLost, RunStopped, StepOutcome, StepRejected
+from clast.errors import ActionFault, ResultsLost, RunStopped, StepRejected
 from clast.model.model import Model
 from clast.model.stages.records import Event, StageRecord
 from clast.model.stages.stage import Stage
@@ -23,17 +23,18 @@ from clast.results import Report, Run, RunRecorder
 from clast.results.provenance import about_method
 from clast.run import law_check
 from clast.run.checkpointing import last_checkpoint, stage_checkpoint
-from clast.run.events import Listener
+from clast.run.events import Listener, bonds_break
 from clast.run.in_situ import in_equilibrium
 from clast.run.interrupts import held_back
 from clast.run.method_warnings import check_overlaps
 from clast.run.schedule import Progress, Schedule
-from clast.run.stages.course import Course
+from clast.run.stages.course import Course, fails, failure_warning
 from clast.run.stages.equilibrium import Judge
-from clast.run.stages.position import Position
+from clast.run.stages.position import Held, Position
+from clast.run.stages.static_path import OnPath, StaticPath
 from clast.run.stages.transition import Setting
 from clast.run.tally import Tally
-from clast.run.watch import Watch, Watched
+from clast.run.watch import Watch, Watched, reject_created_energy
 from clast.step import energy_balance
 from clast.step.method import Method, StepResult, Workspace
 from clast.step.remedies import remedy
@@ -47,8 +48,6 @@ SMALLEST_SHARE = 2.0**-12
 """The smallest step tried, as a share of the wanted one, unless the schedule names it."""
 ROUNDING = 1e-9
 """Share of a step by which times may differ and be the same."""
-UNFELT = 1e-3
-"""Share of the energy turned over that may have been created: a wave brings all there is."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +74,8 @@ class RunState:
     """What has happened in it."""
     position: Position | None = None
     """Where it is among its stages; None: it has none."""
+    path: OnPath | None = None
+    """Where it is on its path of equilibria; None: it is dynamic."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,6 +90,8 @@ class Stepping:
     listener: Listener
     judge: Judge | None = None
     """Judges the steps of a stage."""
+    statics: StaticPath | None = None
+    """Leads a static run, or a static stage."""
 
     @classmethod
     def of(cls, setting: Setting, workspace: Workspace, stage: Stage | None) -> Stepping:
@@ -102,6 +105,7 @@ class Stepping:
             workspace=workspace,
             listener=Listener(model=model, method=method, stage=stage.name if stage else ""),
             judge=None if stage is None else Judge(model=model, method=method, stage=stage),
+            statics=StaticPath.of(model, method, setting.schedule, stage),
         )
 
     def begin(self) -> RunState:
@@ -111,16 +115,35 @@ class Stepping:
         )
         ledger = energy_balance.opening(self.model, state)
         state = replace(state, ledger=ledger)
-        return RunState(
-            state=state,
-            step=self.schedule.step,
-            first=ledger,
-            seen=self.watch.begin(state),
-            notes=notes,
+        return self.ready(
+            RunState(
+                state=state,
+                step=self.schedule.step,
+                first=ledger,
+                seen=self.watch.begin(state),
+                notes=notes,
+            )
         )
+
+    def begun(self, begin: RunState | None) -> RunState:
+        """Return where the run goes on, or begins."""
+        if begin is None:
+            return self.begin()
+        if (begin.path is None) == (self.statics is None):
+            return begin
+        return self.ready(begin)  # it goes on otherwise than it was: static and dynamic by turns
+
+    def ready(self, now: RunState) -> RunState:
+        """Return the run before the first step of its schedule, or of a stage."""
+        if self.statics is None:
+            return replace(now, step=self.schedule.step, path=None)
+        path = self.statics.begin(now.state)
+        return replace(now, step=self.statics.first_step, path=path)
 
     def is_over(self, now: RunState) -> bool:
         """Return whether the end of the schedule is reached, or the equilibrium of the stage."""
+        if self.statics is not None and now.path is not None:
+            return self.statics.is_over(now.path, now.position, now.state)
         if self.judge is not None and now.position is not None and self.judge.is_over(now.position):
             return True
         return self.schedule.end - now.state.time <= ROUNDING * self.schedule.step
@@ -130,15 +153,24 @@ class Stepping:
 
         Raises StepRejected where even the smallest step is.
         """
-        wanted = min(now.step, self.schedule.end - now.state.time)
-        result, taken, cuts = self._accepted(now.state, wanted)
+        result, taken, clock, cuts = self._accepted(now)
+        while self.statics is not None and now.path is not None:
+            finer = self.statics.finer(now.path, result)
+            if finer is None:
+                break
+            now = replace(now, path=finer)
+            result, taken, clock, more = self._accepted(now)
+            cuts += more + 1
         tally = replace(now.tally, cut_steps=now.tally.cut_steps + cuts).with_step(result)
         first = now.first
         if now.state.time == 0.0:
             first = energy_balance.with_overlap(first, self.method, result.contacts)
         position = now.position
         if self.judge is not None and position is not None:
-            position = self.judge.after(position, now.state, result, taken)
+            judge = self.judge
+            if self.statics is not None and now.path is not None:
+                judge = self.statics.judge_of(now.path)
+            position = judge.after(position, now.state, result, taken)
         after = replace(
             now,
             state=result.state,
@@ -150,9 +182,34 @@ class Stepping:
             events=(*now.events, *self.listener.heard(now.state, result.state)),
             position=position,
         )
+        if self.statics is not None:
+            after = self._along(now, after, result, (clock, cuts))
         if position is not None and self.is_over(after):
             after = replace(after, position=replace(position, over=True))
         return after, result
+
+    def _along(
+        self, now: RunState, after: RunState, result: StepResult, taken: tuple[float, int]
+    ) -> RunState:
+        """Return the run after a static step, further on its path; ``taken`` are clock and cuts."""
+        statics, path = self.statics, now.path
+        if statics is None or path is None:
+            return after
+        clock, cuts = taken
+        judged = after.position.judged if after.position is not None else None
+        stage = self.judge.stage.name if self.judge is not None else ""
+        events = after.events
+        if len(result.broken):
+            events = (*events, bonds_break(self.model, stage, result, path.load))
+        unfinished = path.load < 1.0 or path.held
+        path = statics.cut(path, clock, cuts)
+        path = statics.after(path, now.state, result, (after.taken, clock), judged)
+        if unfinished and after.position is not None:
+            after = replace(after, position=replace(after.position, held=Held()))
+        if path.failure is not None and (now.path is None or now.path.failure is None):
+            events = (*events, fails(stage, after.state.time, path.failure))
+        step = statics.next_step(path, after.taken, result)
+        return replace(after, path=path, step=step, events=events)
 
     def frame_is_due(self, now: RunState) -> bool:
         """Return whether a frame is to be kept; a stage ends with one."""
@@ -173,16 +230,25 @@ class Stepping:
         """Return the number of the frame that is due after a time, s."""
         return int((time + ROUNDING * self.schedule.step) / self.schedule.every) + 1
 
-    def _accepted(self, state: State, step: float) -> tuple[StepResult, float, int]:
-        """Return the longest step that is accepted, cutting from ``step``, s; its length; cuts.
+    def _accepted(self, now: RunState) -> tuple[StepResult, float, float, int]:
+        """Return the longest step that is accepted; its length and by how much time went on; cuts.
 
         Raises the last rejection where a step would become smaller than the smallest.
         """
-        model, method, cuts = self.model, self.method, 0
+        model, method, state, cuts = self.model, self.method, now.state, 0
+        step, clock, varies = now.step, None, False
+        if self.statics is not None and now.path is not None:
+            clock = self.statics.clock(now.path, state)
+            varies = clock > 0.0 and self.statics.is_under_way(state)
+        else:
+            step = min(step, self.schedule.end - state.time)
         smallest = self.schedule.smallest_step or SMALLEST_SHARE * self.schedule.step
+        if clock is not None and self.statics is not None and now.path is not None:
+            model, method = self.statics.at(now.path, clock)
         while True:
             try:
-                return method.process.step(model, method, state, step, self.workspace), step, cuts
+                result = method.process.step(model, method, state, step, self.workspace)
+                return result, step, step if clock is None else clock, cuts
             except StepRejected as rejected:
                 cuts += 1
                 if step * rejected.cut < smallest:
@@ -194,6 +260,9 @@ class Stepping:
                     last.cuts = cuts
                     raise last from rejected
                 step *= rejected.cut
+                if clock is not None and varies:
+                    clock *= rejected.cut
+                    method = replace(method, clock=clock)
 
 
 def simulate(
@@ -285,7 +354,7 @@ class _March:
         setting = course.setting_at(position, begin.state) if begin else course.first
         stage = None if position is None else course.stage(position)
         stepping = Stepping.of(setting, Workspace(), stage)
-        march = cls(course, setting, stepping, recorder, begin or stepping.begin())
+        march = cls(course, setting, stepping, recorder, stepping.begun(begin))
         if position is not None:
             recorder.enter(position.number, position.reference)
         elif course.stages:
@@ -319,7 +388,9 @@ class _March:
             if stepping.frame_is_due(self.now):
                 self.recorder.frame(result.state, result.contacts, result.response)
                 self.now = stepping.with_frame(self.now)
-            _reject_created_energy(stepping.model, stepping.method, self.now)
+            reject_created_energy(
+                stepping.model, stepping.method, self.now.state, self.now.first, self.now.seen
+            )
             if self.keep:
                 self.keep(self.now)
 
@@ -330,13 +401,14 @@ class _March:
         self.setting, state, position, events = course.enter(self.setting, now.state, position)
         workspace, stage = self.stepping.workspace, course.stage(position)
         self.stepping = Stepping.of(self.setting, workspace, stage)
-        self.now = replace(
-            now,
-            state=state,
-            step=self.setting.schedule.step,
-            frame=self.stepping.next_frame(state.time),
-            events=(*now.events, *events),
-            position=position,
+        self.now = self.stepping.ready(
+            replace(
+                now,
+                state=state,
+                frame=self.stepping.next_frame(state.time),
+                events=(*now.events, *events),
+                position=position,
+            )
         )
         self.recorder.enter(position.number, position.reference)
 
@@ -345,7 +417,8 @@ class _March:
         now, judge = self.now, self.stepping.judge
         if now.position is not None and judge is not None:
             stage_checkpoint(self.keep, judge.stage.name, now)
-            position, events = self.course.leave(now.position, now.state, judge)
+            failure = now.path.failure if now.path is not None else None
+            position, events = self.course.leave(now.position, now.state, judge, failure)
             self.now = replace(now, position=position, events=(*now.events, *events))
 
     def count_cuts(self, cuts: int) -> None:
@@ -364,6 +437,8 @@ class _March:
         if position is not None:
             stages = self.course.all_records(position, state)
             said = (*said, *self.course.warnings(position))
+        elif self.now.path is not None and self.now.path.failure is not None:
+            said = (*said, failure_warning(self.now.path.failure))
         warnings = *said, *watch.warnings(seen, state, self.now.taken)
         if self.touching is not None:
             warnings += law_check.warnings_of(method.contact_law, self.touching)
@@ -406,21 +481,6 @@ def _progress(now: RunState, result: StepResult, stepping: Stepping) -> Progress
         force_ratio=now.position.judged.force_ratio,
         speed=now.position.judged.mover.speed,
     )
-
-
-def _reject_created_energy(model: Model, method: Method, now: RunState) -> None:
-    """Raise StepRejected where the blocks hold far more energy than they can have."""
-    state = now.state
-    created = energy_balance.created(state.ledger, now.first)
-    allowed = energy_balance.tolerated(model, state.ledger, now.first)
-    allowed += energy_balance.round_off(model, method, state, len(state.memory))
-    allowed += UNFELT * now.seen.turned_over
-    if created > allowed:
-        raise StepRejected(
-            StepOutcome.ENERGY_CREATED,
-            f"{created:.3g} J/m too much at t = {state.time:.6g} s",
-            remedy=remedy(StepOutcome.ENERGY_CREATED, model, method, state, 0.0),
-        )
 
 
 def _last_words(rejected: StepRejected, step: float) -> str:

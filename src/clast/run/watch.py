@@ -14,12 +14,16 @@ from operator import attrgetter
 import numpy as np
 
 from clast.block.polygon import thicknesses
+from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Floats, Model
 from clast.model.state import LEDGER_ENTRIES, Ledger, Overlap, State
 from clast.run.overlap import unseen_overlaps
+from clast.step import energy_balance
 from clast.step.method import Method, StepResult
-from clast.step.remedies import stiffnesses_named
+from clast.step.remedies import remedy, stiffnesses_named
 
+UNFELT = 1e-3
+"""Share of the energy turned over that may have been created: a wave brings all there is."""
 ROUNDING = 1e-9
 """Energy gained or lost, as a share of what is stored, that is none."""
 DEEP = 0.05
@@ -257,4 +261,20 @@ class Watch:
             f"({texts[1]}) Pa, a change of {100.0 * lost:.3g} %: contacts give way until they bear "
             f"it. Raise {stiffnesses_named(self.model, self.method)}, or give an initial_stress "
             "that gravity, loads and supports balance"
+        )
+
+
+def reject_created_energy(
+    model: Model, method: Method, state: State, first: Ledger, seen: Watched
+) -> None:
+    """Raise StepRejected where the blocks hold far more energy than they can have."""
+    created = energy_balance.created(state.ledger, first)
+    allowed = energy_balance.tolerated(model, state.ledger, first)
+    allowed += energy_balance.round_off(model, method, state, len(state.memory))
+    allowed += UNFELT * seen.turned_over
+    if created > allowed:
+        raise StepRejected(
+            StepOutcome.ENERGY_CREATED,
+            f"{created:.3g} J/m too much at t = {state.time:.6g} s",
+            remedy=remedy(StepOutcome.ENERGY_CREATED, model, method, state, 0.0),
         )

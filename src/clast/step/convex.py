@@ -79,6 +79,7 @@ class Convex:
     restitution: float = 0.0
     """Share of the closing velocity with which impacts rebound, 0 to 1."""
 
+    any_step: ClassVar[bool] = True
     remedies: ClassVar[Mapping[StepOutcome, str]] = {
         StepOutcome.NOT_CONVERGED: (
             "Raise method.process.iterations, or lower method.contact_law.normal_stiffness or "
@@ -173,6 +174,7 @@ class Convex:
             each=each,
             work=Work(factor=factor, counts=counts, stages=stages),
         )
+        bonded = contacts.bonded
         unknowns, contacts, response = search.minimum(potential, contacts, starts)
         counts["factorisations"] += factor.factorised
         counts["pcg"] += factor.iterations
@@ -187,6 +189,7 @@ class Convex:
             bearing=bearing(contacts, entering, response.normal_force),
             depth=JUMP * method.critdis,
             lost=entering.lost,
+            bonded=bonded,
             counts=counts,
         )
 

@@ -15,7 +15,7 @@ from clast.contact.memory import renew
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import StepOutcome, StepRejected
 from clast.linear.system import contact_motions
-from clast.model.model import Floats, Model
+from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, State
 from clast.step.energy_balance import Ended, balance
 from clast.step.integration import end_velocity
@@ -53,9 +53,16 @@ def finish(begun: Begun, solved: Solved, stages: Stages) -> StepResult:
         counts=solved.counts,
         travel=motion.travel,
         approach=motion.approach,
+        broken=broken_in(solved),
         penetration=float(max(0.0, -ended.gap.min(initial=0.0))),
         seconds=stages.seconds,
     )
+
+
+def broken_in(solved: Solved) -> Ints:
+    """Return which contacts have lost their bonds in a step, shape (b,)."""
+    before = solved.contacts.bonded if solved.bonded is None else solved.bonded
+    return np.flatnonzero(before & ~solved.response.bonded)
 
 
 def end_of(begun: Begun, solved: Solved) -> Ended:

@@ -7,7 +7,9 @@ registered: an object with these methods can be put into a ``Method`` from a scr
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import ClassVar, Protocol, runtime_checkable
+
+import numpy as np
 
 from clast.actions.action import Action
 from clast.actions.damping import Undamped
@@ -19,9 +21,13 @@ from clast.contact.verlet_list import VerletList
 from clast.errors import StepOutcome
 from clast.linear.factor import LinearSolver
 from clast.linear.pattern import Patterns
-from clast.model.model import Floats, Model
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State
 from clast.step.integration import Integrator, Scheme
+
+
+def _no_contacts() -> Ints:
+    return np.zeros(0, np.int64)
 
 
 @dataclass(kw_only=True)
@@ -60,6 +66,8 @@ class StepResult:
     """How the step ended."""
     approach: float = 0.0
     """Largest movement of a vertex against a block that it might touch in the step, m."""
+    broken: Ints = field(default_factory=_no_contacts)
+    """Which of the contacts have lost their bonds in the step, shape (b,)."""
 
     @property
     def passes(self) -> int:
@@ -93,8 +101,23 @@ class Solved:
     """Displacements about which springs of actions were linearised, (n, 6); None: at the end."""
     lost: float = 0.0
     """Kinetic energy that impacts took before it entered, J/m."""
+    bonded: Bools | None = None
+    """Which contacts had their bonds when the step began, shape (m,); None: as the contacts say."""
     counts: dict[str, int] = field(default_factory=dict)
     """Counts of the process: "passes" and whatever else it counts."""
+
+
+@runtime_checkable
+class AnyStep(Protocol):
+    """A process that says whether its steps may be as long as they like; others need not."""
+
+    any_step: ClassVar[bool]
+    """True: the contacts of a step that begins at rest settle whatever its length."""
+
+
+def bears_any_step(process: object) -> bool:
+    """Return whether the contacts of a process settle whatever the length of a step."""
+    return isinstance(process, AnyStep) and process.any_step
 
 
 class StepProcess(Protocol):
@@ -142,6 +165,9 @@ class Method:
     """Largest vertex movement allowed in a step against blocks that may be touched, m."""
     dynamic_ratio: float = 1.0
     """Share of velocity carried to the next step: 0 static, 1 dynamic."""
+    clock: float | None = None
+    """By how much time goes on in a step, s; None: by the length of the step.  A static step's
+    length is that of its mass term only (run/stages/static_path.py)."""
     balance: float | None = None
     """Unbalanced force that the process may leave each block, as a share of the forces on it; None:
     a tolerance of all blocks together is enough."""

@@ -107,6 +107,7 @@ def begin(
         ahead=ahead * state.velocity if ahead > 0.0 else None,
         rotation=method.rotation,
         forces_at=forces_at(method.integrator),
+        clock=method.clock,
     )
     actions = actions_of(model, method.fixed_point_stiffness, method.damping)
     own = own_states(actions, model, state)

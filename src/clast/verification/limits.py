@@ -1,12 +1,14 @@
 """Limits of equilibrium, found by loading a system slowly and seeing whether it keeps moving.
 
 Velocities are dropped after every step (dynamic_ratio = 0).  What is in equilibrium then comes to
-rest; what is not moves by d = theta a h2 in every step, a being the acceleration of its unbalanced
-force.  A system fails where a stays above a small share of gravity.
+rest; what has none fails, or, with a process that bears no long steps, moves by d = theta a h2 in
+every step, a being the acceleration of its unbalanced force, which stays above a small share of
+gravity.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -32,7 +34,10 @@ def unbalanced(
     steps: int,
     max_displacement: float,
 ) -> float:
-    """Return the largest unbalanced acceleration of the measured points at the end, over g."""
+    """Return the largest unbalanced acceleration of the measured points at the end, over g.
+
+    It is inf for a run that has failed: what moves far may come to rest somewhere else.
+    """
     method = variant.method(
         model,
         normal_stiffness=normal_stiffness,
@@ -41,6 +46,8 @@ def unbalanced(
     )
     end = steps * step
     run = simulate(model, method, Schedule(step=step, end=end, every=end))
+    if any(event.kind == "fails" for event in run.report.events):
+        return math.inf
     moved = [
         run.history(name).displacement[-1] - run.history(name).displacement[-1 - LAST]
         for name in model.measured_points.name

@@ -76,6 +76,8 @@ class StageTable(Table):
     """Bolts that are put in at its start, by their names or kinds."""
     joint: dict[str, StrengthTable] = Field({})
     """Strengths of joints from its start on: {bedding = {friction_angle = 25}}."""
+    bonds: Literal["break", "hold"] = "break"
+    """Bonds break as forces reach their strength, or hold until a static stage is in balance."""
     loads: list[StrictStr] = Field([])
     """Names of loads, pressures and tables that act from its start on, and not before."""
     ground_motion: StrictBool = False

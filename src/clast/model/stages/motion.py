@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.model.ground_motion import NOTHING, Floats, GroundMotion
+from clast.model.ground_motion import NOTHING, Floats, GroundMotion, Still
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +46,18 @@ class InStages:
 
         A motion without an accelerogram may always go on.
         """
-        record = getattr(self.motion, "accelerogram", None)
-        length = math.inf if record is None else float(record.time[-1])
+        length = _length(self.motion)
         return all(time >= min(stop, begin + length) for begin, stop in self.parts)
+
+
+def is_over(motion: GroundMotion, time: float) -> bool:
+    """Return whether nothing is left of a motion of the ground at a time, s."""
+    if isinstance(motion, InStages):
+        return motion.is_over(time)
+    return isinstance(motion, Still) or time >= _length(motion)
+
+
+def _length(motion: GroundMotion) -> float:
+    """Return when the record of a motion ends, s; inf for one without."""
+    record = getattr(motion, "accelerogram", None)
+    return math.inf if record is None else float(record.time[-1])

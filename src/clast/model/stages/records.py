@@ -8,6 +8,10 @@ from typing import Any
 
 REACHED, MOVING, TIME_OVER, BROKEN_OFF = "equilibrium", "moving", "time over", "broken off"
 """How a stage ends: in equilibrium, at its limit while blocks move, after its time, or not."""
+FAILS = "fails"
+"""How a static stage ends that has no equilibrium."""
+NAMED = 5
+"""Blocks of a mechanism that are named one by one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +43,41 @@ def towards(direction: float) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Mechanism:
+    """How blocks move that have no equilibrium."""
+
+    blocks: tuple[str, ...]
+    """Names of the blocks that move, the one that moves most first; empty: none goes anywhere."""
+    mover: Mover
+    """The one that moves most, and in which direction."""
+    moved: float
+    """How far it has moved since the last balance, m."""
+    steps: int
+    """Steps since then."""
+    hindrance: str
+    """What hinders equilibrium, with block and number."""
+    load: float = 1.0
+    """Share of weight, stress and loads that had come on."""
+
+    def __str__(self) -> str:
+        if not self.blocks:
+            return f"no equilibrium{self._under()} in {self.steps} steps: {self.hindrance}"
+        named = ", ".join(f"'{name}'" for name in self.blocks[:NAMED])
+        more = len(self.blocks) - NAMED
+        which = f"blocks {named}" if len(self.blocks) > 1 else f"block {named}"
+        which += f" and {more} more" if more > 0 else ""
+        moves = "move" if len(self.blocks) > 1 else "moves"
+        return (
+            f"no equilibrium{self._under()}: {which} {moves}, most of all '{self.mover.block}', "
+            f"{towards(self.mover.direction)}, by {self.moved:.3g} m in {self.steps} steps"
+        )
+
+    def _under(self) -> str:
+        """Return under what share of the load there is no equilibrium, "" for all of it."""
+        return "" if self.load == 1.0 else f" under {100.0 * self.load:.3g} % of the load"
+
+
+@dataclass(frozen=True, kw_only=True)
 class StageRecord:
     """How a stage went."""
 
@@ -51,7 +90,7 @@ class StageRecord:
     steps: int
     """Accepted steps in it."""
     outcome: str
-    """"equilibrium", "moving", "time over" or "broken off"."""
+    """"equilibrium", "fails", "moving", "time over" or "broken off"."""
     force_ratio: float
     """Largest unbalanced force on a block at its end, as a share of all forces on it."""
     mover: Mover
@@ -60,6 +99,10 @@ class StageRecord:
     """Wall time, s."""
     hindrance: str = ""
     """What hindered its equilibrium in its last step, with block and number; "" where nothing."""
+    broken: int = 0
+    """Bonds that broke in it."""
+    mechanism: tuple[str, ...] = ()
+    """Blocks that move where it fails, the one that moves most first."""
     reset: tuple[tuple[float, float], ...] = ()
     """What displacements of measured points count from after it, m, where it reset them."""
 
@@ -102,7 +145,8 @@ def record_from(plain: Mapping[str, Any]) -> StageRecord:
     """Return the record of a stage that was written as plain data."""
     mover = Mover(**plain["mover"])
     reset = tuple((float(x), float(y)) for x, y in plain.get("reset", ()))
-    return StageRecord(**{**plain, "mover": mover, "reset": reset})
+    mechanism = tuple(plain.get("mechanism", ()))
+    return StageRecord(**{**plain, "mover": mover, "reset": reset, "mechanism": mechanism})
 
 
 def records_from(plain: Iterable[Mapping[str, Any]]) -> tuple[StageRecord, ...]:

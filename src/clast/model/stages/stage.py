@@ -8,6 +8,8 @@ from typing import Any
 
 EQUILIBRIUM, TIME = "equilibrium", "time"
 """What a stage may last until."""
+BREAK, HOLD = "break", "hold"
+"""What the bonds of joints do in a stage."""
 STRENGTHS = ("friction_angle", "cohesion", "tensile_strength", "residual_cohesion")
 """Numbers of a joint that a stage may change."""
 
@@ -48,6 +50,9 @@ class Stage:
     """Bolts that are put in at its start, by their names or kinds."""
     joints: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     """Strengths of joints from its start on: {"bedding": {"friction_angle": 25.0}}."""
+    bonds: str = BREAK
+    """"break" as forces reach their strength, or "hold" until the static stage is in balance; only
+    then are they judged."""
     loads: tuple[str, ...] = ()
     """Loads, pressures and tables that act from its start on; what they name no earlier."""
     ground_motion: bool = False

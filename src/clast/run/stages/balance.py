@@ -13,9 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.block.inertia import BlockFrames
+from clast.linear.system import graph_of, with_contact_forces
 from clast.model.model import Floats, Ints, Model
+from clast.model.state import State
 from clast.step.method import Method, StepResult
-from clast.step.start import begin
+from clast.step.start import begin, diagonal_terms
+from clast.step.travel import search_within_step, travel_expected
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +66,28 @@ class _Sums:
         turning = self.force[:, 2] / self.gyration
         out = np.sqrt(self.force[:, 0] ** 2 + self.force[:, 1] ** 2 + turning**2)
         return ForceSums(unbalanced=out, size=self.size)
+
+
+def out_of_balance(model: Model, method: Method, state: State, step: float) -> Floats:
+    """Return the sum of all generalised forces on each block at a state, N/m and N, shape (n, 6).
+
+    Contacts bear what they bore at the end of the last step; those that are new bear nothing.
+    """
+    method = replace(method, clock=0.0)
+    begun = begin(model, method, replace(state, velocity=np.zeros_like(state.velocity)), step, None)
+    base = diagonal_terms(begun, np.zeros_like(begun.velocity), begun.scheme)
+    contacts = begun.contacts(search_within_step(method, travel_expected(begun)))
+    forces, fixed, springs = base.force, model.fixed, begun.springs
+    graph = graph_of(contacts, model.block_count)
+    borne = contacts.normal_force, contacts.shear_force
+    forces = with_contact_forces(forces, contacts, graph, fixed, *borne)
+    if springs is not None:
+        bear = springs.at(springs.gap, springs.slip)
+        graph = graph_of(springs, model.block_count)
+        borne = bear.normal_force, bear.shear_force
+        forces = with_contact_forces(forces, springs, graph, fixed, *borne)
+    forces[fixed] = 0.0
+    return forces
 
 
 def forces_of(model: Model, method: Method, result: StepResult, step: float) -> ForceSums:

@@ -11,10 +11,12 @@ from clast.model.model import Floats
 from clast.model.stages.checks import check_stages
 from clast.model.stages.records import (
     BROKEN_OFF,
+    FAILS,
     MOVING,
     REACHED,
     TIME_OVER,
     Event,
+    Mechanism,
     StageRecord,
 )
 from clast.model.stages.reference import here
@@ -77,6 +79,7 @@ class Course:
             starts=starts,
             steps=0,
             seconds=0.0,
+            broken=0,
             held=Held(),
             judged=Judged(),
             over=False,
@@ -84,14 +87,26 @@ class Course:
         return setting, state, position, tuple(events_at_start(self.stage(position), state.time))
 
     def leave(
-        self, position: Position, state: State, judge: Judge
+        self, position: Position, state: State, judge: Judge, failure: Mechanism | None = None
     ) -> tuple[Position, tuple[Event, ...]]:
-        """Return the position where a stage is over, and what happens."""
+        """Return the position where a stage is over, and what happens.
+
+        ``failure`` is how a static stage has failed, None where it has not.
+        """
         stage = judge.stage
         outcome = REACHED if judge.is_over(position) else MOVING
         outcome = TIME_OVER if stage.until == TIME else outcome
+        outcome = FAILS if failure is not None else outcome
         reference = here(state) if stage.reset_displacement else position.reference
         record = self.record(position, state, outcome)
+        if failure is not None:
+            record = replace(
+                record,
+                mover=failure.mover,
+                mechanism=failure.blocks,
+                hindrance=failure.hindrance,
+            )
+            position = replace(position, failures=(*position.failures, (stage.name, failure)))
         if stage.reset_displacement:
             record = replace(record, reset=self._moved(state))
         records = (*position.records, record)
@@ -109,6 +124,7 @@ class Course:
             force_ratio=position.judged.force_ratio if position.steps else 0.0,
             mover=position.judged.mover,
             seconds=position.seconds,
+            broken=position.broken,
             hindrance=position.judged.hindrance if position.steps else "",
         )
 
@@ -124,6 +140,8 @@ class Course:
 
     def warnings(self, position: Position) -> Iterator[str]:
         """Say which stages have ended without equilibrium, what hindered it, and what may help."""
+        for name, failure in position.failures:
+            yield f"stage '{name}' fails: {failure}. What is shown after that is no equilibrium"
         for stage, record in zip(self.stages, position.records, strict=False):
             if record.outcome == MOVING:
                 lasted = record.end - record.start
@@ -152,6 +170,17 @@ class Course:
         return tuple((x, y) for x, y in moved.tolist())
 
 
+def fails(stage: str, time: float, failure: Mechanism) -> Event:
+    """Return that a stage, or a run without stages (""), has no equilibrium from a time on, s."""
+    what = failure.blocks[0] if failure.blocks else ""
+    return Event(time=time, stage=stage, kind="fails", what=what, text=str(failure))
+
+
+def failure_warning(failure: Mechanism) -> str:
+    """Return what is said of a static run without stages that has no equilibrium."""
+    return f"the static run fails: {failure}. What is shown after that is no equilibrium"
+
+
 def _not_long_enough(stage: Stage) -> str:
     """Return what hindered equilibrium where the last step has nothing to say."""
     return f"fewer than {stage.hold} steps in a row were in equilibrium (hold)"
@@ -161,6 +190,7 @@ def _events_at_end(stage: Stage, record: StageRecord) -> Iterator[Event]:
     """Give what happens where a stage is over."""
     texts = {
         REACHED: f"stage '{stage.name}' is in equilibrium",
+        FAILS: f"stage '{stage.name}' ends without equilibrium",
         MOVING: f"stage '{stage.name}' ends while blocks move: {record.mover}",
         TIME_OVER: f"the time of stage '{stage.name}' is over",
     }

@@ -32,8 +32,8 @@ from clast.contact.contacts import LOCK, OPEN, SLIDE
 from clast.contact.joints import range_of_springs
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.stages.loads import are_constant, factors_in
-from clast.model.stages.motion import InStages
-from clast.model.stages.records import Mover
+from clast.model.stages.motion import is_over
+from clast.model.stages.records import Mover, towards
 from clast.model.stages.stage import EQUILIBRIUM, Stage
 from clast.model.state import ContactMemory, State, contact_keys
 from clast.run.stages.balance import ForceSums, forces_of
@@ -48,6 +48,12 @@ DYING = 0.5
 """Way in the second half of the steps, as a share of that in the first, that slows down."""
 CREEPING = 1e-3
 """Speed of a sliding block, as a share of what equilibrium allows, that is none."""
+CREEPING_FORCE = 1e-5
+"""Force that moves a block in a static step, in units of its weight, that is none."""
+QUIET = 1e-3
+"""Movement in a static step, in units of max_displacement, in which nothing slides to speak of."""
+STATIC_HOLD = 2
+"""Static steps in a row that must end in equilibrium, at most."""
 MODES = {OPEN: "open", SLIDE: "slide", LOCK: "lock"}
 """Modes of contacts in words."""
 
@@ -62,26 +68,28 @@ class Judge:
 
     def after(self, position: Position, before: State, result: StepResult, step: float) -> Position:
         """Return the position after an accepted step of length ``step``, s, from ``before``."""
-        sums = forces_of(self.model, self.method, result, step)
+        still = replace(self.method, clock=0.0) if self.is_static else self.method
+        sums = forces_of(self.model, still, result, step)
         way = result.state.vertices - before.vertices
         judged = self._judged((before, result), sums, way, step)
         held = Held()
         if not judged.hindrance:
             held = self._held(position.held, result, sums, way, step)
-            if held.steps >= self.stage.hold and (name := self._creeping(held)):
+            if not self.is_static and held.steps >= self.hold and (name := self._creeping(held)):
                 judged = replace(judged, hindrance=f"block '{name}' slides and does not slow down")
                 held = Held()
         return replace(
             position,
             steps=position.steps + 1,
             seconds=position.seconds + sum(result.seconds.values()),
+            broken=position.broken + len(result.broken),
             judged=judged,
             held=held,
         )
 
     def is_over(self, position: Position) -> bool:
         """Return whether the stage has come to its equilibrium."""
-        return self.stage.until == EQUILIBRIUM and position.held.steps >= self.stage.hold
+        return self.stage.until == EQUILIBRIUM and position.held.steps >= self.hold
 
     @cached_property
     def _limit(self) -> Floats:
@@ -122,35 +130,81 @@ class Judge:
             speed=float(share[fastest]) * stage.speed,
             mover=mover,
         )
-        return replace(judged, hindrance=self._hindrance(judged, states, sums))
+        why = self._unrest(judged, states, sums, (way, step))
+        return replace(judged, hindrance=why or self.under_way(result.state), balanced=not why)
 
-    def _hindrance(
+    def _unrest(
         self,
         judged: Judged,
         states: tuple[State, StepResult],
         sums: ForceSums,
+        motion: tuple[Floats, float],
     ) -> str:
-        """Return why a step did not end in equilibrium, "" where it did."""
+        """Return why a step did not end in balance, "" where it did.
+
+        ``motion`` is the way of each vertex, m, and the length of the step, s.
+        """
         stage, (before, result) = self.stage, states
         if not judged.force_ratio < stage.force_ratio:
             return (
                 f"the unbalanced force on block '{judged.unbalanced}' is {judged.force_ratio:.3g} "
                 f"of the forces on it (force_ratio {stage.force_ratio:g})"
             )
+        if self.is_static:
+            return self._moves_on(*motion) or self._slides_on(result.state.memory, sums, motion[0])
         if not judged.speed < stage.speed:
             return (
                 f"{judged.mover} moves, {judged.speed:.3g} of sqrt(g x its size) (speed "
                 f"{stage.speed:g})"
             )
-        changes = self._changes(before.memory, result.state.memory, sums)
-        return changes or self._under_way(result.state)
+        return self._changes(before.memory, result.state.memory, sums)
 
-    def _under_way(self, state: State) -> str:
+    def _moves_on(self, way: Floats, step: float) -> str:
+        """Return which block a step without inertia to speak of would take along, "" for none."""
+        model, gravity = self.model, float(np.hypot(*self.model.gravity)) or STANDARD_GRAVITY
+        far = np.where(self._free, polygon.farthest(way, model.block_start), 0.0)
+        force = model.mass * far / (self.method.integrator.theta * step**2)
+        share = force / np.maximum(CREEPING_FORCE * model.mass * gravity, self._noise)
+        worst = int(share.argmax())
+        if share[worst] < 1.0:
+            return ""
+        accelerated = force[worst] / (model.mass[worst] * gravity)
+        return (
+            f"block '{model.block_name[worst]}' moves by {far[worst]:.3g} m a step, "
+            f"{towards(self._mover(worst, 1.0, way).direction)}, with {accelerated:.2g} g"
+        )
+
+    def _slides_on(self, memory: ContactMemory, sums: ForceSums, way: Floats) -> str:
+        """Return that contacts slide in a step as long as blocks move much, "" where not.
+
+        Their friction is bound by normal forces from before they slid.  A contact at its limit may
+        go to and fro between slide and lock for ever, and nothing moves.
+        """
+        farthest = float(np.hypot(*way.T).max(initial=0.0))
+        slides = self._bears(memory, sums) & (memory.mode == SLIDE)
+        if farthest <= QUIET * self.method.max_displacement or not slides.any():
+            return ""
+        return f"contacts slide while blocks move by {farthest:.3g} m a step"
+
+    @property
+    def is_static(self) -> bool:
+        """Whether no velocity is carried from step to step."""
+        return self.method.dynamic_ratio == 0.0
+
+    @property
+    def hold(self) -> int:
+        """Steps in a row that must end in equilibrium.
+
+        Static steps that end in balance with next to no mass term have nothing left to wait for.
+        """
+        return min(self.stage.hold, STATIC_HOLD) if self.is_static else self.stage.hold
+
+    def under_way(self, state: State) -> str:
         """Return what is still going to change by itself, "" where nothing is."""
         motion, time = self.model.ground_motion, state.time
         if not are_constant(factors_in(self.model), time):
             return "loads still change"
-        if isinstance(motion, InStages) and not motion.is_over(time):
+        if not is_over(motion, time):
             return "the ground still moves"
         if time < released_at(state):
             return "support forces are still released"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from clast.model.model import Bools, Floats
-from clast.model.stages.records import Mover, StageRecord
+from clast.model.stages.records import Mechanism, Mover, StageRecord
 from clast.model.stages.reference import Reference
 
 
@@ -37,6 +37,8 @@ class Judged:
     """The block that has it."""
     hindrance: str = ""
     """Why this is no equilibrium; "" where it is."""
+    balanced: bool = False
+    """True where nothing but what changes with time hinders it."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -67,6 +69,8 @@ class Position:
     """Accepted steps in this stage."""
     seconds: float = 0.0
     """Wall time of these steps, s."""
+    broken: int = 0
+    """Bonds that have broken in it."""
     held: Held = field(default_factory=Held)
     """Steps in a row in equilibrium."""
     judged: Judged = field(default_factory=Judged)
@@ -75,6 +79,8 @@ class Position:
     """True after the last step of the stage."""
     records: tuple[StageRecord, ...] = ()
     """How the stages before went."""
+    failures: tuple[tuple[str, Mechanism], ...] = ()
+    """Stages that had no equilibrium, and how they failed."""
     reference: Reference | None = None
     """Where displacements count from; None: the start of the run."""
 

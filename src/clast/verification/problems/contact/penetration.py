@@ -51,32 +51,33 @@ def block_on_floor() -> Model:
     return builder.build()
 
 
-def rest(stiffness: float, variant: Variant) -> tuple[float, float]:
-    """Return penetration, m, and contact force, N/m, of the block at rest."""
+def rest(stiffness: float, variant: Variant) -> tuple[float, float, float]:
+    """Return penetration, m, contact force, N/m, of the block at rest, and the last step, s."""
     model = block_on_floor()
     method = variant.method(
         model, normal_stiffness=stiffness, max_displacement=0.01, dynamic_ratio=0.0
     )
-    memory = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION)).state.memory
-    return float(-memory.gap.mean()), float(memory.normal_force.sum())
+    run = simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+    memory, step = run.state.memory, float(run.steps["step"][-1])
+    return float(-memory.gap.mean()), float(memory.normal_force.sum()), step
 
 
-def exact_penetration(stiffness: float, variant: Variant) -> float:
-    """Return the penetration at rest, m."""
+def exact_penetration(stiffness: float, variant: Variant, step: float) -> float:
+    """Return the penetration at rest, m, where the mass term has a step, s."""
     penalty = WEIGHT / (CONTACTS * stiffness)
     solves = variant.contact_law.get("solves", 1)
-    stiff = stiffness * STEP**2 / (2.0 * MASS / CONTACTS)
+    stiff = stiffness * step**2 / (2.0 * MASS / CONTACTS)
     return float(penalty * stiff / ((1.0 + stiff) ** solves - 1.0))
 
 
 def examine(variant: Variant) -> Outcome:
     """Compare penetration and contact force over the stiffness."""
     rows: list[Comparison] = []
-    found = []
+    found, step = [], STEP
     for stiffness in STIFFNESSES:
-        penetration, force = rest(stiffness, variant)
+        penetration, force, step = rest(stiffness, variant)
         found.append(penetration)
-        exact = exact_penetration(stiffness, variant)
+        exact = exact_penetration(stiffness, variant, step)
         at = f"at p = {stiffness:.0e}"
         rows.append(relative(f"penetration {at}", "m", penetration, exact, TOLERANCE, REASON))
         rows.append(relative(f"contact force {at}", "N/m", force, WEIGHT, TOLERANCE, REASON))
@@ -89,7 +90,7 @@ def examine(variant: Variant) -> Outcome:
             exact_curve(
                 "W/(n p), four solves" if "solves" in variant.contact_law else "W/(n p)",
                 fine,
-                [exact_penetration(stiffness, variant) for stiffness in fine],
+                [exact_penetration(stiffness, variant, step) for stiffness in fine],
             ),
             curve(variant.name, STIFFNESSES, found),
         ),
@@ -105,7 +106,7 @@ PROBLEM = Problem(
     text="A block of 1 m x 1 m rests on a fixed floor; rho = 2700 kg/m3, g = 9.8 m/s2, h = 1 ms, "
     "static (dynamic_ratio = 0). The block is stiff, so that only the contacts give.",
     formula="contact force W; penetration W/(n p) with the penalty law, times b/((1 + b)^4 - 1) "
-    "with four solves of the augmented Lagrangian law, b = p h2/(2m)",
+    "with four solves of the augmented Lagrangian law, b = p h2/(2m), h that of the mass term",
     source="equilibrium; geometric series of the solves of a step",
     set_up=block_on_floor,
     examine=examine,

@@ -1,0 +1,38 @@
+"""What holds blocks back while weight, stress and loads come on by increments.
+
+Where a static stage begins, the forces on each block have a sum that is not nothing: weight, stress
+and loads that have just begun to act, supports that have just been taken away.  The negative of
+that sum keeps every block where it is; a share of it lets the rest come on.  The forces are dead:
+they stay with the centroids and turn with nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.model.model import Floats, Model
+from clast.model.state import Ledger
+
+
+@dataclass(frozen=True, eq=False)
+class HeldBack:
+    """Forces against what has not come on yet, where other steps have their damping."""
+
+    force: Floats
+    """Generalised force on each block, N/m and N, shape (n, 6)."""
+
+    def begin(self, model: Model) -> None:
+        """Return nothing: it has no state of its own."""
+
+    def share(self, start: StepStart, own: Any) -> Share:
+        """Return the forces."""
+        return Share(block=np.arange(len(self.force)), force=self.force)
+
+    def finish(self, start: StepStart, own: Any, share: Share, solution: Solution) -> Done:
+        """Return their work, which is numerical: they are no forces of the system."""
+        work, _ = energy_of_linear(share, solution.displacement)
+        return Done(work=work, ledger=Ledger(), own=own)

@@ -1,0 +1,314 @@
+"""A static run, or a static stage, is a path of equilibria.
+
+A static step begins at rest and solves (M/(theta tau^2) + K) d = F.  With the mass term it has a
+solution where blocks have no support, too; but it holds back what moves, so that a block slips on
+a base that carries it along, and the answer depends on tau.  So the *pseudo time step* tau has
+nothing to do with the time of loads and supports:
+
+- tau grows from step to step while blocks move little against max_displacement, until the mass term
+  is nothing beside the stiffness of what is supported (pseudo-transient continuation; Kelley and
+  Keyes 1998), and is cut where a step is rejected;
+- the time by which tables, the ground and relaxations go on stands still until the present
+  increment is in balance;
+- what is out of balance when a stage begins, its weight, stress and loads, comes on at once.  Where
+  that breaks bonds it comes on by increments, each of them brought to balance, for what breaks
+  under all of the load may bear under what its neighbours leave it.
+
+A process whose contacts need not settle in long steps (the modified one, with p tau^2/m below 6,
+and open-close iteration, whose sliding friction is that of the solve before) has steps of the
+length of the schedule, and time that does not wait: with it the mass term stays.
+
+Where a step moves blocks as far as max_displacement lets it, and so does the next, and the next,
+there is no equilibrium: the system *fails*, and the blocks that have moved are its mechanism.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from clast.actions.held_back import HeldBack
+from clast.model.model import Floats, Model
+from clast.model.stages.records import Mechanism, Mover
+from clast.model.stages.stage import EQUILIBRIUM, HOLD, Stage
+from clast.model.stages.strengths import has_bonds, with_bonds_held
+from clast.model.state import State
+from clast.run.schedule import Schedule
+from clast.run.stages.balance import out_of_balance
+from clast.run.stages.equilibrium import STANDARD_GRAVITY, Judge
+from clast.run.stages.position import Judged, Position
+from clast.step.integration import ConstantAcceleration, forces_at
+from clast.step.method import Method, StepResult, bears_any_step
+
+FIRST = 0.1
+"""Fall of a free block in the first step of a stage, in units of max_displacement."""
+LONGEST = 300.0
+"""Longest pseudo time step, in units of that in which a free block falls by max_displacement."""
+GROWTH = 10.0
+"""Growth of the pseudo time step from step to step at most."""
+CAREFUL = 1.5
+"""The same after a step that was rejected."""
+COMFORT = 0.8
+"""Movement to which the pseudo time step is chosen, in units of max_displacement."""
+FAR = 0.2
+"""Movement in a step, in units of max_displacement, that is as far as it lets blocks go."""
+FAR_STEPS = 10
+"""Steps of that kind without balance from which a system has none."""
+MOST_STEPS = 200
+"""Steps in one increment in which a system must have come to balance."""
+INCREMENTS = (1.0, 0.125, 0.03125)
+"""Share of what is out of balance that comes on at once: where bonds break the next is tried."""
+TOGETHER = 0.5
+"""Movement, in units of the largest, of the blocks that a mechanism is made of."""
+
+
+def _no_motion() -> Floats:
+    return np.zeros((0, 2))
+
+
+def _no_forces() -> Floats:
+    return np.zeros((0, 6))
+
+
+@dataclass(frozen=True, kw_only=True)
+class OnPath:
+    """Where a static run, or a static stage, is on its path; n blocks."""
+
+    growth: float = GROWTH
+    """By how much the pseudo time step may grow."""
+    clock: float
+    """Length of the next increment of time, s."""
+    steps: int = 0
+    """Steps since the last balance."""
+    far: int = 0
+    """Those of them that went as far as max_displacement lets blocks go."""
+    moved: Floats = field(default_factory=_no_motion)
+    """Movement of each block since then, m, shape (n, 2)."""
+    balanced: bool = False
+    """True where the last step ended in balance."""
+    judged: Judged = field(default_factory=Judged)
+    """How it ended."""
+    failure: Mechanism | None = None
+    """How the system fails; None: it does not."""
+    missing: Floats = field(default_factory=_no_forces)
+    """What was out of balance when the stage began, N/m and N, (n, 6); (0, 6) where it has come."""
+    reached: float = 0.0
+    """Share of it that has come on and is in balance."""
+    increment: float = INCREMENTS[0]
+    """Share of it that comes on in the present increment."""
+    broken: int = 0
+    """Bonds that broke in it."""
+    held: bool = False
+    """True while bonds cannot break."""
+
+    @property
+    def load(self) -> float:
+        """Share of what was out of balance that acts in the present increment."""
+        return min(1.0, self.reached + self.increment)
+
+    @property
+    def begins(self) -> bool:
+        """Whether the next step is the first of an increment."""
+        return self.balanced or self.steps == 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class StaticPath:
+    """Leads a static run, or a static stage, along its path."""
+
+    model: Model
+    method: Method
+    schedule: Schedule
+    stage: Stage | None
+    judge: Judge
+
+    @classmethod
+    def of(
+        cls, model: Model, method: Method, schedule: Schedule, stage: Stage | None
+    ) -> StaticPath | None:
+        """Return what leads a run or a stage; None where it is not static."""
+        if method.dynamic_ratio > 0.0:
+            return None
+        judge = Judge(model=model, method=method, stage=stage or Stage(name=""))
+        return cls(model=model, method=method, schedule=schedule, stage=stage, judge=judge)
+
+    def begin(self, state: State) -> OnPath:
+        """Return the beginning of the path."""
+        held = self.stage is not None and self.stage.bonds == HOLD
+        missing = _no_forces()
+        if self._grows and has_bonds(self.model):
+            missing = out_of_balance(self.model, self.method, state, self.first_step)
+        return OnPath(clock=self.schedule.step, held=held, missing=missing)
+
+    def at(self, now: OnPath, clock: float) -> tuple[Model, Method]:
+        """Return the model and the method of a step in which time goes on by ``clock``, s."""
+        model = with_bonds_held(self.model) if now.held else self.model
+        method = replace(self.method, clock=clock)
+        if forces_at(method.integrator) < 1.0:
+            # an equilibrium has the forces at the end of the step
+            method = replace(method, integrator=ConstantAcceleration())
+        if len(now.missing) and now.load < 1.0:
+            held_back = HeldBack(force=-(1.0 - now.load) * now.missing)
+            method = replace(method, damping=held_back)
+        return model, method
+
+    def judge_of(self, now: OnPath) -> Judge:
+        """Return what judges a step."""
+        model, method = self.at(now, 0.0)
+        return replace(self.judge, model=model, method=method)
+
+    def finer(self, now: OnPath, result: StepResult) -> OnPath | None:
+        """Return the path with a smaller increment of load, None where a step can be kept."""
+        if not len(result.broken) or not now.begins or now.reached >= 1.0 or not len(now.missing):
+            return None
+        smaller = [one for one in INCREMENTS if one < min(now.increment, 1.0 - now.reached)]
+        return replace(now, increment=smaller[0]) if smaller else None
+
+    @property
+    def first_step(self) -> float:
+        """The first pseudo time step, s."""
+        if not self._grows:
+            return self.schedule.step
+        return float(np.sqrt(FIRST) * self._falls)
+
+    def clock(self, now: OnPath, state: State) -> float:
+        """Return by how much time goes on in the next step, s."""
+        left = max(0.0, self.schedule.end - state.time)
+        if now.failure is not None or not self.waits(now, state):
+            return min(now.clock, left)
+        return 0.0
+
+    def waits(self, now: OnPath, state: State) -> bool:
+        """Return whether time stands still until the present increment is in balance."""
+        if not self._grows or now.steps == 0 or not self.is_under_way(state):
+            return False
+        return not now.balanced or now.reached < 1.0 or now.held
+
+    def is_under_way(self, state: State) -> bool:
+        """Return whether something changes with time after a state."""
+        return bool(self.judge.under_way(state))
+
+    def is_over(self, now: OnPath, position: Position | None, state: State) -> bool:
+        """Return whether the path is at its end: in balance there, or without one."""
+        late = self.schedule.end - state.time <= 1e-9 * self.schedule.step
+        to_balance = self.stage is not None and self.stage.until == EQUILIBRIUM
+        if now.failure is not None:
+            return to_balance or late
+        if not self._grows and late:
+            return True
+        if now.reached < 1.0 or now.held:
+            return False
+        if to_balance and position is not None and self.judge.is_over(position):
+            return True
+        if to_balance:
+            # what still changes at the end of the stage will not be waited for
+            return late and now.balanced and self.is_under_way(state)
+        return late and now.balanced
+
+    def after(
+        self,
+        now: OnPath,
+        before: State,
+        result: StepResult,
+        taken: tuple[float, float],
+        judged: Judged | None,
+    ) -> OnPath:
+        """Return where the path is after a step; ``taken`` are its pseudo time and its clock, s.
+
+        ``judged`` is how it ended where a stage has judged it already.
+        """
+        if judged is None:
+            judged = self.judge_of(now).after(Position(), before, result, taken[0]).judged
+        way, restarts = self._way(before, result.state), now.begins
+        moved = way if restarts else now.moved + way
+        farther = result.travel > FAR * self.method.max_displacement
+        far = int(farther) + (0 if restarts else now.far)
+        steps = 1 + (0 if restarts else now.steps)
+        after = replace(
+            now,
+            clock=min(self.schedule.step, max(now.clock, CAREFUL * taken[1])),
+            growth=min(GROWTH, CAREFUL * now.growth),
+            steps=steps,
+            far=far,
+            moved=moved,
+            balanced=judged.balanced,
+            judged=judged,
+            broken=len(result.broken) + (0 if restarts else now.broken),
+        )
+        if judged.balanced:
+            return self._loaded(after)
+        lost = far >= FAR_STEPS or (steps >= MOST_STEPS and self._grows)
+        if now.failure is None and lost:
+            failure = self._mechanism(after)
+            # where the run goes on all the same, all of its loads act
+            return replace(after, failure=failure, missing=_no_forces(), reached=1.0, held=False)
+        return after
+
+    def _loaded(self, now: OnPath) -> OnPath:
+        """Return the path where an increment of load is in balance."""
+        if now.reached >= 1.0:
+            # bonds that were held are judged where all else is in balance
+            return replace(now, held=False, steps=0, balanced=False) if now.held else now
+        increment = now.increment if now.broken else 2.0 * now.increment
+        after = replace(now, reached=now.load, increment=increment)
+        return self._loaded(replace(after, missing=_no_forces())) if now.load == 1.0 else after
+
+    def cut(self, now: OnPath, clock: float, cuts: int) -> OnPath:
+        """Return the path where a step had to be cut, with the clock that it has come to, s."""
+        if cuts == 0:
+            return now
+        return replace(now, growth=CAREFUL, clock=clock if clock > 0.0 else now.clock)
+
+    def next_step(self, now: OnPath, taken: float, result: StepResult) -> float:
+        """Return the pseudo time step of the next step, s."""
+        if now.failure is not None:
+            return min(taken, self.schedule.step)
+        if not self._grows:
+            return min(self.schedule.step, CAREFUL * taken)
+        if now.balanced and now.reached == 1.0:
+            # longer ones would only let what nothing supports drift, a free body under loads that
+            # balance each other, for one
+            return taken if self.is_under_way(result.state) else min(taken, self.first_step)
+        growth = now.growth
+        if result.approach > 0.0:
+            comfort = COMFORT * self.method.max_displacement
+            growth = min(growth, float(np.sqrt(comfort / result.approach)))
+        return min(LONGEST * self._falls, growth * taken)
+
+    @property
+    def _grows(self) -> bool:
+        """Whether the process bears steps of any length."""
+        return bears_any_step(self.method.process)
+
+    @property
+    def _falls(self) -> float:
+        """Time in which a free block falls by max_displacement, s."""
+        gravity = float(np.hypot(*self.model.gravity)) or STANDARD_GRAVITY
+        return float(np.sqrt(2.0 * self.method.max_displacement / gravity))
+
+    def _way(self, before: State, after: State) -> Floats:
+        """Return the mean movement of the vertices of each block, m, shape (n, 2)."""
+        start = self.model.block_start
+        way = after.vertices - before.vertices
+        return np.asarray(np.add.reduceat(way, start[:-1], axis=0) / np.diff(start)[:, None])
+
+    def _mechanism(self, now: OnPath) -> Mechanism:
+        """Return the blocks that move where there is no balance."""
+        far = np.where(self.model.fixed, 0.0, np.hypot(*now.moved.T))
+        order = np.argsort(-far, kind="stable")
+        chosen = order[far[order] >= TOGETHER * far[order[0]]] if far[order[0]] > 0.0 else order[:0]
+        names = self.model.block_name
+        mover = now.judged.mover
+        if len(chosen):
+            x, y = now.moved[chosen[0]]
+            angle = float(np.degrees(np.arctan2(y, x)))
+            mover = Mover(block=names[chosen[0]], speed=mover.speed, direction=angle)
+        return Mechanism(
+            blocks=tuple(names[block] for block in chosen),
+            mover=mover,
+            moved=float(far[order[0]]),
+            steps=now.steps,
+            load=now.load,
+            hindrance=now.judged.hindrance,
+        )

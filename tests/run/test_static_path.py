@@ -1,0 +1,112 @@
+"""A static run is a path of equilibria: nothing of it depends on the step, and what fails says so."""
+
+import numpy as np
+import pytest
+
+import clast
+from clast import Stage
+from clast.model.ground_motion import Accelerogram, MovingBase
+
+G = 9.81
+
+
+def on_base(friction: float, peak: float = 0.8, **joint: float) -> clast.ModelBuilder:
+    """Return a block on a base that its supports move by peak/8 m in 1 s."""
+    builder = clast.ModelBuilder(gravity=(0.0, -G))
+    builder.add_rock("rock", young=20e9, poisson=0.2, density=2500.0)
+    builder.add_joint(friction_angle=friction, **joint)
+    builder.block(vertices=[(-2, -1), (3, -1), (3, 0), (-2, 0)], name="base")
+    builder.block(vertices=[(0, 0), (1, 0), (1, 1), (0, 1)], name="b")
+    builder.fixed_point((-2, -1), block="base")
+    builder.fixed_point((3, -1), block="base")
+    builder.measured_point("b", (0.5, 0.5), block="b")
+    record = np.array([[0.0, 0.0], [peak, 0.0], [-peak, 0.0], [0.0, 0.0]])
+    builder.ground_motion = MovingBase(
+        Accelerogram(time=np.array([0.0, 0.25, 0.75, 1.0]), acceleration=record)
+    )
+    return builder
+
+
+@pytest.mark.parametrize("step", [2e-2, 5e-2])
+def test_a_block_goes_with_the_base_that_carries_it(step: float):
+    run = clast.simulate(on_base(45.0).build(), end=1.0, step=step, dynamic_ratio=0.0)
+    assert run.history("b").displacement[-1, 0] == pytest.approx(0.1, abs=1e-7)
+    ledger = run.report.ledger
+    assert abs(ledger.unaccounted) < 1e-6 * (ledger.elastic + abs(ledger.gravity))
+
+
+def on_plane(angle: float, **joint: float) -> clast.ModelBuilder:
+    """Return a block on a plane of friction 30 degrees that is inclined by ``angle``."""
+    builder = clast.ModelBuilder(gravity=(G * np.sin(angle), -G * np.cos(angle)))
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.add_joint(friction_angle=30.0, **joint)
+    builder.block(vertices=[(-3, -1), (3, -1), (3, 0), (-3, 0)], name="plane", fixed=True)
+    builder.block(vertices=[(-0.5, 0), (0.5, 0), (0.5, 1), (-0.5, 1)], name="block")
+    return builder
+
+
+@pytest.mark.parametrize("step", [1e-3, 5e-2])
+def test_what_slides_fails_at_any_step_and_says_which_way(step: float):
+    model = on_plane(np.radians(31.0)).build()
+    run = clast.simulate(model, stages=[Stage(name="rest")], end=1.0, step=step, dynamic_ratio=0.0)
+    (record,) = run.stages
+    assert (record.outcome, record.mechanism) == ("fails", ("block",))
+    assert abs(record.mover.direction) < 1.0
+    assert record.steps < 30
+    (text,) = [one for one in run.report.warnings if "fails" in one]
+    assert "block 'block' moves" in text and "dynamic_ratio" not in text
+    assert [event.what for event in run.report.events if event.kind == "fails"] == ["block"]
+
+
+def test_what_stands_does_not_depend_on_the_step():
+    ends = []
+    for step in (1e-3, 5e-2):
+        model = on_plane(np.radians(29.0)).build()
+        stages = [Stage(name="rest")]
+        run = clast.simulate(model, stages=stages, end=1.0, step=step, dynamic_ratio=0.0)
+        assert run.stages[0].outcome == "equilibrium"
+        assert run.stages[0].steps <= 8
+        ends.append(run.state.vertices)
+    assert np.array_equal(*ends)
+
+
+def test_a_run_without_stages_says_that_it_fails_and_goes_on():
+    model = on_plane(np.radians(31.0)).build()
+    run = clast.simulate(model, end=0.05, step=1e-3, dynamic_ratio=0.0)
+    assert run.report.finished
+    assert run.state.time == pytest.approx(0.05)
+    assert any("the static run fails" in one for one in run.report.warnings)
+
+
+def test_bonds_that_break_are_counted_and_may_be_held():
+    weight = 2500.0 * G
+    builder = clast.ModelBuilder(gravity=(0.0, -G))
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.add_joint(friction_angle=30.0, cohesion=weight, tensile_strength=weight / 1.5)
+    builder.block(vertices=[(-2, 0), (2, 0), (2, 1), (-2, 1)], name="roof", fixed=True)
+    builder.block(vertices=[(0, -1), (1, -1), (1, 0), (0, 0)], name="block")
+    for bonds in ("break", "hold"):
+        stages = [Stage(name="rest", bonds=bonds)]
+        run = clast.simulate(builder.build(), stages=stages, end=1.0, step=1e-2, dynamic_ratio=0.0)
+        (record,) = run.stages
+        assert (record.outcome, record.mechanism) == ("fails", ("block",)), bonds
+        assert record.broken == 2
+        (event,) = [one for one in run.report.events if one.kind == "bonds break"]
+        assert "'block'" in event.text
+        # 1/1.5 of the weight is what they bear, in increments of 1/32
+        load = float(event.text.split("under ")[1].split(" %")[0])
+        assert load == pytest.approx(100.0) if bonds == "hold" else 66.6 < load < 69.9
+
+
+def test_gravity_follows_a_table():
+    builder = on_plane(0.0)
+    builder.add_table("weight", time=[0.0, 0.5], value=[0.0, 0.5])
+    builder.gravity_factor = "weight"
+    stages = [Stage(name="rest")]
+    run = clast.simulate(builder.build(), stages=stages, end=1.0, step=5e-2, dynamic_ratio=0.0)
+    assert run.stages[0].outcome == "equilibrium"
+    assert run.contacts().normal_force.sum() == pytest.approx(0.5 * 2500.0 * G, rel=1e-4)
+    assert run.state.time >= 0.5
+    with pytest.raises(clast.errors.ModelError, match="weigth"):
+        builder.gravity_factor = "weigth"
+        builder.build()
