@@ -287,8 +287,7 @@ class Case(BaseModel):
 
     def model(self) -> Model:
         """Return the system of blocks; raises ModelError naming the place and the remedy."""
-        builder = ModelBuilder(title=self.title, plane=PLANES[self.plane](), gravity=self.gravity)
-        builder.gravity_factor = self.gravity_factor
+        builder = ModelBuilder(self.title, PLANES[self.plane](), self.gravity, self.gravity_factor)
         with self._located():
             folder = self._folder
             for name, table in self._tables():

@@ -109,6 +109,7 @@ at = [16.8, 23.8]
 
 [[stage]]
 name = "dry"
+dynamic_ratio = 0.0                    # static: what has no equilibrium fails
 reset_displacement = true              # displacements count from here
 
 [[stage]]
