@@ -1,4 +1,4 @@
-"""A static run is a path of equilibria: nothing of it depends on the step, and what fails says so."""
+"""A static run is a path of equilibria: the step plays no part in it, and what fails says so."""
 
 import numpy as np
 import pytest
