@@ -129,4 +129,4 @@ def test_a_case_file_says_what_slip_leaves(tmp_path):
     path.write_text(text)
     case = clast.Case.from_toml(path)
     assert case.model().joint_table.joints[0].residual_cohesion == 1e3
-    assert case.stage[0].joint["default"]["residual_cohesion"] == 0.0
+    assert case.stage[0].joint["default"].residual_cohesion == 0.0
