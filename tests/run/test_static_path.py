@@ -31,8 +31,8 @@ def on_base(friction: float, peak: float = 0.8, **joint: float) -> clast.ModelBu
 def test_a_block_goes_with_the_base_that_carries_it(step: float):
     run = clast.simulate(on_base(45.0).build(), end=1.0, step=step, dynamic_ratio=0.0)
     assert run.history("b").displacement[-1, 0] == pytest.approx(0.1, abs=1e-7)
-    ledger = run.report.ledger
-    assert abs(ledger.unaccounted) < 1e-6 * (ledger.elastic + abs(ledger.gravity))
+    # what the equations leave open does work over the 0.1 m of way
+    assert abs(run.report.ledger.unaccounted) < 1e-9 * 2500.0 * G * 0.1
 
 
 def on_plane(angle: float, **joint: float) -> clast.ModelBuilder:
