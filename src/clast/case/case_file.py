@@ -1,10 +1,8 @@
 """The case file: what to simulate and how, as TOML; to Model, Method, Schedule and Run.
 
-    case = clast.load("incline.toml")
-    run = case.run()
+    run = clast.load("incline.toml").run()
 
-A case consists of the tables below; each group of them has a file in ``tables``.  Their keys,
-units and defaults are what ``clast schema`` prints.
+Each group of tables has a file in ``tables``; ``clast schema`` prints their keys and units.
 """
 
 from __future__ import annotations

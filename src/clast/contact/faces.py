@@ -165,7 +165,7 @@ def _inside(
     """Return the points inside what edges (k,) of the lower and the higher blocks share."""
     vertices, (direction, length) = state.vertices, edges
     block = model.vertex_block
-    end = model.edge_end[own]
+    end = model.vertex_after[own]
     tangent, start = direction[edge], vertices[edge]
     here = np.einsum("kx,kx->k", vertices[own] - start, tangent)
     there = np.einsum("kx,kx->k", vertices[end] - start, tangent)
@@ -184,7 +184,7 @@ def _inside(
     own, edge, pair, joint = (np.repeat(one, len(PLACES)) for one in (own, edge, pair, joint))
     i, j = block[own], block[edge]
     # from vertices on, not from the origin: what is far away loses no digits
-    onwards = along[:, None] * (vertices[model.edge_end[own]] - vertices[own])
+    onwards = along[:, None] * (vertices[model.vertex_after[own]] - vertices[own])
     tangent, start = direction[edge], vertices[edge]
     normal = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
     gap = np.einsum("kx,kx->k", (vertices[own] - start) + onwards, normal)

@@ -21,6 +21,7 @@ from clast.model.bolts import Bolts
 from clast.model.factors import NO_FACTOR, Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.in_situ import InSituStress
+from clast.model.mending import Repair
 from clast.model.openings import Opening, blocks_called
 from clast.model.viscous_edges import ViscousEdges
 from clast.model.water.water import Water
@@ -274,23 +275,6 @@ class StartOverlaps:
     """Width of their common area, m, shape (k,)."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Repair:
-    """Something that was done to blocks as they were drawn, so that they touch."""
-
-    what: str
-    """What was done, in words."""
-    count: int
-    """How often."""
-    places: tuple[tuple[float, float], ...]
-    """The first places, m."""
-
-    def __str__(self) -> str:
-        places = ", ".join(f"({x:.9g}, {y:.9g})" for x, y in self.places)
-        more = ", ..." if self.count > len(self.places) else ""
-        return f"{self.count} {self.what}: {places}{more}"
-
-
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Model:
     """A system of blocks with its materials, supports and loads."""
@@ -447,14 +431,7 @@ class Model:
     @kept_property
     def longest_edge(self) -> float:
         """Length of the longest edge at the start, m."""
-        return float(np.hypot(*(self.vertices[self.edge_end] - self.vertices).T).max())
-
-    @kept_property
-    def edge_end(self) -> Ints:
-        """Vertex at which the edge ends that begins at each vertex, shape (nv,)."""
-        after = np.arange(1, len(self.vertices) + 1)
-        after[self.block_start[1:] - 1] = self.block_start[:-1]
-        return after
+        return float(np.hypot(*(self.vertices[self.vertex_after] - self.vertices).T).max())
 
     @kept_property
     def material_points(self) -> MaterialPoints:

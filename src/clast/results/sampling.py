@@ -71,7 +71,7 @@ class FrameFields:
         """Return where the points P of some contacts are, m, (k, 2)."""
         vertex, along = contacts.vertex[rows], contacts.along[rows, None]
         here = state.vertices
-        return here[vertex] + along * (here[self._model.edge_end[vertex]] - here[vertex])
+        return here[vertex] + along * (here[self._model.vertex_after[vertex]] - here[vertex])
 
 
 def counted(rotation: Floats, reference: Floats | None) -> Floats:

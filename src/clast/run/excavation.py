@@ -164,7 +164,7 @@ def _on_neighbours(
     of_edge = bears & leaving[contacts.vertex_block] & moves[contacts.edge_block]
     own, edge = contacts.vertex[of_vertex], contacts.edge[of_edge]
     owner = contacts.edge_block[of_edge]
-    own_end, end = model.edge_end[own], model.edge_end[edge]
+    own_end, end = model.vertex_after[own], model.vertex_after[edge]
     way = state.vertices[end] - state.vertices[edge]
     foot = contacts.foot[of_edge] - state.vertices[edge]
     place = np.einsum("kx,kx->k", foot, way) / np.einsum("kx,kx->k", way, way)

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.model.checks import Outlines
-from clast.model.mending import Mended
-from clast.model.model import Repair
+from clast.model.mending import Mended, Repair
 from clast.rockmass.repair.repairing import RepairReport, repaired
 
 
