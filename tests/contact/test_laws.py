@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from clast.contact.bonds import without_bonds
 from clast.contact.contacts import LOCK, OPEN, SLIDE
+from clast.contact.joints.bonds import without_bonds
 from clast.contact.laws import AugmentedLagrangian, Penalty
 from clast.errors import CaseError
 from scenes.systems import box, contacts_of, system

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from clast.actions.action import Action, Done, Share, Solution, StepStart
-from clast.actions.bolts import Bolting
+from clast.actions.bolts.bolts import Bolting
 from clast.actions.gravity import Gravity
 from clast.actions.ground_motion import GroundAcceleration
 from clast.actions.handed_back import answer, checked_done, checked_share, is_of_script

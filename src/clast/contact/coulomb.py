@@ -5,7 +5,8 @@
 L is the length of joint that a contact stands for; compression is positive.  The shear force
 follows its spring from the remembered one, T = T_old - k s, and is returned to the bound (Shi 1988:
 lock, slide, open).  A bond ends with the step in which it reaches its tension, or, if the joint is
-brittle, slips (contact/bonds.py).  Every law of contacts ends here, whatever its normal force.
+brittle, slips (contact/joints/bonds.py).  Every law of contacts ends here, whatever its normal
+force.
 """
 
 from __future__ import annotations

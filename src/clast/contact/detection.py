@@ -17,13 +17,13 @@ from clast.block.edge_lists import FEW, edges_around, first_at_least
 from clast.block.polygon import depth_inside, vertex_after
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
-from clast.contact.bonds import Bonds, bonds_of
 from clast.contact.candidates import SearchDistance, find_candidates
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.crossings import Chosen, with_crossings
-from clast.contact.faces import Places, with_faces
-from clast.contact.joints import contact_lengths, joints_of, springs_of_joints
+from clast.contact.joints.along_joint import contact_lengths, joints_of, springs_of_joints
+from clast.contact.joints.bonds import Bonds, bonds_of
+from clast.contact.joints.faces import Places, with_faces
 from clast.contact.memory import pair_penetration, recall
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.model.bodies import Outlines

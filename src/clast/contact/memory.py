@@ -10,8 +10,8 @@ import numpy as np
 
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
-from clast.contact.bonds import torn
 from clast.contact.contacts import OPEN, ContactResponse, Contacts
+from clast.contact.joints.bonds import torn
 from clast.model.model import Floats, Ints
 from clast.model.state import ContactMemory
 

@@ -134,7 +134,7 @@ class ModelBuilder(SupportsAndLoads):
         """Add a joint and return its name: ``friction_angle`` in degrees, strengths in Pa.
 
         ``cohesion`` and ``tensile_strength`` are those of bonds, which end where the joint opens;
-        with ``residual_cohesion`` they end where it slips, too, and leave that (contact/bonds.py);
+        with ``residual_cohesion`` they end where it slips, too, and leave that;
         ``normal_stiffness`` and ``shear_stiffness``, Pa/m, go before those of the contact law, and
         ``restitution``, 0 to 1, before that of the process.
 

@@ -226,7 +226,7 @@ class JointTable:
 
     @kept_property
     def integrated(self) -> Bools:
-        """True for joints whose faces are integrated (contact/faces.py), shape (joints,).
+        """True for joints whose faces are integrated (contact/joints/faces.py), shape (joints,).
 
         Those with a stiffness or a strength per area, but no weld, which gives way to nothing.
         """

@@ -33,8 +33,9 @@ class ContactMemory:
     """What a contact carries from step to step, keyed by (vertex, block of the edge).
 
     Sorted by vertex, then by the block of the edge, then by edge.  At a re-entrant corner one key
-    may hold two rows, told apart by their edge.  Points inside faces (contact/faces.py) come after
-    all vertices; their key is the first vertex of their own edge, the other edge and their number.
+    may hold two rows, told apart by their edge.  Points inside faces (contact/joints/faces.py) come
+    after all vertices; their key is the first vertex of their own edge, the other edge and their
+    number.
     """
 
     vertex: Ints = field(default_factory=_no_ints)

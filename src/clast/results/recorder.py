@@ -291,7 +291,7 @@ class RunRecorder:
         """Return which bolts yielded or broke, and when."""
         if not len(self._model.bolts) or self._state is None:
             return ()
-        from clast.actions.bolt_events import story_of
+        from clast.actions.bolts.bolt_events import story_of
         from clast.results.sampling import own_of_bolts
 
         return story_of(own_of_bolts(self._model, self._state), self._model)

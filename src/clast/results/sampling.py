@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.actions.bolt_states import BoltStates
-from clast.actions.bolts import Bolting
+from clast.actions.bolts.bolt_states import BoltStates
+from clast.actions.bolts.bolts import Bolting
 from clast.actions.relaxation import gone_in
 from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
-from clast.contact.joints import range_of_springs
+from clast.contact.joints.along_joint import range_of_springs
 from clast.errors import ModelError, shortened
 from clast.model.ground_motion import Recorded, highest_frequency
 from clast.model.model import Floats, Model

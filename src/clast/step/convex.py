@@ -28,9 +28,9 @@ import numpy as np
 
 from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
-from clast.contact.bonds import without_bonds
 from clast.contact.clipped_spring import Clipped, Rows, Springs, merged, springs_of
 from clast.contact.contacts import ContactResponse, Contacts
+from clast.contact.joints.bonds import without_bonds
 from clast.contact.laws import ContactLaw, SpringLaw, has_limits
 from clast.errors import StepOutcome
 from clast.linear.reuse import FactorOfStep

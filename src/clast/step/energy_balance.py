@@ -22,7 +22,7 @@ from clast.compute.mat6 import times
 from clast.compute.parallel import Sharing, shared
 from clast.compute.vec6 import plus_product, row, total, zeros
 from clast.contact.contacts import Contacts
-from clast.contact.joints import range_of_springs
+from clast.contact.joints.along_joint import range_of_springs
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger, State
 from clast.step.method import Method, Solved

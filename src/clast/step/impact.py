@@ -30,7 +30,7 @@ import numpy as np
 from clast.block.inertia import BlockFrames
 from clast.compute.jit import kernel
 from clast.contact.contacts import Contacts
-from clast.contact.joints import range_of_springs
+from clast.contact.joints.along_joint import range_of_springs
 from clast.contact.laws import ContactLaw
 from clast.contact.multipliers import has_multipliers
 from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_forces

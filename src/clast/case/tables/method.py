@@ -138,7 +138,7 @@ class MethodTable(Table):
         self, model: Model, *, step: float, max_displacement: float, dynamic_ratio: float = 1.0
     ) -> Method:
         """Return how to simulate; what the table leaves open follows from the model."""
-        from clast.contact.joints import range_of_springs
+        from clast.contact.joints.along_joint import range_of_springs
         from clast.step.method import Method
 
         process = self.build("process")

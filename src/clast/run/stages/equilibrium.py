@@ -29,7 +29,7 @@ import numpy as np
 from clast.actions.relaxation import released_at
 from clast.block import polygon
 from clast.contact.contacts import LOCK, OPEN, SLIDE
-from clast.contact.joints import range_of_springs
+from clast.contact.joints.along_joint import range_of_springs
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.stages.loads import are_constant, factors_in
 from clast.model.stages.motion import is_over

@@ -21,7 +21,7 @@ import numpy as np
 
 from clast.block.polygon import SMALL_ANGLE
 from clast.contact.contacts import ContactResponse, Contacts
-from clast.contact.faces import Places
+from clast.contact.joints.faces import Places
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory
 

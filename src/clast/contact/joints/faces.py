@@ -28,7 +28,7 @@ import numpy as np
 
 from clast.block.polygon import SMALL_ANGLE, vertex_after, vertex_before
 from clast.compute.jit import kernel
-from clast.contact.joints import edge_along, joints_of
+from clast.contact.joints.along_joint import edge_along, joints_of
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory, State, contact_keys
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.actions.bolt_states import BoltStates, untouched
+from clast.actions.bolts.bolt_states import BoltStates, untouched
 from clast.model.model import Floats, Model
 
 MOST = 20

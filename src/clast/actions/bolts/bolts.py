@@ -18,8 +18,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.actions.action import Done, Share, Solution, StepStart, energy_of_springs
-from clast.actions.bolt_events import happened
-from clast.actions.bolt_states import BoltStates, untouched
+from clast.actions.bolts.bolt_events import happened
+from clast.actions.bolts.bolt_states import BoltStates, untouched
 from clast.contact.clipped_spring import Clipped, Springs, table
 from clast.model.bolts import Bolts
 from clast.model.model import Floats, Model
