@@ -272,6 +272,7 @@ def test_doubts_are_warned_of(tmp_path, name):
 
 
 def test_a_sound_record_is_not_warned_of(tmp_path):
-    loaded = Case.from_toml(case_of(tmp_path, 'file = "record.at2"'))
+    # with steps of 1 ms vibrations of its 7.7 Hz would lose 20 % in the record
+    loaded = Case.from_toml(case_of(tmp_path, 'file = "record.at2"'), ["time.step=2e-4"])
     said = [text for text in loaded.examine().warnings if "ground" in text or "record" in text]
     assert said == []
