@@ -15,10 +15,11 @@ from clast.actions.acting import actions_of
 from clast.actions.damping import Motion
 from clast.actions.relaxation import SupportForces
 from clast.model.model import Model
-from clast.model.state import ContactMemory, State
+from clast.model.state import POINTS, ContactMemory, State
 from clast.run.schedule import Schedule
 from clast.run.simulate import RunState
 from clast.run.stages.position import Held, Position
+from clast.run.stages.static_path import OnPath
 from clast.run.watch import Watch
 from clast.step.method import Method
 
@@ -44,15 +45,18 @@ def _faults(run: RunState, model: Model, method: Method, schedule: Schedule) -> 
         if not _own_fits(own, action.begin(model), model):
             yield f"the state of {type(action).__name__} is none that it can have"
     watched = Watch(model=model, method=method).begin(state)
-    for name in ("lowest", "highest"):
+    for name in ("least", "greatest"):
         if getattr(run.seen, name).shape != getattr(watched, name).shape:
             yield "the energies that were seen are not those of a run"
     yield from _of_position(run.position, model, schedule)
+    yield from _of_path(run.path, model)
 
 
 def _of_numbers(run: RunState, schedule: Schedule) -> Iterator[str]:
     """Give what is wrong with the numbers of a run."""
     tally, longest = run.tally, max([schedule.step, *(one.step or 0.0 for one in schedule.stages)])
+    if run.path is not None:  # a pseudo time step has nothing to do with those of the case
+        longest = np.finfo(float).max / 2.0
     if not 0.0 < run.step <= longest * (1.0 + 1e-9) or not 0.0 <= run.taken <= longest * 1.5:
         yield "the length of its step is none of this run"
     if not 0.0 <= run.state.time < np.inf or run.frame < 0:
@@ -94,6 +98,7 @@ def _of_memory(memory: ContactMemory, model: Model) -> Iterator[str]:
         "edge": len(model.vertices),
         "block": model.block_count,
         "mode": MODES,
+        "point": POINTS,
     }
     for name, limit in limits.items():
         if ((arrays[name] < 0) | (arrays[name] >= limit)).any():
@@ -104,7 +109,9 @@ def _of_memory(memory: ContactMemory, model: Model) -> Iterator[str]:
     owner = model.vertex_block
     if (owner[memory.edge] != memory.block).any() or (owner[memory.vertex] == memory.block).any():
         yield "its contacts are between other blocks than they say"
-    order = np.lexsort((memory.edge, memory.block, memory.vertex))
+    inside = memory.point > 0
+    faces = np.where(inside, memory.edge, memory.block), np.where(inside, memory.point, memory.edge)
+    order = np.lexsort((*faces[::-1], memory.vertex, inside))
     if (order != np.arange(len(memory))).any():
         yield "its contacts are out of order"
 
@@ -166,6 +173,20 @@ def _of_position(position: Position | None, model: Model, schedule: Schedule) ->
         yield "its displacements count from other blocks"
     if not _held_fits(position.held, model.block_count):
         yield "its steps in equilibrium are those of other blocks"
+
+
+def _of_path(path: OnPath | None, model: Model) -> Iterator[str]:
+    """Give what is wrong with the place of a static run on its path."""
+    if path is None:
+        return
+    count = model.block_count
+    fits = path.moved.shape in ((0, 2), (count, 2)) and path.missing.shape in ((0, 6), (count, 6))
+    numbers = (path.growth, path.clock, path.reached, path.increment)
+    arrays = (path.moved, path.missing)
+    if not fits or not all(np.isfinite(one).all() for one in arrays):
+        yield "its path of equilibria is that of other blocks"
+    if not np.isfinite(numbers).all() or min(*numbers, path.steps, path.far, path.broken) < 0:
+        yield "the numbers of its path of equilibria are none of a run"
 
 
 def _held_fits(held: Held, blocks: int) -> bool:
