@@ -160,13 +160,13 @@ def test_a_turning_block_keeps_the_pressure_normal(way: tuple[str, str]):
         errors.append(np.abs(found - exact))
         assert_closed(run)
     way_of_it, speed = np.hypot(*exact[:2]), np.hypot(*exact[3:5])
-    # the edge lies as it did at the start of the step: half a step of turning, 1 % at 100 steps
-    assert errors[0][:2].max() < 0.015 * way_of_it
-    assert errors[0][3:5].max() < 0.015 * speed
+    # the edge lies as it does halfway through the step: of second order, 4e-5 at 100 steps
+    assert errors[0][:2].max() < 1e-4 * way_of_it
+    assert errors[0][3:5].max() < 1e-4 * speed
     # the moment does not depend on how the block lies, so that the angle is exact
     assert errors[0][[2, 5]].max() < 1e-6 * exact[2]
     for k in (0, 1, 3, 4):
-        assert errors[1][k] == pytest.approx(0.5 * errors[0][k], rel=0.1)
+        assert errors[1][k] == pytest.approx(0.25 * errors[0][k], rel=0.1)
 
 
 def test_a_pressure_on_a_part_of_an_edge_stays_there():
