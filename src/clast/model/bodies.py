@@ -17,9 +17,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -146,8 +143,21 @@ def _sides(vertices: Floats, block_start: Ints, ground: Ints, tolerance: float) 
 
 def _points(places: Floats, tolerance: float) -> Ints:
     """Return a number for each place (c, 2), m, the same for those that coincide, (c,)."""
-    pairs = cKDTree(places).query_pairs(tolerance, output_type="ndarray")
-    links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(places), len(places)))
+    from scipy.spatial import KDTree  # slow to load
+
+    first, second = KDTree(places).query_pairs(tolerance, output_type="ndarray").T
+    return _joined(first, second, len(places))
+
+
+def _joined(first: Ints, second: Ints, count: int) -> Ints:
+    """Return a number for each of ``count`` things, the same for those that links join, (count,).
+
+    Links (k,) join ``first`` to ``second``.
+    """
+    from scipy.sparse import coo_array  # slow to load
+    from scipy.sparse.csgraph import connected_components
+
+    links = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
     return np.asarray(connected_components(links, directed=False)[1], np.int64)
 
 
@@ -185,10 +195,7 @@ def _bodies(sides: _Sides, count: int) -> Ints:
     """Return which body each of ``count`` blocks belongs to, (n,)."""
     shared = np.flatnonzero(sides.twin >= 0)
     of_side = sides.block_of[sides.edge]
-    links = coo_matrix(
-        (np.ones(len(shared)), (of_side[shared], of_side[sides.twin[shared]])), shape=(count, count)
-    )
-    return np.asarray(connected_components(links, directed=False)[1], np.int64)
+    return _joined(of_side[shared], of_side[sides.twin[shared]], count)
 
 
 # the outlines that are left ---------------------------------------------------------------------
