@@ -254,7 +254,7 @@ def test_doubtful_viscous_boundaries_are_warned_of():
 def test_dashpots_may_begin_with_a_stage(tmp_path):
     """The same bits as from the time at which it begins, also from a case file."""
     stages = [
-        clast.Stage(name="settle", until="time", time=0.1, dynamic_ratio=0.0),
+        clast.Stage(name="swing", until="time", time=0.1),
         clast.Stage(name="quake", until="time", time=0.1),
     ]
     ends = {}
