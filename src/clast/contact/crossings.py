@@ -21,13 +21,14 @@ from clast.block.edge_lists import edges_within, left_to_right
 from clast.block.polygon import ROUND_OFF, depth_inside, vertex_after, vertex_before
 from clast.block.segments import behind, cross, crossing_point, sideways
 from clast.compute.jit import kernel
-from clast.model.model import Floats, Ints
+from clast.contact.memory import lost_contacts
+from clast.model.model import Bools, Floats, Ints
 from clast.model.state import ContactMemory
 
 TAKEN_BACK = 1.01
 """Share of a contact's penetration that must undo a crossing which it accounts for."""
 SHALLOW = 1e-3
-"""Crossings less deep than this are left alone, in units of critdis."""
+"""New crossings less deep than this are left alone, in units of critdis."""
 NEIGHBOUR = 1.5
 """A new crossing less deep than this times what touches one of the blocks anyway is left alone: a
 corner that bears on a surface is below the next block's corner before it comes upon that block."""
@@ -58,13 +59,17 @@ def with_crossings(
 
     ``outlines`` are vertices (nv, 2), directions of edges and the first vertex of each block,
     ``front`` (n,) how far the vertices of each block may have moved in a step, m.  A contact that
-    was closed at the end of the last step goes on where it explains a crossing.  Else the shorter
-    way out of it becomes a contact, if a step's motion or what the pair remembers explains it.
+    was closed at the end of the last step goes on where it explains a crossing, however shallow
+    that is by now: its spring still bears.  Else the shorter way out of it becomes a contact, if a
+    step's motion or what the pair remembers explains it.
     """
     vertex, edge, pair, gap = chosen
     box = polygon.boxes(outlines[0], outlines[2])
     contacts = (vertex, edge, gap, vertex_block)
-    found = unseen(outlines, box, pairs, contacts, pair, TAKEN_BACK, SHALLOW * critdis)
+    lost = lost_contacts(memory, vertex, vertex_block.take(edge))
+    bore = _have(memory, lost, pairs, vertex_block)
+    floor = SHALLOW * critdis
+    found = unseen(outlines, box, pairs, contacts, pair, (TAKEN_BACK, floor), bore)
     if not len(found[0]):
         return chosen
     which, of_pair = np.unique(found[3], return_inverse=True)
@@ -76,13 +81,24 @@ def with_crossings(
     around = NEIGHBOUR * np.maximum(deepest[own], deepest[other])
     limit = np.stack(
         [
-            np.where(depth > 0.0, 0.0, around),
+            np.where(depth > 0.0, floor, np.maximum(around, floor)),
             critdis + front[own] + front[other] + HANDED_ON * depth,
         ],
         axis=1,
     )
     at, of_gap = _ways_out(found, pairs, remembered, limit[of_pair], TAKEN_BACK, outlines)
     return _merged(chosen, at, of_gap)
+
+
+def _have(memory: ContactMemory, rows: Bools, pairs: Ints, vertex_block: Ints) -> Bools:
+    """Return which pairs of blocks have one of some ``rows`` (r,) of the memory, (q,)."""
+    have = np.zeros(len(pairs), np.bool_)
+    if rows.any():
+        width = len(vertex_block)
+        own, other = vertex_block[memory.vertex[rows]], memory.block[rows]
+        key = np.minimum(own, other) * width + np.maximum(own, other)
+        have |= np.isin(pairs[:, 0] * width + pairs[:, 1], key)
+    return have
 
 
 def _remembered(
@@ -304,11 +320,13 @@ def _of_pair(couples, crossed, span, contacts, limits, outlines, room, found):
     """Append the crossings of couples that contacts do not account for; return how many.
 
     ``crossed`` are the first and last + 1 vertex of the pair's blocks and the lower block.
-    ``found`` are there already; what exceeds the ``room`` is counted only.
+    ``limits`` are the share, the depth from which a crossing counts in any pair, and that from
+    which it counts in this one.  ``found`` are there already; what exceeds the ``room`` is counted
+    only.
     """
     vertices, direction, _ = outlines
     bounds, lower = crossed
-    share, floor = limits
+    share, floor, least = limits
     crossing, exits, depths, _ = room
     for k in range(len(couples)):
         a, e = couples[k, 0], couples[k, 1]
@@ -316,7 +334,7 @@ def _of_pair(couples, crossed, span, contacts, limits, outlines, room, found):
         if not cross(a, b, e, f, vertices, 0.0, 0.0):
             continue
         vertex, edge, depth = _exit(a, b, e, f, vertices, direction)
-        if depth <= floor or _is_a_contact(vertex, edge, depth / share, span, contacts):
+        if depth <= least or _is_a_contact(vertex, edge, depth / share, span, contacts):
             continue
         if _is_at_a_corner(a, e, bounds, floor, vertices, direction):
             continue
@@ -340,10 +358,11 @@ def _most_vertices(block_start):
 
 
 @kernel(inline="always")
-def _unseen_of_pairs(outlines, box, pairs, contacts, pair, limits, room):
+def _unseen_of_pairs(outlines, box, pairs, contacts, pair, limits, bore, room):
     """Write the crossings that no contact accounts for into ``room``; return their number."""
     vertices, _, block_start = outlines
-    most, floor = _most_vertices(block_start), limits[1]
+    most = _most_vertices(block_start)
+    share, floor = limits
     listed = np.empty(most, np.int64), np.empty(most, np.int64)
     found, low = 0, 0
     for q in range(len(pairs)):
@@ -354,28 +373,31 @@ def _unseen_of_pairs(outlines, box, pairs, contacts, pair, limits, room):
             high += 1
         i, j = pairs[q, 0], pairs[q, 1]
         window = _window(box, i, j)
+        least = 0.0 if bore[q] else floor
         # what the two share is no thicker than what their boxes share
-        if min(window[2] - window[0], window[3] - window[1]) <= floor:
+        if min(window[2] - window[0], window[3] - window[1]) <= least:
             continue
         before = found
         bounds = block_start[i], block_start[i + 1], block_start[j], block_start[j + 1]
         couples = _couples_within(window, listed, bounds, vertices)
-        crossed, span = (bounds, i), (low, high)
-        found = _of_pair(couples, crossed, span, contacts, limits, outlines, room, found)
+        crossed, span, deep = (bounds, i), (low, high), (share, floor, least)
+        found = _of_pair(couples, crossed, span, contacts, deep, outlines, room, found)
         room[3][before : min(found, len(room[3]))] = q
     return found
 
 
 @kernel()
-def unseen(outlines, box, pairs, contacts, pair, share, floor):
-    """Return the crossings of edges deeper than ``floor``, m, that no contact accounts for.
+def unseen(outlines, box, pairs, contacts, pair, limits, bore):
+    """Return the crossings of edges that no contact accounts for.
 
     Of ``pairs`` (q, 2) of blocks: the two edges, that of the pair's lower block first, (k, 2);
     vertex and edge of the shorter way out, (k, 2); its length, m, and the pair, (k,).
     ``outlines`` are vertices (nv, 2), directions of the
     edges that start there and the first vertex of each block, ``box`` (n, 4) their boxes;
     ``contacts`` vertex, edge and gap (m,), m, in the order of their ``pair`` (m,), and the block of
-    each vertex.  A contact accounts for what ``share`` of its penetration, taken back, undoes.
+    each vertex.  ``limits`` are the share of a contact's penetration that, taken back, undoes what
+    it accounts for, and the depth from which a crossing counts, m; where the pair ``bore`` (q,) by
+    a contact that is no more, any depth does.
     """
     size = 64
     while True:
@@ -385,7 +407,7 @@ def unseen(outlines, box, pairs, contacts, pair, share, floor):
             np.empty(size),
             np.empty(size, np.int64),
         )
-        found = _unseen_of_pairs(outlines, box, pairs, contacts, pair, (share, floor), room)
+        found = _unseen_of_pairs(outlines, box, pairs, contacts, pair, limits, bore, room)
         if found <= size:
             crossing, exits, depth, of_pair = room
             return crossing[:found], exits[:found], depth[:found], of_pair[:found]

@@ -12,7 +12,7 @@ from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.contact.contacts import OPEN, ContactResponse, Contacts
 from clast.contact.joints.bonds import torn
-from clast.model.model import Floats, Ints
+from clast.model.model import Bools, Floats, Ints
 from clast.model.state import ContactMemory
 
 
@@ -128,6 +128,26 @@ def _find_rows(low, high, contacts, known, taken, rows):
                     taken[row] = True
                     break
         start = stop
+
+
+def lost_contacts(memory: ContactMemory, vertex: Ints, block: Ints) -> Bools:
+    """Return which closed contacts of the memory have none of the same vertex and block, (r,).
+
+    ``vertex`` and ``block`` (m,) are those of the contacts of now.
+    """
+    lost = memory.gap < 0.0
+    count = 1 + max(int(vertex.max(initial=-1)), int(memory.vertex.max(initial=-1)))
+    _take_off(vertex, block, _first_rows(memory.vertex, count), memory.block, lost)
+    return lost
+
+
+@kernel()
+def _take_off(vertex, block, start, memory_block, lost):
+    """Write False into the rows whose vertex and block are those of a contact (m,)."""
+    for c in range(len(vertex)):
+        for row in range(start[vertex[c]], start[vertex[c] + 1]):
+            if memory_block[row] == block[c]:
+                lost[row] = False
 
 
 # the penetration of each pair ------------------------------------------------------------------
