@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import clast
-from clast.actions.damping import Adaptive, Kinetic, Rayleigh
+from clast.actions.damping import Adaptive, Kinetic, Rayleigh, Undamped
 from clast.contact.laws import AugmentedLagrangian, Penalty
+from clast.model.ground_motion import highest_frequency
 from clast.model.model import Model
 from clast.run.method_warnings import method_warnings
 from clast.run.schedule import Schedule
@@ -147,6 +148,38 @@ def test_the_ledger_closes_with_bolts_supports_loads_and_damping(damping):
     whole = np.ptp(held(run.energy)) + np.abs(run.energy["gravity"]).max()
     assert abs(run.energy["unaccounted"][-1]) < 1e-8 * whole
     assert run.energy["numerical"].min() > -1e-6 * whole
+
+
+@pytest.mark.parametrize(
+    ("time", "value", "frequency"),
+    [
+        ([0.0, 0.2], [0.0, 1.0], 0.0),
+        ([0.0, 0.002], [0.0, 1.0], 0.0),
+        ([0.0, 0.2, 0.4, 1.0], [0.0, 0.25, 0.42, 1.0], 0.0),
+        (np.linspace(0.0, 1.0, 201), np.sin(40.0 * np.pi * np.linspace(0.0, 1.0, 201)), 20.0),
+    ],
+    ids=["ramp", "quick ramp", "ramp in parts", "vibration"],
+)
+def test_a_ramp_has_no_frequency(time, value, frequency):
+    """Repeated for ever it would be the tooth of a saw; it is not."""
+    values = np.array(value)[:, None]
+    assert highest_frequency(np.array(time), values) == pytest.approx(frequency)
+    # none of them has more to tell on top of a ramp that is 20 times as high
+    ramp = 20.0 * np.array(time)[:, None] / time[-1]
+    assert highest_frequency(np.array(time), values + ramp) == 0.0
+
+
+def test_steps_damp_nothing_that_is_brought_to_rest_anyway():
+    """Warned of is a load that swings where the blocks may swing."""
+    found, time = builder(), np.linspace(0.0, 1.0, 401)
+    found.block(name="base", vertices=[(0, 0), (2, 0), (2, 1), (0, 1)])
+    found.add_table("push", time, np.sin(40.0 * np.pi * time))
+    found.point_load((0.0, 1.0), force=(5e4, 0.0), block="base", factor="push")
+    model, schedule = found.build(), Schedule(step=2e-3, end=1.0, every=1.0)
+    for damping, told in ((Undamped(), True), (Rayleigh(mass=1.0), True), (Adaptive(), False)):
+        how = replace(method(model, scheme=ConstantAcceleration()), damping=damping)
+        found = method_warnings(model, how, schedule)
+        assert any("table 'push' has frequencies" in text for text in found) is told
 
 
 def test_check_warns_where_steps_damp_a_record():

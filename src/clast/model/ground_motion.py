@@ -29,8 +29,9 @@ SAMPLES = 2**16
 def highest_frequency(time: Floats, values: Floats) -> float:
     """Return the frequency, Hz, below which 95 % of the power of a record about its mean is.
 
-    ``time`` (k,), s, rises; ``values`` (k, c) are linear between, in any unit.  0 for a record that
-    does not change.
+    ``time`` (k,), s, rises; ``values`` (k, c) are linear between, in any unit.  What leads straight
+    from the first value to the last counts as of no frequency: a ramp, which a spectrum would take
+    for the tooth of a saw.  0 for a record that does not change.
     """
     apart = np.diff(time)
     apart = apart[apart > 0.0]
@@ -38,11 +39,13 @@ def highest_frequency(time: Floats, values: Floats) -> float:
         return 0.0
     length = float(time[-1] - time[0])
     count = int(min(SAMPLES, max(16.0, np.ceil(length / float(np.median(apart))))))
-    even = time[0] + length / count * np.arange(count)
+    share = np.arange(count) / count
     power = np.zeros(count // 2 + 1)
     for component in values.T:
-        sampled = np.interp(even, time, component)
-        power += np.abs(np.fft.rfft(sampled - sampled.mean())) ** 2
+        ramp = (component[-1] - component[0]) * share
+        about = np.interp(time[0] + length * share, time, component) - component[0] - ramp
+        power += np.abs(np.fft.rfft(about - about.mean())) ** 2
+        power[0] += 0.5 * count * np.sum((ramp - ramp.mean()) ** 2)
     whole = np.cumsum(power)
     if not whole[-1] > 0.0:
         return 0.0

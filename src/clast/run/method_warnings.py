@@ -249,9 +249,7 @@ def _wave_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator
     A motion of frequency w loses exp(-(theta + alpha - 1) w2 h t/2) of its height, with alpha the
     place in the step at which forces are taken: exp(-w2 h t/4) by constant acceleration.
     """
-    stages = [stage.dynamic_ratio for stage in schedule.stages]
-    ratios = [method.dynamic_ratio if one is None else one for one in stages]
-    if max(ratios, default=method.dynamic_ratio) < 1.0:
+    if not _swings(method, schedule):
         return
     integrator = method.integrator
     loss = 0.5 * (integrator.theta + forces_at(integrator) - 1.0)
@@ -278,6 +276,19 @@ def _wave_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator
                 f'method.integrator = "midpoint", which damps none, or lower time.step to '
                 f"{shorter:.2g}"
             )
+
+
+def _swings(method: Method, schedule: Schedule) -> bool:
+    """Return whether blocks swing in any stage: they keep their velocity, undamped or by Rayleigh.
+
+    Adaptive and kinetic damping bring them to rest, whatever the time steps take.
+    """
+    ways = [(stage.dynamic_ratio, stage.damping) for stage in schedule.stages] or [(None, None)]
+    for ratio, damping in ways:
+        carried = method.dynamic_ratio if ratio is None else ratio
+        if carried >= 1.0 and not isinstance(damping or method.damping, Adaptive | Kinetic):
+            return True
+    return False
 
 
 def own_frequency(model: Model) -> float:
