@@ -4,6 +4,7 @@ from __future__ import annotations
 
 SLOPE = """\
 # Bedding that dips out of a slope: dry it stands; when water rises in its joints, cables hold it.
+# Plane failure on the lowest bed (Hoek & Bray): F = 1.12 dry, 0.88 wet, 1.05 wet with pretension.
 # What to change:
 #   bolt = []                  nothing holds the beds: they slide when the water comes
 #   water.line                 [[0,15],[26,6]], a lower level: no cables are needed
