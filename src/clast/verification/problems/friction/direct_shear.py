@@ -20,7 +20,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import KnownFailure, Outcome, Problem, relative
+from clast.verification.problem import Outcome, Problem, relative
 from clast.verification.variants import (
     CONVEX,
     CONVEX_MULTIPLIERS,
@@ -45,21 +45,19 @@ SHARES = (0.5, 0.9, 0.99, 0.999, 1.001, 1.01, 1.1)
 """Shear forces applied, as shares of the peak."""
 FEW = (0.5, 0.999, 1.001, 1.1)
 """The same where time is short."""
-STEP, DURATION = 3e-4, 0.06
-LOADED_AT_ONCE = (
-    "the shear spring, four times as stiff with four solves, has its share while the normal force "
-    "is still coming: between 0.99 and 0.999 of the peak the bond breaks on the way"
-)
-"""Why multipliers that start anew in every step break a bond too early."""
+STEP, RAMP, DURATION = 3e-4, 0.015, 0.06
+"""Step, time in which the pull comes on, after the pressure, as in a test, and end, s."""
 
 
 def sheared_block(force: float = PEAK) -> Model:
     """Return a flat block on a fixed one, pressed down and pulled by ``force``, N/m, at its foot.
 
-    Pulled at its foot it has no tendency to tilt, so both its corners carry the same.
+    Pulled at its foot it has no tendency to tilt, and with Poisson's ratio 0 the pressure does not
+    stretch it along the joint: shear is the same all over the joint, whose bonds break where it is
+    largest.
     """
     builder = ModelBuilder(title="Direct shear", gravity=(0.0, -GRAVITY))
-    builder.add_rock("granite", young=50e9, poisson=0.2, density=DENSITY)
+    builder.add_rock("granite", young=50e9, poisson=0.0, density=DENSITY)
     builder.add_joint(
         "default", friction_angle=FRICTION_ANGLE, cohesion=COHESION, residual_cohesion=0.0
     )
@@ -67,7 +65,8 @@ def sheared_block(force: float = PEAK) -> Model:
     corners = [(0, 0), (LENGTH, 0), (LENGTH, HEIGHT), (0, HEIGHT)]
     builder.block(name="block", vertices=corners)
     builder.line_load((0, HEIGHT), (LENGTH, HEIGHT), (0.0, -PRESSURE))
-    builder.point_load((0.5 * LENGTH, 0.0), (force, 0.0), block="block")
+    pull = builder.add_table("pull", [0.0, RAMP], [0.0, 1.0])
+    builder.point_load((0.5 * LENGTH, 0.0), (force, 0.0), block="block", factor=pull)
     return builder.build()
 
 
@@ -88,7 +87,7 @@ def examine(shares: tuple[float, ...], variant: Variant) -> Outcome:
     peak = 0.5 * (largest_held + smallest_slipped) * PEAK
     rows = (
         relative("peak", "N/m", peak, PEAK, 1e-3, "bracketed by forces of 0.999 and 1.001 of it"),
-        relative("residual", "N/m", carried[-1], RESIDUAL, 1e-5, "at rest but for the slip"),
+        relative("residual", "N/m", carried[-1], RESIDUAL, 2e-5, "inertia tilts it by 2e-5 rad"),
         relative("force carried at half the peak", "N/m", carried[0], 0.5 * PEAK, 1e-5, "at rest"),
     )
     chart = Chart(
@@ -111,8 +110,8 @@ PROBLEM = Problem(
     name="direct-shear",
     title="Direct shear of a joint with cohesion",
     text="A block of 1 m x 0.1 m under a pressure of 0.1 MPa is pulled along a fixed one with "
-    "seven forces up to 1.1 times the peak; phi = 30 degrees, c = 40 kPa, p = 0.2 GPa, h = 0.3 ms, "
-    "static (dynamic_ratio = 0).",
+    "seven forces up to 1.1 times the peak; phi = 30 degrees, c = 40 kPa, nu = 0, p = 0.2 GPa, "
+    "h = 0.3 ms, static (dynamic_ratio = 0).",
     formula="peak N tan phi + c A, residual N tan phi",
     source="Coulomb",
     set_up=sheared_block,
@@ -120,8 +119,4 @@ PROBLEM = Problem(
     examine_briefly=partial(examine, FEW),
     variants=(LAGGED, EULER, OPEN_CLOSE, MULTIPLIERS, CONVEX, CONVEX_MULTIPLIERS),
     quick=(CONVEX,),
-    known_failures=(
-        KnownFailure(variant=MULTIPLIERS, quantity="peak", reason=LOADED_AT_ONCE),
-        KnownFailure(variant=CONVEX_MULTIPLIERS, quantity="peak", reason=LOADED_AT_ONCE),
-    ),
 )
