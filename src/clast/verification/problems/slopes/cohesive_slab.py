@@ -36,7 +36,7 @@ from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY = 9.8, 2500.0
 DIP, FRICTION = np.radians(40.0), np.tan(np.radians(30.0))
-LENGTH, HEIGHT = 12.0, 1.2
+LENGTH, HEIGHT = 12.0, 0.75
 """Length of the slab along the plane and its height across it, m."""
 WEIGHT = DENSITY * GRAVITY * LENGTH * HEIGHT
 FACTOR = 1.3
@@ -202,7 +202,7 @@ def examine(cuts: tuple[tuple[int, int], ...], variant: Variant) -> Outcome:
 PROBLEM = Problem(
     name="cohesive-slab",
     title="Plane failure and two wedges with the cohesion of their joints",
-    text="A slab of 12 m x 1.2 m on a plane of 40 degrees, phi = 30 degrees, c for F = 1.3, with "
+    text="A slab of 12 m x 0.75 m on a plane of 40 degrees, phi = 30 degrees, c for F = 1.3, with "
     "the plane in 1 to 12 pieces and the slab in 1 to 6; p = 2 GPa, h = 2 ms static "
     "(dynamic_ratio = 0), h = 1 ms with inertia. Two wedges on planes of 50 and 5 degrees, "
     "phi = 25 degrees, c = 5 kPa; p = 0.5 GPa, h = 8 ms. The factor by which the "
