@@ -43,8 +43,9 @@ def stack(heights: tuple[float, ...] = (1.0, 2.0, 1.5), width: float = 2.0) -> c
 
 
 def at_rest(builder: clast.ModelBuilder, way: tuple[str, str], **keys: float) -> clast.Run:
-    # the springs of the modified process follow from the step, and it takes as many to settle
-    usual = {"end": 0.6, "step": 1e-3} if way[0] == "modified" else {"end": 0.3, "step": 2e-3}
+    # springs of the other processes follow from the step, and it takes as many to settle
+    soft = way[0] != "convex"
+    usual = {"end": 0.6, "step": 1e-3} if soft else {"end": 0.3, "step": 2e-3}
     return clast.simulate(
         builder, process=way[0], contact_law=way[1], dynamic_ratio=0.0, **{**usual, **keys}
     )
