@@ -105,15 +105,20 @@ def roof(wedge: Wedge = FEW[1]) -> Model:
 
 
 def pulled(wedge: Wedge, variant: Variant) -> tuple[Floats, Floats]:
-    """Return load, N/m, and how far the wedge has sunk, m, after every step, (k,) each."""
+    """Return load, N/m, and how far the wedge has sunk, m, under every load, (k,) each.
+
+    Time waits in convex static steps until a load is in balance, whose last step counts.
+    """
     model = roof(wedge)
     method = variant.method(
         model, normal_stiffness=NORMAL, max_displacement=0.02, dynamic_ratio=0.0
     )
     end = STEP * (STEPS + 1)
     history = simulate(model, method, Schedule(step=STEP, end=end, every=end)).history("wedge")
-    share = FURTHER * (history.time[1:] - STEP) / (STEP * STEPS)
-    return share * wedge.exact()[0], -history.displacement[1:, 1]
+    last = np.append(np.diff(history.time) > 0.0, True)
+    last[0] = False
+    share = FURTHER * (history.time[last] - STEP) / (STEP * STEPS)
+    return share * wedge.exact()[0], -history.displacement[last, 1]
 
 
 def pull_out(wedge: Wedge, load: Floats, sunk: Floats) -> int:
