@@ -39,6 +39,9 @@ STIFFNESSES = (1e9, 1e8)
 """p at which sag and thrust are compared, N/m per m."""
 STEP, STEPS, LONG = 2e-2, 400, 1500
 """Step, s; steps of a beam that is far from snapping through, and of one that may be near it."""
+FAR = 0.05
+"""max_displacement near the limit, m: the beam sags by 0.21 m before it snaps through, and ten
+static steps of a fifth of this without balance are a failure."""
 SPAN, BISECTIONS = 0.08, 4
 """Half of what is searched about the exact p at snap-through, as a share of it; bisections."""
 STIFF = "the rock is not rigid: E = 1e13 Pa"
@@ -121,7 +124,7 @@ def holds(stiffness: float, variant: Variant) -> bool:
         normal_stiffness=stiffness,
         step=STEP,
         steps=LONG,
-        max_displacement=0.02,
+        max_displacement=FAR,
     )
     return moving < AT_REST
 
