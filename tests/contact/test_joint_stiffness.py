@@ -133,13 +133,15 @@ def test_a_joint_closes_by_stress_over_stiffness(process, law):
 
 @pytest.mark.parametrize("process", PROCESSES)
 def test_a_joint_slips_by_shear_stress_over_stiffness(process):
-    run = squeezed(process, LAWS["penalty"], force=(5e5, -2e6))
+    # so little that the side which the moment relieves does not slide yet
+    run = squeezed(process, LAWS["penalty"], force=(1e5, -2e6))
     along, across = run.history("A").displacement[-1]
     # the push acts above the joint, which it turns the block on: half a block up
     angle = run.history("A").rotation[-1]
     lever = angle * 0.5
     assert across + 0.25 * angle**2 == pytest.approx(-2e6 / NORMAL, rel=1e-4)
-    assert along + lever == pytest.approx(5e5 / SHEAR, rel=1e-3)
+    # the shear force is along the faces, one of which has turned: it bears a part of the weight
+    assert 1e5 < SHEAR * (along + lever) < 1e5 + 2e6 * abs(angle)
 
 
 def test_forces_by_closure_are_stiffness_by_length_to_round_off():
