@@ -324,7 +324,7 @@ def array_of(written: Any, *keys: str) -> str:
         (("run", "state", "memory", "mode"), lambda a: a + 7, "a mode that does not exist"),
         (("run", "state", "memory", "gap"), lambda a: a[1:], "as many numbers each"),
         (("run", "state", "memory", "bonded"), lambda a: a * 1.0, "does not say what it should"),
-        (("run", "seen", "lowest"), lambda a: a[:2], "energies that were seen"),
+        (("run", "seen", "least"), lambda a: a[:2], "energies that were seen"),
     ],
 )
 def test_arrays_must_fit_to_the_model(
