@@ -136,7 +136,8 @@ def test_blocks_without_weight_collide():
     assert sum(result.counts.get("interior", 0) for result in results) > 0
     stored = [result.state.ledger.stored for result in results]
     assert 0.0 < stored[-1] < stored[0]
-    assert max(result.penetration for result in results) < 1e-3
+    # 1.08 mm: contacts that close slowly wait for what strikes next (decision 69)
+    assert max(result.penetration for result in results) < 1.2e-3
 
 
 # --- its formulas, spring by spring --------------------------------------------------------

@@ -93,8 +93,9 @@ def test_a_dry_joint_that_is_pressed_keeps_the_energy_of_waves():
     found.point_load((3.0, 0.5), force=(-1e5, 0.0), block="b2")
     model = found.build()
     settled = ran(model, replace(method(model), dynamic_ratio=0.0), 2e-3, 0.4)
-    moving = replace(settled.final, velocity=np.zeros_like(model.velocity))
-    moving.velocity[2, 0] = 1e-3
+    velocity = np.zeros_like(model.velocity)
+    velocity[2, 0] = 1e-3
+    moving = replace(settled.final, velocity=velocity)
     assert moving.memory.normal_force.min() > 0.0
     now = moving
     how, energies = method(model), []
