@@ -37,7 +37,7 @@ def rock_mass(
     found = cut(Domain(boundary=boundary), sets=sets, seed=seed, **more)
     builder = clast.ModelBuilder(gravity=(0.0, -gravity))
     builder.add_rock("rock", young=young, poisson=0.25, density=2700.0)
-    builder.add_joint("default", friction_angle=60.0, cohesion=1e8)
+    builder.add_joint("default", friction_angle=60.0, cohesion=1e8, tensile_strength=1e8)
     builder.blocks(vertices=found.vertices, start=found.block_start)
     builder.in_situ = stress
     return builder
