@@ -437,9 +437,11 @@ class _March:
         if position is not None:
             stages = self.course.all_records(position, state)
             said = (*said, *self.course.warnings(position))
-        elif self.now.path is not None and self.now.path.failure is not None:
-            said = (*said, failure_warning(self.now.path.failure))
-        warnings = *said, *watch.warnings(seen, state, self.now.taken)
+        taken = self.now.taken
+        if position is None and self.now.path is not None and self.now.path.failure is not None:
+            # that its blocks still move has then been said
+            said, taken = (*said, failure_warning(self.now.path.failure)), 0.0
+        warnings = *said, *watch.warnings(seen, state, taken)
         if self.touching is not None:
             warnings += law_check.warnings_of(method.contact_law, self.touching)
         return Report(
