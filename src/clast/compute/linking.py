@@ -7,6 +7,7 @@ are never called from Python: the time to compile all of them falls by half wher
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 from llvmlite.binding import Linkage
@@ -95,8 +96,15 @@ class Kernel(CPUDispatcher):
 
     def __init__(self, py_func: Any, locals: Any = None, targetoptions: Any = None) -> None:
         super().__init__(py_func, locals, targetoptions)
-        taken_in = {**(targetoptions or {}), "no_cpython_wrapper": True}
-        self.taken_in = CPUDispatcher(py_func, locals, taken_in)
+        self._given = py_func, locals, {**(targetoptions or {}), "no_cpython_wrapper": True}
+
+    @cached_property
+    def taken_in(self) -> Any:
+        """What other kernels call, made when the first of them is compiled.
+
+        Of a kernel that is found on disk nobody needs it.
+        """
+        return CPUDispatcher(*self._given)
 
     def typeof_pyval(self, val: Any) -> Any:
         """Return the type of what Python hands over.

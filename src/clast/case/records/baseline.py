@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable
 
 import numpy as np
-from scipy.signal import butter, detrend, sosfiltfilt
 
 from clast.case.records.conversion import Samples
 from clast.errors import CaseError
@@ -44,6 +43,8 @@ def _as_it_is(samples: Samples) -> Floats:
 
 def _straightened(samples: Samples) -> Floats:
     """Return accelerations without the straight line that fits them best (least squares)."""
+    from scipy.signal import detrend  # takes two seconds to load, and few cases need it
+
     _check_even(samples)
     return np.asarray(detrend(samples.acceleration, axis=0, type="linear"))
 
@@ -55,6 +56,8 @@ def _highpassed(samples: Samples, corner: float) -> Floats:
     no shift of phase.  Before its first and after its last instant the record is continued by its
     mirror image, for as long as the filter remembers.
     """
+    from scipy.signal import butter, sosfiltfilt
+
     _check_even(samples)
     count, interval = len(samples.acceleration), samples.interval
     if not 1.0 / (count * interval) <= corner < 0.5 / interval:

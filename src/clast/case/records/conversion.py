@@ -20,7 +20,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from clast.errors import CaseError
 from clast.model.ground_motion import Accelerogram
@@ -89,6 +88,8 @@ def from_displacement(time: Floats, values: Floats) -> Samples:
     Displacements count from the first.  The spline begins with no velocity and ends with no
     acceleration.
     """
+    from scipy.interpolate import CubicSpline  # slow to load, and few cases need it
+
     spline = CubicSpline(
         time,
         values - values[0],
