@@ -23,4 +23,4 @@ def good(*arguments: object) -> str:
 def without_compilation(stderr: str) -> str:
     """Return what a command says but for what it compiles, which depends on what ran before."""
     lines = stderr.splitlines(keepends=True)
-    return "".join(line for line in lines if not line.startswith(("compiling, ", "compiled ")))
+    return "".join(line for line in lines if not line.startswith(("compiling ", "compiled ")))

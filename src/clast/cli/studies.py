@@ -10,7 +10,7 @@ import typer
 from clast.cli.exit_codes import MISSED
 from clast.cli.options import AsJson, Threads, make_folder, words
 from clast.cli.tables import print_benchmark, verification_table
-from clast.cli.terminal import json_text, print_json, print_table, status
+from clast.cli.terminal import compiling, json_text, print_json, print_table, status
 from clast.errors import CaseError
 
 
@@ -135,13 +135,22 @@ def bench(
         print_benchmark(measured)
 
 
-def warmup(threads: Threads = None) -> None:
+def warmup(
+    threads: Threads = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(min=1, help="Processes that compile; one for each core if absent."),
+    ] = None,
+    first: Annotated[
+        bool, typer.Option("--first", help="Compile only what the case of the incline needs.")
+    ] = False,
+) -> None:
     """Compile ahead of the first run what cases need, by as many threads as they will run."""
     from time import perf_counter
 
     from clast.studies.warmup import warm_up
 
     start = perf_counter()
-    with status() as say:
-        warm_up(say)
+    with compiling() as watch:
+        warm_up(watch, workers=workers, of=("first",) if first else ("first", "others"))
     typer.echo(f"kernels are ready after {perf_counter() - start:.1f} s")

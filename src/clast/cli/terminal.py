@@ -66,6 +66,33 @@ def status() -> Iterator[Callable[[str], None]]:
             yield show
 
 
+@contextmanager
+def compiling() -> Iterator[Callable[[str, float], None]]:
+    """Give a function that shows how much has been compiled, and what last: a bar and its time.
+
+    Where there is no terminal, a line that says what is waited for.
+    """
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        say("compiling, once after installation, by all cores: a minute or two")
+        yield lambda _text, _share: None
+        return
+    columns = BarColumn(bar_width=24), TextColumn("{task.percentage:>3.0f}%"), TimeElapsedColumn()
+    with Progress(
+        *columns, TextColumn("{task.description}"), console=console, transient=True
+    ) as bar:
+        task = bar.add_task("compiling, once after installation", total=1.0)
+
+        def show(what: str, share: float) -> None:
+            text = f"compiling, once after installation; last {what}"
+            bar.update(task, completed=share, description=text)
+
+        yield show
+
+
 def print_json(content: Any) -> None:
     """Print JSON; numbers that JSON does not know become null."""
     typer.echo(json_text(content))

@@ -1,7 +1,7 @@
 """How far a run is, and what is being compiled for it, on the terminal.
 
 Where there is no terminal (a pipe, a file) nothing is said of a run; of compilation, which takes
-long but only once, a line for each part of the method.
+long but only once, one line when it begins and one when it is over.
 
 What a run warns of reaches whoever started it, each warning once.  A script that names no function
 for it gets Python's own warnings, of the category ``clast.RunWarning``.
@@ -141,23 +141,31 @@ def compilation_text(module: str) -> str:
     )
 
 
+WAITING = (
+    "compiling what this needs, once after installation: a minute or so; "
+    "`clast warmup` does it ahead for all cases, by all cores"
+)
+"""What a run that meets a kernel not compiled yet says it waits for."""
+
+
 @contextmanager
 def compilation_told(say: Callable[[str], None]) -> Iterator[None]:
-    """Call ``say`` with a line for each part of the method when it is compiled first, and the end.
+    """Call ``say`` once with what is waited for when something is compiled, and once at the end.
 
     The lines are for where nothing can be replaced: pipes and files.
     """
-    said: set[str] = set()
+    waits = False
     kernels, seconds = COMPILATION.kernels, COMPILATION.seconds
 
     def tell(module: str | None) -> None:
-        if module is not None and _part(module) not in said:
-            said.add(_part(module))
-            say(compilation_text(module))
+        nonlocal waits
+        if module is not None and not waits:
+            waits = True
+            say(WAITING)
 
     with COMPILATION.telling(tell):
         yield
-    if said:
+    if waits:
         count, spent = COMPILATION.kernels - kernels, COMPILATION.seconds - seconds
         say(f"compiled {count} kernels in {spent:.1f} s; later runs find them on disk")
 

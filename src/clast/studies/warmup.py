@@ -1,26 +1,32 @@
-"""Compiles ahead of the first run what cases need: each process, law, rule and solver is tried.
+"""Compiles ahead of the first run what cases need, by as many processes as there are cores.
 
-What all have in common is compiled first, then two processes work side by side: one at what else
-the convex process needs, with larger models, and one at the other processes.  What they compile
-differs, and both find the rest on disk.
+What Python calls is listed (compute/roots.py), and each kernel of the list can be compiled by
+itself.  Those of one file use the same others and are compiled by one process, unless a file is so
+large that the rest would wait for it.  What takes longest begins first.
+
+The list is made of what a few runs call, ``TRIALS``: each process, law, rule and solver once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
+import os
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 
 from clast.case.case_file import Case
 from clast.case.templates import INCLINE
+from clast.compute.roots import Root, TypingError, listed, statements
 from clast.linear.solvers import PCG
 from clast.run.simulate import simulate
 from clast.studies.bench.scenes import SCENES
 from clast.studies.bench.settings import Settings, method_for, schedule_of
 
-Watch = Callable[[str], None]
-"""Called with what is going on."""
+Watch = Callable[[str, float], None]
+"""Called with what has been compiled last, and how much of all that is, 0 to 1."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +67,8 @@ class Larger:
 
 Trial = SmallCase | Larger
 
-FIRST: tuple[Trial, ...] = (SmallCase("convex", ("method.process=convex",)),)
+FIRST: tuple[Trial, ...] = (SmallCase("convex", ("method.process=convex", "time.end=0.5")),)
+"""What the first case of all needs."""
 CONVEX: tuple[Trial, ...] = (
     Larger(title="conjugate gradients", settings=Settings(steps=1), solver=PCG()),
     Larger(title="coarse system", settings=Settings(steps=1), solver=PCG(plain=0)),
@@ -92,24 +99,89 @@ OTHERS: tuple[Trial, ...] = (
             "method.rotation=linear",
         ),
     ),
+    SmallCase("impacts", ("geometry.blocks.2.velocity=[-1.0,-1.0,0.0]",)),
     SmallCase("Shi's entrance lines", ("method.corner_rule=shi", "method.solver=cholesky")),
 )
 
 
-def warm_up(watch: Watch = lambda _: None) -> None:
-    """Compile what cases need, as far as it is not on disk."""
-    run_trials(FIRST, watch)
+TRIALS: tuple[Trial, ...] = (*CONVEX, *OTHERS)
+"""What others need beside it."""
+
+
+def warm_up(
+    watch: Watch = lambda _text, _share: None,
+    *,
+    workers: int | None = None,
+    of: Sequence[str] = ("first", "others"),
+) -> None:
+    """Compile what cases need, as far as it is not on disk, by so many ``workers``.
+
+    One for each core if not given.  ``of`` are parts of the list: "first" is what the incline
+    needs.
+    """
+    roots = listed()
+    jobs = shared_out([root for part in of for root in roots[part]], workers or cores())
+    whole, over = sum(job.weight for job in jobs), 0
     # a forked process would have the threads of this one, but not their locks
-    with ProcessPoolExecutor(max_workers=1, mp_context=get_context("spawn")) as helper:
-        others = helper.submit(run_trials, OTHERS)
-        run_trials(CONVEX, watch)
-        watch("the other processes of a step")
-        others.result()
+    with ProcessPoolExecutor(workers or cores(), mp_context=get_context("spawn")) as pool:
+        going_on = {pool.submit(job.compile): job for job in jobs}
+        for ended in as_completed(going_on):
+            ended.result()
+            over += going_on[ended].weight
+            watch(going_on[ended].title, over / whole)
 
 
-def run_trials(trials: Sequence[Trial], watch: Watch | None = None) -> None:
+def cores() -> int:
+    """Return how many cores this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not everywhere
+        return os.cpu_count() or 1
+
+
+@dataclass(frozen=True)
+class Job:
+    """Kernels that one process compiles."""
+
+    roots: tuple[Root, ...]
+    """The kernels."""
+    weight: int
+    """Statements that are compiled."""
+
+    @property
+    def title(self) -> str:
+        """What they are for."""
+        return self.roots[0].module.removeprefix("clast.").replace(".", "/")
+
+    def compile(self) -> None:
+        """Compile them, or find them on disk.
+
+        One that the list has wrong, after a change of its arguments, is left to whoever needs it.
+        """
+        for root in self.roots:
+            with suppress(LookupError, TypingError):
+                root.compile()
+
+
+def shared_out(roots: Iterable[Root], workers: int) -> list[Job]:
+    """Return what is compiled together, the largest first.
+
+    A file that has more than half of what a process has to do is taken apart.
+    """
+    known = [root for root in roots if root.is_there]
+    files: dict[str, list[tuple[Root, int]]] = defaultdict(list)
+    for root, weight in zip(known, statements(*(one.kernel() for one in known)), strict=True):
+        files[root.module].append((root, weight))
+    fair = sum(weight for own in files.values() for _, weight in own) / (2 * workers)
+    jobs = []
+    for own in files.values():
+        whole = sum(weight for _, weight in own)
+        parts = [[one] for one in own] if whole > fair else [own]
+        jobs += [Job(tuple(r for r, _ in part), sum(w for _, w in part)) for part in parts]
+    return sorted(jobs, key=lambda job: -job.weight)
+
+
+def run_trials(trials: Sequence[Trial]) -> None:
     """Simulate one trial after the other."""
-    for number, trial in enumerate(trials, start=1):
-        if watch is not None:
-            watch(f"{trial.title} ({number} of {len(trials)})")
+    for trial in trials:
         trial.run()

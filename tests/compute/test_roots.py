@@ -1,0 +1,106 @@
+"""The list of kernels that are compiled ahead, and how much there is to compile."""
+
+from __future__ import annotations
+
+import inspect
+
+import numpy as np
+import pytest
+from numba.core import types
+
+from clast.case.case_file import Case
+from clast.case.templates import INCLINE
+from clast.compute.jit import kernel
+from clast.compute.roots import Root, called, listed, statements, text_of, types_of
+from clast.studies.warmup import shared_out
+
+ROOTS = [root for roots in listed().values() for root in roots]
+LARGEST = {
+    "minimise_each": 1700,
+    "candidates_of_parts_loop": 730,
+    "_arranged": 730,
+    "with_fill": 620,
+    "factor": 430,
+}
+"""Statements that are compiled for the five largest kernels, at most: each takes some 20 ms."""
+
+
+@pytest.mark.parametrize("root", ROOTS, ids=lambda root: f"{root.module}.{root.name}")
+def test_what_is_listed_is_there_and_takes_as_many_arguments(root: Root):
+    arguments = inspect.signature(root.kernel().py_func).parameters
+    assert len(types_of(root.types)) == len(arguments), "python tools/compile_cost.py --write"
+
+
+def test_what_the_first_case_calls_is_listed():
+    Case.from_toml(INCLINE, ["time.end=0.003"]).run()
+    known = {(root.module, root.name) for root in ROOTS}
+    convex = [one for one in called() if one.module.startswith("clast.minimise")]
+    assert convex
+    assert {(one.module, one.name) for one in convex} <= known
+
+
+def test_no_kernel_is_larger_than_it_was():
+    """More than this makes the first run wait longer: python tools/compile_cost.py --count."""
+    numbers = statements(*(root.kernel() for root in ROOTS))
+    count = {root.name: number for root, number in zip(ROOTS, numbers, strict=True)}
+    largest = sorted(count, key=lambda name: -count[name])[: len(LARGEST)]
+    assert set(largest) <= set(LARGEST)
+    assert {name: count[name] for name in LARGEST if count[name] > LARGEST[name]} == {}
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        (types.int64, types.boolean, types.float32, types.none),
+        (types.Array(types.float64, 2, "C"), types.Array(types.int64, 1, "A")),
+        (types.Tuple((types.Array(types.boolean, 1, "C"), types.int64)), types.float64),
+        (types.UniTuple(types.float64, 3),),
+        (types.Tuple((types.Tuple((types.int64, types.float64)), types.float64)),),
+    ],
+)
+def test_types_are_read_as_they_are_written(given):
+    assert types_of(text_of(given)) == given
+
+
+@pytest.mark.parametrize("text", ["float64", "(complex, )", "(float64[2](), )"])
+def test_what_is_no_type_is_refused(text: str):
+    with pytest.raises(ValueError, match="no type"):
+        types_of(text)
+
+
+def test_types_that_cannot_be_written_are_said():
+    with pytest.raises(TypeError, match="no way to be written"):
+        text_of((types.unicode_type,))
+
+
+@kernel()
+def own(x):
+    return x[0]
+
+
+@kernel(inline="always")
+def taken_in(x):
+    return x[0]
+
+
+@kernel()
+def calls(x):
+    y = own(x) + own(x)
+    return y + taken_in(x) + taken_in(x)
+
+
+def test_statements_of_kernels_that_are_called_count():
+    assert statements(own, calls) == [3, 3 + 3 + 2 * 3]  # own: def, return, x[0]
+    assert calls(np.ones(1)) == 4.0
+
+
+def test_work_is_shared_out_the_largest_first_and_nothing_is_lost():
+    gone = Root("clast.block.polygon", "no_such_kernel", "(int64, )")
+    for workers in (1, 2, 8):
+        jobs = shared_out([*ROOTS, gone], workers)
+        assert sorted(root.name for job in jobs for root in job.roots) == sorted(
+            root.name for root in ROOTS
+        )
+        weights = [job.weight for job in jobs]
+        assert weights == sorted(weights, reverse=True)
+        assert all(len({root.module for root in job.roots}) == 1 for job in jobs)
