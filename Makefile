@@ -3,11 +3,13 @@
 #   PYTHON       the interpreter the environment is made from (3.11 or newer)
 #   WORKERS      processes for the tests
 #   PORT         port on which docs-serve shows the documentation site
+#   SINCE        branch or commit since which test-changed looks for changes
 #   PYTEST_ARGS  further arguments for pytest, for example PYTEST_ARGS="-k incline"
 
 PYTHON ?= python3
 WORKERS ?= 2
 PYTEST_ARGS ?=
+SINCE ?= main
 PORT ?= 8000
 
 VENV := .venv
@@ -16,18 +18,23 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help env env-test env-docs demo paper verify docs docs-serve reference test test-fast format lint types layers check build clean distclean
+.PHONY: help env env-test env-docs demo paper verify docs docs-serve reference warm test test-system test-long test-changed test-ci test-release compile-cost mutations format lint types layers check build clean distclean
 
 help:
-	@echo "make env        make .venv and install clast in it"
+	@echo "make env        make .venv, install clast in it and compile its kernels"
+	@echo "make warm       compile the kernels, by all cores, as far as they are not on disk"
 	@echo "make demo       run, verify and draw the block on an incline"
 	@echo "make paper      repeat the paper's studies and write docs/paper.md (some minutes)"
 	@echo "make verify     run all verification problems and write docs/verification.md (minutes)"
 	@echo "make docs       build the documentation site into build/site"
 	@echo "make docs-serve builds it and shows it on http://127.0.0.1:8000, with its search"
 	@echo "make reference  write docs/reference/case-file.md from the models of the case file"
-	@echo "make test       run all tests"
-	@echo "make test-fast  run the tests that are not marked slow"
+	@echo "make test       run the core tests: each formula, kernel and refusal (minutes)"
+	@echo "make test-system, test-long   run whole runs; killed runs, threads, cold caches"
+	@echo "make test-changed   run core tests of what changed since main, and of what uses it"
+	@echo "make test-ci    run what CI runs; make test-release runs every test there is"
+	@echo "make compile-cost   measure what each kernel costs to compile (minutes)"
+	@echo "make mutations  look whether core tests see a wrong sign (an hour)"
 	@echo "make format     format the code and sort its imports"
 	@echo "make lint       check format and style (ruff)"
 	@echo "make types      check types (mypy)"
@@ -69,7 +76,16 @@ $(VENV)/.stamp-env-docs: pyproject.toml constraints.txt | $(BIN)/pip
 	@$(PIP) install --quiet -c constraints.txt -e '.[plot,docs]'
 	@touch $@ $(VENV)/.stamp-env
 
-env: $(VENV)/.stamp-env
+# Compiled once by as many processes as there are cores; a stamp is as old as the kernels' files.
+KERNELS := $(shell find src/clast -name '*.py' -not -path '*/cli/*' -not -path '*/verification/*')
+
+$(VENV)/.stamp-warm: $(VENV)/.stamp-env $(KERNELS)
+	@$(BIN)/clast warmup
+	@touch $@
+
+env: $(VENV)/.stamp-env $(VENV)/.stamp-warm
+
+warm: $(VENV)/.stamp-warm
 
 env-test: $(VENV)/.stamp-env-test
 
@@ -77,15 +93,18 @@ env-docs: $(VENV)/.stamp-env-docs
 
 # --- trying --------------------------------------------------------------------------------
 
-demo: env
+demo: $(VENV)/.stamp-env
 	@mkdir -p build
-	@echo "Running cases/incline.toml (the first run compiles for some seconds)"
+	@$(BIN)/clast warmup --first
+	@echo "Running cases/incline.toml"
 	@$(BIN)/clast run cases/incline.toml -o build/incline.vtkhdf
 	@echo "Wrote build/incline.vtkhdf (opens in ParaView)"
 	@echo "Comparing with the closed-form answer"
 	@$(BIN)/clast verify incline --quick
 	@$(BIN)/clast plot build/incline.vtkhdf -o build/incline.png
 	@echo "Wrote build/incline.png"
+	@echo "Compiling what other cases need (this may be interrupted)"
+	@$(MAKE) --no-print-directory warm
 
 paper: env
 	@echo "Running the paper's studies (some minutes)"
@@ -115,11 +134,34 @@ reference: env
 
 # --- testing and checking ------------------------------------------------------------------
 
-test: env-test
-	@$(BIN)/python -m pytest -n $(WORKERS) --durations=10 $(PYTEST_ARGS)
+# Which tests belong to which tier: tests/scenes/tiers.py.  A file goes to one process, which makes
+# the fixtures of a module once.
+PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile
 
-test-fast: env-test
-	@$(BIN)/python -m pytest -n $(WORKERS) -m "not slow" $(PYTEST_ARGS)
+test: env-test
+	@$(PYTEST) -m core $(PYTEST_ARGS)
+
+test-system: env-test
+	@$(PYTEST) -m system $(PYTEST_ARGS)
+
+test-long: env-test
+	@$(PYTEST) -m long $(PYTEST_ARGS)
+
+test-changed: env-test
+	@$(BIN)/python tools/changed_tests.py $(SINCE) -- -n $(WORKERS) --dist loadfile $(PYTEST_ARGS)
+
+# what .ci/run does: every tier, of the long one a tenth; one closing line for all
+test-ci: env-test
+	@$(PYTEST) --no-loadscope-reorder --long-one-in 10 --durations=10 $(PYTEST_ARGS)
+
+test-release: env-test
+	@$(PYTEST) --no-loadscope-reorder --undrawn --durations=20 $(PYTEST_ARGS)
+
+compile-cost: $(VENV)/.stamp-env
+	@$(BIN)/python tools/compile_cost.py
+
+mutations: env-test
+	@$(BIN)/python tools/mutations.py
 
 format: env-test
 	@$(BIN)/ruff check --fix --select I .

@@ -79,6 +79,7 @@ def test_a_weight_hangs_on_it(process: str, stiffness: float, law_name: str):
     assert_closed(run)
 
 
+@pytest.mark.slow
 @every_process
 def test_it_swings_and_the_energy_is_explained(process: str, stiffness: float):
     """A box that falls into its bolt sinks to 2 W/s and comes back: x = W/s (1 - cos w t)."""
@@ -97,6 +98,7 @@ def test_it_swings_and_the_energy_is_explained(process: str, stiffness: float):
     assert_closed(run)
 
 
+@pytest.mark.slow
 @every_process
 def test_it_yields_and_unloads_along_the_elastic_line(process: str, stiffness: float):
     """Thrown down with v the box is stopped by a force Fy at last; then it swings elastically."""
@@ -117,6 +119,7 @@ def test_it_yields_and_unloads_along_the_elastic_line(process: str, stiffness: f
     assert_closed(run)
 
 
+@pytest.mark.slow
 @every_process
 def test_it_breaks_for_good_and_the_box_flies_free(process: str, stiffness: float):
     """Thrown faster than its energy at rupture bears, it goes on with what is left of it."""
@@ -155,6 +158,7 @@ def test_initial_pretension_changes_with_movement(process: str, stiffness: float
         assert_closed(run)
 
 
+@pytest.mark.slow
 @every_process
 def test_a_jack_holds_the_force_until_it_is_locked(process: str, stiffness: float):
     """Under T0 > W the box rises with (T0 - W)/m; locked, the bolt goes on from T0."""
@@ -171,6 +175,7 @@ def test_a_jack_holds_the_force_until_it_is_locked(process: str, stiffness: floa
     assert_closed(run)
 
 
+@pytest.mark.slow
 @every_process
 def test_turning_about_each_other(process: str, stiffness: float):
     """Two boxes on a bolt go round: its force is that of the centripetal acceleration m w^2 r."""
@@ -213,6 +218,7 @@ def settled(builder: clast.ModelBuilder, installed: bool) -> clast.Run:
     return clast.simulate(model, end=1.0, step=1e-2, dynamic_ratio=0.0)
 
 
+@pytest.mark.slow
 def test_installed_after_settling_it_carries_nothing():
     """Before the bolt is there the box comes to rest on a floor; then nothing moves any more."""
     builder = with_bolt(hung())
@@ -299,6 +305,7 @@ def test_a_cable_bears_no_compression_a_bar_does(process: str, stiffness: float)
         assert_closed(run)
 
 
+@pytest.mark.slow
 def test_the_same_bits_by_one_and_by_two_threads():
     """900 blocks in a wall, so many that threads share them, with a bolt along every fifth row."""
     import numba

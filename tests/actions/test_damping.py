@@ -20,6 +20,7 @@ from clast.step.convex import Convex
 from clast.step.method import StepResult
 from clast.step.modified import Modified
 from clast.step.open_close import OpenClose
+from scenes.tiers import pairwise
 
 PROCESSES = {"modified": Modified(), "open-close": OpenClose(), "convex": Convex()}
 LAWS = {"penalty": Penalty(1e8), "augmented": AugmentedLagrangian(1e8, solves=2)}
@@ -59,6 +60,7 @@ def test_mass_damping_slows_a_flight_exponentially(name: str):
     assert_closed(run)
 
 
+@pytest.mark.slow
 def test_mass_damping_limits_the_speed_of_a_fall():
     model = system([box(0, 0)])
     run = run_of(model, 1e-2, 4.0, damping=Rayleigh(mass=3.0))
@@ -73,6 +75,7 @@ def test_free_flight_is_left_alone(damping: object):
     np.testing.assert_allclose(run.final.velocity[0, :3], plain.final.velocity[0, :3], rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_stiffness_damping_by_the_frequency():
     """A block that breathes with w loses exp(-s w^2 t/2) of its amplitude by the damping."""
     builder = clast.ModelBuilder(gravity=(0.0, 0.0))
@@ -91,9 +94,7 @@ def test_stiffness_damping_by_the_frequency():
     assert ratio == pytest.approx(np.exp(-amount * square * end), rel=0.01)
 
 
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("name", PROCESSES)
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("law", "name", "kind"), pairwise(LAWS, PROCESSES, KINDS))
 def test_the_ledger_is_closed(kind: str, name: str, law: str):
     changes = {"damping": KINDS[kind], "process": PROCESSES[name], "contact_law": LAWS[law]}
     run = run_of(stack(), 5e-4, 0.05, **changes)
@@ -114,6 +115,7 @@ def rest(model: Model, damping: object, stiffness: float, end: float) -> tuple[f
     return float(time[np.flatnonzero(kinetic > 1e-3 * kinetic.max())[-1]]), run
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [Adaptive(), Kinetic()])
 def test_a_stack_comes_to_rest_sooner_and_where_it_belongs(damping: object):
     late, _ = rest(stack(), Undamped(), 1e8, 0.2)

@@ -130,6 +130,7 @@ def swinging(*actions: object, friction_angle: float = 0.0) -> clast.ModelBuilde
 PROCESSES = [("modified", 2e7), ("open-close", 2e7), ("convex", 1e9)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("process", "stiffness"), PROCESSES)
 def test_a_spring_of_ones_own_swings(process: str, stiffness: float):
     """The box slides without friction as a mass on a spring: x = v/w sin(w t)."""
@@ -169,6 +170,7 @@ def test_a_force_of_ones_own_pushes(process: str, stiffness: float):
     assert done == pytest.approx(run.report.ledger.loads, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("process", "stiffness"), PROCESSES)
 def test_a_spring_between_two_blocks(process: str, stiffness: float):
     """Boxes that touch nothing of each other swing about their common centre, x = v/w sin(w t)."""

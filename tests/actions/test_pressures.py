@@ -149,6 +149,7 @@ def integrated() -> Floats:
     return solve_ivp(rates, (0.0, END), start, rtol=1e-11, atol=1e-13).y[:, -1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 def test_a_turning_block_keeps_the_pressure_normal(way: tuple[str, str]):
     exact = integrated()

@@ -95,6 +95,7 @@ def test_a_wave_from_below_moves_the_surface_twice_as_far(way: tuple[str, str]):
     assert_closed(run)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 def test_what_springs_bear_stays_when_dashpots_begin(way: tuple[str, str]):
     moved = {}
@@ -125,6 +126,7 @@ def test_what_springs_bear_stays_when_dashpots_begin(way: tuple[str, str]):
     assert moved["none"] > 0.01
 
 
+@pytest.mark.slow
 def test_in_situ_stress_stays_on_viscous_edges():
     for plane in (clast.PlaneStress(), clast.PlaneStrain()):
         builder = column(rock(9.8, plane=plane), 4)

@@ -188,6 +188,7 @@ def test_a_joint_that_opens_keeps_its_water_or_loses_it(wetted: str, length: flo
 # What contacts bear beside it ---------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", SETTLING)
 def test_contacts_bear_the_effective_stress(way: tuple[str, str]):
     """With water round the stack and in its joints, weight above less what that displaces."""
@@ -202,6 +203,7 @@ def test_contacts_bear_the_effective_stress(way: tuple[str, str]):
     assert_closed(run)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", SETTLING)
 def test_water_in_joints_alone_lifts_by_its_pressure(way: tuple[str, str]):
     builder = stack()
@@ -214,6 +216,7 @@ def test_water_in_joints_alone_lifts_by_its_pressure(way: tuple[str, str]):
     assert_closed(run)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", SETTLING)
 def test_water_rises_by_a_table(way: tuple[str, str]):
     builder = stack((1.0,))
@@ -226,6 +229,7 @@ def test_water_rises_by_a_table(way: tuple[str, str]):
     assert_closed(run)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 def test_a_block_falls_through_water_at_its_reduced_weight(way: tuple[str, str]):
     builder = builder_of()
@@ -238,6 +242,7 @@ def test_a_block_falls_through_water_at_its_reduced_weight(way: tuple[str, str])
     assert_closed(run)
 
 
+@pytest.mark.slow
 def test_a_floating_block_bobs_with_its_period():
     """w2 = rho_w g B/m; the force of a step is that of its start, which adds h w2/4 a second."""
     builder = clast.ModelBuilder(gravity=(0.0, -GRAVITY))
@@ -284,6 +289,7 @@ def test_uplift_under_a_dam_falls_to_its_drain(drain: float):
     assert moment == pytest.approx(force * drain / 3.0, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", SETTLING)
 def test_the_base_of_a_dam_bears_its_weight_less_the_uplift(way: tuple[str, str]):
     builder = builder_of()

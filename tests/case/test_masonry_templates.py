@@ -83,6 +83,7 @@ def test_a_column_stands_for_less_than_breadth_over_height(push, stands):
     assert (abs(run.history("top").displacement[-1, 0]) < 1e-3) == stands
 
 
+@pytest.mark.slow
 def test_dominoes_topple_one_after_the_other():
     run = Case.from_toml(dominoes(count=3), ["time.step=2e-3"]).run()
     turned = np.array([run.block(f"brick {k}").rotation for k in (1, 2, 3)])
@@ -91,6 +92,7 @@ def test_dominoes_topple_one_after_the_other():
     assert (turned[:, -1] < -0.9).all()
 
 
+@pytest.mark.slow
 def test_a_brick_that_is_pushed_too_slowly_falls_back():
     text = dominoes(count=2)
     least = float(re.search(r"slower than ([\d.]+) rad/s", text)[1])

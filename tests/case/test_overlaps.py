@@ -148,6 +148,7 @@ def test_two_blocks_that_touch_to_round_off():
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
 def test_what_overlaps_is_found(place):
     """Cells moved a little into their neighbours: found where the oracle finds a common area."""
@@ -239,6 +240,7 @@ def test_an_overlap_that_no_contact_leaves_is_refused_by_the_run():
         simulate(stiff.model(), stiff.method(), stiff.schedule())
 
 
+@pytest.mark.slow
 def test_the_overlaps_of_a_moving_heap_are_explained():
     case = Case.from_toml(heap(2, 3), ["time.end=0.5"])
     deepest = []

@@ -98,6 +98,7 @@ def test_a_case_file_of_a_builder_gives_the_same_model_to_the_bit(tmp_path):
     assert bytes_of(Case.from_toml(again).model()) == bytes_of(builder.build())
 
 
+@pytest.mark.slow
 def test_many_blocks_come_back_to_the_bit():
     rng = np.random.default_rng(1)
     count = 3000
@@ -156,6 +157,7 @@ def test_defaults_follow_from_the_model():
     assert two_bricks().case(end=1e-4).time.step == 1e-4
 
 
+@pytest.mark.slow
 def test_a_run_and_its_file_have_the_same_picture(tmp_path):
     pytest.importorskip("matplotlib")
     file = tmp_path / "a.vtkhdf"
@@ -171,6 +173,7 @@ def test_a_run_and_its_file_have_the_same_picture(tmp_path):
     assert pictures[0] == pictures[1] == pictures[2]
 
 
+@pytest.mark.slow
 def test_parts_of_the_package_are_there_without_importing_them():
     code = "import clast; assert clast.studies.compare; assert callable(clast.simulate)"
     subprocess.run([sys.executable, "-c", code], check=True)

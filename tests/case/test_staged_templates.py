@@ -15,6 +15,7 @@ def outcomes(run):
     return {one.name: one.outcome for one in run.stages}
 
 
+@pytest.mark.slow
 def test_cables_hold_the_slope_when_water_comes():
     run = Case.from_toml(SLOPE).run()
     assert set(outcomes(run).values()) == {"equilibrium"}
@@ -22,17 +23,20 @@ def test_cables_hold_the_slope_when_water_comes():
     assert np.hypot(*run.history("crest").displacement[-1]) < 2e-4
 
 
+@pytest.mark.slow
 def test_without_cables_the_slope_stands_dry_and_slides_wet():
     run = Case.from_toml(SLOPE, ["bolt=[]"]).run()
     assert outcomes(run) == {"dry": "equilibrium", "cables": "equilibrium", "water": "moving"}
     assert np.hypot(*run.history("crest").displacement[-1]) > 0.02
 
 
+@pytest.mark.slow
 def test_a_lower_level_of_water_needs_no_cables():
     run = Case.from_toml(SLOPE, ["bolt=[]", "water.1.line=[[0,15],[26,6]]"]).run()
     assert set(outcomes(run).values()) == {"equilibrium"}
 
 
+@pytest.mark.slow
 def test_bolts_hold_the_wall_of_the_tunnel():
     run = Case.from_toml(TUNNEL).run()
     assert outcomes(run)["settled"] == outcomes(run)["support"] == "equilibrium"
@@ -40,6 +44,7 @@ def test_bolts_hold_the_wall_of_the_tunnel():
     assert np.hypot(*run.field("displacement")[-1].T).max() < 2e-3
 
 
+@pytest.mark.slow
 def test_without_bolts_a_block_of_the_tunnel_comes_loose():
     run = Case.from_toml(TUNNEL, ["bolt_pattern=[]", "stage.3.time=0.2"]).run()
     assert outcomes(run)["support"] == "moving"
@@ -62,6 +67,7 @@ def test_the_ground_of_the_shaken_wall_ends_where_it_began(peak, frequency):
     assert record.velocity(at)[0] == pytest.approx(highest, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scale", "least", "most"), [(1.0, 2e-3, 0.05), (2.0, 0.2, 0.6)])
 def test_the_shaken_wall_cracks_and_twice_as_strong_a_pier_comes_apart(scale, least, most):
     settings = [f"ground_motion.scale={scale}", "time.step=4e-3"]

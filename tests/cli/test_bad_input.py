@@ -1,6 +1,7 @@
 """Bad input ends with exit code 2 and one message that names place and remedy; nothing is written.
 
-Every case is run with an existing result file as its output, which must stay as it is.
+Those that go through the command have an existing result file as its output, which must stay as it
+is.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typer.testing import CliRunner
 from clast.case import templates
 from clast.cli.commands import app
 from scenes.command_line import without_compilation
+from scenes.refusals import refusal, some_of
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 INCLINE = templates.INCLINE.replace(
@@ -23,17 +25,21 @@ CONTROL = {chr(code) for code in range(32)} - {"\n"}
 OLD_RESULT = HDF5_SIGNATURE + b"an older result"
 
 
-def refused(folder: Path, text: str, *options: str) -> str:
+def refused(folder: Path, text: str) -> str:
     """Run a bad case; return the message after checking what every refusal has in common."""
     case, output = folder / "case.toml", folder / "out.vtkhdf"
     case.write_text(text, encoding="utf-8")
     output.write_bytes(OLD_RESULT)
-    result = CliRunner().invoke(app, ["run", str(case), "-o", str(output), *options])
+    result = CliRunner().invoke(app, ["run", str(case), "-o", str(output)])
     assert result.exit_code == 2, result.output
     assert output.read_bytes() == OLD_RESULT
     assert sorted(path.name for path in folder.iterdir()) == ["case.toml", "out.vtkhdf"]
     assert result.stdout == ""
-    message = result.stderr
+    return is_a_refusal(result.stderr, folder)
+
+
+def is_a_refusal(message: str, folder: Path) -> str:
+    """Return a message after checking what every refusal has in common."""
     assert message.startswith("error: ")
     assert str(folder) in message or "/dev/" in message
     assert len(message) < 4000, "what is echoed of the input is shortened"
@@ -241,6 +247,16 @@ TEXTS = {
 @pytest.mark.parametrize("name", TEXTS)
 def test_bad_case(name, tmp_path):
     text, phrases = TEXTS[name]
+    case = tmp_path / "case.toml"
+    case.write_text(text, encoding="utf-8")
+    message = is_a_refusal(refusal(case), tmp_path)
+    for phrase in phrases:
+        assert phrase in message
+
+
+@pytest.mark.parametrize("name", some_of(TEXTS, 4))
+def test_bad_case_of_a_command(name, tmp_path):
+    text, phrases = TEXTS[name]
     message = refused(tmp_path, text)
     for phrase in phrases:
         assert phrase in message
@@ -274,12 +290,11 @@ def test_several_faults_are_said_at_once(tmp_path):
 def test_settings_that_cannot_be(tmp_path, setting, phrase):
     case = tmp_path / "case.toml"
     case.write_text(INCLINE, encoding="utf-8")
-    result = CliRunner().invoke(app, ["check", str(case), "--set", setting])
-    assert result.exit_code == 2, result.exception
-    assert phrase in result.stderr
-    assert "\n  " in result.stderr
-    assert len(result.stderr) < 1500
-    assert not set(result.stderr) & CONTROL
+    message = refusal(case, settings=(setting,))
+    assert phrase in message
+    assert "\n  " in message
+    assert len(message) < 1500
+    assert not set(message) & CONTROL
 
 
 def test_bad_setting(tmp_path):
@@ -377,8 +392,8 @@ def test_bad_records(name, tmp_path):
     (tmp_path / "record.csv").write_text(content, encoding="utf-8")
     case = tmp_path / "case.toml"
     case.write_text(INCLINE + RECORD.format("record.csv"), encoding="utf-8")
-    message = run_with(case, tmp_path / "out.vtkhdf")
-    assert len(message) < 1000
+    message = refusal(case)
+    assert len(message) < 1000 and "\n  " in message
     for phrase in phrases:
         assert phrase in message
 

@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from clast.case.case_file import Case
 from clast.cli.commands import app
 from scenes.cut_cases import TUNNEL, TWO_SETS, WALL
+from scenes.refusals import refusal, some_of
 
 BEDDING = 'name = "bedding"\njoint = "bedding"\nangle = 10.0\n'
 LOGNORMAL = '{distribution = "lognormal", mean = 2.0, std = 0.3}'
@@ -297,12 +299,23 @@ BROKEN: dict[str, tuple[str, list[str]]] = {
 @pytest.mark.parametrize("name", BROKEN)
 def test_what_cannot_be_cut_is_refused_in_words(name: str, tmp_path: Path):
     text, words = BROKEN[name]
+    case = tmp_path / "case.toml"
+    case.write_text(text, encoding="utf-8")
+    is_one_message(refusal(case, Case.cut), case, words)
+
+
+@pytest.mark.parametrize("name", some_of(BROKEN, 3))
+def test_the_command_says_so_and_writes_nothing(name: str, tmp_path: Path):
+    text, words = BROKEN[name]
     case, output = tmp_path / "case.toml", tmp_path / "blocks.npz"
     case.write_text(text, encoding="utf-8")
     result = CliRunner().invoke(app, ["cut", str(case), "-o", str(output)])
     assert result.exit_code == 2, result.output
     assert not output.exists() and result.stdout == ""
-    message = result.stderr
+    is_one_message(result.stderr, case, words)
+
+
+def is_one_message(message: str, case: Path, words: list[str]) -> None:
     assert message.startswith(f"error: {case}: ") and message.count("error: ") == 1, message
     assert "\n  " in message, "every message offers a remedy"
     assert "Traceback" not in message and "pydantic" not in message and "<" not in message

@@ -10,6 +10,7 @@ import pytest
 
 from scenes.command_line import clast_command, good
 from scenes.records import at2_text
+from scenes.refusals import refusal, some_of
 
 CASE = """
 schema = 1
@@ -362,6 +363,19 @@ def is_one_message(message: str, words: tuple[str, ...]) -> None:
 
 @pytest.mark.parametrize("name", BROKEN)
 def test_what_cannot_be_meant_is_refused_in_words(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    text, words = BROKEN[name]
+    monkeypatch.chdir(tmp_path)
+    Path("case.toml").write_text(text, encoding="utf-8")
+    records(tmp_path)
+    before = sorted(tmp_path.iterdir())
+    is_one_message(refusal(Path("case.toml")), ("case.toml: ", *words))
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("name", some_of(BROKEN, 3))
+def test_the_commands_say_so_and_write_nothing(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     text, words = BROKEN[name]

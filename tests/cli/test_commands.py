@@ -238,6 +238,7 @@ print(COMPILATION.kernels)
 """
 
 
+@pytest.mark.slow
 def test_after_a_warmup_nothing_is_left_to_compile():
     assert "kernels are ready" in good("warmup")
     done = run_python("-c", AFTER_A_WARMUP)
@@ -279,18 +280,21 @@ def run_python(*arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
 def test_version_as_a_module():
     done = run_python("-m", "clast", "--version")
     assert done.returncode == 0
     assert done.stdout.strip() == f"clast {clast.__version__}"
 
 
+@pytest.mark.slow
 def test_errors_as_a_module(tmp_path):
     done = run_python("-m", "clast", "run", str(tmp_path / "nothing.toml"))
     assert done.returncode == 2
     assert done.stderr.startswith("error: ")
 
 
+@pytest.mark.slow
 def test_help_starts_without_loading_anything_heavy():
     code = (
         "import sys, clast.cli.commands; "
@@ -301,6 +305,7 @@ def test_help_starts_without_loading_anything_heavy():
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_help_is_printed_without_rich():
     code = (
         "import atexit, sys; from clast.cli.commands import main; sys.argv = ['clast', '--help'];"
@@ -344,6 +349,7 @@ def test_status_line():
     assert text == "t 0.5 of 2 s  step 0.001 s  42 contacts  0.001 s/s  0:25:00 left"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="sends a signal")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_signals_end_a_run_and_keep_its_results(incline, number):
@@ -369,6 +375,7 @@ def test_signals_end_a_run_and_keep_its_results(incline, number):
     assert results.times[-1] == results.steps["time"][-1] > 0.0
 
 
+@pytest.mark.slow
 def test_threads_are_asked_for_and_change_nothing(incline, tmp_path):
     """The kernels of the process that runs the case take their number from the option."""
     found = []

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import numba
+import pytest
 
 from clast.block import polygon
 from clast.compute import jit as compiled
@@ -67,6 +68,7 @@ def test_kernels_are_kept_there_and_numbas_own_setting_is_left_alone():
     assert numba.config.CACHE_DIR == os.environ.get("NUMBA_CACHE_DIR", "")
 
 
+@pytest.mark.slow
 def test_the_users_folder_comes_first(tmp_path):
     assert cache_path(NUMBA_CACHE_DIR=str(tmp_path)).startswith(str(tmp_path))
 
@@ -85,6 +87,7 @@ assert "scipy.linalg" in sys.modules
 """
 
 
+@pytest.mark.slow
 def test_scipy_is_asked_for_a_blas_only_by_kernels_that_need_one():
     """It takes a quarter of a second to import; a plugin's np.dot must work all the same."""
     done = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True)

@@ -70,6 +70,7 @@ def files_in(folder: Path) -> list[str]:
     return sorted(file.name.split(".")[1].split("-")[0] for file in folder.rglob("*.nbi"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threads", [1, 2])
 def test_what_kernels_call_is_kept_within_them(threads: int, tmp_path: Path) -> None:
     script = tmp_path / "script.py"

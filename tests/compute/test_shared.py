@@ -56,6 +56,7 @@ def test_a_loop_keeps_the_name_and_words_of_its_body():
     assert add.py_func.__module__ == __name__
 
 
+@pytest.mark.slow
 def test_the_same_by_several_threads():
     """The same tests in a process that has two, where this one has one."""
     if BY_THREADS:

@@ -62,6 +62,7 @@ def test_corners_that_meet_point_to_point_hold_nothing():
 # --- an arch under its own weight ----------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("process", [Modified(passes=4), Convex()], ids=["modified", "convex"])
 @pytest.mark.parametrize("noise", [0.0, 1e-9, 1e-7])
 def test_arch_does_not_fall_through_itself(noise, process):

@@ -199,6 +199,7 @@ def test_block_inside_another_is_found():
     assert found.area == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_soft_wheel_gains_nothing_from_vertex_to_vertex():
     """Contacts come up and go deep inside; what is new there must not begin stretched."""
     floor = box(-2, -1, 8.0)

@@ -69,6 +69,7 @@ def encounters_of_corners(count):
         yield wedge([0.0, 0.0], towards[0], openings[0]), wedge(tip, towards[1], openings[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", RULES)
 def test_corners_are_in_contact_where_both_entrance_lines_are_passed(rule):
     """From all directions and at all depths: one contact, with the shortest way out, or none."""
@@ -139,6 +140,7 @@ def test_wall_stands(process):
     assert run.drift < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0, 1e-9, 1e-7])
 def test_arch_does_not_fall_through_itself(noise):
     how = method(process=Convex(), corner_rule=RULES["shi"])

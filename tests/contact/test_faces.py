@@ -76,6 +76,7 @@ def bent(parts=1, **how):
 STIFF = {"normal_stiffness": K, "shear_stiffness": K}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("process", PROCESSES)
 @pytest.mark.parametrize("parts", [1, 3])
 def test_a_joint_turns_by_twelve_times_the_moment(process, parts):
@@ -89,6 +90,7 @@ def test_a_joint_turns_by_twelve_times_the_moment(process, parts):
     assert closure == pytest.approx(force / (K * HEIGHT), rel=3e-2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("parts", [1, 2, 10])
 @pytest.mark.parametrize("share", [0.2, 0.25, 1 / 3, 0.4])
 def test_a_face_that_has_opened_in_part_turns_as_its_rest_does(share, parts):
@@ -100,6 +102,7 @@ def test_a_face_that_has_opened_in_part_turns_as_its_rest_does(share, parts):
     assert turn == pytest.approx(2.0 * force / (K * length**2), rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("parts", [1, 4])
 @pytest.mark.parametrize(("share", "opens"), [(0.99, False), (1.01, True)])
 def test_a_face_opens_at_the_kern(parts, share, opens):
@@ -120,6 +123,7 @@ def is_whole(run):
     return bool(memory.bonded.all()) and len(memory) > 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("parts", [1, 4])
 @pytest.mark.parametrize("springs", BONDS)
 @pytest.mark.parametrize(("share", "holds"), [(0.99, True), (1.01, False)])
@@ -131,6 +135,7 @@ def test_a_bonded_beam_breaks_as_beam_theory_says(parts, springs, share, holds):
     assert (float(np.abs(run.history("tip").rotation[-1])) < 1e-3) == holds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("parts", [1, 3])
 @pytest.mark.parametrize(("share", "holds"), [(0.99, True), (1.01, False)])
 def test_a_bonded_beam_is_pulled_off_at_its_strength(parts, share, holds):
@@ -139,6 +144,7 @@ def test_a_bonded_beam_is_pulled_off_at_its_strength(parts, share, holds):
     assert run.state.memory.bonded.any() == holds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("process", ["modified", "open-close"])
 @pytest.mark.parametrize(("share", "holds"), [(0.98, True), (1.02, False)])
 def test_other_processes_break_it_as_well(process, share, holds):
@@ -148,12 +154,14 @@ def test_other_processes_break_it_as_well(process, share, holds):
     assert is_whole(run) == holds
 
 
+@pytest.mark.slow
 def test_multipliers_do_not_take_the_bending_away():
     force, moment = 2e5, 2e3
     turn, _ = bent(force=force, moment=moment, method={"contact_law": MULTIPLIERS}, **STIFF)
     assert turn == pytest.approx(12.0 * moment / (K * HEIGHT**3), rel=2e-3)
 
 
+@pytest.mark.slow
 def test_nothing_hangs_on_directions_or_on_the_order_of_blocks():
     how = {"force": 2e5, "moment": 2.5e4, "steps": 60, **STIFF}
     one, _ = bent(2, **how)

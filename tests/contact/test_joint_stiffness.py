@@ -122,6 +122,7 @@ def squeezed(process, law, force=(0.0, -2e6), end=0.2):
     return case.run(progress=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("process", PROCESSES)
 def test_a_joint_closes_by_stress_over_stiffness(process, law):
@@ -131,6 +132,7 @@ def test_a_joint_closes_by_stress_over_stiffness(process, law):
     assert closure == pytest.approx(2e6 / NORMAL + 2e6 / (4.0 * YOUNG), rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("process", PROCESSES)
 def test_a_joint_slips_by_shear_stress_over_stiffness(process):
     # so little that the side which the moment relieves does not slide yet
@@ -144,6 +146,7 @@ def test_a_joint_slips_by_shear_stress_over_stiffness(process):
     assert 1e5 < SHEAR * (along + lever) < 1e5 + 2e6 * abs(angle)
 
 
+@pytest.mark.slow
 def test_forces_by_closure_are_stiffness_by_length_to_round_off():
     memory = squeezed("convex", LAWS["penalty"]).state.memory
     closure = -memory.gap[memory.normal_force > 0.0]
@@ -151,6 +154,7 @@ def test_forces_by_closure_are_stiffness_by_length_to_round_off():
     assert memory.normal_force.sum() / closure.mean() == pytest.approx(NORMAL, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("process", PROCESSES)
 def test_the_ledger_stays_closed_where_lengths_of_contact_change(process):
     """A block slides off a ledge, tilts over its edge and falls: its springs keep changing."""

@@ -208,6 +208,7 @@ def test_each_island_begins_from_its_best_start():
     assert chosen == {0, 1, 2}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.1, 10.0])
 def test_going_on_without_finished_islands_gives_the_same_steps(share):
     def run(most):
@@ -235,6 +236,7 @@ def test_blocks_in_flight_fall_exactly():
     assert last.velocity[flying, 2:] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_large_walls_take_far_fewer_iterations():
     """2,026 and 2,226 bricks that gravity comes upon: a third to half of the iterations are saved.
 

@@ -68,6 +68,7 @@ def test_every_flipped_bit_is_noticed(good: Path, tmp_path: Path):
             read_results(path)
 
 
+@pytest.mark.slow
 def test_what_is_not_read_is_not_checked_in_a_large_file(tmp_path: Path):
     path = tmp_path / "out.vtkhdf"
     record(three_blocks(), path, steps=1600)
@@ -98,6 +99,7 @@ print(len(kept))
 """
 
 
+@pytest.mark.slow
 def test_a_process_that_keeps_the_errors_ends_well(good: Path, tmp_path: Path):
     """HDF5 would call Python, which is gone, for a file that an error has kept open."""
     whole, paths = good.read_bytes(), []

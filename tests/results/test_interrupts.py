@@ -97,6 +97,7 @@ print("goes on")
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="needs POSIX signals")
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
 def test_a_script_that_is_asked_to_end_keeps_its_results(tmp_path, name):

@@ -149,6 +149,7 @@ os.kill(os.getpid(), 9)
 """
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.parametrize("when", ["begun", "before"])
 def test_a_run_that_was_killed_locks_nothing_and_is_cleared_away(tmp_path, when):
@@ -160,6 +161,7 @@ def test_a_run_that_was_killed_locks_nothing_and_is_cleared_away(tmp_path, when)
     assert os.listdir(tmp_path) == [path.name]
 
 
+@pytest.mark.slow
 @posix
 def test_only_what_dead_runs_to_this_file_left_is_removed(tmp_path):
     ended = subprocess.Popen([sys.executable, "-c", ""])
@@ -172,6 +174,7 @@ def test_only_what_dead_runs_to_this_file_left_is_removed(tmp_path):
     assert sorted(os.listdir(tmp_path)) == sorted([*theirs, "out.vtkhdf"])
 
 
+@pytest.mark.slow
 @posix
 def test_two_runs_from_the_command_line(tmp_path):
     case, path = tmp_path / "a.toml", tmp_path / "out.vtkhdf"
@@ -197,6 +200,7 @@ def test_two_runs_from_the_command_line(tmp_path):
     assert read_results(path).report.finished
 
 
+@pytest.mark.slow
 @posix
 def test_a_process_that_is_forked_during_a_run_leaves_its_file_alone(tmp_path):
     path, model = tmp_path / "out.vtkhdf", three_blocks()
@@ -269,6 +273,7 @@ main()
 """
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.parametrize(("room", "code"), [(20_000, 2), (350_000, 3)])
 def test_a_full_disk_is_said_in_two_lines(tmp_path, room, code):

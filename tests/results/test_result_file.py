@@ -84,6 +84,7 @@ def test_vtk_sees_the_polygons(recorded: Recorded):
         )
 
 
+@pytest.mark.slow
 def test_vtk_reads_many_frames_of_many_chunks(tmp_path: Path):
     recorded = record(three_blocks(), tmp_path / "out.vtkhdf", steps=1500)
     frames = vtk_frames(recorded.run.output)
@@ -189,6 +190,7 @@ def test_finish_writes_the_last_state_as_a_frame(tmp_path: Path):
     np.testing.assert_array_equal(results.vertices(-1), recorded.states[-1].vertices)
 
 
+@pytest.mark.slow
 def test_file_of_a_run_that_still_goes_on(tmp_path: Path):
     model, path = three_blocks(), tmp_path / "out.vtkhdf"
     recorder = RunRecorder(model, output=path)
@@ -315,6 +317,7 @@ def test_a_frame_that_was_interrupted_is_written_by_finish(tmp_path: Path, monke
     assert len(results.contacts(-1)) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="limits the size of files")
 def test_full_disk_keeps_the_frames_before(tmp_path: Path):
     code = """if True:

@@ -142,6 +142,7 @@ def check_for_others(path: Path) -> None:
             assert len(file[name][:]) == len(file[name])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("build", "at", "first", "last"),
     [(three_blocks, moved, 1, 3), (three_blocks, moved, 39, 40), (many_blocks, shifted, 63, 65)],

@@ -38,6 +38,7 @@ def claiming(array: np.ndarray, shape: str) -> bytes:
     return buffer.getvalue().replace(b"(4, 2), ", shape.encode().ljust(8)[:8])
 
 
+@pytest.mark.slow
 def test_what_expands_without_end_is_refused_at_once(tmp_path: Path):
     path = tmp_path / "bomb.npz"
     zeros = bytes(1 << 24)

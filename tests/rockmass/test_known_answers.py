@@ -123,6 +123,7 @@ def test_baecher_traces_reach_their_intensity_to_one_trace():
     assert report.p21_asked == 0.8
 
 
+@pytest.mark.slow
 def test_veneziano_lines_have_intensity_and_persistence():
     one = JointSet(
         name="A", model=Veneziano(), angle=10.0, intensity=1.0, trace_length=6.0, bridge_length=2.0

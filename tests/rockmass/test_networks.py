@@ -27,6 +27,7 @@ from clast.rockmass.network.planar import Graph, loops_of, parts_of
 from scenes.cuttings import assert_tiles, built, random_network
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(st.integers(100_000, 200_000), st.sampled_from([10, 60, 250]))
 def test_blocks_tile_the_domain(seed, blocks):
@@ -158,6 +159,7 @@ SHARP = (
 """Boundaries whose corners and edges meet the lattice."""
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(
     st.integers(0, 100_000),
@@ -182,6 +184,7 @@ def test_lines_that_meet_in_corners_and_run_along_each_other(seed, boundary, lim
     built(found)
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(st.integers(0, 100_000))
 def test_many_openings_inside_each_other(seed):

@@ -136,6 +136,7 @@ def test_what_touches_already_stays_as_it_is():
             assert found.report.changes == {} and found.report.largest_movement == 0.0
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 10_000), st.sampled_from([0.0, 0.2e-3, 0.4e-3, 2e-3]))
 def test_rounded_rock_masses_touch_again(seed, noise):
@@ -206,6 +207,7 @@ def test_short_edges_become_points_and_edges_keep_their_joints():
     np.testing.assert_array_equal(found.polygon(0)[1], found.polygon(1)[0])
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(st.integers(0, 100_000), st.integers(2, 9))
 def test_whatever_is_drawn_stays_sound_or_is_refused(seed, count):

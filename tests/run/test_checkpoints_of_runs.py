@@ -110,6 +110,7 @@ def test_a_run_in_memory_has_none(case: clast.Case, monkeypatch, tmp_path: Path)
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="needs POSIX signals")
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_signals_to_the_command_line(case: clast.Case, whole: Path, tmp_path: Path, name: str):
@@ -158,6 +159,7 @@ except clast.RunStopped as stopped:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="needs limits of POSIX")
 def test_a_run_goes_on_when_there_is_room_again(case: clast.Case, tmp_path: Path):
     every = with_settings(case, "output.every=0.002")

@@ -14,6 +14,7 @@ from clast.run.excavation import as_in, excavated
 from clast.run.schedule import Schedule
 from clast.run.simulate import RunState, simulate
 from clast.step.method import Method
+from scenes.tiers import pairwise
 
 G = 9.8
 STIFF = {"modified": 2e8, "open-close": 1e9, "convex": 1e9}
@@ -85,9 +86,12 @@ def wall() -> Model:
     return builder.build()
 
 
-@pytest.mark.parametrize("law", ["penalty", "augmented-lagrangian"])
-@pytest.mark.parametrize("process", ["modified", "open-close", "convex"])
-@pytest.mark.parametrize("relax", [1.0, 0.25])
+@pytest.mark.parametrize(
+    ("law", "process", "relax"),
+    pairwise(
+        ["penalty", "augmented-lagrangian"], ["modified", "open-close", "convex"], [1.0, 0.25]
+    ),
+)
 def test_the_ledger_stays_closed(process: str, law: str, relax: float):
     model = wall()
     method = method_of(model, process, law)

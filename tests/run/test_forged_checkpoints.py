@@ -118,6 +118,7 @@ def test_the_same_case_again_is_another_run(part: Path):
     assert clast.resume(run.checkpoint).report.finished
 
 
+@pytest.mark.slow
 def test_a_run_that_was_killed_early_spoils_the_checkpoint_before(part: Path):
     output = part.with_name("a.vtkhdf")
     if (child := os.fork()) == 0:  # pragma: no cover

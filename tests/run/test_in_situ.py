@@ -16,6 +16,7 @@ from clast.errors import CaseError, ModelError
 from clast.model.outline import outline_edges
 from clast.rockmass import Circle, Domain, Exponential, JointSet, Opening, cut
 from scenes.systems import box, turned
+from scenes.tiers import pairwise
 
 UNIFORM = clast.InSituStress(stress=(-5e6, -10e6, 2e6))
 WEIGHT = clast.Overburden(k0=0.5)
@@ -403,9 +404,10 @@ NOTCHED = {
 }
 
 
-@pytest.mark.parametrize("process", ["convex", "open-close", "modified"])
-@pytest.mark.parametrize("angle", [0.0, 0.4])
-@pytest.mark.parametrize("shape", NOTCHED)
+@pytest.mark.parametrize(
+    ("process", "angle", "shape"),
+    pairwise(["convex", "open-close", "modified"], [0.0, 0.4], NOTCHED),
+)
 def test_notches_of_an_outline_at_depth_are_loaded(shape: str, angle: float, process: str):
     builder = clast.ModelBuilder(gravity=(0.0, 0.0))
     builder.add_rock("rock", young=50e9, poisson=0.25, density=2700.0)

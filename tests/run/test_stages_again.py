@@ -65,6 +65,7 @@ def test_every_stage_leaves_a_checkpoint(whole: Run):
     assert read_checkpoint(checkpoint_path(whole.output), {}).finished
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("steps", [7, 15, 16, 30, 35, 36, 80])
 def test_a_run_goes_on_in_whatever_stage_it_was(
     case_file: Path, whole: Run, tmp_path: Path, steps: int

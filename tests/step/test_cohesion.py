@@ -47,6 +47,7 @@ def run_of(model, variant=CONVEX, end=0.8, step=2e-3):
     return simulate(model, method, Schedule(step=step, end=end, every=end))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("plane", "blocks"), [(1, 1), (7, 1), (5, 2)])
 def test_a_slab_slides_against_its_cohesion_however_it_is_cut(plane, blocks):
     """Past seams and onto parts of the plane that it did not lie on: 1.3 m with all of c A."""
@@ -56,6 +57,7 @@ def test_a_slab_slides_against_its_cohesion_however_it_is_cut(plane, blocks):
     assert run.state.memory.bonded.any()
 
 
+@pytest.mark.slow
 def test_a_slab_that_is_turned_slides_as_far():
     ways = [
         np.hypot(*run_of(sliding(4, 1, turn=turn)).history("slab").displacement[-1])
@@ -64,6 +66,7 @@ def test_a_slab_that_is_turned_slides_as_far():
     assert ways[1] == pytest.approx(ways[0], rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("residual", [0.0, 400.0])
 def test_a_brittle_joint_keeps_what_slip_leaves(residual):
     run = run_of(sliding(3, 1, residual_cohesion=residual))

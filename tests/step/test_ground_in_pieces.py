@@ -140,6 +140,7 @@ TRIALS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TRIALS)
 def test_fixed_pieces_are_as_one(name):
     """To round-off: a rebound may make more of it."""

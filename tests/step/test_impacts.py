@@ -199,6 +199,7 @@ def test_processes_without_restitution_say_so(process):
     assert not any("restitution" in one for one in said)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("corners", [4, 6, 8])
 @pytest.mark.parametrize(("stiffness", "within"), [(5e7, 1e-2), (5e9, 2e-3)])
 def test_a_polygon_that_rolls_loses_what_plastic_impacts_take(corners, stiffness, within):

@@ -69,6 +69,7 @@ def held(energy) -> np.ndarray:
     return sum(np.asarray(energy[name]) for name in names)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PROCESSES)
 @pytest.mark.parametrize("turn", [0.0, 0.7])
 def test_a_bonded_bar_keeps_its_energy(name, turn):
@@ -80,12 +81,14 @@ def test_a_bonded_bar_keeps_its_energy(name, turn):
     assert abs(run.energy["unaccounted"][-1]) < 1e-9 * whole[0]
 
 
+@pytest.mark.slow
 def test_the_default_damps_it():
     model = bar()
     run = ran(model, method(model, scheme=ConstantAcceleration()), 5e-4, 0.1)
     assert held(run.energy)[-1] < 0.5 * held(run.energy)[0]
 
 
+@pytest.mark.slow
 def test_a_dry_joint_that_is_pressed_keeps_the_energy_of_waves():
     found = builder()
     for k in range(3):
@@ -108,6 +111,7 @@ def test_a_dry_joint_that_is_pressed_keeps_the_energy_of_waves():
     assert np.ptp(energies) < 1e-5 * kinetic
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [Penalty(YOUNG), AugmentedLagrangian(YOUNG)])
 def test_a_pile_stays_at_rest(law):
     found = builder(9.8)

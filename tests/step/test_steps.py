@@ -132,6 +132,7 @@ def test_collision_keeps_the_angular_momentum(process):
         assert couple < 0.02 * abs(before)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_convex_process_stops_a_dropped_block(restitution):
     """A square dropped from 0.5 m hits stiff springs at 3 m/s; energy never grows."""
@@ -150,6 +151,7 @@ def test_convex_process_stops_a_dropped_block(restitution):
         assert results[-1].response.normal_force.sum() == pytest.approx(weight, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_one_pass_bears_a_deep_drop_on_soft_springs(scheme):
     """From 1 m: 4.4 m/s, 0.15 m deep into the floor, far beyond the reach, and out again."""
@@ -213,6 +215,7 @@ def heap(make, sides, seed):
     return system(outlines, fixed=[0], friction_angle=30.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "sides", "seed", "end"), [(convex, (3, 8), 0, 0.36), (star, (5, 9), 2, 0.52)]
 )

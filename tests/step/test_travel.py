@@ -19,6 +19,7 @@ def everywhere(monkeypatch):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.1, 10.0])
 def test_fewer_candidates_give_the_same_heap(monkeypatch, share):
     how = replace(by_convex(share * 5e9), max_displacement=MAX)

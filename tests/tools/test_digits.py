@@ -74,6 +74,7 @@ def test_what_cannot_be_run_is_no_crash_of_the_tool():
         assert not found.parts
 
 
+@pytest.mark.slow
 def test_a_changed_digit_in_the_file_fails(tmp_path, capsys):
     file = tmp_path / "digits.json"
     asked = ["--only", "case-heap", "--threads", "1"]

@@ -168,6 +168,7 @@ def test_broken_records_are_refused(name, tmp_path):
         assert phrase in message
 
 
+@pytest.mark.slow
 def test_reading_needs_no_pydantic():
     code = (
         "import sys, clast.case.records.components, clast.case.records.baseline; "

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from scenes.places import TESTS
+
 LIMIT = 400.0
 """Time after which a script hangs, s: one that finds no kernel on disk compiles for some 100."""
 
@@ -64,7 +66,7 @@ def finish(script: str, *arguments: str, threads: int, folder: Path) -> str:
     """Run a script in a process of its own; return what it printed."""
     file = folder / "script.py"
     file.write_text(script, encoding="utf-8")
-    here = str(Path(__file__).parents[1])
+    here = str(TESTS)
     done = subprocess.run(
         [sys.executable, str(file), *arguments],
         env={**os.environ, "NUMBA_NUM_THREADS": str(threads), "PYTHONPATH": here},

@@ -17,6 +17,7 @@ from clast import Stage
 from clast.exports import write_csv
 from clast.results import read_results, summary
 from clast.results.journal import read_journal
+from scenes.places import CASES, TESTS
 from scenes.recorded_run import moved, three_blocks
 
 KILLED = 30
@@ -30,7 +31,7 @@ def killed(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[Path, int]]:
     folder = tmp_path_factory.mktemp("killed")
     said = subprocess.run(
         [sys.executable, "-m", "scenes.killed_writers", str(folder), str(KILLED)],
-        cwd=Path(__file__).parents[1],
+        cwd=TESTS,
         capture_output=True,
         text=True,
         check=True,
@@ -93,7 +94,7 @@ def test_summary_says_that_the_run_did_not_end(killed: list[tuple[Path, int]]):
 
 
 def test_run_from_the_command_line_that_is_killed(tmp_path: Path):
-    case = Path(__file__).parents[2] / "cases" / "heap.toml"
+    case = CASES / "heap.toml"
     path = tmp_path / "heap.vtkhdf"
     command = [sys.executable, "-m", "clast", "run", str(case), "-o", str(path), "--quiet"]
     run = subprocess.Popen([*command, "--set", "output.every=0.01"])

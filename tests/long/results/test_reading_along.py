@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 from clast.cli.commands import app
 from clast.results import locks, read_results, summary
+from scenes.places import TESTS
 from scenes.recorded_run import moved, record, three_blocks
 
 WRITER = """
@@ -35,7 +36,7 @@ READINGS = 30
 @pytest.mark.skipif(os.name != "posix", reason="needs the locks of POSIX systems")
 def test_a_file_is_read_at_any_moment_while_it_is_written(tmp_path: Path):
     path, model = tmp_path / "out.vtkhdf", three_blocks()
-    command = [sys.executable, "-c", WRITER, str(path), str(Path(__file__).parents[1])]
+    command = [sys.executable, "-c", WRITER, str(path), str(TESTS)]
     writer = subprocess.Popen(command)
     try:
         give_up = time.monotonic() + 60.0

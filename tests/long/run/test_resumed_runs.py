@@ -17,10 +17,10 @@ from clast.results import read_results
 from clast.results.checkpoints.files import checkpoint_path, read_checkpoint
 from clast.results.checkpoints.plain import classes_near
 from scenes.own_state import Closer
+from scenes.places import TESTS
 from scenes.restarts import differences, pressed_at, run_with_closer
 from scenes.shaken import LAWS, PROCESSES, STEPS, shaken_case
 
-TESTS = Path(__file__).parents[1]
 STOPPED_AT = 37
 NAMES = [f"{process} {law}" for process in PROCESSES for law in LAWS]
 

@@ -13,7 +13,6 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from hashlib import sha256
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,9 +23,9 @@ from clast.model.model import Model
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.studies.bench.scenes import slope_of
+from scenes.places import TESTS
 from scenes.systems import by_convex, heap, wall
 
-TESTS = Path(__file__).parents[1]
 YOUNG = 5e9
 
 SCENES: dict[str, tuple[Callable[[], Model], float, float, int]] = {

@@ -12,9 +12,7 @@ from clast.case.case_file import Case
 from clast.errors import RunStopped
 from clast.results import Run
 from scenes.brick_wall import listed_wall
-
-CASES = Path(__file__).parents[2] / "cases"
-
+from scenes.places import CASES
 
 WALL = listed_wall(10, 10)
 """Bricks of 1 m x 0.5 m in running bond."""

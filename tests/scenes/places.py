@@ -1,0 +1,7 @@
+"""Where tests and cases are."""
+
+from pathlib import Path
+
+TESTS = Path(__file__).resolve().parents[1]
+ROOT = TESTS.parent
+CASES = ROOT / "cases"

@@ -1,0 +1,127 @@
+"""In which tier a test is, which tests of a run are drawn, and how long a core test may take.
+
+The folder decides, so that nobody marks tests by hand.  ``tests/<chapter>`` is core, and
+``tests/system/<chapter>`` and ``tests/long/<chapter>`` are what their names say; a few chapters
+belong to a tier as a whole.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import time
+from functools import cache
+from hashlib import sha256
+from itertools import combinations, product
+from pathlib import Path
+from typing import Any
+
+from scenes.places import TESTS
+
+TIERS = {
+    "core": "one formula, kernel or refusal, in this process, within a second",
+    "system": "whole runs, stages, restarts, pages of the documentation, brief verification",
+    "long": "killed runs, threads, forks, cold caches, random systems, whole verification",
+}
+"""Tiers in the order in which they are run."""
+
+WHOLE_CHAPTERS = {
+    "docs": "system",
+    "robustness": "system",
+    "verification": "system",
+}
+"""Folders that mirror no chapter of src/, or that are whole runs throughout."""
+
+LIMIT = 1.0
+"""Processor time of a core test, s, on a machine as quick as that of REFERENCE."""
+NEIGHBOURS = 1.5
+"""By how much others that share the caches and cores may slow a test down, at most."""
+REFERENCE = 0.025
+"""Processor time of ``reference_work`` on the machine on which LIMIT was chosen, s."""
+
+
+def tier_of(path: Path) -> str:
+    """Return the tier of the tests of a file."""
+    first = path.resolve().relative_to(TESTS).parts[0]
+    return first if first in TIERS else WHOLE_CHAPTERS.get(first, "core")
+
+
+def lifted(tier: str) -> str:
+    """Return the tier after this one: that of a test that is marked slow."""
+    names = list(TIERS)
+    return names[min(names.index(tier) + 1, len(names) - 1)]
+
+
+# Drawing -----------------------------------------------------------------------------------------
+
+
+@cache
+def commit() -> str:
+    """Return what decides which tests are drawn: the commit, or TESTS_DRAWN_BY."""
+    if "TESTS_DRAWN_BY" in os.environ:
+        return os.environ["TESTS_DRAWN_BY"]
+    done = subprocess.run(
+        ["git", "rev-parse", "HEAD"], cwd=TESTS, capture_output=True, text=True, check=False
+    )
+    return done.stdout.strip() or "no commit"
+
+
+def drawn(name: str, one_in: int, by: str) -> bool:
+    """Return whether ``name`` is among the one in so many that ``by`` chooses."""
+    return int(sha256(f"{by} {name}".encode()).hexdigest(), 16) % one_in == 0
+
+
+def pairwise(*options: Any) -> list[tuple[Any, ...]]:
+    """Return rows, one of each option, in which every two values of two options meet.
+
+    Ten values of three options have as many rows as the two longest have pairs, or few more, where
+    their product has as many as all three.
+    """
+    rows = list(product(*(range(len(list(one))) for one in options)))
+    places = list(combinations(range(len(options)), 2))
+
+    def pairs(row: tuple[int, ...]) -> set[tuple[int, int, int, int]]:
+        return {(a, b, row[a], row[b]) for a, b in places}
+
+    left = set().union(*(pairs(row) for row in rows))
+    chosen = []
+    while left:
+        best = max(rows, key=lambda row: len(pairs(row) & left))
+        left -= pairs(best)
+        chosen.append(best)
+    return [tuple(list(options[k])[i] for k, i in enumerate(row)) for row in sorted(chosen)]
+
+
+# Time --------------------------------------------------------------------------------------------
+
+
+def processor_time() -> float:
+    """Return the processor time of this process and of those that it has waited for, s."""
+    used = os.times()
+    return time.process_time() + used.children_user + used.children_system
+
+
+def reference_work() -> float:
+    """Return the processor time of a fixed piece of work in plain Python, s."""
+    start = time.process_time()
+    total = 0.0
+    for k in range(400_000):
+        total += k * 0.5
+    return time.process_time() - start
+
+
+@cache
+def slowness() -> float:
+    """Return by how much this machine is slower than that of REFERENCE, 1 at least."""
+    return max(1.0, min(reference_work() for _ in range(3)) / REFERENCE)
+
+
+def too_long(seconds: float) -> str:
+    """Return what is said of a core test that took so much processor time twice; "" if nothing."""
+    if seconds <= LIMIT * NEIGHBOURS * slowness():
+        return ""
+    return (
+        f"took {seconds:.2f} s of processor time, the second time, with its kernels loaded; a core "
+        f"test has {LIMIT:g} s (x {NEIGHBOURS:g} for neighbours, x {slowness():.1f} for this "
+        "machine). Make it smaller, or move it to tests/system/."
+    )
