@@ -19,6 +19,7 @@ pytest_plugins = ["pytester"]
         ("case/records/test_units_and_times.py", "core"),
         ("chapter_that_comes_later/test_new.py", "core"),
         ("docs/test_snippets.py", "system"),
+        ("run/test_stages.py", "system"),
         ("system/run/test_in_situ.py", "system"),
         ("long/compute/test_forks.py", "long"),
     ],

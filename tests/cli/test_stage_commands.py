@@ -83,6 +83,7 @@ def test_stages_for_a_program(pushed: str):
     assert content["report"]["stages"][0]["name"] == "rest"
 
 
+@pytest.mark.slow
 def test_a_picture_and_an_export_of_a_stage(pushed: str):
     pytest.importorskip("matplotlib")
     good("run", pushed)
