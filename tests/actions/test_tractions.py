@@ -12,7 +12,9 @@ def test_tractions_are_stress_times_normal():
     stress = random.normal(size=(20, 3))
     angle = random.uniform(0.0, 2.0 * np.pi, 20)
     normal = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    exact = [np.array([[xx, xy], [xy, yy]]) @ n for (xx, yy, xy), n in zip(stress, normal, strict=True)]
+    exact = [
+        np.array([[xx, xy], [xy, yy]]) @ n for (xx, yy, xy), n in zip(stress, normal, strict=True)
+    ]
     np.testing.assert_allclose(tractions(stress, normal), exact, rtol=1e-14)
 
 

@@ -169,6 +169,7 @@ def crossed_edges(outlines, way):
                 yield k, e
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 def test_vertex_that_would_cross_an_edge_within_the_step_is_a_candidate(family):
     """Wherever its foot lies now: corners may fly at each other."""

@@ -41,6 +41,7 @@ def copied(copies):
     return [outline + np.array([APART * k, 0.0]) for k in range(copies) for outline in OUTLINES]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_copies_of_a_system_have_copies_of_its_contacts(seed):
     one, all_of_them = shaken(1, seed), shaken(COPIES, seed)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import re
 import textwrap
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,8 +15,7 @@ from clast.case import script
 from clast.case.case_file import Case
 from clast.case.templates import INCLINE
 from clast.model import builder as model_builder
-
-ROOT = Path(__file__).parents[1]
+from scenes.places import ROOT
 
 
 def executed(text: str, name: str) -> dict[str, Any]:
