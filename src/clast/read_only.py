@@ -1,7 +1,8 @@
-"""Arrays that nobody writes into: those of a model, and of the states that a run goes through.
+"""Arrays that nobody writes into, and frozen dataclasses that are replaced.
 
-What a state says is what the next step, a rejected step that is tried again, and a checkpoint go on
-from.  An array that is edited in place would change them without a word.
+The arrays are those of a model, and of the states that a run goes through.  What a state says is
+what the next step, a rejected step that is tried again, and a checkpoint go on from.  An array that
+is edited in place would change them without a word.
 """
 
 from __future__ import annotations
@@ -35,14 +36,31 @@ def read_only(value: Any) -> Any:
 
 def seal(thing: Any, but: tuple[str, ...] = ()) -> None:
     """Make the arrays of a dataclass read-only, and those of what it holds; ``but`` some fields."""
-    held = vars(thing)
+    held = thing.__dict__
     for name, value in held.items():
-        if isinstance(value, np.ndarray | tuple) or is_dataclass(value):
-            if name in but:
-                continue
-            sealed = read_only(value)
-            if sealed is not value:
-                held[name] = sealed
+        kind = type(value)
+        # a state is sealed in every step: numbers are passed over, and arrays not asked twice
+        if kind is float or (kind is np.ndarray and not value.flags.writeable) or name in but:
+            continue
+        sealed = read_only(value)
+        if sealed is not value:
+            held[name] = sealed
+
+
+def changed(thing: Value, **fields: Any) -> Value:
+    """Return a frozen dataclass with other ``fields``: dataclasses.replace, in a third of its time.
+
+    For classes that look at nothing when they are made; what was computed once of ``thing`` is
+    computed anew.
+    """
+    before: Any = thing
+    made = object.__new__(before.__class__)
+    now, held = made.__dict__, before.__dict__
+    for name in before.__dataclass_fields__:
+        now[name] = held[name]
+    now.update(fields)
+    result: Value = made
+    return result
 
 
 class kept_property(cached_property[Value]):  # noqa: N801 - used as `property` is

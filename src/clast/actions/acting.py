@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import is_not
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,20 @@ def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> t
     return *found, *model.actions
 
 
+class Acting:
+    """What acts on the blocks of a model, kept for as long as model and method stay the same."""
+
+    def __init__(self) -> None:
+        self._asked: tuple[Any, ...] = ()
+        self._found: tuple[Action, ...] = ()
+
+    def actions(self, *asked: Any) -> tuple[Action, ...]:
+        """Return what ``actions_of`` does of the same."""
+        if len(asked) != len(self._asked) or any(map(is_not, asked, self._asked)):
+            self._asked, self._found = asked, actions_of(*asked)
+        return self._found
+
+
 def own_states(actions: Sequence[Action], model: Model, state: State) -> tuple[Any, ...]:
     """Return the own state of each action: what a run carries, or that of its start."""
     if len(state.actions) == len(actions):
@@ -61,7 +76,9 @@ def own_states(actions: Sequence[Action], model: Model, state: State) -> tuple[A
 
 def shares_of(actions: Sequence[Action], start: StepStart, own: Sequence[Any]) -> tuple[Share, ...]:
     """Return what each action adds to the equations of a step."""
-    return tuple(_share_of(action, start, mine) for action, mine in zip(actions, own, strict=True))
+    return tuple(
+        [_share_of(action, start, mine) for action, mine in zip(actions, own, strict=True)]
+    )
 
 
 def _share_of(action: Action, start: StepStart, own: Any) -> Share:

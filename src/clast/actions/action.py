@@ -133,6 +133,10 @@ class Share:
     """Share of the velocities of the last step with which the blocks enter this one."""
 
 
+NO_SHARE = Share()
+"""That of an action that adds nothing."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Solution:
     """What a step has come to, as far as actions need to know."""
@@ -176,6 +180,10 @@ class Done:
     """
     own: Any = None
     """Its own state at the end of the step."""
+
+
+NOTHING = Done(work=0.0, ledger=Ledger())
+"""What an action has done that does nothing."""
 
 
 def energy_of_linear(share: Share, displacement: Floats) -> tuple[float, float]:

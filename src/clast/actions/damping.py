@@ -15,7 +15,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.actions.action import (
+    NO_SHARE,
+    NOTHING,
+    Done,
+    Share,
+    Solution,
+    StepStart,
+    energy_of_linear,
+)
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger
 
@@ -45,13 +53,13 @@ class Undamped:
 
     def share(self, start: StepStart, own: Motion | None) -> Share:
         """Return nothing."""
-        return Share()
+        return NO_SHARE
 
     def finish(
         self, start: StepStart, own: Motion | None, share: Share, solution: Solution
     ) -> Done:
         """Return that nothing was done."""
-        return Done(work=0.0, ledger=Ledger())
+        return NOTHING
 
 
 @dataclass(frozen=True)

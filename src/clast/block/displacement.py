@@ -15,7 +15,7 @@ import numpy as np
 
 from clast.block.rotation import RotationRule
 from clast.compute.jit import kernel
-from clast.compute.parallel import CONTACTS, shared
+from clast.compute.parallel import BLOCKS, CONTACTS, shared
 from clast.compute.vec6 import numbers, plus, plus_scaled, put_line, row, six
 from clast.model.model import Floats, Ints
 
@@ -101,6 +101,30 @@ def displacements(offset: Floats, unknowns: Floats, block: Ints) -> Floats:
     """Return T d (k, 2), m, at offsets (k, 2), m, in blocks (k,), from d (n, 6): to first order."""
     result = np.empty_like(offset)
     _displacements(len(offset), offset, unknowns, block, result)
+    return result
+
+
+@shared(BLOCKS)
+def _farthest_moved(first, last, vertices, block_start, centroid, unknowns, result):
+    """Write how far the vertices of blocks ``first`` to ``last`` - 1 move by T d at most."""
+    for b in range(first, last):
+        d, largest = row(unknowns, b), 0.0
+        for k in range(block_start[b], block_start[b + 1]):
+            x, y = vertices[k, 0] - centroid[b, 0], vertices[k, 1] - centroid[b, 1]
+            dx, dy = displacement_at(x, y, d)
+            largest = max(largest, dx * dx + dy * dy)
+        result[b] = np.sqrt(largest)
+
+
+def farthest_moved(
+    vertices: Floats, block_start: Ints, centroid: Floats, unknowns: Floats
+) -> Floats:
+    """Return the largest movement T d of a vertex of each block, m, shape (n,), from d (n, 6).
+
+    ``vertices`` (nv, 2) and ``centroid`` (n, 2) in m, ``block_start`` (n + 1,) the first vertices.
+    """
+    result = np.empty(len(centroid))
+    _farthest_moved(len(result), vertices, block_start, centroid, unknowns, result)
     return result
 
 

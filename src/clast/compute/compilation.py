@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 from numba.core import event
@@ -27,9 +27,14 @@ class Compilation(event.Listener):
         """Kernels in the files that have been loaded."""
         self.kernels = 0
         """Kernels compiled, or being compiled."""
-        self._nested = 0
+        self.over = 0.0
+        """Wall time of the compilations that are over, s."""
+        self.over_by_processor = 0.0
+        """Time that the processor took for them, s."""
+        self.compiles = 0
+        """Functions that are being compiled, one for another."""
         self._begun = 0.0
-        self._over = 0.0
+        self._begun_by_processor = 0.0
         self._reported = 0.0
         self._told: tuple[Tell, ...] = ()
 
@@ -41,7 +46,7 @@ class Compilation(event.Listener):
     @property
     def seconds(self) -> float:
         """Wall time of compilation so far, s."""
-        return self._over + (perf_counter() - self._begun if self._nested else 0.0)
+        return self.over + (perf_counter() - self._begun if self.compiles else 0.0)
 
     def unreported(self) -> float:
         """Return the wall time of compilation, s, that no call before has returned."""
@@ -60,9 +65,10 @@ class Compilation(event.Listener):
 
     def on_start(self, event: Any) -> None:
         """Count a function that is going to be compiled."""
-        if self._nested == 0:
+        if self.compiles == 0:
             self._begun = perf_counter()
-        self._nested += 1
+            self._begun_by_processor = process_time()
+        self.compiles += 1
         module = str(event.data["dispatcher"].py_func.__module__)
         if module.startswith("clast."):
             self.kernels += 1
@@ -70,9 +76,10 @@ class Compilation(event.Listener):
 
     def on_end(self, event: Any) -> None:
         """Add its time, if it was not compiled for another one."""
-        self._nested -= 1
-        if self._nested == 0:
-            self._over += perf_counter() - self._begun
+        self.compiles -= 1
+        if self.compiles == 0:
+            self.over += perf_counter() - self._begun
+            self.over_by_processor += process_time() - self._begun_by_processor
             self._tell(None)
 
     def _tell(self, module: str | None) -> None:
@@ -87,4 +94,9 @@ event.register("numba:compile", COMPILATION)
 
 def working_time() -> float:
     """Return the wall time since some instant, s, without the time of compilation."""
-    return perf_counter() - COMPILATION.seconds
+    return perf_counter() - (COMPILATION.seconds if COMPILATION.compiles else COMPILATION.over)
+
+
+def processor_time() -> float:
+    """Return the time of the processor, s, without that of the compilations that are over."""
+    return process_time() - COMPILATION.over_by_processor

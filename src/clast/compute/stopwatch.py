@@ -1,24 +1,46 @@
-"""Wall time of the stages of a step; that of compilation is not counted."""
+"""Time of the stages of a step, one after the other; that of compilation is not counted."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from typing import Any
 
 from clast.compute.compilation import working_time
 
+Clock = Callable[[], float]
+"""Returns the time since some instant, s."""
+
 
 class Stages:
-    """Adds up wall time by stage; used as ``with stages("contacts"): ...``."""
+    """Adds up time by stage: ``stages("contacts")`` ends the stage before and begins this one.
 
-    def __init__(self) -> None:
+    ``with stages("contacts"): ...`` ends it, too, after which nothing is counted until the next.
+    """
+
+    def __init__(self, clock: Clock = working_time) -> None:
         self.seconds: dict[str, float] = {}
+        self._clock = clock
+        self._stage = ""
+        self._since = 0.0
 
-    @contextmanager
-    def __call__(self, name: str) -> Iterator[None]:
-        """Add the wall time of the block to the stage ``name``."""
-        start = working_time()
-        try:
-            yield
-        finally:
-            self.seconds[name] = self.seconds.get(name, 0.0) + working_time() - start
+    def __call__(self, name: str) -> Stages:
+        """End the stage before, if there is one, and begin the stage ``name``."""
+        now, before, seconds = self._clock(), self._stage, self.seconds
+        if before in seconds:
+            seconds[before] += now - self._since
+        elif before:
+            seconds[before] = now - self._since
+        self._stage, self._since = name, now
+        return self
+
+    def ended(self) -> dict[str, float]:
+        """End the last stage, and return the time of each, s."""
+        self("")
+        return self.seconds
+
+    def __enter__(self) -> None:
+        """Go on with the stage that has just begun."""
+
+    def __exit__(self, *fault: Any) -> None:
+        """End it."""
+        self("")

@@ -73,15 +73,18 @@ def find_candidates(
     reach: SearchDistance,
     shift: Floats | None = None,
     strain: Floats | None = None,
+    vertex_block: Ints | None = None,
 ) -> Candidates:
     """Return every edge that a vertex could be in contact with (contact/narrow_phase.py).
 
     ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m, ``strain``
-    (n, 3) that of the blocks; nothing if not given.
+    (n, 3) that of the blocks; nothing if not given.  ``vertex_block`` (nv,) is the block of each
+    vertex, if that is known already.
     """
     direction, length = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
-    vertex_block = polygon.owners(block_start)
+    if vertex_block is None:
+        vertex_block = polygon.owners(block_start)
     outlines = vertices, direction, length, vertex_block, block_start
     bearing = (
         *seams.rows_by_block(memory.vertex, memory.block, vertex_block, len(box)),
@@ -130,10 +133,11 @@ def _found(outlines: Any, near: Any, looks: Any) -> tuple[Any, ...]:
     while True:
         room = _room_for(len(found) * (most + 1))
         candidates_of_parts(len(found), most, outlines, near, looks, room, found)
-        if found[:, 0].max() <= most:
+        wanted = int(found[:, 0].max())
+        if wanted <= most:
             break
-        most = int(found[:, 0].max())
-    number, groups = found.sum(axis=0)
+        most = wanted
+    number, groups = found.sum(axis=0) if len(found) > 1 else found[0]
     joined = _room_for(int(number))
     joined[0][0] = 0
     join_parts(len(found), most, found, room, joined)
@@ -142,5 +146,5 @@ def _found(outlines: Any, near: Any, looks: Any) -> tuple[Any, ...]:
 
 def _room_for(number: int) -> tuple[Ints, Ints, Ints, Ints, Floats, Floats]:
     """Return arrays for so many candidates: group starts, vertex, edge, pair, gap, along."""
-    vertex, edge, pair = (np.empty(number, np.int64) for _ in range(3))
-    return np.empty(number + 1, np.int64), vertex, edge, pair, np.empty(number), np.empty(number)
+    vertex, edge, pair = np.empty((3, number), np.int64)
+    return np.empty(number + 1, np.int64), vertex, edge, pair, *np.empty((2, number))

@@ -9,7 +9,7 @@ force falls with x: the energy phi, f = -dphi/dx, is convex and once continuousl
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -21,6 +21,7 @@ from clast.compute.parallel import CONTACTS, shared, summed
 from clast.contact.contacts import Contacts
 from clast.contact.jacobian import rows_of
 from clast.model.model import Floats, Ints
+from clast.read_only import changed
 
 # --- one spring ----------------------------------------------------------------------------
 
@@ -79,7 +80,7 @@ class Clipped:
         ``start`` (m,), m, is the stretch there, ``place`` (m,) 0 at the start and 1 at x.
         """
         before = self.at_zero - (1.0 - place) * self.stiffness * start
-        return replace(self, at_zero=before, stiffness=place * self.stiffness)
+        return changed(self, at_zero=before, stiffness=place * self.stiffness)
 
     def put(self, rows: Rows, others: Clipped) -> Clipped:
         """Return the springs with others in some of their rows."""
@@ -138,8 +139,8 @@ class Springs:
     def put(self, rows: Rows, normal: Clipped, shear: Clipped) -> Springs:
         """Return the table with other springs in some of its rows."""
         if isinstance(rows, slice):
-            return replace(self, normal=normal, shear=shear)
-        return replace(
+            return changed(self, normal=normal, shear=shear)
+        return changed(
             self, normal=self.normal.put(rows, normal), shear=self.shear.put(rows, shear)
         )
 
@@ -219,7 +220,7 @@ def table(
 
 def springs_of(contacts: Contacts) -> Springs:
     """Return the links of the contacts as a table, with no springs in them yet."""
-    none = np.zeros(len(contacts))
+    none = np.zeros(len(contacts.gap))
     nothing = Clipped(at_zero=none, stiffness=none, low=none, high=none)
     return Springs(
         vertex_block=contacts.vertex_block,

@@ -45,10 +45,9 @@ def memory_of(contacts: Contacts) -> tuple[Any, Floats, Floats, Floats, Floats]:
 
 def nothing_found(count: int) -> Found:
     """Return arrays for the answers of ``count`` contacts."""
-    forces = np.empty(count), np.empty(count)
-    stiffnesses = np.empty(count), np.empty(count), np.empty(count)
-    ends = np.empty(count, np.int64), np.empty(count, np.bool_)
-    return *forces, *stiffnesses, *ends, np.empty(count), np.empty(count)
+    normal, shear, kn, ks, coupling, energy, loss = np.empty((7, count))
+    mode, bonded = np.empty(count, np.int64), np.empty(count, np.bool_)
+    return normal, shear, kn, ks, coupling, mode, bonded, energy, loss
 
 
 @kernel(forceinline=True)
@@ -139,10 +138,18 @@ def answer_with_friction(first, last, slip, k, strengths, memory, found):
 
 
 @shared(CONTACTS)
-def _limits(first, last, strengths, base, tension, strength):
-    """Write tension and shear force that contacts ``first`` to ``last`` - 1 bear at most."""
+def limits_of_contacts(first, last, stiffnesses, strengths, base, found):
+    """Write the springs of contacts ``first`` to ``last`` - 1, and what they bear at most.
+
+    p, k, tension and shear force (m,), N/m per m and N/m, into ``found``.  ``base`` (m,) are the
+    normal forces that bound friction, N/m.
+    """
+    p_of_law, k_of_law, p_of_joint, k_of_joint, share = stiffnesses
     friction, cohesion, tensile_strength, length, _ = strengths
+    p, k, tension, strength = found
     for c in range(first, last):
+        p[c] = of_joint_or_law(p_of_joint[c], share[c] * p_of_law)
+        k[c] = of_joint_or_law(k_of_joint[c], share[c] * k_of_law)
         tension[c] = tension_of(tensile_strength[c], length[c])
         strength[c] = shear_strength(base[c], friction[c], cohesion[c], length[c])
 
@@ -152,6 +159,8 @@ def largest_forces(contacts: Contacts, normal: Floats) -> tuple[Floats, Floats]:
 
     ``normal`` (m,) are the normal forces that bound friction, N/m.
     """
-    tension, strength = np.empty(len(contacts)), np.empty(len(contacts))
-    _limits(len(contacts), strengths_of(contacts), normal, tension, strength)
+    count = len(contacts)
+    _, _, tension, strength = found = tuple(np.empty((4, count)))
+    of_joints = contacts.normal_stiffness, contacts.shear_stiffness, contacts.spring_share
+    limits_of_contacts(count, (1.0, 1.0, *of_joints), strengths_of(contacts), normal, found)
     return tension, strength

@@ -29,6 +29,7 @@ from clast.contact.verlet_list import VerletList, near_pairs
 from clast.model.bodies import Outlines
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory, State
+from clast.read_only import changed
 
 
 def detect(
@@ -52,6 +53,7 @@ def detect(
     pairs = near_pairs(
         near, sought.vertices, sought.start, sought.fixed, around, travel, sought.gone
     )
+    owners = sought.owners
     shift = None
     if drift is not None:
         block = model.vertex_block
@@ -63,13 +65,13 @@ def detect(
         sought.start,
         pairs,
         sought.memory,
-        replace(reach, travel=travel),
+        changed(reach, travel=travel),
         shift,
         strain,
+        owners,
     )
     keep = corner_rule.choose(found, sought.vertices)
     chosen = found.vertex[keep], found.edge[keep], found.pair[keep], found.gap[keep]
-    owners = polygon.owners(sought.start)
     chosen = with_crossings(
         chosen,
         pairs,
@@ -79,10 +81,10 @@ def detect(
         travel,
         reach.critdis,
     )
-    known = recall(sought.memory, chosen[0], owners.take(chosen[1]), chosen[1])
-    row = np.where(known >= 0, np.append(sought.row, -1)[known], -1)
+    row = recall(sought.memory, chosen[0], owners.take(chosen[1]), chosen[1])
     edges = found.direction, found.length
     if model.outlines is not None:
+        row = np.where(row >= 0, np.append(sought.row, -1)[row], -1)
         chosen, pairs, order = _of_blocks(model, model.outlines, state, sought, edges, chosen)
         edges, row = polygon.edges(state.vertices, model.block_start), row[order]
     return _contacts(model, state, centroid, pairs, edges, (chosen, row), reach.critdis)
@@ -127,6 +129,8 @@ class _Sought:
     """What contacts remember, by these numbers."""
     row: Ints
     """Row of the state's memory that each row of it is, shape (r,)."""
+    owners: Ints
+    """Outline of each vertex, shape (k,)."""
 
 
 def _sought(model: Model, state: State) -> _Sought:
@@ -142,6 +146,7 @@ def _sought(model: Model, state: State) -> _Sought:
             gone=model.gone,
             memory=memory,
             row=np.arange(len(memory.vertex)),
+            owners=model.vertex_block,
         )
     vertex, edge = one.of_vertex[memory.vertex], one.of_edge[memory.edge]
     outline = np.searchsorted(one.start, edge, side="right") - 1
@@ -159,6 +164,7 @@ def _sought(model: Model, state: State) -> _Sought:
             memory, **{**kept, "vertex": vertex[row], "block": outline[row], "edge": edge[row]}
         ),
         row=row,
+        owners=one.owners,
     )
 
 
@@ -205,8 +211,7 @@ def _contacts(
     """
     direction, _ = edges
     (vertex, edge, pair, gap), row = chosen
-    begins = np.diff(pair, prepend=-1) != 0  # of every pair that shares contacts the first one
-    pair, touching = np.cumsum(begins) - 1, pairs[pair[begins]]
+    pair, touching = _that_touch(pair, pairs)
     ends = vertex, edge, model.vertex_block.take(vertex), model.vertex_block.take(edge), pair
     corners = _at_vertices(model, state, centroid, (ends, gap, touching, row), edges, critdis)
     places = with_faces(corners, model, state, centroid, edges)
@@ -234,10 +239,35 @@ def _contacts(
         point=places.point,
         along=places.along,
         levers=places.levers,
-        friction_base=np.full(len(places.gap), np.nan),
+        friction_base=carried.pop("friction_base"),
         **carried,
         **strengths,
     )
+
+
+def _that_touch(pair: Ints, pairs: Ints) -> tuple[Ints, Ints]:
+    """Return the pairs (k, 2) of ``pairs`` (q, 2) that have contacts, and those of contacts, (m,).
+
+    ``pair`` (m,) are the pairs of the contacts, ascending.
+    """
+    of_contacts, which = np.empty(len(pair), np.int64), np.empty(len(pair), np.int64)
+    count = _number_pairs(pair, of_contacts, which)
+    return of_contacts, pairs.take(which[:count], axis=0)
+
+
+@kernel()
+def _number_pairs(pair, of_contacts, which):
+    """Write the numbers of pairs (m,) counted from the first that has contacts on, and return them.
+
+    ``which`` (m,) begins with the pairs that have contacts.
+    """
+    count = 0
+    for c in range(len(pair)):
+        if count == 0 or pair[c] != which[count - 1]:
+            which[count] = pair[c]
+            count += 1
+        of_contacts[c] = count - 1
+    return count
 
 
 def _at_vertices(
@@ -305,9 +335,10 @@ def _carried(
     and the directions of all edges (nv, 2).
     """
     count = len(row)
-    known, bonded, cohesive = (np.empty(count, np.bool_) for _ in range(3))
-    mode = np.empty_like(row)
-    shear, normal, multiplier, rest = (np.empty(count) for _ in range(4))
+    known, bonded, cohesive = np.empty((3, count), np.bool_)
+    mode = np.empty(count, np.int64)
+    shear, normal, multiplier, rest, friction_base = np.empty((5, count))
+    friction_base.fill(np.nan)
     forces = memory.shear_force, memory.normal_force, memory.multiplier, memory.rest_force
     carried = known, bonded, cohesive, mode, shear, normal, multiplier, rest
     before = memory.bonded, memory.cohesive, memory.mode, *forces
@@ -322,6 +353,7 @@ def _carried(
         "multiplier": multiplier,
         "rest_force": rest,
         "mode": mode,
+        "friction_base": friction_base,
     }
 
 

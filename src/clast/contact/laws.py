@@ -12,7 +12,7 @@ from clast.contact.contacts import ContactResponse, Contacts, SpringLimits
 from clast.contact.coulomb import (
     Found,
     answer_with_friction,
-    largest_forces,
+    limits_of_contacts,
     memory_of,
     nothing_found,
     of_joint_or_law,
@@ -148,14 +148,11 @@ def limits_of_springs(
     contacts: Contacts, normal_stiffness: float, shear_stiffness: float | None
 ) -> SpringLimits:
     """Return the bounds of ``springs`` for contacts whose friction bound is given."""
-    tension, strength = largest_forces(contacts, contacts.friction_base)
-    p, k, p_of_joint, k_of_joint, share = _stiffnesses(contacts, normal_stiffness, shear_stiffness)
-    return SpringLimits(
-        normal_stiffness=np.where(np.isnan(p_of_joint), share * p, p_of_joint),
-        shear_stiffness=np.where(np.isnan(k_of_joint), share * k, k_of_joint),
-        tension=tension,
-        strength=strength,
-    )
+    count = len(contacts.gap)
+    stiffnesses = _stiffnesses(contacts, normal_stiffness, shear_stiffness)
+    p, k, tension, strength = found = tuple(np.empty((4, count)))
+    limits_of_contacts(count, stiffnesses, strengths_of(contacts), contacts.friction_base, found)
+    return SpringLimits(normal_stiffness=p, shear_stiffness=k, tension=tension, strength=strength)
 
 
 def check_stiffnesses(law: object, normal: float, shear: float | None) -> None:

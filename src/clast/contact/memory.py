@@ -160,20 +160,10 @@ def pair_penetration(vertex_block: Ints, pairs: Ints, memory: ContactMemory) -> 
     is handed from a vertex of one to a vertex of the other.  ``vertex_block`` (nv,) is the block of
     each vertex.
     """
-    count = 1 + int(vertex_block[-1]) if len(vertex_block) else 0
-    start = _first_rows(np.ascontiguousarray(pairs[:, 0]), count)
-    pair, depth = np.empty(len(memory.vertex), np.int64), np.zeros(len(pairs))
-    _find_pairs(len(pair), pairs, start, vertex_block, memory.vertex, memory.block, pair)
-    _deepen(pair, memory.gap, depth)
+    depth = np.zeros(len(pairs))
+    if len(memory.vertex):
+        _deepen(pairs, vertex_block, (memory.vertex, memory.block, memory.gap), depth)
     return depth
-
-
-@kernel()
-def _deepen(pair, gap, depth):
-    """Write the largest penetration among the contacts of each pair (q,), m."""
-    for row in range(len(pair)):
-        if pair[row] >= 0:
-            depth[pair[row]] = max(depth[pair[row]], -gap[row])
 
 
 @shared(CONTACTS)
@@ -191,6 +181,22 @@ def _find_pairs(low, high, pairs, start, vertex_block, vertex, block, found):
                 last = middle
         there = first < start[lower + 1] and pairs[first, 1] == higher
         found[row] = first if there else -1
+
+
+@kernel()
+def _deepen(pairs, vertex_block, memory, depth):
+    """Write the largest penetration among the remembered contacts of each pair (q,), m."""
+    vertex, block, gap = memory
+    start = np.zeros(vertex_block[-1] + 2, np.int64)
+    for q in range(len(pairs)):
+        start[pairs[q, 0] + 1] += 1
+    for lower in range(len(start) - 1):
+        start[lower + 1] += start[lower]
+    pair = np.empty(len(vertex), np.int64)
+    _find_pairs(len(pair), pairs, start, vertex_block, vertex, block, pair)
+    for row in range(len(pair)):
+        if pair[row] >= 0:
+            depth[pair[row]] = max(depth[pair[row]], -gap[row])
 
 
 # the memory of the next step -------------------------------------------------------------------
@@ -216,16 +222,16 @@ def renew(
         contacts.multiplier,
         contacts.rest_force,
     )
-    vertex, block, edge, mode = (np.empty(count, np.int64) for _ in range(4))
-    new_bonds = np.empty(count, np.bool_), np.empty(count, np.bool_)
+    vertex, block, edge, mode = np.empty((4, count), np.int64)
+    new_bonds = np.empty((2, count), np.bool_)
     new_keys = vertex, block, edge, mode, *new_bonds
-    new_forces = tuple(np.empty(count) for _ in forces)
+    new_forces = tuple(np.empty((5, count)))
     _renew(count, order, keys, forces, critdis, new_keys, new_forces)
     return ContactMemory(
         vertex=vertex,
         block=block,
         edge=edge,
-        point=contacts.point[order],
+        point=contacts.point.take(order),
         mode=mode,
         bonded=new_bonds[0],
         cohesive=new_bonds[1],

@@ -135,15 +135,15 @@ class Conditions:
     def linearised(self, at: Iterate) -> BlockSystem:
         """Return the matrix of the conditions linearised about an iterate."""
         whole = self.potential
-        with self.work.stages("assembly"):
-            return symmetric_system(
-                whole.base,
-                whole.springs,
-                self.bearing(at),
-                whole.base.force,
-                whole.fixed,
-                whole.graph,
-            )
+        self.work.stages("assembly")
+        return symmetric_system(
+            whole.base,
+            whole.springs,
+            self.bearing(at),
+            whole.base.force,
+            whole.fixed,
+            whole.graph,
+        )
 
     def bearing(self, at: Iterate) -> Forces:
         """Return what the springs bear at an iterate."""
@@ -165,20 +165,20 @@ class Conditions:
         potential, work, count = self.potential, self.work, len(at.stretches[0])
         about = *at.errors, *at.stiffnesses
         shown = NOTHING_SHOWN if before is None else before.of_springs
-        with work.stages("law"):
-            forces = _two(count)
-            _aim_both(count, at.states, about, target, shown, forces)
-            load, _ = potential.unbalanced(at.unknowns, *forces)
-        with work.stages("solve"):
-            guess = None if before is None else before.unknowns
-            unknowns = work.factor.nearer(
-                replace(system, force=load), self.bearing(at), guess, accuracy
-            )
-        with work.stages("law"):
-            changes = contact_motions(potential.springs, unknowns)
-            of_springs = np.empty((3, count), np.float32), np.empty((3, count), np.float32)
-            found = np.zeros((max(1, (count + PART - 1) // PART), 3))
-            _go_both(count, at.states, (*about, *changes), target, shown, of_springs, found)
+        work.stages("law")
+        forces = _two(count)
+        _aim_both(count, at.states, about, target, shown, forces)
+        load, _ = potential.unbalanced(at.unknowns, *forces)
+        work.stages("solve")
+        guess = None if before is None else before.unknowns
+        unknowns = work.factor.nearer(
+            replace(system, force=load), self.bearing(at), guess, accuracy
+        )
+        work.stages("law")
+        changes = contact_motions(potential.springs, unknowns)
+        of_springs = np.empty((3, count), np.float32), np.empty((3, count), np.float32)
+        found = np.zeros((max(1, (count + PART - 1) // PART), 3))
+        _go_both(count, at.states, (*about, *changes), target, shown, of_springs, found)
         haste = float(found[:, 0].max())
         return Direction(
             unknowns=unknowns,
@@ -249,9 +249,9 @@ class InteriorPoint:
             before = now.at.products
             at = self.corrected(conditions, now, accuracy)
             if at.products <= self.near * tolerance or left == 0:
-                with work.stages("law"):
-                    point = potential.at(at.unknowns)
-                    found = potential.distance(point)
+                work.stages("law")
+                point = potential.at(at.unknowns)
+                found = potential.distance(point)
                 if found < distance:
                     best, distance = point, found
             if distance <= tolerance or before / bounds < self.smallest * tolerance:
@@ -300,9 +300,9 @@ class InteriorPoint:
         sigma = max(0.0, left / products) ** self.reduction
         target = sigma * products / conditions.bounds
         direction = conditions.towards(now.at, now.system, target, predictor, accuracy)
-        with conditions.work.stages("law"):
-            share = min(1.0, self.step_share * direction.limit)
-            return conditions.advanced(now.at, direction, share)
+        conditions.work.stages("law")
+        share = min(1.0, self.step_share * direction.limit)
+        return conditions.advanced(now.at, direction, share)
 
 
 def _two(count: int) -> Both:

@@ -93,18 +93,18 @@ def iterate(potential: Potential, point: Point, work: Work) -> tuple[Point, floa
     """Return the point that an iteration leads to, and the decrement r.dd before it, J/m."""
     direction = potential.direction(point, work.factor, work.stages)
     decrement = float(dot(point.residual, direction))
-    with work.stages("line search"):
-        line, evaluations = potential.line_search(point, direction)
-        work.count("line_search", evaluations)
-    with work.stages("law"):
-        return potential.moved(point, line), decrement
+    work.stages("line search")
+    line, evaluations = potential.line_search(point, direction)
+    work.count("line_search", evaluations)
+    work.stages("law")
+    return potential.moved(point, line), decrement
 
 
 def best_of(potential: Potential, starts: tuple[Floats, ...]) -> Point:
     """Return the point that each island has from the best of ``starts``, (n, 6) each."""
-    every = np.stack(starts)
-    choice = np.argmin(potential.distances_at(every), axis=0)
-    if np.all(choice == choice[0]):
+    every = np.array(starts)
+    choice = potential.distances_at(every).argmin(axis=0)
+    if (choice == choice[0]).all():
         return potential.at(starts[choice[0]])
     of_blocks = choice[potential.islands.of_blocks]
     return potential.at(every[of_blocks, np.arange(len(of_blocks))])

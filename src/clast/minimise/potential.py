@@ -40,6 +40,7 @@ from clast.minimise.line_search import (
     links_along,
     slopes,
 )
+from clast.minimise.starts import left_at_starts
 from clast.model.model import Bools, Floats
 
 MOMENTUM_SHARE = 1e-4
@@ -221,12 +222,16 @@ class Potential:
 
     def distances_at(self, starts: Floats) -> Floats:
         """Return the ``island_distances`` (k, islands.count), J/m, at ``starts`` (k, n, 6)."""
-        bear = [self.forces.at(*self.stretches(unknowns)) for unknowns in starts]
-        normal = np.stack([one.normal_force for one in bear])
-        shear = np.stack([one.shear_force for one in bear])
+        at, springs = self.islands, self.springs
+        islands = at.of_blocks, at.count
+        if self.law is None:
+            table = springs.edge_block, springs.gap, springs.slip, springs.arrays
+            return np.asarray(left_at_starts(*self._balance, table, islands, starts))
+        bear = [self.law.at(*self.stretches(unknowns)) for unknowns in starts]
+        normal = np.array([one.normal_force for one in bear])
+        shear = np.array([one.shear_force for one in bear])
         found = residual.left_at(*self._balance, starts, normal, shear)
-        at = self.islands
-        return np.stack([island_sums(one, at.of_blocks, at.count) for one in found])
+        return np.array([island_sums(one, *islands) for one in found])
 
     def untouched(self) -> Floats:
         """Return the unknowns (n, 6) of blocks without springs, K^-1 F; 0 for fixed blocks."""
@@ -257,10 +262,10 @@ class Potential:
 
     def direction(self, point: Point, factor: FactorOfStep, stages: Stages) -> Floats:
         """Return the Newton direction (n, 6): Hessian dd = -gradient."""
-        with stages("assembly"):
-            system = self.hessian(point)
-        with stages("solve"):
-            return factor.solve(system, point.forces)
+        stages("assembly")
+        system = self.hessian(point)
+        stages("solve")
+        return factor.solve(system, point.forces)
 
     def line_search(self, point: Point, direction: Floats) -> tuple[Line, int]:
         """Return how far to go along ``direction`` to the least potential, and evaluations.

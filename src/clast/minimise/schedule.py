@@ -53,12 +53,16 @@ class SmallIslands:
         islands, left = potential.islands, potential.island_distances(point)
         if potential.law is not None or self.few == 0:
             return point, left
-        chosen = unfinished(left, self.finished * tolerance) & self.small(potential)
+        chosen = unfinished(left, self.finished * tolerance)
         if not chosen.any():
             return point, left
-        wanted = np.flatnonzero(chosen)
-        # the largest first: the others fill up what time is left
-        wanted = wanted[np.argsort(-np.diff(islands.listing[0])[wanted], kind="stable")]
+        chosen &= self.small(potential)
+        if not chosen.any():
+            return point, left
+        wanted = chosen.nonzero()[0]
+        if len(wanted) > 1:
+            # the largest first: the others fill up what time is left
+            wanted = wanted[np.argsort(-np.diff(islands.listing[0])[wanted], kind="stable")]
         moved = copied(point)
         passes, evaluations = minimise_each(
             wanted,
@@ -94,7 +98,9 @@ def unfinished(distances: Floats, together: float) -> Bools:
     Those that are left alone are as many as may be.
     """
     wanted: Bools = ~(distances <= together)  # what is not finite is not finished
-    others = np.flatnonzero(~wanted & (distances > 0.0))
+    others = (~wanted & (distances > 0.0)).nonzero()[0]
+    if not len(others):
+        return wanted
     left = distances.take(others)
     if float(left.sum()) > together:
         order = np.argsort(left, kind="stable")
@@ -127,20 +133,20 @@ class NonlinearElimination:
         blocks = np.count_nonzero(~potential.fixed)
         if blocks <= self.large or potential.law is not None:
             return point
-        with work.stages("law"):
-            found, others = self.worst(point.distances)
-            moves = with_neighbours(found, potential.springs.pairs) & ~potential.fixed
-            if not 0 < np.count_nonzero(moves) <= self.few * blocks:
-                return point
-            part = subproblem(potential, point, moves)
+        work.stages("law")
+        found, others = self.worst(point.distances)
+        moves = with_neighbours(found, potential.springs.pairs) & ~potential.fixed
+        if not 0 < np.count_nonzero(moves) <= self.few * blocks:
+            return point
+        part = subproblem(potential, point, moves)
         moved, left = part.point, max(others, self.nearly * tolerance)
         for _ in range(self.iterations):
             if part.potential.distance(moved) <= left:
                 break
             moved, _ = iterate(part.potential, moved, work)
             work.count("local")
-        with work.stages("law"):
-            return part.put_back(potential, point, moved)
+        work.stages("law")
+        return part.put_back(potential, point, moved)
 
     def worst(self, distances: Floats) -> tuple[Bools, float]:
         """Return which blocks (n,) are worth going first, and what the others have left, J/m.
@@ -191,25 +197,25 @@ class Schedule:
         Done where twice the potential is within ``tolerance``, J/m, of its minimum.  Raises
         StepRejected where Newton's method needs more than its iterations.
         """
-        with work.stages("law"):
-            if potential.distance(point) <= tolerance:
-                return point
-        with work.stages("small islands"):
-            point, left = self.small.minimise(potential, point, tolerance, work)
+        work.stages("law")
+        if potential.distance(point) <= tolerance:
+            return point
+        work.stages("small islands")
+        point, left = self.small.minimise(potential, point, tolerance, work)
         if float(left.sum()) <= tolerance:
             return point
-        with work.stages("law"):
-            wanted = unfinished(left, self.finished * tolerance)
-            moves = wanted[potential.islands.of_blocks] & ~potential.fixed
-            free = np.count_nonzero(~potential.fixed)
-            few = potential.law is None and np.count_nonzero(moves) <= self.most * free
-            part = subproblem(potential, point, moves) if few else None
+        work.stages("law")
+        wanted = unfinished(left, self.finished * tolerance)
+        moves = wanted[potential.islands.of_blocks] & ~potential.fixed
+        free = np.count_nonzero(~potential.fixed)
+        few = potential.law is None and np.count_nonzero(moves) <= self.most * free
+        part = subproblem(potential, point, moves) if few else None
         if part is None:
             return self.descend(potential, point, tolerance, work)
         rest = tolerance - float(left[~wanted].sum())
         moved = self.descend(part.potential, part.point, rest, work)
-        with work.stages("law"):
-            return part.put_back(potential, point, moved)
+        work.stages("law")
+        return part.put_back(potential, point, moved)
 
     def descend(self, potential: Potential, point: Point, tolerance: float, work: Work) -> Point:
         """Return a point within ``tolerance``, J/m, of the minimum, of all blocks together."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from clast.linear.system import DiagonalTerms, contact_motions
 from clast.minimise.islands import islands_of, put_back, taken_out
 from clast.minimise.potential import Point, Potential
 from clast.model.model import Bools, Floats, Ints
+from clast.read_only import changed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +71,7 @@ def subproblem(potential: Potential, point: Point, moves: Bools) -> Subproblem:
         shear=clipped_from(*both[4:]),
     )
     opened, slipped = contact_motions(springs, unknowns)
-    springs = replace(springs, gap=gap - opened, slip=slip - slipped)
+    springs = changed(springs, gap=gap - opened, slip=slip - slipped)
     return Subproblem(
         potential=Potential(
             base=DiagonalTerms(
@@ -106,19 +107,20 @@ def touched(potential: Potential, point: Point, most: float) -> Subproblem | Non
     """
     moves = np.zeros(len(potential.fixed), np.bool_)
     moves[potential.springs.pairs.ravel()] = True
-    moves &= ~potential.fixed
-    number, free = np.count_nonzero(moves), np.count_nonzero(~potential.fixed)
-    if potential.law is not None or not 0 < number <= most * free:
+    free = ~potential.fixed
+    number = np.count_nonzero(moves & free)
+    if potential.law is not None or not 0 < number <= most * np.count_nonzero(free):
         return None
+    moves &= free
     part = subproblem(potential, point, moves)
     return part if len(part.links) == len(potential.springs) else None
 
 
 def copied(point: Point) -> Point:
     """Return a copy of a point."""
-    unknowns, gap, slip, normal, shear, kn, ks, residual, distances = (
+    unknowns, gap, slip, normal, shear, kn, ks, residual, distances = [
         one.copy() for one in point.arrays
-    )
+    ]
     return Point(
         unknowns=unknowns,
         gap=gap,

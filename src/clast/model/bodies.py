@@ -18,6 +18,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from clast.read_only import kept_property
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -57,6 +59,11 @@ class Outlines:
     """Outlines that cannot move, shape (o,)."""
     gone: Bools
     """Outlines of blocks that are gone, shape (o,)."""
+
+    @kept_property
+    def owners(self) -> Ints:
+        """Outline of each vertex, shape (k,)."""
+        return np.repeat(np.arange(len(self.start) - 1), np.diff(self.start))
 
     def edges_at(self, edge: Ints, along: Floats) -> Ints:
         """Return the model's edges ``along`` m from the start of edges of the outlines, (m,)."""

@@ -133,6 +133,7 @@ class PointTracker:
         self._start = points.at if reference is None else reference.points[self._rows]
         self._block = points.block
         self._rotation = None if reference is None else reference.rotation[points.block]
+        self._rotations = np.zeros(len(points.block))
         # Centroids are wanted of the points' blocks only: their vertices, block after block.
         blocks, self._outline = np.unique(points.block, return_inverse=True)
         outlines = [np.arange(model.block_start[b], model.block_start[b + 1]) for b in blocks]
@@ -142,6 +143,8 @@ class PointTracker:
     def row(self, state: State) -> tuple[float, Floats, Floats, Floats]:
         """Return time and displacement (k, 2), velocity (k, 2), rotation (k,) of the points."""
         at = state.points[self._rows]
+        if not len(at):
+            return state.time, at, at, self._rotations
         _, centroid, _ = polygon.moments(state.vertices[self._vertices], self._outline_start)
         velocity = point_velocity(at - centroid[self._outline], state.velocity[self._block])
         rotation = counted(state.rotation[self._block], self._rotation)

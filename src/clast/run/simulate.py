@@ -19,6 +19,7 @@ from clast.model.model import Model
 from clast.model.stages.records import Event, StageRecord
 from clast.model.stages.stage import Stage
 from clast.model.state import Ledger, State, initial_state
+from clast.read_only import changed
 from clast.results import Report, Run, RunRecorder
 from clast.results.provenance import about_method
 from clast.run import law_check
@@ -161,7 +162,7 @@ class Stepping:
             now = replace(now, path=finer)
             result, taken, clock, more = self._accepted(now)
             cuts += more + 1
-        tally = replace(now.tally, cut_steps=now.tally.cut_steps + cuts).with_step(result)
+        tally = now.tally.with_step(result, cuts)
         first = now.first
         if now.state.time == 0.0:
             first = energy_balance.with_overlap(first, self.method, result.contacts)
@@ -171,7 +172,7 @@ class Stepping:
             if self.statics is not None and now.path is not None:
                 judge = self.statics.judge_of(now.path)
             position = judge.after(position, now.state, result, taken)
-        after = replace(
+        after = changed(
             now,
             state=result.state,
             step=_next_step(taken, result, self.schedule, self.method),

@@ -30,12 +30,12 @@ class Tally:
     counts: Mapping[str, int] = field(default_factory=dict)
     """What the process counted."""
 
-    def with_step(self, result: StepResult) -> Tally:
-        """Return the counts with those of an accepted step."""
+    def with_step(self, result: StepResult, cuts: int = 0) -> Tally:
+        """Return the counts with those of an accepted step, and of the ``cuts`` before it."""
         return Tally(
             steps=self.steps + 1,
             passes=self.passes + result.passes,
-            cut_steps=self.cut_steps,
+            cut_steps=self.cut_steps + cuts,
             contacts=max(self.contacts, len(result.contacts)),
             penetration=max(self.penetration, result.penetration),
             seconds=_added(self.seconds, result.seconds),
@@ -45,4 +45,7 @@ class Tally:
 
 def _added(before: Mapping[str, Number], new: Mapping[str, Number]) -> dict[str, Number]:
     """Return the sums of what has the same name."""
-    return {**before, **{name: before.get(name, 0) + value for name, value in new.items()}}
+    sums = {**before}
+    for name in new:
+        sums[name] = sums[name] + new[name] if name in sums else new[name]
+    return sums

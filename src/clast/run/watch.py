@@ -17,6 +17,7 @@ from clast.block.polygon import thicknesses
 from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Floats, Model
 from clast.model.state import LEDGER_ENTRIES, Ledger, Overlap, State
+from clast.read_only import changed
 from clast.run.overlap import unseen_overlaps
 from clast.step import energy_balance
 from clast.step.method import Method, StepResult
@@ -94,14 +95,14 @@ class Watch:
     def with_step(self, seen: Watched, result: StepResult) -> Watched:
         """Return what is seen after an accepted step."""
         held = np.array(_entries(result.state.ledger))
-        seen = replace(
+        seen = changed(
             seen,
             least=np.minimum(seen.least, held),
             greatest=np.maximum(seen.greatest, held),
         )
         if result.penetration <= seen.deepest[0] * self._thinnest:
             return seen
-        return replace(seen, deepest=self._deeper(seen.deepest, result))
+        return changed(seen, deepest=self._deeper(seen.deepest, result))
 
     def with_frame(self, seen: Watched, state: State) -> Watched:
         """Return what is seen after a look at the outlines of a frame."""
@@ -269,6 +270,8 @@ def reject_created_energy(
 ) -> None:
     """Raise StepRejected where the blocks hold far more energy than they can have."""
     created = energy_balance.created(state.ledger, first)
+    if created <= 0.0:
+        return
     allowed = energy_balance.tolerated(model, state.ledger, first)
     allowed += energy_balance.round_off(model, method, state, len(state.memory))
     allowed += UNFELT * seen.turned_over

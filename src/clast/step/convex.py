@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -34,7 +35,6 @@ from clast.contact.joints.bonds import without_bonds
 from clast.contact.laws import ContactLaw, SpringLaw, has_limits
 from clast.errors import StepOutcome
 from clast.linear.reuse import FactorOfStep
-from clast.linear.solvers import DIRECTION, inexact
 from clast.linear.system import Bearing, contact_motions, graph_of, inverse_of_blocks
 from clast.minimise.each_block import TRIES, EachBlock
 from clast.minimise.islands import islands_of
@@ -44,9 +44,10 @@ from clast.minimise.schedule import Schedule, SmallIslands
 from clast.minimise.subproblem import touched
 from clast.model.model import Floats, Model
 from clast.model.state import State
+from clast.read_only import changed
 from clast.step.energy_balance import noise_of, round_off
 from clast.step.finish import finish
-from clast.step.impact import after_impacts, bearing, first_bases, scheme_of
+from clast.step.impact import Entering, after_impacts, bearing, first_bases, scheme_of
 from clast.step.integration import HalfWay, answer, half_way
 from clast.step.method import Method, Solved, StepResult, Workspace
 from clast.step.relief import relieved
@@ -96,24 +97,24 @@ class Convex:
         workspace: Workspace | None = None,
     ) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected."""
-        stages = Stages()
-        with stages("base system"):
-            begun = begin(model, method, state, step, workspace)
-        with stages("contacts"):
-            travel = travel_expected(begun)
-            contacts = begun.contacts(search_within_step(method, travel), begun.drift)
+        stages = Stages(workspace.clock) if workspace else Stages()
+        stages("base system")
+        begun = begin(model, method, state, step, workspace)
+        stages("contacts")
+        travel = travel_expected(begun)
+        contacts = begun.contacts(search_within_step(method, travel), begun.drift)
         starts: tuple[Floats, ...] = (np.zeros_like(begun.velocity),)
         counts = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}
         while True:
             solved = self._solved(begun, contacts, starts, counts, stages)
-            with stages("contacts"):
-                wider = farther(method, travel, travel_of(begun, solved.unknowns))
-                if wider is None:
-                    break
-                seen, travel = contacts, wider
-                contacts = begun.contacts(search_within_step(method, travel), begun.drift)
-                if not closes_unseen(seen, contacts, solved.unknowns):
-                    break
+            stages("contacts")
+            wider = farther(method, travel, travel_of(begun, solved.unknowns))
+            if wider is None:
+                break
+            seen, travel = contacts, wider
+            contacts = begun.contacts(search_within_step(method, travel), begun.drift)
+            if not closes_unseen(seen, contacts, solved.unknowns):
+                break
             starts = (solved.unknowns,)
         return finish(begun, solved, stages)
 
@@ -135,35 +136,36 @@ class Convex:
     ) -> Solved:
         """Return what the step comes to with these contacts; ``counts`` is added to."""
         model, method = begun.model, begun.method
-        with stages("contacts"):
-            contacts = relieved(model, method, begun.state, contacts)
-            graph = graph_of(contacts, model.block_count)
-            entering = after_impacts(begun, contacts, graph, self.restitution)
-            share = begun.at.forces_at
-            taken = half_way(model, method.contact_law, contacts, share, begun.step)
-            scheme = scheme_of(begun, contacts, graph, entering, taken)
-        with stages("base system"):
-            base = diagonal_terms(begun, entering.drift, scheme)
-            others = () if begun.springs is None else (begun.springs,)
-            springs, (rows, *_) = merged(springs_of(contacts), others)
-            potential = Potential(
-                base=base,
-                inverse=inverse_of_blocks(base.diagonal),
-                fixed=model.fixed,
-                springs=springs,
-                graph=graph_of(springs, model.block_count) if others else graph,
-                islands=islands_of(springs, model.fixed),
-            )
+        stages("contacts")
+        contacts = relieved(model, method, begun.state, contacts)
+        graph = graph_of(contacts, model.block_count)
+        entering = after_impacts(begun, contacts, graph, self.restitution)
+        share = begun.at.forces_at
+        taken = half_way(model, method.contact_law, contacts, share, begun.step)
+        scheme = scheme_of(begun, contacts, graph, entering, taken)
+        stages("base system")
+        base = diagonal_terms(begun, entering.drift, scheme)
+        others = () if begun.springs is None else (begun.springs,)
+        springs, (rows, *_) = merged(springs_of(contacts), others)
+        potential = Potential(
+            base=base,
+            inverse=inverse_of_blocks(base.diagonal),
+            fixed=model.fixed,
+            springs=springs,
+            graph=graph_of(springs, model.block_count) if others else graph,
+            islands=islands_of(springs, model.fixed),
+        )
         tolerance = max(
             self.tolerance**2 * potential.reference_energy(),
             round_off(model, method, begun.state, len(springs)),
         )
         each = self.each_block(begun, len(springs))
         largest = potential.sum_of_forces()
-        contacts = replace(contacts, friction_base=first_friction_base(begun, contacts, largest))
+        base_of_friction = first_friction_base(begun, contacts, entering, largest)
+        contacts = changed(contacts, friction_base=base_of_friction)
         # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
         starts = (entering.drift, *starts, potential.untouched())
-        factor = FactorOfStep(inexact(method.solver, DIRECTION), begun.workspace.patterns)
+        factor = FactorOfStep(begun.workspace.inexact(method.solver), begun.workspace.patterns)
         search = Search(
             law=method.contact_law,
             taken=taken,
@@ -196,10 +198,15 @@ class Convex:
     def schedule(self, factor: FactorOfStep) -> Schedule:
         """Return how a potential is minimised whose systems ``factor`` solves."""
         # who asks for a solver has everything solved by it
-        return Schedule(
-            newton=Newton(iterations=self.iterations),
-            small=SmallIslands() if factor.is_free else SmallIslands(few=0),
-        )
+        return self._schedule if factor.is_free else self._all_together
+
+    @cached_property
+    def _schedule(self) -> Schedule:
+        return Schedule(newton=Newton(iterations=self.iterations))
+
+    @cached_property
+    def _all_together(self) -> Schedule:
+        return changed(self._schedule, small=SmallIslands(few=0))
 
     def each_block(self, begun: Begun, links: int) -> EachBlock | None:
         """Return the balance that is asked of each block, None where that of all is enough."""
@@ -258,11 +265,11 @@ class Search:
         It is searched for from the best of the ``starts``, (n, 6) each, with the friction bounds
         that the contacts have, and where many blocks have no links without these.
         """
-        with self.work.stages("law"):
-            contacts = multipliers.begin(self.law, contacts)
-            potential = self.bound(potential, contacts)
-            point = best_of(potential, starts)
-            part = touched(potential, point, self.schedule.most)
+        self.work.stages("law")
+        contacts = multipliers.begin(self.law, contacts)
+        potential = self.bound(potential, contacts)
+        point = best_of(potential, starts)
+        part = touched(potential, point, self.schedule.most)
         if part is None:
             point, contacts, response = self.settled(potential, contacts, point)
             return point.unknowns, contacts, response
@@ -285,9 +292,9 @@ class Search:
             for _ in range(updates):
                 potential, contacts, point = self.with_new_bounds(potential, contacts, point)
             point = self.solved(potential, point)
-            with stages("law"):
-                gap, slip = point.gap[self.rows], point.slip[self.rows]
-                response = law.respond(contacts, gap, slip)
+            stages("law")
+            gap, slip = point.gap[self.rows], point.slip[self.rows]
+            response = law.respond(contacts, gap, slip)
             solves += 1
             if not multipliers.enough(law, solves, contacts, gap):
                 contacts = multipliers.renew(law, contacts, response)
@@ -297,10 +304,10 @@ class Search:
                 if not broken.any():
                     return point, multipliers.renew(law, contacts, response), response
                 contacts, solves = without_bonds(contacts, response), solves - 1
-            with stages("law"):
-                contacts = replace(contacts, friction_base=response.normal_force)
-                potential = self.bound(potential, contacts)
-                point = potential.again(point)
+            stages("law")
+            contacts = changed(contacts, friction_base=response.normal_force)
+            potential = self.bound(potential, contacts)
+            point = potential.again(point)
 
     def solved(self, potential: Potential, point: Point) -> Point:
         """Return the minimum from a point on, near enough for the step and for each block."""
@@ -325,12 +332,12 @@ class Search:
         asked = self.friction.coarse * enough
         while True:
             point = self.schedule.minimise(potential, point, asked, self.work)
-            with self.work.stages("law"):
-                bounds = replace(contacts, friction_base=point.forces.normal_force[self.rows])
-                renewed = self.bound(potential, bounds)
-                moved = renewed.again(point)
-                left = potential.island_distances(point)
-                tolerated = self.friction.share * renewed.island_distances(moved)
+            self.work.stages("law")
+            bounds = changed(contacts, friction_base=point.forces.normal_force[self.rows])
+            renewed = self.bound(potential, bounds)
+            moved = renewed.again(point)
+            left = potential.island_distances(point)
+            tolerated = self.friction.share * renewed.island_distances(moved)
             if asked <= enough or float(left[~(left <= tolerated)].sum()) <= enough:
                 return renewed, bounds, moved
             asked = max(enough, min(self.friction.sharper * asked, float(tolerated.sum())))
@@ -341,9 +348,9 @@ class Search:
             springs = clipped(self.law, contacts)
             if self.taken is not None:
                 springs = self.taken.springs(springs, contacts)
-            return replace(potential, springs=potential.springs.put(self.rows, *springs))
+            return changed(potential, springs=potential.springs.put(self.rows, *springs))
         of_contacts = OfContacts(self.law, self.taken, contacts, self.rows, potential.springs)
-        return replace(potential, law=of_contacts)
+        return changed(potential, law=of_contacts)
 
     def applied(
         self, contacts: Contacts, response: ContactResponse, unknowns: Floats
@@ -398,12 +405,14 @@ class OfContacts:
 
 def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
     """Return the contacts' normal springs, N in [-tension, inf), and shear springs, T in +-b."""
-    limits, count = law.limits(contacts), len(contacts)
+    limits, count = law.limits(contacts), len(contacts.gap)
+    endless = np.empty(count)
+    endless.fill(np.inf)
     normal = Clipped(
         at_zero=contacts.rest_force + contacts.multiplier,
         stiffness=limits.normal_stiffness,
         low=-limits.tension,
-        high=np.full(count, np.inf),
+        high=endless,
     )
     shear = Clipped(
         at_zero=contacts.shear_force,
@@ -414,7 +423,9 @@ def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
     return normal, shear
 
 
-def first_friction_base(begun: Begun, contacts: Contacts, largest: float) -> Floats:
+def first_friction_base(
+    begun: Begun, contacts: Contacts, entering: Entering, largest: float
+) -> Floats:
     """Return the normal forces, N/m, that bound friction at first, shape (m,).
 
     Those of the last step.  A contact that bore nothing then holds whatever comes, ``largest``, if
@@ -424,12 +435,12 @@ def first_friction_base(begun: Begun, contacts: Contacts, largest: float) -> Flo
     part.
     """
     step = begun.step
-    speed = float(np.hypot(*begun.model.gravity)) * step
+    speed = begun.model.weight * step
     return np.asarray(
         first_bases(
             contacts.normal_force,
             contacts.gap,
-            contact_motions(contacts, begun.velocity),
+            entering.before,
             AT_REST * speed,
             LANDING * speed,
             step,

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from clast.actions.acting import done_by
-from clast.actions.action import Solution
+from clast.actions.action import NOTHING, Solution
 from clast.block.inertia import block_frames
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
@@ -25,6 +25,7 @@ from clast.contact.contacts import Contacts
 from clast.contact.joints.along_joint import range_of_springs
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger, State
+from clast.read_only import changed
 from clast.step.method import Method, Solved
 from clast.step.start import Begun
 
@@ -88,9 +89,7 @@ def tolerated(model: Model, ledger: Ledger, first: Ledger) -> float:
     Impacts of the constant acceleration scheme give back a little too much now and then, so this
     is a wide bound: what lifts every block by a twentieth of its size, or doubles what there was.
     """
-    size = np.sqrt(model.area[~model.fixed])
-    weight = model.mass[~model.fixed] * np.hypot(*model.gravity)
-    return 0.05 * float(np.sum(weight * size)) + first.stored + abs(ledger.brought)
+    return 0.05 * model.weight_by_size + first.stored + abs(ledger.brought)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,10 +133,12 @@ def balance(
     own = []
     for action, mine, share in zip(begun.actions, begun.own, begun.shares, strict=True):
         done = done_by(action, begun.at, mine, share, solution)
+        own.append(done.own)
+        if done is NOTHING:
+            continue
         change = done.ledger
         removed = change.brought - done.work - change.stored - change.lost
         changes += [change, Ledger(numerical=removed, unaccounted=-done.work)]
-        own.append(done.own)
     return ledger.plus(*changes), tuple(own)
 
 
@@ -162,7 +163,7 @@ def _with_blocks_and_contacts(begun: Begun, solved: Solved, ended: Ended) -> Led
     )
     contact_work, contact, friction = map(float, of_contacts)
     removed += -contact_work - (contact - before.contact) - friction
-    return replace(
+    return changed(
         before,
         kinetic=kinetic,
         elastic=elastic,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from clast.errors import StepOutcome, StepRejected
 from clast.linear.system import contact_motions
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, State
+from clast.read_only import changed
 from clast.step.energy_balance import Ended, balance
 from clast.step.integration import end_velocity
 from clast.step.method import Solved, StepResult
@@ -26,16 +28,18 @@ from clast.step.start import Begun
 def finish(begun: Begun, solved: Solved, stages: Stages) -> StepResult:
     """Return the result of a solved step, or raise StepRejected where it must not be kept."""
     model, state = begun.model, begun.state
-    with stages("advance"):
-        ended = end_of(begun, solved)
-        motion = moved(begun, solved.unknowns, ended)
-        kept = replace(solved.response, normal_force=solved.bearing)
-        memory = renew(solved.contacts, kept, ended.gap, begun.method.critdis)
-    with stages("tunnelling"):
+    stages("advance")
+    ended = end_of(begun, solved)
+    motion = moved(begun, solved.unknowns, ended)
+    kept = changed(solved.response, normal_force=solved.bearing)
+    memory = renew(solved.contacts, kept, ended.gap, begun.method.critdis)
+    stages("tunnelling")
+    # no vertex has got deeper into a block than it has moved
+    if motion.travel > solved.depth:
         near = begun.workspace.near
         reject_tunnelled(model, state.vertices, motion.vertices, memory, solved.depth, near)
-    with stages("ledger"):
-        ledger, actions = balance(begun, solved, ended, motion.points)
+    stages("ledger")
+    ledger, actions = balance(begun, solved, ended, motion.points)
     return StepResult(
         state=State(
             time=begun.at.end,
@@ -55,14 +59,14 @@ def finish(begun: Begun, solved: Solved, stages: Stages) -> StepResult:
         approach=motion.approach,
         broken=broken_in(solved),
         penetration=float(max(0.0, -ended.gap.min(initial=0.0))),
-        seconds=stages.seconds,
+        seconds=stages.ended(),
     )
 
 
 def broken_in(solved: Solved) -> Ints:
     """Return which contacts have lost their bonds in a step, shape (b,)."""
     before = solved.contacts.bonded if solved.bonded is None else solved.bonded
-    return np.flatnonzero(before & ~solved.response.bonded)
+    return np.asarray((before & ~solved.response.bonded).nonzero()[0])
 
 
 def end_of(begun: Begun, solved: Solved) -> Ended:
@@ -137,6 +141,8 @@ def move(
 
     Written as position + movement, so that a block that does not move keeps every bit.
     """
+    if not len(positions):
+        return positions
     offset = polygon.offsets(positions, block, centroid)
     return positions + movements(rotation, offset, unknowns, block)
 
@@ -155,12 +161,12 @@ def moved(begun: Begun, unknowns: Floats, ended: Ended) -> Motion:
     model, method, state = begun.model, begun.method, begun.state
     centroid, near = begun.frames.centroid, begun.workspace.near
     turn = method.rotation.angle(np.ascontiguousarray(unknowns[:, 2]))
-    if not np.all(np.abs(turn) <= LARGEST_TURN):
+    if not float(np.abs(turn).max(initial=0.0)) <= LARGEST_TURN:
         raise StepRejected(StepOutcome.ROTATED_TOO_FAR)
     block = model.vertex_block
     vertices = move(method.rotation, state.vertices, block, centroid, unknowns)
     travel = float(polygon.travel(state.vertices, vertices))
-    if not np.isfinite(travel):
+    if not math.isfinite(travel):
         raise StepRejected(StepOutcome.NOT_FINITE)
     approach = travel
     if travel > method.max_displacement:

@@ -23,7 +23,8 @@ and these in their next step, keep the scheme of the run.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -36,6 +37,7 @@ from clast.contact.multipliers import has_multipliers
 from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_forces
 from clast.model.model import Floats, Model
 from clast.model.state import State
+from clast.read_only import changed
 from clast.step import collisions, stopping
 from clast.step.integration import HalfWay, Scheme
 from clast.step.start import Begun
@@ -69,8 +71,10 @@ class Entering:
     """How far the velocities of the step would take the blocks, m, shape (n, 6)."""
     lost: float
     """Kinetic energy lost, J/m."""
+    before: tuple[Floats, Floats]
+    """How fast contacts open and slip before any impact, m/s, (m,) each."""
     rate: Floats
-    """How fast contacts open, of that velocity, m/s, shape (m,)."""
+    """How fast contacts open after them, m/s, shape (m,)."""
     impact: float
     """Closing velocity from which contacts were struck, m/s."""
 
@@ -79,14 +83,16 @@ def after_impacts(begun: Begun, contacts: Contacts, graph: Graph, restitution: f
     """Return what the impacts of a step that has begun leave for its equations."""
     model, frames, state = begun.model, begun.frames, begun.state
     velocity, step = begun.velocity, begun.step
-    rate = gap_rate(contacts, velocity)
+    before = contact_motions(contacts, velocity)
+    rate = before[0]
+    fastest = float(-rate.min(initial=0.0))
     slow = slowest_impact(model, begun.method.contact_law, step)
-    impact = max(slow, NOISE * float(-rate.min(initial=0.0)))
+    impact = max(slow, NOISE * fastest)
     unchanged = Entering(
-        velocity=velocity, drift=step * velocity, lost=0.0, rate=rate, impact=impact
+        velocity=velocity, drift=begun.drift, lost=0.0, before=before, rate=rate, impact=impact
     )
     # gravity may add g h to what a contact closes by
-    if not (rate < 0.0).any():
+    if fastest <= 0.0:
         return unchanged
     back = restitutions(model, contacts, restitution)
     even = EVEN * float(np.sqrt(model.smallest))
@@ -116,6 +122,7 @@ def after_impacts(begun: Begun, contacts: Contacts, graph: Graph, restitution: f
         velocity=after,
         drift=step * after + shift,
         lost=float(lost),
+        before=before,
         rate=gap_rate(contacts, after),
         impact=impact,
     )
@@ -128,19 +135,16 @@ def slowest_impact(model: Model, law: ContactLaw, step: float) -> float:
     swings about its sag on them, g/w with w^2 = 2 p/m.  What rests on soft springs opens and closes
     by less than it sags, and its springs answer that.
     """
-    mass = float(model.mass[~model.fixed].min(initial=np.inf))
+    mass = model.lightest
     softest = range_of_springs(model, law.normal_stiffness)[0]
-    swings = np.sqrt(mass / (2.0 * softest)) if np.isfinite(mass) else 0.0
-    return IMPACT * float(np.hypot(*model.gravity)) * max(step, float(swings))
+    swings = math.sqrt(mass / (2.0 * softest)) if math.isfinite(mass) else 0.0
+    return IMPACT * model.weight * max(step, swings)
 
 
 def restitutions(model: Model, contacts: Contacts, restitution: float) -> Floats:
     """Return the restitution of each contact, shape (m,): its joint's, or the one given."""
-    table = model.joint_table
-    of_joints = [
-        restitution if one.restitution is None else one.restitution for one in table.joints
-    ]
-    return np.array(of_joints, float)[contacts.joint]
+    given = model.joint_table.restitutions
+    return np.where(np.isnan(given), restitution, given).take(contacts.joint)
 
 
 def flying(begun: Begun, contacts: Contacts, graph: Graph) -> Floats:
@@ -203,12 +207,14 @@ def scheme_of(
     Contacts whose forces are ``taken`` half way stop nothing.
     """
     model, scheme = begun.model, begun.scheme
-    threshold = slowest_of(begun.method.contact_law) * float(np.hypot(*model.gravity)) * begun.step
+    threshold = slowest_of(begun.method.contact_law) * model.weight * begun.step
+    if scheme.theta == 1.0 or not float(entering.rate.min(initial=0.0)) < -threshold:
+        return scheme
     moved, _ = contact_motions(contacts, entering.drift)
     closes = closing(contacts.gap, moved, entering.rate, threshold)
     if taken is not None:
         closes &= ~taken.bearing(contacts)
-    if scheme.theta == 1.0 or not closes.any():
+    if not closes.any():
         return scheme
     bears = closes | (contacts.normal_force > 0.0)
     stopped = stopping.stopped_motions(
@@ -218,7 +224,7 @@ def scheme_of(
         (contacts.vertex_block, contacts.levers),
         (closes, bears, bears & (contacts.friction > 0.0)),
     )
-    return replace(scheme, stopped=stopped)
+    return changed(scheme, stopped=stopped)
 
 
 def bearing(contacts: Contacts, entering: Entering, normal_force: Floats) -> Floats:

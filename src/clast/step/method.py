@@ -7,13 +7,16 @@ registered: an object with these methods can be put into a ``Method`` from a scr
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
+from clast.actions.acting import Acting
 from clast.actions.action import Action
 from clast.actions.damping import Undamped
 from clast.block.rotation import RotationRule
+from clast.compute.compilation import working_time
+from clast.compute.stopwatch import Clock
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.laws import ContactLaw
@@ -21,6 +24,7 @@ from clast.contact.verlet_list import VerletList
 from clast.errors import StepOutcome
 from clast.linear.factor import LinearSolver
 from clast.linear.pattern import Patterns
+from clast.linear.solvers import DIRECTION, inexact
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State
 from clast.step.integration import Integrator, Scheme
@@ -42,6 +46,18 @@ class Workspace:
     """Pairs of blocks near each other."""
     patterns: Patterns = field(default_factory=Patterns)
     """Orders and fill of the last factors, and the aggregates of the last coarse space."""
+    acting: Acting = field(default_factory=Acting)
+    """What acts on the blocks beside contacts."""
+    _inexact: tuple[Any, Any] = (None, None)
+    clock: Clock = working_time
+    """Clock by which the time of the stages of a step is taken."""
+
+    def inexact(self, solver: LinearSolver) -> LinearSolver:
+        """Return the solver for directions of Newton's method, which need not be accurate."""
+        if self._inexact[0] is not solver:
+            self._inexact = solver, inexact(solver, DIRECTION)
+        found: LinearSolver = self._inexact[1]
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -113,16 +113,16 @@ class Modified:
         workspace: Workspace | None = None,
     ) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected."""
-        stages = Stages()
-        with stages("base system"):
-            # (4) where the blocks are; (5) inertia and elasticity; (6) stress, weight, loads;
-            # (7) fixed points
-            begun = begin(model, method, state, step, workspace)
-            base = diagonal_terms(begun, begun.drift, begun.scheme)
-        with stages("contacts"):
-            # (8) blocks near each other; (9) entrance edges by the angle bisector
-            reach = search_of_modified(method)
-            contacts = begun.contacts(reach)
+        stages = Stages(workspace.clock) if workspace else Stages()
+        stages("base system")
+        # (4) where the blocks are; (5) inertia and elasticity; (6) stress, weight, loads;
+        # (7) fixed points
+        begun = begin(model, method, state, step, workspace)
+        base = diagonal_terms(begun, begun.drift, begun.scheme)
+        stages("contacts")
+        # (8) blocks near each other; (9) entrance edges by the angle bisector
+        reach = search_of_modified(method)
+        contacts = begun.contacts(reach)
         found = self._solve(begun, base, contacts, stages)
         solved = Solved(
             velocity=begun.velocity,
@@ -178,17 +178,17 @@ class Modified:
             passes += 1
             solves = 0
             while True:
-                with stages("law"):
-                    # (10) springs where a vertex has invaded, friction from spring or as a force
-                    entered = self.friction.enter(answer(law, contacts, *seen, taken))
-                with stages("assembly"):
-                    # (11) the equations of all blocks
-                    system, bearing = coupled_system(
-                        base, contacts, entered, seen, springs, at, begun.model.fixed
-                    )
-                with stages("solve"):
-                    # (12) one solve
-                    unknowns = factor.solve(system, bearing)
+                stages("law")
+                # (10) springs where a vertex has invaded, friction from spring or as a force
+                entered = self.friction.enter(answer(law, contacts, *seen, taken))
+                stages("assembly")
+                # (11) the equations of all blocks
+                system, bearing = coupled_system(
+                    base, contacts, entered, seen, springs, at, begun.model.fixed
+                )
+                stages("solve")
+                # (12) one solve
+                unknowns = factor.solve(system, bearing)
                 found = pass_result(law, contacts, entered, seen, unknowns, taken)
                 solves += 1
                 if multipliers.enough(law, solves, contacts, found.gap):

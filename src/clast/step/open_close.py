@@ -85,13 +85,13 @@ class OpenClose:
         workspace: Workspace | None = None,
     ) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected."""
-        stages = Stages()
-        with stages("base system"):
-            begun = begin(model, method, state, step, workspace)
-            base = diagonal_terms(begun, begun.drift, begun.scheme)
-        with stages("contacts"):
-            farthest = np.full(model.block_count, method.max_displacement)
-            contacts = begun.contacts(search_within_step(method, farthest), begun.drift)
+        stages = Stages(workspace.clock) if workspace else Stages()
+        stages("base system")
+        begun = begin(model, method, state, step, workspace)
+        base = diagonal_terms(begun, begun.drift, begun.scheme)
+        stages("contacts")
+        farthest = np.full(model.block_count, method.max_displacement)
+        contacts = begun.contacts(search_within_step(method, farthest), begun.drift)
         found = self._iterate(begun, base, contacts, stages)
         solved = Solved(
             velocity=begun.velocity,
@@ -151,14 +151,14 @@ class OpenClose:
         solves, tried, passes = 0, 0, 0
         while tried < self.iterations:
             tried, passes = tried + 1, passes + 1
-            with stages("law"):
-                entered = as_springs_and_forces(answer(law, contacts, *seen, taken))
-            with stages("assembly"):
-                system, bearing = coupled_system(
-                    base, contacts, entered, seen, springs, at, begun.model.fixed
-                )
-            with stages("solve"):
-                unknowns = factor.solve(system, bearing)
+            stages("law")
+            entered = as_springs_and_forces(answer(law, contacts, *seen, taken))
+            stages("assembly")
+            system, bearing = coupled_system(
+                base, contacts, entered, seen, springs, at, begun.model.fixed
+            )
+            stages("solve")
+            unknowns = factor.solve(system, bearing)
             found = pass_result(law, contacts, entered, seen, unknowns, taken)
             settled = have_settled(entered, found.acting)
             if tried >= least and settled and are_settled(springs, at, unknowns):

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from clast.actions.acting import acceleration_of, actions_of, add_shares, own_states, shares_of
+from clast.actions.acting import acceleration_of, add_shares, own_states, shares_of
 from clast.actions.action import Action, Share, StepStart
 from clast.block import equations
 from clast.block.inertia import BlockFrames, block_frames
@@ -109,10 +109,11 @@ def begin(
         forces_at=forces_at(method.integrator),
         clock=method.clock,
     )
-    actions = actions_of(model, method.fixed_point_stiffness, method.damping)
+    workspace = workspace or Workspace()
+    actions = workspace.acting.actions(model, method.fixed_point_stiffness, method.damping)
     own = own_states(actions, model, state)
     shares = shares_of(actions, at, own)
-    carried = method.dynamic_ratio * math.prod(share.carried for share in shares)
+    carried = method.dynamic_ratio * math.prod([share.carried for share in shares])
     if carried < 1.0 and at.forces_at < 1.0:
         # what does not swing on would step from one side of its equilibrium to the other
         at = replace(at, forces_at=1.0)
@@ -120,7 +121,7 @@ def begin(
     return Begun(
         at=at,
         method=method,
-        workspace=workspace or Workspace(),
+        workspace=workspace,
         velocity=carried * state.velocity,
         actions=actions,
         own=own,

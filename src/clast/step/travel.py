@@ -12,8 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.block import polygon
-from clast.block.displacement import displacements
+from clast.block.displacement import farthest_moved
 from clast.contact.candidates import SearchDistance
 from clast.contact.contacts import Contacts
 from clast.linear.system import gap_at_end
@@ -43,16 +42,13 @@ def search_within_step(method: Method, travel: Floats) -> SearchDistance:
 
 def travel_of(begun: Begun, displacement: Floats) -> Floats:
     """Return the largest movement of a vertex of each block by d (n, 6), m, shape (n,)."""
-    model = begun.model
-    block = model.vertex_block
-    offset = polygon.offsets(begun.state.vertices, block, begun.frames.centroid)
-    moved = displacements(offset, displacement, block)
-    return polygon.farthest(moved, model.block_start)
+    start = begun.model.block_start
+    return farthest_moved(begun.state.vertices, start, begun.frames.centroid, displacement)
 
 
 def travel_expected(begun: Begun) -> Floats:
     """Return how far blocks go, m, shape (n,), by their velocities, weight and a push."""
-    fall = float(np.hypot(*begun.model.gravity)) * begun.step**2
+    fall = begun.model.weight * begun.step**2
     if begun.method.clock is not None:
         # a static step is as long as it is because blocks hardly move
         fall = min(fall, begun.method.critdis)

@@ -29,7 +29,7 @@ def joints_of(
     table = model.joint_table
     of_pairs, named = table.of_pairs(model.block_rock, pairs)
     joint = of_pairs[ends[4]]
-    if model.edge_joint.max(initial=-1) >= 0:
+    if model.edges_name_joints:
         places = ends[0], ends[1], model.block_start[ends[2]], model.block_start[ends[2] + 1]
         _along_edges(len(joint), places, model.edge_joint, direction, named[ends[4]], joint)
     return joint
@@ -178,9 +178,13 @@ def springs_of_joints(model: Model, joint: Ints, length: Floats) -> tuple[Floats
     over the size of the smallest block, per area.  ``joint`` (m,) are their joints, ``length`` (m,)
     those of their springs, m.
     """
-    normal, shear = model.joint_table.stiffnesses
-    integrated = model.joint_table.integrated.take(joint)
-    share = np.where(integrated, per_area(1.0, model) * length, 1.0)
+    table = model.joint_table
+    normal, shear = table.stiffnesses
+    if table.any_integrated:
+        share = np.where(table.integrated.take(joint), per_area(1.0, model) * length, 1.0)
+    else:
+        share = np.empty(len(length))
+        share.fill(1.0)
     return normal.take(joint) * length, shear.take(joint) * length, share
 
 
@@ -198,10 +202,11 @@ def range_of_springs(model: Model, stiffness: float) -> tuple[float, float]:
     ``stiffness`` is that of the contact law.  Those of joints are k_n L with L between half the
     size of the smallest block and the longest edge.
     """
-    table, normal = model.joint_table, model.joint_table.stiffnesses[0]
-    own = np.where(np.isnan(normal), per_area(stiffness, model), normal)[table.integrated]
-    if not len(own):
+    table = model.joint_table
+    if not table.any_integrated:
         return stiffness, stiffness
+    normal = table.stiffnesses[0]
+    own = np.where(np.isnan(normal), per_area(stiffness, model), normal)[table.integrated]
     shortest = 0.5 * float(np.sqrt(model.smallest))
     softest, stiffest = float(own.min()) * shortest, float(own.max()) * model.longest_edge
     return min(stiffness, softest), max(stiffness, stiffest)
