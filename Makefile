@@ -18,7 +18,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help env env-test env-docs demo paper verify docs docs-serve reference warm test test-system test-long test-changed test-ci test-release compile-cost mutations format lint types layers check build clean distclean
+.PHONY: help env env-test env-docs demo paper verify performance docs docs-serve reference warm test test-system test-long test-changed test-ci test-release compile-cost mutations format lint types layers check build clean distclean
 
 help:
 	@echo "make env        make .venv, install clast in it and compile its kernels"
@@ -26,6 +26,7 @@ help:
 	@echo "make demo       run, verify and draw the block on an incline"
 	@echo "make paper      repeat the paper's studies and write docs/paper.md (some minutes)"
 	@echo "make verify     run all verification problems and write docs/verification.md (minutes)"
+	@echo "make performance  time whole scenes, walls and heaps, and write docs/performance.md (hours)"
 	@echo "make docs       build the documentation site into build/site"
 	@echo "make docs-serve builds it and shows it on http://127.0.0.1:8000, with its search"
 	@echo "make reference  write docs/reference/case-file.md from the models of the case file"
@@ -118,6 +119,16 @@ verify: env
 	    cp build/verification/verification.md docs/verification.md; \
 	    cp build/verification/images/verification/*.png docs/images/verification/; exit $$code
 	@echo "Wrote docs/verification.md"
+
+# on a machine with nothing else to do; programs that are not installed are left out
+performance: env
+	@$(PIP) install --quiet -c constraints.txt pymunk pyb2d3 || \
+	    echo "Chipmunk and Box2D could not be installed: clast alone"
+	@mkdir -p build
+	@$(BIN)/clast bench wall stack heap slope whole --size 100,1000 --output build/bench.json
+	@$(BIN)/python benchmarks/peers.py
+	@$(BIN)/python benchmarks/peers.py --page
+	@echo "Wrote docs/performance.md"
 
 docs: env-docs
 	@$(BIN)/zensical build --clean --strict

@@ -1,13 +1,16 @@
-"""clast beside Chipmunk and Box2D v3: the same walls and heaps, one program after the other.
+"""clast beside Chipmunk and Box2D v3: the same scenes, one program after the other.
 
     pip install -c constraints.txt pymunk pyb2d3    Chipmunk and Box2D, the group "peers"
-    python benchmarks/peers.py --walls 105 --heaps  seconds: one small wall
-    python benchmarks/peers.py                      all of it: an hour or so
+    python benchmarks/peers.py --walls 105 --heaps --wholes    seconds: one small wall
+    python benchmarks/peers.py --walls --heaps --wholes rest   a heap to rest, 100 and 1000 squares
+    python benchmarks/peers.py                                 all of it: hours
     python benchmarks/peers.py --page               write docs/performance.md from what is kept
 
 Measured are wall time per simulated second, the largest horizontal movement of a brick that should
-stand still, and how deep blocks overlap at the end.  A program that is not installed is left out.
-Figures are kept in build/peers.json; they belong to one machine, and another one starts anew.
+stand still, and how deep blocks overlap at the end.  Whole scenes are those of `clast bench whole`,
+from beginning to end: a heap to rest, a wall that collapses, dominoes, a slide.  A program that is
+not installed is left out.  Figures are kept in build/peers.json; they belong to one machine, and
+another one starts anew.
 """
 
 from __future__ import annotations
@@ -21,11 +24,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import shapely
 from performance import page
 from programs import Box2D, Chipmunk, Clast, Outcome, Program, Setting
 
-from clast.model.model import Floats
+from clast.studies.bench import WHOLE_SCENES, deepest_overlap
 from clast.studies.bench.machine import PACKAGES, this_machine
 from clast.studies.bench.scenes import box, outlines_of_heap, outlines_of_wall
 
@@ -38,6 +40,8 @@ WALLS = {105: (10, 10), 1012: (45, 22), 5025: (50, 100), 10025: (50, 200)}
 """Bricks -> courses and columns."""
 HEAPS = {1000: 32, 10000: 100}
 """Falling squares -> columns."""
+WHOLE_SIZES = (100, 1000)
+"""Blocks of whole scenes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +49,7 @@ class Figures:
     """What one program made of one setting."""
 
     scene: str
-    """wall or heap."""
+    """wall, heap, or the name of a whole scene."""
     blocks: int
     """Blocks that move."""
     program: str
@@ -86,9 +90,15 @@ def heap(squares: int) -> Setting:
     return Setting(name="heap", free=free, fixed=trough)
 
 
+def whole(name: str, size: int) -> Setting:
+    """Return a scene that is simulated from beginning to end, with about so many blocks."""
+    free, fixed = WHOLE_SCENES[name].outlines(size)
+    return Setting(name=name, free=free, fixed=fixed)
+
+
 def programs(arguments: argparse.Namespace, scene: str) -> list[Program]:
-    """Return the programs for a scene: heaps fall with a step and stiffness of their own."""
-    if scene == "heap":
+    """Return the programs for a scene: what moves has a step and stiffness of its own."""
+    if scene != "wall":
         step, share = arguments.heap_step, arguments.heap_stiffness
         own: list[Program] = [Clast(step, share, travel=arguments.heap_travel)]
     else:
@@ -114,19 +124,6 @@ def figures(setting: Setting, program: Program, outcome: Outcome) -> Figures:
         overlap=deepest_overlap(np.concatenate([outcome.free, setting.fixed])),
         remark=outcome.remark,
     )
-
-
-def deepest_overlap(outlines: Floats) -> float:
-    """Return twice the area over the perimeter of the thickest overlap of outlines, m."""
-    if not np.isfinite(outlines).all():
-        return np.inf
-    shapes = shapely.make_valid(shapely.polygons(outlines))
-    one, other = shapely.STRtree(shapes).query(shapes)
-    one, other = one[one < other], other[one < other]
-    shared = shapely.intersection(shapes[one], shapes[other])
-    area = shapely.area(shared)
-    deep = area > 0.0
-    return float((2.0 * area[deep] / shapely.length(shared[deep])).max(initial=0.0))
 
 
 def kept() -> dict[tuple[str, int, str], Figures]:
@@ -161,10 +158,12 @@ def say(text: str) -> None:
 def run_all(arguments: argparse.Namespace) -> None:
     """Make the runs that are asked for, keep and print their figures."""
     rows = kept()
-    settings = [wall(bricks) for bricks in arguments.walls]
-    settings += [heap(squares) for squares in arguments.heaps]
-    for setting in settings:
-        end = arguments.heap_end if setting.name == "heap" else arguments.end
+    settings = [(wall(bricks), arguments.end) for bricks in arguments.walls]
+    settings += [(heap(squares), arguments.heap_end) for squares in arguments.heaps]
+    for name in arguments.wholes:
+        sizes = arguments.whole_sizes
+        settings += [(whole(name, size), WHOLE_SCENES[name].end(size)) for size in sizes]
+    for setting, end in settings:
         say(f"{setting.name} of {len(setting.free)} blocks, {end:g} s")
         for program in programs(arguments, setting.name):
             if program.missing:
@@ -192,6 +191,16 @@ def main() -> None:
         "--walls", type=int, nargs="*", default=list(WALLS), choices=list(WALLS), help="bricks"
     )
     parser.add_argument("--heaps", type=int, nargs="*", default=list(HEAPS), help="squares")
+    parser.add_argument(
+        "--wholes",
+        nargs="*",
+        default=list(WHOLE_SCENES),
+        choices=list(WHOLE_SCENES),
+        help="scenes from beginning to end",
+    )
+    parser.add_argument(
+        "--whole-sizes", type=int, nargs="+", default=list(WHOLE_SIZES), help="blocks of these"
+    )
     parser.add_argument("--end", type=float, default=1.0, help="simulated time of walls, s")
     parser.add_argument("--heap-end", type=float, default=2.0, help="simulated time of heaps, s")
     parser.add_argument("--steps", type=float, nargs="+", default=[0.05, 0.005], help="h, s")

@@ -11,8 +11,11 @@ from clast.studies.comparison_pages import markdown_table
 INTRODUCTION = """\
 # Performance
 
-Written by `python benchmarks/peers.py --page` from figures of one machine:
-{machine}.
+Written by `make performance`, which takes hours, from figures of one machine that had nothing else
+to do: {machine}.
+It times scenes by stage (`clast bench`, with *whole* scenes from beginning to end), then other
+programs beside clast (`python benchmarks/peers.py`), and writes this page from what both keep in
+`build` (`python benchmarks/peers.py --page`).
 
 ## Beside other programs
 
@@ -27,7 +30,7 @@ Walls at rest are where implicit steps pay: fifty to a hundred times as long as 
 others, with less drift. In heaps of falling blocks everywhere contacts open, close, stick and
 slide at once, and a step of 2.5 ms takes 10 to 35 iterations. Islands, groups of blocks that
 contacts connect, are minimised one by one (docs/solver-performance.md), which pays the more the
-more blocks there are. In heaps blocks may move a tenth of their size in a step, twice the default
+more blocks there are. What moves may move a tenth of its size in a step, twice the default
 max_displacement.
 
 A run that is *stopped* after ten minutes of wall time is measured over what it had simulated by
@@ -40,7 +43,7 @@ Made by `clast bench --output build/bench.json`: h = {step:g} s, p/E = {stiffnes
 {solver}, on {machine}. *Product* is the matrix product of Newton's directions, as a share of a
 triad over as many bytes (which stay in the cache up to 10,000 blocks or so), and of the triad in
 main memory, which reaches {triad:.3g} GB/s. *Solves* are the share of a step that systems of
-equations take, factors and couplings included; *small regions* that of the minimisation of what
+equations take, factors and couplings included; *small islands* that of the minimisation of what
 touches nothing else, from the first to the last iteration, with its systems
 (docs/solver-performance.md). Where blocks rest or fall freely there is next to nothing to solve.
 
@@ -48,6 +51,47 @@ The first steps of a wall or a slope are the dearest: weight goes on at once, an
 through blocks without any damping. What grows from 1,000 to 10,000 blocks is also the height of
 the scenes (see below).
 """
+WHOLE = """\
+## Scenes from beginning to end
+
+Made by `clast bench whole --size 100,1000`, on {machine}: h = 2.5 ms,
+p/E = 0.1. Squares that fall into a trough and come to *rest*; the *collapse* of a wall that loses
+the ground under its right half; rows of *dominoes*; a *slide* of blocks down a hillside. Times are
+those of the processor, compilation not counted: *detection*, *impacts* and *minimisation* (law,
+small islands, assembly, solve, line search) are shares of it. *Overlap* and *speed* are the
+thickest and the largest at the end; *numerical* and *unaccounted* what the time integration removed
+or brought in, and what the energy ledger does not explain, as shares of the energy turned over.
+
+A change to detection, impacts, minimisation or the course of a step is judged by this table, before
+and after it, in turns on one machine.
+"""
+WHOLE_HEADINGS = (
+    "scene",
+    "blocks",
+    "simulated, s",
+    "steps",
+    "processor",
+    "µs per block and step",
+    "passes",
+    "detection",
+    "impacts",
+    "minimisation",
+    "overlap, mm",
+    "speed, m/s",
+    "numerical",
+    "unaccounted",
+)
+MINIMISATION = ("law", "small islands", "assembly", "solve", "line search")
+TITLES = {
+    "wall": "Wall at rest",
+    "heap": "Heap, the first two seconds",
+    "rest": "Heap to rest",
+    "collapse": "Collapsing wall",
+    "dominoes": "Dominoes",
+    "slide": "Slide over terrain",
+}
+"""Titles of the scenes of the first tables."""
+ORDER = list(TITLES)
 CUTTING = """\
 ## Cutting
 
@@ -111,7 +155,7 @@ BENCH_HEADINGS = (
     "B/contact",
     "peak, MiB",
     "solves",
-    "small regions",
+    "small islands",
     "product",
     "product, main memory",
 )
@@ -122,14 +166,17 @@ def page(peers: Mapping[str, Any], bench: Mapping[str, Any] | None) -> str:
     lines = [INTRODUCTION.format(machine=machine_text(peers["machine"]))]
 
     def title(row: Mapping[str, Any]) -> str:
-        return f"{row['scene'].capitalize()} of {row['blocks']:,} blocks"
+        return f"{TITLES[row['scene']]}, {row['blocks']:,} blocks"
 
-    order = {"wall": 0, "heap": 1}
-    rows = sorted(peers["rows"], key=lambda row: (order[row["scene"]], row["blocks"]))
+    rows = sorted(peers["rows"], key=lambda row: (ORDER.index(row["scene"]), row["blocks"]))
     for name, group in groupby(rows, key=title):
         lines += [f"### {name}", ""]
         lines += [*markdown_table(PEER_HEADINGS, [peer_cells(row) for row in group]), ""]
-    if bench is not None:
+    if bench is not None and bench.get("wholes"):
+        lines.append(WHOLE.format(machine=machine_text(bench["machine"])))
+        cells = [whole_cells(row) for row in bench["wholes"]]
+        lines += [*markdown_table(WHOLE_HEADINGS, cells), ""]
+    if bench is not None and bench["rows"]:
         settings = bench["settings"]
         machine = machine_text(bench["machine"])
         lines.append(SCENES.format(machine=machine, triad=bench["triad"] / 1e9, **settings))
@@ -173,9 +220,36 @@ def bench_cells(row: Mapping[str, Any], triad: float) -> Sequence[str]:
         f"{row['bytes_per_contact']:.0f}",
         f"{row['peak_memory'] / 2**20:.0f}",
         _share(row, "solve"),
-        _share(row, "small regions"),
+        _share(row, "small islands"),
         "-" if product is None else f"{100.0 * product['share']:.0f} %",
         "-" if product is None else f"{100.0 * product['rate'] / triad:.0f} %",
+    )
+
+
+def whole_cells(row: Mapping[str, Any]) -> Sequence[str]:
+    """Return the texts of a row of the table of scenes from beginning to end."""
+    used, counts, turned = (
+        row["processor_seconds"],
+        row["counts_per_step"],
+        row["energy_turned_over"],
+    )
+    stages = row["processor_seconds_by_stage"]
+    minimised = sum(stages.get(name, 0.0) for name in MINIMISATION)
+    return (
+        row["scene"],
+        str(row["blocks"]),
+        f"{row['simulated']:.3g}",
+        str(row["steps"]),
+        f"{used:.3g} s",
+        f"{1e6 * used / row['steps'] / row['blocks']:.3g}",
+        f"{counts.get('passes', 0.0):.3g}",
+        f"{100.0 * stages.get('contacts', 0.0) / used:.0f} %",
+        f"{100.0 * row['share_of_impacts']:.0f} %",
+        f"{100.0 * minimised / used:.0f} %",
+        f"{1e3 * row['overlap_at_end']:.3g}",
+        f"{row['speed_at_end']:.1e}",
+        f"{abs(row['energy_lost_by_integration']) / turned:.1e}" if turned else "-",
+        f"{abs(row['energy_unaccounted']) / turned:.1e}" if turned else "-",
     )
 
 

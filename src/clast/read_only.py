@@ -28,7 +28,7 @@ def read_only(value: Any) -> Any:
             value.flags.writeable = False
         return value
     if type(value) is tuple and value and not isinstance(value[0], str | float | int):
-        return tuple(map(read_only, value))
+        return tuple([None if one is None else read_only(one) for one in value])
     if is_dataclass(value) and not isinstance(value, type):
         seal(value)
     return value
@@ -39,8 +39,13 @@ def seal(thing: Any, but: tuple[str, ...] = ()) -> None:
     held = thing.__dict__
     for name, value in held.items():
         kind = type(value)
-        # a state is sealed in every step: numbers are passed over, and arrays not asked twice
-        if kind is float or (kind is np.ndarray and not value.flags.writeable) or name in but:
+        # a state is sealed in every step: what it has most of goes first
+        if kind is float or value is None or name in but:
+            continue
+        if kind is np.ndarray:
+            if value.flags.writeable:
+                held[name] = view = value.view()
+                view.flags.writeable = False
             continue
         sealed = read_only(value)
         if sealed is not value:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import peers
@@ -10,7 +10,7 @@ import performance
 import programs
 import pytest
 
-from clast.studies.bench import Settings, benchmark
+from clast.studies.bench import WHOLE_SCENES, Settings, benchmark
 
 PROGRAMS = (
     programs.Clast(0.005),
@@ -54,6 +54,14 @@ def test_overlaps_are_measured_by_their_thickness():
     assert peers.deepest_overlap(squares[:1]) == 0.0
 
 
+@pytest.mark.parametrize("name", WHOLE_SCENES)
+def test_other_programs_get_the_outlines_of_whole_scenes(name):
+    setting = peers.whole(name, 30)
+    model = programs.model_of(setting)
+    assert len(setting.free) == pytest.approx(30, abs=5)
+    assert np.array_equal(model.vertices, WHOLE_SCENES[name].build(30).vertices)
+
+
 def test_rigid_outlines_turn_about_their_centre():
     square = peers.box(0.0, 0.0, 1.0, 1.0)
     turned = programs.moved(square, np.array([[0.5, 0.5]]), np.array([0.5 * np.pi]))
@@ -63,8 +71,10 @@ def test_rigid_outlines_turn_about_their_centre():
 def test_the_page_shows_what_is_kept(small_wall):
     outcome = programs.Clast(0.005).simulate(small_wall, 0.01, 60.0)
     row = asdict(peers.figures(small_wall, programs.Clast(0.005), outcome))
-    bench = benchmark(Settings(scenes=("stack",), sizes=(20,), steps=2)).as_dict()
-    page = performance.page({"machine": peers.machine(), "rows": [row]}, bench)
-    assert "### Wall of 10 blocks" in page
+    whole = asdict(replace(peers.figures(small_wall, programs.Clast(0.005), outcome), scene="rest"))
+    bench = benchmark(Settings(scenes=("stack", "dominoes"), sizes=(12,), steps=2)).as_dict()
+    page = performance.page({"machine": peers.machine(), "rows": [whole, row]}, bench)
+    assert page.index("### Wall at rest, 10 blocks") < page.index("### Heap to rest, 10 blocks")
     assert "| clast, h = 5 ms, p = 1 E |" in page
-    assert "| stack | 21 |" in page
+    assert "| stack | 13 |" in page
+    assert "| dominoes | 12 |" in page

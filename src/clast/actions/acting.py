@@ -12,7 +12,7 @@ from clast.actions.action import Action, Done, Share, Solution, StepStart
 from clast.actions.bolts.bolts import Bolting
 from clast.actions.gravity import Gravity
 from clast.actions.ground_motion import GroundAcceleration
-from clast.actions.handed_back import answer, checked_done, checked_share, is_of_script
+from clast.actions.handed_back import OWN, answer, checked_done, checked_share
 from clast.actions.in_situ import Outline
 from clast.actions.loads import Loads
 from clast.actions.pressure import Pressures
@@ -83,14 +83,14 @@ def shares_of(actions: Sequence[Action], start: StepStart, own: Sequence[Any]) -
 
 def _share_of(action: Action, start: StepStart, own: Any) -> Share:
     """Return what an action adds to a step, looked at where it is that of a script."""
-    if not is_of_script(action):
+    if action.__class__.__module__.startswith(OWN):
         return action.share(start, own)
     return checked_share(action, answer(action, action.share, start, own), start)
 
 
 def done_by(action: Action, start: StepStart, own: Any, share: Share, solution: Solution) -> Done:
     """Return what an action has done in a step, looked at where it is that of a script."""
-    if not is_of_script(action):
+    if action.__class__.__module__.startswith(OWN):
         return action.finish(start, own, share, solution)
     return checked_done(action, answer(action, action.finish, start, own, share, solution))
 

@@ -17,11 +17,8 @@ from clast.model.state import Ledger
 
 Answer = TypeVar("Answer")
 HELP = "see the how-to page on actions"
-
-
-def is_of_script(action: Action) -> bool:
-    """Return whether an action is none of clast's own."""
-    return not type(action).__module__.startswith("clast.")
+OWN = "clast."
+"""How the modules of clast's own actions are called."""
 
 
 def answer(action: Action, method: Callable[..., Answer], *given: Any) -> Answer:

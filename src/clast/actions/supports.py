@@ -14,6 +14,7 @@ import numpy as np
 
 from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
 from clast.block.displacement import basis
+from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger
 
@@ -47,6 +48,8 @@ class Supports:
         """
         work, stored = energy_of_linear(share, solution.displacement)
         ground = start.model.ground_motion
+        if isinstance(ground, Still):
+            return Done(work=work, ledger=Ledger(fixed_points=stored))
         before, after = (ground.anchor_displacement(t) for t in (start.state.time, start.end))
         moved = after - before
         if not moved.any():
@@ -68,7 +71,9 @@ class Supports:
         """
         points, ground = start.model.fixed_points, start.model.ground_motion
         at = start.state.points[start.model.point_slices.fixed]
-        before, after = (ground.anchor_displacement(t) for t in (start.state.time, start.end))
-        share = start.forces_at
-        anchor = points.at + ((1.0 - share) * before + share * after)
+        anchor = points.at
+        if not isinstance(ground, Still):
+            before, after = (ground.anchor_displacement(t) for t in (start.state.time, start.end))
+            share = start.forces_at
+            anchor = anchor + ((1.0 - share) * before + share * after)
         return basis(at - start.frames.centroid[points.block]), at - anchor

@@ -74,6 +74,7 @@ def bench(
         typer.Argument(
             metavar="SCENE",
             help="wall, stack, heap, slope; all of these if none is named; "
+            "whole: scenes from beginning to end, or one of them, rest, collapse, dominoes, slide; "
             "cut: networks of joints that are only cut, or one of them, persistent or baecher.",
         ),
     ] = None,
@@ -81,7 +82,8 @@ def bench(
         str | None,
         typer.Option(
             metavar="N,...",
-            help="Numbers of blocks, separated by commas; 100,1000 if absent, cut: 100000.",
+            help="Numbers of blocks, separated by commas; 100,1000 if absent, whole: 100, cut: "
+            "100000.",
         ),
     ] = None,
     step: Annotated[float, typer.Option(metavar="H", help="Length of a step, s.")] = 1e-3,
@@ -108,6 +110,8 @@ def bench(
 ) -> None:
     """Measure what scenes of any size cost: time by stage, iterations, accuracy, memory.
 
+    Of scenes from beginning to end: time of the processor by stage, share of impacts, steps,
+    iterations, overlap, energy lost unaccounted; they have a step and a stiffness of their own.
     Of networks that are only cut: time by stage, memory, and how well areas add up.
     """
     from clast.studies.bench import SCENES, Settings, benchmark, sizes_in

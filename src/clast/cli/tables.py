@@ -246,6 +246,12 @@ def print_benchmark(measured: Benchmark) -> None:
     if cuts:
         cells = [table.cut_cells(cuts, row) for row in cuts]
         print_table(_plain_table(table.cut_headings(cuts), cells, title="cutting, s"))
+    wholes = measured.wholes
+    if wholes:
+        print_table(_plain_table(table.WHOLE_HEADINGS, [table.whole_cells(row) for row in wholes]))
+        by_stage = [table.whole_stage_cells(wholes, row) for row in wholes]
+        headings = table.whole_stage_headings(wholes)
+        print_table(_plain_table(headings, by_stage, title="share of the processor's time"))
     if rows:
         print_table(_plain_table(table.HEADINGS, [table.cells(row) for row in rows]))
         by_stage = [table.stage_cells(measured, row) for row in rows]

@@ -223,9 +223,9 @@ class RunRecorder:
             lineage=self._file.lineage,
             frames=mark.frames,
             frame=np.array([mark.frame], FRAME_ROW),
-            energy=self._energy.rows[at - 1 : at].copy(),
+            energy=self._energy.since(at - 1)[:1].copy(),
             since={
-                name: table.rows[mark.counts[name] : mark.now[name]].copy()
+                name: table.since(mark.counts[name])[: mark.now[name] - mark.counts[name]].copy()
                 for name, table in self._tables().items()
             },
             contacts=contacts,

@@ -22,34 +22,53 @@ PARTS = {2: ("x", "y"), 3: ("xx", "yy", "xy")}
 """What the columns of vectors and of stresses are called: displacement_x, stress_xx."""
 
 
+FIRST_ROWS, MORE_ROWS = 256, 2048
+"""Rows of the first buffer of a table, and of the others."""
+
+
 class Table:
-    """Rows of one kind in a buffer that doubles when it is full, so that a row costs little."""
+    """Rows of one kind, in buffers one behind the other: a long run has none that are copied."""
 
     def __init__(self, row: np.dtype[Any]) -> None:
-        self._buffer = np.zeros(256, row)
+        self._full: list[NDArray[Any]] = []
+        self._before = 0
+        self._buffer = np.zeros(FIRST_ROWS, row)
         self._count = 0
 
     def append(self, row: tuple[Any, ...]) -> None:
         """Add one row, its entries in the order of the columns."""
         if self._count == len(self._buffer):
-            self._buffer = np.concatenate([self._buffer, np.zeros_like(self._buffer)])
+            self._put_by(self._buffer)
         self._buffer[self._count] = row
         self._count += 1
 
     def extend(self, rows: NDArray[Any]) -> None:
         """Add rows as another table gave them."""
-        kept = np.zeros(max(len(self._buffer), 2 * (self._count + len(rows))), self._buffer.dtype)
-        kept[: self._count] = self.rows
-        kept[self._count : self._count + len(rows)] = rows
-        self._buffer, self._count = kept, self._count + len(rows)
+        self._put_by(self._buffer[: self._count])
+        self._full.append(np.array(rows, self._buffer.dtype))
+        self._before += len(rows)
+
+    def since(self, first: int) -> NDArray[Any]:
+        """Return the rows from ``first`` on, shape (t - first,)."""
+        if first >= self._before:
+            return self._buffer[first - self._before : self._count]
+        return self.rows[first:]
 
     @property
     def rows(self) -> NDArray[Any]:
-        """All rows so far (a view), shape (t,)."""
-        return self._buffer[: self._count]
+        """All rows so far, shape (t,)."""
+        if not self._full:
+            return self._buffer[: self._count]
+        return np.concatenate([*self._full, self._buffer[: self._count]])
 
     def __len__(self) -> int:
-        return self._count
+        return self._before + self._count
+
+    def _put_by(self, rows: NDArray[Any]) -> None:
+        """Keep rows, and go on with a new buffer."""
+        self._full.append(rows)
+        self._before += len(rows)
+        self._buffer, self._count = np.zeros(MORE_ROWS, self._buffer.dtype), 0
 
 
 class Columns(dict[str, NDArray[Any]]):

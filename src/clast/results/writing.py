@@ -224,7 +224,7 @@ class ResultFile:
 
     def _new_rows(self, tables: Mapping[str, Table]) -> dict[str, NDArray[Any]]:
         """Return the rows of each table that came after the last frame."""
-        return {name: table.rows[self._saved[name] :] for name, table in tables.items()}
+        return {name: table.since(self._saved[name]) for name, table in tables.items()}
 
     def _read_tables(self) -> dict[str, NDArray[Any]]:
         """Return all rows of each table in the file: those that ``_put_tables`` has put there."""

@@ -30,6 +30,8 @@ GRID = 1e-9
 """Grid of the clipper, as a share of a block's extent."""
 NOTABLE = 0.02
 """And deeper than this, in units of critdis."""
+SIMPLE = 24
+"""Corners of two blocks up to which what they share is cut out here, if both are convex."""
 ROUNDED = 0.01
 """Radius by which corners count as rounded where more blocks meet, by the smaller block's size."""
 
@@ -55,8 +57,11 @@ def unseen_overlaps(model: Model, state: State, critdis: float) -> list[Overlap]
     np.maximum.at(give, pairs, deepest[:, None])
     result = []
     for q in np.unique(np.concatenate((found[3], np.flatnonzero(inside)))):
+        explained = max(KNOWN * deepest[q], give[pairs[q]].sum(), NOTABLE * critdis)
+        if widest_circle(*_loops(model, vertices, pairs[q])) <= explained:
+            continue
         depth, area = _extent(_overlap(model, vertices, pairs[q]))
-        if depth > max(KNOWN * deepest[q], give[pairs[q]].sum(), NOTABLE * critdis):
+        if depth > explained:
             names = model.block_name[pairs[q, 0]], model.block_name[pairs[q, 1]]
             result.append(
                 Overlap(
@@ -97,7 +102,7 @@ def _closed(
 
 def _overlap(model: Model, vertices: Floats, pair: Ints) -> NDArray[Any]:
     """Return what two blocks share, as polygons, but for tips of corners where more blocks meet."""
-    loops = [vertices[model.block_start[b] : model.block_start[b + 1]] for b in pair]
+    loops = _loops(model, vertices, pair)
     one, other = (shapely.make_valid(shapely.Polygon(loop)) for loop in loops)
     # without a grid GEOS takes outlines that touch to the last bit for overlapping
     shared = shapely.intersection(one, other, grid_size=GRID * np.sqrt(one.area))
@@ -109,6 +114,51 @@ def _overlap(model: Model, vertices: Floats, pair: Ints) -> NDArray[Any]:
     others = vertices[~away]
     left = [not _is_at_tips(shapely.get_coordinates(part), loops, tips, others) for part in parts]
     return np.asarray(parts[np.array(left, np.bool_)])
+
+
+def _loops(model: Model, vertices: Floats, pair: Ints) -> list[Floats]:
+    """Return the outlines of two blocks, m, (k, 2) each."""
+    return [vertices[model.block_start[b] : model.block_start[b + 1]] for b in pair]
+
+
+def widest_circle(one: Floats, other: Floats) -> float:
+    """Return what no circle within what two outlines (k, 2), m, share is wider than, m.
+
+    A convex area with the perimeter P and an inscribed circle of radius r is r P/2 at least.
+    Infinite where an outline is not convex, or has many corners.
+    """
+    if len(one) + len(other) > SIMPLE or not (_is_convex(one) and _is_convex(other)):
+        return np.inf
+    origin = one[0]
+    shared = (one - origin).tolist()
+    corners = (other - origin).tolist()
+    for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1], strict=True):
+        dx, dy = bx - ax, by - ay
+        inside = [dx * (y - ay) - dy * (x - ax) for x, y in shared]
+        kept = []
+        for k, (x, y) in enumerate(shared):
+            before, now = inside[k - 1], inside[k]
+            if (before < 0.0) != (now < 0.0):
+                u, v = shared[k - 1]
+                part = before / (before - now)
+                kept.append((u + part * (x - u), v + part * (y - v)))
+            if now >= 0.0:
+                kept.append((x, y))
+        shared = kept
+        if not shared:
+            return 0.0
+    ends = np.array(shared)
+    ways = np.roll(ends, -1, axis=0) - ends
+    area = 0.5 * float(np.sum(ends[:, 0] * ways[:, 1] - ends[:, 1] * ways[:, 0]))
+    perimeter = float(np.hypot(*ways.T).sum())
+    return 4.0 * area / perimeter if perimeter > 0.0 else 0.0
+
+
+def _is_convex(loop: Floats) -> bool:
+    """Return whether an outline (k, 2) turns left everywhere."""
+    ways = np.roll(loop, -1, axis=0) - loop
+    on = np.roll(ways, -1, axis=0)
+    return bool(np.all(ways[:, 0] * on[:, 1] - ways[:, 1] * on[:, 0] >= 0.0))
 
 
 def _tips(loop: Floats, radius: float) -> Floats:

@@ -139,7 +139,9 @@ class Convex:
         stages("contacts")
         contacts = relieved(model, method, begun.state, contacts)
         graph = graph_of(contacts, model.block_count)
+        stages("impacts")
         entering = after_impacts(begun, contacts, graph, self.restitution)
+        stages("contacts")
         share = begun.at.forces_at
         taken = half_way(model, method.contact_law, contacts, share, begun.step)
         scheme = scheme_of(begun, contacts, graph, entering, taken)

@@ -14,6 +14,7 @@ from clast.studies.bench.footprint import Footprint
 from clast.studies.bench.machine import Machine
 from clast.studies.bench.scenes import Scene
 from clast.studies.bench.settings import Settings
+from clast.studies.bench.whole import MeasuredWhole
 
 FORMAT = 1
 """Version of the layout of the JSON."""
@@ -116,6 +117,8 @@ class Benchmark:
     """Scenes and sizes, in the order in which they ran."""
     cuts: tuple[MeasuredCut, ...] = ()
     """The same for networks that were only cut."""
+    wholes: tuple[MeasuredWhole, ...] = ()
+    """The same for scenes that were simulated from beginning to end."""
     triad: float = 0.0
     """Rate of the triad in main memory by one thread, bytes per second; 0 where nothing ran."""
     triad_by_threads: float = 0.0
@@ -131,4 +134,5 @@ class Benchmark:
             "triad_by_threads": self.triad_by_threads,
             "rows": [row.as_dict() for row in self.rows],
             "cuts": [row.as_dict() for row in self.cuts],
+            "wholes": [row.as_dict() for row in self.wholes],
         }

@@ -13,6 +13,7 @@ from clast.errors import RunStopped, StepRejected
 from clast.linear.system import BlockSystem
 from clast.model.model import Model
 from clast.results import Run, RunRecorder
+from clast.run.schedule import Progress
 from clast.run.simulate import simulate
 from clast.step.method import Method
 from clast.studies.bench.bandwidth import (
@@ -29,11 +30,14 @@ from clast.studies.bench.machine import forget_peak, peak_memory, this_machine
 from clast.studies.bench.measured import Benchmark, Measured
 from clast.studies.bench.scenes import SCENES, Scene
 from clast.studies.bench.settings import Settings, method_for, schedule_of
+from clast.studies.bench.whole import WARM, measure_whole
 
 WARM_SIZES = (100, 400)
 """Sizes that are run first and not counted: one is factorised and one iterated."""
 WARM_STEPS = 3
 """Steps of such a run."""
+OFTEN = 100
+"""Steps of a whole scene between what is said of it."""
 
 Watch = Callable[[str], None]
 """Called with what is going on."""
@@ -46,8 +50,30 @@ def benchmark(settings: Settings, watch: Watch = lambda _: None) -> Benchmark:
         for size in settings.cut_sizes:
             watch(f"{network.title}, {size} blocks")
             cuts.append(measure_cut(network, size))
-    found = Benchmark(machine=this_machine(), settings=settings, rows=(), cuts=tuple(cuts))
+    wholes = []
+    for whole in settings.wholes:
+        measure_whole(whole, WARM)
+        for size in settings.whole_sizes:
+            watch(f"{whole.title}, {size} blocks")
+            wholes.append(measure_whole(whole, size, told(watch, f"{whole.title}, {size} blocks")))
+    found = Benchmark(
+        machine=this_machine(),
+        settings=settings,
+        rows=(),
+        cuts=tuple(cuts),
+        wholes=tuple(wholes),
+    )
     return _simulated(found, watch) if settings.models else found
+
+
+def told(watch: Watch, what: str) -> Callable[[Progress], None]:
+    """Return what says every hundred steps how far a scene has come."""
+
+    def say(progress: Progress) -> None:
+        if progress.steps % OFTEN == 0:
+            watch(f"{what}: {progress.time:.3g} s of {progress.end:.3g} s")
+
+    return say
 
 
 def _simulated(found: Benchmark, watch: Watch) -> Benchmark:

@@ -73,7 +73,7 @@ def outlines_of_wall(courses: int, columns: int) -> Floats:
 
 def wall(courses: int, columns: int) -> Model:
     """Return a running-bond wall on a fixed ground, which is the first block."""
-    builder = _begun(f"Wall of {courses} courses, {columns} bricks wide")
+    builder = begun(f"Wall of {courses} courses, {columns} bricks wide")
     builder.blocks(vertices=box(-1.0, -1.0, columns + 1.0, 0.0), fixed=True)
     builder.blocks(vertices=outlines_of_wall(courses, columns))
     return builder.build()
@@ -89,7 +89,7 @@ def stack(storeys: int, towers: int) -> Model:
     """Return towers of 1 m squares, half a metre apart, on a fixed ground, the first block."""
     left = np.repeat(1.5 * np.arange(towers), storeys)
     low = np.tile(np.arange(float(storeys)), towers)
-    builder = _begun(f"{towers} towers of {storeys} storeys")
+    builder = begun(f"{towers} towers of {storeys} storeys")
     builder.blocks(vertices=box(-1.0, -1.0, 1.5 * towers + 0.5, 0.0), fixed=True)
     builder.blocks(vertices=rectangles(left, low, 1.0, 1.0))
     return builder.build()
@@ -129,7 +129,7 @@ def outlines_of_heap(count: int, columns: int, seed: int = 1) -> tuple[Floats, F
 def heap(count: int, columns: int) -> Model:
     """Return squares that fall into a fixed trough, which is the first three blocks."""
     squares, trough = outlines_of_heap(count, columns)
-    builder = _begun(f"{count} squares falling into a trough")
+    builder = begun(f"{count} squares falling into a trough")
     builder.blocks(vertices=trough, fixed=True)
     builder.blocks(vertices=squares)
     return builder.build()
@@ -168,7 +168,7 @@ def slope_of(size: int) -> Model:
     up = SPACINGS[1] * np.array([math.cos(STEEP_DIP), math.sin(STEEP_DIP)])
     corners = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     place = np.stack([column, row], axis=1)[:, None, :] + corners
-    builder = _begun(f"Jointed slope of {rows} rows, {columns} blocks long at its foot")
+    builder = begun(f"Jointed slope of {rows} rows, {columns} blocks long at its foot")
     builder.blocks(
         vertices=place[..., :1] * along + place[..., 1:] * up,
         fixed=(row == 0) | (column == columns - 1),
@@ -188,7 +188,7 @@ SCENES = {
 """All scenes by name."""
 
 
-def _begun(title: str) -> ModelBuilder:
+def begun(title: str) -> ModelBuilder:
     """Return a builder with the rock and the joints of all scenes."""
     builder = ModelBuilder(title=title, gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)

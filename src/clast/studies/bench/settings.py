@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from clast.run.schedule import Schedule
 from clast.step.method import Method
 from clast.studies.bench.cuts import CUT_SIZE, CUTS, CutScene
 from clast.studies.bench.scenes import LARGEST, SCENES, SMALLEST, Scene
+from clast.studies.bench.whole_scenes import WHOLE_SCENES, WHOLE_SIZE, WholeScene
 
 SIZES = (100, 1000)
 """Numbers of blocks by default."""
@@ -26,6 +27,8 @@ STEPS = 50
 """Steps by default, where no end is given either."""
 CUT = "cut"
 """Name of all networks that are only cut."""
+WHOLE = "whole"
+"""Name of all scenes that are simulated from beginning to end."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,9 +36,11 @@ class Settings:
     """Scenes, sizes and how they are simulated."""
 
     scenes: tuple[str, ...] = tuple(SCENES)
-    """Names of the scenes; "cut": all networks that are only cut."""
+    """Names of the scenes; "cut": all networks that are only cut, "whole": all scenes that are
+    simulated from beginning to end."""
     sizes: tuple[int, ...] | None = None
-    """Blocks of each; None: SIZES, of networks that are only cut CUT_SIZE."""
+    """Blocks of each; None: SIZES, of networks that are only cut CUT_SIZE, of whole scenes
+    WHOLE_SIZE."""
     step: float = 1e-3
     """Length of a step, s."""
     steps: int | None = None
@@ -53,7 +58,7 @@ class Settings:
 
     def __post_init__(self) -> None:
         """Raise CaseError where something cannot be used."""
-        known = (*SCENES, CUT, *CUTS)
+        known = (*SCENES, CUT, *CUTS, WHOLE, *WHOLE_SCENES)
         for name in self.scenes:
             if name not in known:
                 raise CaseError(
@@ -93,14 +98,27 @@ class Settings:
     @property
     def cuts(self) -> tuple[CutScene, ...]:
         """Networks that are cut, in the order wanted."""
-        listed = [(CUTS if name == CUT else (name,)) for name in self.scenes]
-        names = dict.fromkeys(name for some in listed for name in some if name in CUTS)
-        return tuple(CUTS[name] for name in names)
+        return tuple(CUTS[name] for name in self._named(CUT, CUTS))
+
+    @property
+    def wholes(self) -> tuple[WholeScene, ...]:
+        """Scenes that are simulated from beginning to end, in the order wanted."""
+        return tuple(WHOLE_SCENES[name] for name in self._named(WHOLE, WHOLE_SCENES))
+
+    def _named(self, all_of_them: str, known: Collection[str]) -> dict[str, None]:
+        """Return the names of a kind that are wanted, each once, by itself or by that of all."""
+        listed = [(known if name == all_of_them else (name,)) for name in self.scenes]
+        return dict.fromkeys(name for some in listed for name in some if name in known)
 
     @property
     def model_sizes(self) -> tuple[int, ...]:
         """Blocks of each scene that is simulated."""
         return SIZES if self.sizes is None else self.sizes
+
+    @property
+    def whole_sizes(self) -> tuple[int, ...]:
+        """Blocks of each scene that is simulated from beginning to end."""
+        return (WHOLE_SIZE,) if self.sizes is None else self.sizes
 
     @property
     def cut_sizes(self) -> tuple[int, ...]:
@@ -117,6 +135,7 @@ class Settings:
             "scenes": list(self.scenes),
             "sizes": list(self.model_sizes),
             "cut_sizes": list(self.cut_sizes),
+            "whole_sizes": list(self.whole_sizes),
             "step": self.step,
             "end": schedule_of(self).end,
             "settle": self.settle,

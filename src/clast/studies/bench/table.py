@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from clast.studies.bench.cuts import MeasuredCut
 from clast.studies.bench.measured import Benchmark, Measured
+from clast.studies.bench.whole import MeasuredWhole
 
 NOTHING = "-"
 """What stands where there is no figure."""
 STAGES = (
     "contacts",
+    "impacts",
     "base system",
     "law",
     "small islands",
@@ -49,6 +51,22 @@ MEMORY_HEADINGS = (
 """Headings of the third table."""
 
 
+WHOLE_HEADINGS = (
+    "scene",
+    "blocks",
+    "simulated, s",
+    "steps",
+    "processor, s",
+    "per s",
+    "µs/block/step",
+    "impacts",
+    "passes",
+    "overlap, mm",
+    "speed, m/s",
+    "numerical",
+    "unaccounted",
+)
+"""Headings of the table of scenes that were simulated from beginning to end."""
 CUT_HEADINGS = ("network", "blocks", "wall, s", "processor, s")
 """First headings of the table of networks that were cut; stages follow."""
 
@@ -72,6 +90,45 @@ def cut_cells(rows: Sequence[MeasuredCut], row: MeasuredCut) -> tuple[str, ...]:
         f"{row.peak / 2**20:.0f}",
         f"{row.area_error:.1e}",
     )
+
+
+def whole_cells(row: MeasuredWhole) -> tuple[str, ...]:
+    """Return the texts of a row of the table of whole scenes, in the order of the headings."""
+    ledger, cut = row.report.ledger, row.report.cut_steps
+    return (
+        row.scene.name,
+        str(row.blocks),
+        _number(row.simulated),
+        f"{row.report.steps} ({cut} cut)" if cut else str(row.report.steps),
+        _number(row.processor_seconds),
+        f"{row.per_simulated_second:.3g} s",
+        _number(row.microseconds),
+        f"{100.0 * row.impacts:.1f} %",
+        _number(row.counted("passes")),
+        _number(1e3 * row.overlap),
+        f"{row.speed:.1e}",
+        f"{row.share(ledger.numerical):.1e}",
+        f"{row.share(ledger.unaccounted):.1e}",
+    )
+
+
+def whole_stage_headings(rows: Sequence[MeasuredWhole]) -> tuple[str, ...]:
+    """Return the headings of the table of the stages of whole scenes: s in all, and by stage."""
+    return (
+        "scene",
+        "blocks",
+        "processor, s",
+        *_in_order(name for row in rows for name in row.seconds),
+    )
+
+
+def whole_stage_cells(rows: Sequence[MeasuredWhole], row: MeasuredWhole) -> tuple[str, ...]:
+    """Return the texts of a row of that table: shares of the time in percent."""
+    shares = (
+        f"{100.0 * row.seconds.get(name, 0.0) / max(row.processor_seconds, 1e-12):.1f} %"
+        for name in whole_stage_headings(rows)[3:]
+    )
+    return (row.scene.name, str(row.blocks), _number(row.processor_seconds), *shares)
 
 
 def cells(row: Measured) -> tuple[str, ...]:
@@ -132,6 +189,18 @@ def remarks(benchmark: Benchmark) -> list[str]:
     said = [str(benchmark.machine)]
     if benchmark.cuts:
         said.append("area error: sum of the areas of the blocks against the domain's, as a share")
+    if benchmark.wholes:
+        said.append(
+            "whole scenes: time of the processor from beginning to end; impacts: their share of "
+            "it; overlap and speed: the thickest and the largest at the end; numerical, "
+            "unaccounted: energy that the time integration removed or brought in, and that the "
+            "ledger does not explain, as shares of the energy turned over"
+        )
+        said += [
+            f"{row.scene.name}, {row.blocks} blocks: {row.report.outcome}"
+            for row in benchmark.wholes
+            if not row.report.finished
+        ]
     return said + (_remarks_of_runs(benchmark) if benchmark.rows else [])
 
 
@@ -154,9 +223,14 @@ def _remarks_of_runs(benchmark: Benchmark) -> list[str]:
 
 def _stages(rows: Sequence[Measured]) -> tuple[str, ...]:
     """Return all stages that a row has, in the order of a step."""
-    found = dict.fromkeys(name for row in rows for name in row.stages)
-    others = [name for name in found if name not in STAGES and name != "other"]
-    return (*(name for name in STAGES if name in found), *others, "other")
+    named = _in_order(name for row in rows for name in row.stages)
+    return (*(name for name in named if name != "other"), "other")
+
+
+def _in_order(names: Iterable[str]) -> tuple[str, ...]:
+    """Return names of stages, each once, in the order of a step."""
+    found = dict.fromkeys(names)
+    return (*(one for one in STAGES if one in found), *(one for one in found if one not in STAGES))
 
 
 def _steps(row: Measured) -> str:
