@@ -1,11 +1,17 @@
 """A static run is a path of equilibria: the step plays no part in it, and what fails says so."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import clast
 from clast import Stage
 from clast.model.ground_motion import Accelerogram, MovingBase
+from clast.verification.problems.masonry import arch_spread
+from clast.verification.problems.masonry.arch_push import OPPENHEIM
+from clast.verification.variants import CONVEX
+from scenes.restarts import differences, pressed_at
 
 G = 9.81
 
@@ -110,3 +116,81 @@ def test_gravity_follows_a_table():
     with pytest.raises(clast.errors.ModelError, match="weigth"):
         builder.gravity_factor = "weigth"
         builder.build()
+
+
+def column(young: float, blocks: int, above: float = 0.0) -> clast.ModelBuilder:
+    """Return a pile of soft blocks of 1 m x 1 m, ``above`` m over its floor."""
+    builder = clast.ModelBuilder(gravity=(0.0, -G))
+    builder.add_rock("soil", young=young, poisson=0.2, density=2000.0)
+    builder.add_joint(friction_angle=30.0)
+    builder.block(vertices=[(-1, -1), (2, -1), (2, 0), (-1, 0)], name="floor", fixed=True)
+    for k in range(blocks):
+        low, high = above + k, above + k + 1
+        builder.block(vertices=[(0, low), (1, low), (1, high), (0, high)], name=f"b{k}")
+    builder.measured_point("top", (0.5, above + blocks), block=f"b{blocks - 1}")
+    return builder
+
+
+@pytest.mark.parametrize("reach", [5e-4, 5e-3, 2e-2])
+def test_the_verdict_does_not_depend_on_max_displacement(reach: float):
+    def rested(builder: clast.ModelBuilder) -> clast.Run:
+        stages = [Stage(name="rest")]
+        how = {"step": 1e-2, "dynamic_ratio": 0.0, "max_displacement": reach}
+        return clast.simulate(builder.build(), stages=stages, end=1.0, **how)
+
+    # settles by 17 mm, many times what a step may move blocks by; and falls by 8 mm
+    for builder, down in ((column(2e7, 5), 0.01706), (column(1e9, 1, above=8e-3), 8.02e-3)):
+        run = rested(builder)
+        assert run.stages[0].outcome == "equilibrium"
+        assert run.history("top").displacement[-1, 1] == pytest.approx(-down, rel=5e-3)
+    for angle, outcome in ((29.9, "equilibrium"), (30.2, "fails")):
+        assert rested(on_plane(np.radians(angle))).stages[0].outcome == outcome
+
+
+def test_what_would_take_for_ever_advises_max_displacement(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("clast.run.stages.failing.PATIENCE", 30)
+    builder, stages = column(2e7, 5), [Stage(name="rest")]
+    how = {"step": 1e-2, "dynamic_ratio": 0.0, "max_displacement": 1e-4}
+    run = clast.simulate(builder.build(), stages=stages, end=1.0, **how)
+    assert run.stages[0].outcome == "fails"
+    assert any("raise time.max_displacement" in one for one in run.report.warnings)
+
+
+@pytest.mark.parametrize("staged", [False, True])
+def test_it_goes_on_to_the_same_bits_from_the_middle_of_its_path(tmp_path: Path, staged: bool):
+    """While a base moves, and while a weight comes on by increments."""
+    builder = on_base(45.0, cohesion=1e4, tensile_strength=1e4)
+    stages = (Stage(name="weight"), Stage(name="moves", ground_motion=True)) if staged else ()
+    how = {"stages": stages, "end": 1.0, "step": 2.5e-2, "dynamic_ratio": 0.0}
+    whole = clast.simulate(builder.build(), output=tmp_path / "whole.vtkhdf", **how)
+    part = clast.simulate(
+        builder.build(), output=tmp_path / "part.vtkhdf", progress=pressed_at(2), **how
+    )
+    for step in (5, 20):
+        part = clast.resume(part.checkpoint, progress=pressed_at(step), model=builder.build())
+    rest = clast.resume(part.checkpoint, model=builder.build())
+    assert rest.report.steps == whole.report.steps > 20
+    assert np.array_equal(rest.state.vertices, whole.state.vertices)
+    assert differences(tmp_path / "whole.vtkhdf", tmp_path / "part.vtkhdf") == []
+
+
+def test_an_arch_on_a_support_that_moves_does_not_fail():
+    """A run without stages is solved for each block, too: 200 steps went nowhere, in balance."""
+    run = arch_spread.moved(OPPENHEIM, arch_spread.SPREAD, 1e-2, CONVEX)
+    assert not run.report.events
+    exact = arch_spread.limit_thrust(OPPENHEIM, 1.0)
+    assert arch_spread.thrust_of(run) == pytest.approx(exact, rel=1e-3)
+
+
+@pytest.mark.parametrize("process", ["modified", "open-close"])
+def test_processes_that_keep_the_mass_term_warn_of_supports_that_move(process: str):
+    def warnings(peak: float) -> list[str]:
+        model = on_base(45.0, peak).build()
+        how = {"step": 2e-3, "end": 0.01, "dynamic_ratio": 0.0, "process": process}
+        found = clast.simulate(model, **how).report.warnings
+        return [one for one in found if "supports move" in one]
+
+    (text,) = warnings(0.8)
+    assert "0.2 m/s" in text
+    assert 'method.process = "convex"' in text
+    assert warnings(0.02) == []

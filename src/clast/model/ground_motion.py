@@ -85,6 +85,15 @@ class Accelerogram:
         """Return the displacement (x, y) of the ground, m, shape (2,)."""
         return self._integrals(time)[1]
 
+    @property
+    def fastest(self) -> float:
+        """Largest speed of the ground at the instants and half way between them, m/s."""
+        speed = self._at_instants[0]
+        length = np.diff(self.time)[:, None]
+        first, second = self.acceleration[:-1], self.acceleration[1:]
+        between = speed[:-1] + length * (3.0 * first + second) / 8.0
+        return float(np.hypot(*np.concatenate([speed, between]).T).max(initial=0.0))
+
     def _integrals(self, time: float) -> tuple[Floats, Floats]:
         velocity, displacement = self._at_instants
         k = int(np.searchsorted(self.time, time, side="right")) - 1

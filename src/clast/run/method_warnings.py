@@ -11,11 +11,12 @@ import numpy as np
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
 from clast.contact.joints.along_joint import range_of_springs
 from clast.errors import ModelError, shortened
-from clast.model.ground_motion import Recorded, highest_frequency
+from clast.model.ground_motion import MovingBase, Recorded, highest_frequency
 from clast.model.model import Floats, Model
 from clast.model.stages.stage import EQUILIBRIUM, TIME
 from clast.run.model_warnings import load_on, named, size_of_smallest, weight_of
 from clast.step.integration import forces_at
+from clast.step.method import bears_any_step
 
 if TYPE_CHECKING:
     from clast.run.schedule import Schedule
@@ -59,6 +60,7 @@ def method_warnings(model: Model, method: Method, schedule: Schedule) -> list[st
         *_stiffness_warnings(model, method),
         *_joint_stiffness_warnings(model, method),
         *_static_warnings(model, method),
+        *_slipping_warnings(model, method, schedule),
         *_damping_warnings(model, method, schedule),
         *_wave_warnings(model, method, schedule),
         *_schedule_warnings(model, schedule),
@@ -215,6 +217,33 @@ def _static_warnings(model: Model, method: Method) -> Iterator[str]:
             f"fixed_point_stiffness is {method.fixed_point_stiffness:.3g} N/m per m, "
             f"{method.fixed_point_stiffness / stiffest:.2g} times contacts or rock: fixed points "
             f"give way. Raise it to {100.0 * stiffest:.1g}, or leave it out"
+        )
+
+
+def _slipping_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator[str]:
+    """Warn of supports that move under what the mass term of static steps holds back.
+
+    Friction carries a block by theta mu g h2 a step at most.
+    """
+    motion, gravity = model.ground_motion, float(np.hypot(*model.gravity))
+    if bears_any_step(method.process) or not isinstance(motion, MovingBase):
+        return
+    usual = method.dynamic_ratio
+    carried = [
+        usual if stage.dynamic_ratio is None else stage.dynamic_ratio
+        for stage in schedule.stages
+        if stage.ground_motion
+    ] or [usual]
+    if min(carried) > 0.0:
+        return
+    fastest = motion.accelerogram.fastest
+    friction = float(model.joint_table.strengths[0].min())
+    bound = method.integrator.theta * friction * gravity * schedule.step
+    if fastest > bound:
+        yield (
+            f"supports move by up to {fastest:.3g} m/s, and static steps of this process, which "
+            f"keep their mass term, carry a block on friction alone by {bound:.3g} m/s at most: it "
+            'slips. Set method.process = "convex", whose static steps have next to no mass term'
         )
 
 

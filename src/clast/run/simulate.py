@@ -439,9 +439,10 @@ class _March:
             stages = self.course.all_records(position, state)
             said = (*said, *self.course.warnings(position))
         taken = self.now.taken
-        if position is None and self.now.path is not None and self.now.path.failure is not None:
+        if self.now.path is not None and (failure := self.now.path.failure) is not None:
             # that its blocks still move has then been said
-            said, taken = (*said, failure_warning(self.now.path.failure)), 0.0
+            taken = 0.0
+            said = said if position is not None else (*said, failure_warning(failure))
         warnings = *said, *watch.warnings(seen, state, taken)
         if self.touching is not None:
             warnings += law_check.warnings_of(method.contact_law, self.touching)

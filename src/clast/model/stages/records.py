@@ -58,8 +58,13 @@ class Mechanism:
     """What hinders equilibrium, with block and number."""
     load: float = 1.0
     """Share of weight, stress and loads that had come on."""
+    advice: str = ""
+    """What to do where the verdict may be wrong; "" where it is not in doubt."""
 
     def __str__(self) -> str:
+        return f"{self._how()}. {self.advice}" if self.advice else self._how()
+
+    def _how(self) -> str:
         if not self.blocks:
             return f"no equilibrium{self._under()} in {self.steps} steps: {self.hindrance}"
         named = ", ".join(f"'{name}'" for name in self.blocks[:NAMED])

@@ -182,7 +182,8 @@ def _of_path(path: OnPath | None, model: Model) -> Iterator[str]:
     count = model.block_count
     fits = path.moved.shape in ((0, 2), (count, 2)) and path.missing.shape in ((0, 6), (count, 6))
     numbers = (path.growth, path.clock, path.reached, path.increment)
-    arrays = (path.moved, path.missing)
+    fits = fits and path.driven.ndim == 2 and path.driven.shape[1] == 2
+    arrays = (path.moved, path.missing, path.driven)
     if not fits or not all(np.isfinite(one).all() for one in arrays):
         yield "its path of equilibria is that of other blocks"
     if not np.isfinite(numbers).all() or min(*numbers, path.steps, path.far, path.broken) < 0:

@@ -18,13 +18,14 @@ A process whose contacts need not settle in long steps (the modified one, with p
 and open-close iteration, whose sliding friction is that of the solve before) has steps of the
 length of the schedule, and time that does not wait: with it the mass term stays.
 
-Where a step moves blocks as far as max_displacement lets it, and so does the next, and the next,
-there is no equilibrium: the system *fails*, and the blocks that have moved are its mechanism.
+Where step after step moves blocks and what drives them does not become less (failing.py), there is
+no equilibrium: the system *fails*, and the blocks that have moved are its mechanism.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -35,9 +36,11 @@ from clast.model.stages.stage import EQUILIBRIUM, HOLD, Stage
 from clast.model.stages.strengths import has_bonds, with_bonds_held
 from clast.model.state import State
 from clast.run.schedule import Schedule
+from clast.run.stages import failing
 from clast.run.stages.balance import out_of_balance
 from clast.run.stages.equilibrium import STANDARD_GRAVITY, Judge
 from clast.run.stages.position import Judged, Position
+from clast.run.stages.transition import WELL_BELOW
 from clast.step.integration import ConstantAcceleration, forces_at
 from clast.step.method import Method, StepResult, bears_any_step
 
@@ -53,12 +56,10 @@ COMFORT = 0.8
 """Movement to which the pseudo time step is chosen, in units of max_displacement."""
 FAR = 0.2
 """Movement in a step, in units of max_displacement, that is as far as it lets blocks go."""
-FAR_STEPS = 10
-"""Steps of that kind without balance from which a system has none."""
-MOST_STEPS = 200
-"""Steps in one increment in which a system must have come to balance."""
 INCREMENTS = (1.0, 0.125, 0.03125)
 """Share of what is out of balance that comes on at once: where bonds break the next is tried."""
+SLOW = "If an equilibrium is farther away than that, raise time.max_displacement"
+"""What is said where so many steps went not far enough."""
 TOGETHER = 0.5
 """Movement, in units of the largest, of the blocks that a mechanism is made of."""
 
@@ -69,6 +70,10 @@ def _no_motion() -> Floats:
 
 def _no_forces() -> Floats:
     return np.zeros((0, 6))
+
+
+def _not_driven() -> Floats:
+    return np.zeros((0, 2))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,6 +88,8 @@ class OnPath:
     """Steps since the last balance."""
     far: int = 0
     """Those of them that went as far as max_displacement lets blocks go."""
+    driven: Floats = field(default_factory=_not_driven)
+    """Way, m, and acceleration, m/s2, of the last ones of these, shape (k, 2)."""
     moved: Floats = field(default_factory=_no_motion)
     """Movement of each block since then, m, shape (n, 2)."""
     balanced: bool = False
@@ -148,6 +155,8 @@ class StaticPath:
         if forces_at(method.integrator) < 1.0:
             # an equilibrium has the forces at the end of the step
             method = replace(method, integrator=ConstantAcceleration())
+        if self._grows and now.failure is None and method.balance is None:
+            method = replace(method, balance=WELL_BELOW * self.judge.stage.force_ratio)
         if len(now.missing) and now.load < 1.0:
             held_back = HeldBack(force=-(1.0 - now.load) * now.missing)
             method = replace(method, damping=held_back)
@@ -222,8 +231,11 @@ class StaticPath:
             judged = self.judge_of(now).after(Position(), before, result, taken[0]).judged
         way, restarts = self._way(before, result.state), now.begins
         moved = way if restarts else now.moved + way
-        farther = result.travel > FAR * self.method.max_displacement
-        far = int(farther) + (0 if restarts else now.far)
+        driven, far = (_not_driven(), 0) if restarts else (now.driven, now.far)
+        if result.travel > FAR * self.method.max_displacement:
+            inertia = 1.0 / (self.method.integrator.theta * taken[0] ** 2)
+            last = failing.driven(self.model, before, result.state, inertia)
+            driven, far = np.concatenate([driven[-failing.FAR_STEPS + 1 :], last]), far + 1
         steps = 1 + (0 if restarts else now.steps)
         after = replace(
             now,
@@ -231,6 +243,7 @@ class StaticPath:
             growth=min(GROWTH, CAREFUL * now.growth),
             steps=steps,
             far=far,
+            driven=driven,
             moved=moved,
             balanced=judged.balanced,
             judged=judged,
@@ -238,12 +251,24 @@ class StaticPath:
         )
         if judged.balanced:
             return self._loaded(after)
-        lost = far >= FAR_STEPS or (steps >= MOST_STEPS and self._grows)
-        if now.failure is None and lost:
+        if now.failure is None and self._is_lost(after):
             failure = self._mechanism(after)
             # where the run goes on all the same, all of its loads act
             return replace(after, failure=failure, missing=_no_forces(), reached=1.0, held=False)
         return after
+
+    def _is_lost(self, now: OnPath) -> bool:
+        """Return whether there is no balance to come."""
+        if self._grows and now.steps - now.far >= failing.MOST_STEPS:
+            return True
+        if now.steps >= failing.PATIENCE and now.far:
+            return True
+        goes = float(self._distances(now).max(initial=0.0)) > self._scales.goes
+        return (
+            now.far >= failing.FAR_STEPS
+            and goes
+            and not failing.nears(now.driven, self._scales.within)
+        )
 
     def _loaded(self, now: OnPath) -> OnPath:
         """Return the path where an increment of load is in balance."""
@@ -295,7 +320,7 @@ class StaticPath:
 
     def _mechanism(self, now: OnPath) -> Mechanism:
         """Return the blocks that move where there is no balance."""
-        far = np.where(self.model.fixed, 0.0, np.hypot(*now.moved.T))
+        far = self._distances(now)
         order = np.argsort(-far, kind="stable")
         chosen = order[far[order] >= TOGETHER * far[order[0]]] if far[order[0]] > 0.0 else order[:0]
         names = self.model.block_name
@@ -311,4 +336,14 @@ class StaticPath:
             steps=now.steps,
             load=now.load,
             hindrance=now.judged.hindrance,
+            advice=SLOW if now.steps >= failing.PATIENCE else "",
         )
+
+    def _distances(self, now: OnPath) -> Floats:
+        """Return how far each block has moved since the last balance, m, shape (n,)."""
+        return np.where(self.model.fixed, 0.0, np.hypot(*now.moved.T))
+
+    @cached_property
+    def _scales(self) -> failing.Scales:
+        """The lengths by which movements are judged."""
+        return failing.Scales.of(self.model)

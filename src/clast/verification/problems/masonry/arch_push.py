@@ -73,13 +73,17 @@ ARCHES = (
 )
 
 
-def exact_factor(arch: Arch) -> float:
-    """Return the largest push over the weight; unknowns are N1, N2 and V of each joint, and it."""
+def joint_forces(arch: Arch) -> tuple[Floats, Floats, Floats]:
+    """Return the equilibrium (3 v, 3 k) of v voussoirs, their areas (v,), m2, friction (2 k, 3 k).
+
+    Unknowns are N1, N2 and V of each of k joints, from right to left, on the voussoir to the left;
+    rows are the forces across and up and the moment of a voussoir, and for friction what is <= 0.
+    """
     inner, outer = arch.joints()
     count, voussoirs = len(inner), arch.voussoirs
-    equations, weights = np.zeros((3 * voussoirs, 3 * count + 1)), np.zeros(3 * voussoirs)
+    equations, areas = np.zeros((3 * voussoirs, 3 * count)), np.zeros(voussoirs)
     for k in range(voussoirs):
-        area, middle = centroid(np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]))
+        areas[k], middle = centroid(np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]))
         rows = slice(3 * k, 3 * k + 3)
         for joint, sign in ((k, 1.0), (k + 1, -1.0)):
             radial = (outer[joint] - inner[joint]) / np.hypot(*(outer[joint] - inner[joint]))
@@ -91,40 +95,61 @@ def exact_factor(arch: Arch) -> float:
             ):
                 x, y = at - middle
                 equations[rows, column] = (*force, x * force[1] - y * force[0])
-        equations[3 * k, -1] = weights[3 * k + 1] = area
-    friction = np.zeros((2 * count, 3 * count + 1))
+    friction = np.zeros((2 * count, 3 * count))
     for joint in range(count):
         for row, sign in ((2 * joint, 1.0), (2 * joint + 1, -1.0)):
             friction[row, 3 * joint : 3 * joint + 2] = -np.tan(np.radians(arch.friction_angle))
             friction[row, 3 * joint + 2] = sign
+    return equations, areas, friction
+
+
+def exact_factor(arch: Arch) -> float:
+    """Return the largest push over the weight; unknowns are N1, N2 and V of each joint, and it."""
+    equations, areas, friction = joint_forces(arch)
+    push, weights = np.zeros((len(equations), 1)), np.zeros(len(equations))
+    push[::3, 0] = weights[1::3] = areas
+    count = len(friction) // 2
     cost = np.zeros(3 * count + 1)
     cost[-1] = -1.0
     bounds = [(0.0, None), (0.0, None), (None, None)] * count + [(0.0, None)]
     found = linprog(
-        cost, A_ub=friction, b_ub=np.zeros(2 * count), A_eq=equations, b_eq=weights, bounds=bounds
+        cost,
+        A_ub=np.hstack([friction, np.zeros((2 * count, 1))]),
+        b_ub=np.zeros(2 * count),
+        A_eq=np.hstack([equations, push]),
+        b_eq=weights,
+        bounds=bounds,
     )
     return float(found.x[-1])
 
 
-def pushed(arch: Arch = OPPENHEIM, factor: float = 0.3) -> Model:
-    """Return two fixed abutments and the voussoirs, with ``factor`` of their weight across."""
+def add_arch(builder: ModelBuilder, arch: Arch, carried: str = "") -> None:
+    """Add an arch between abutments, fixed but the ``carried`` one, which two fixed points hold."""
     inner, outer = arch.joints()
-    builder = ModelBuilder(title="Arch under push", gravity=(factor * GRAVITY, -GRAVITY))
-    builder.add_rock("stone", young=50e9, poisson=0.2, density=DENSITY)
-    builder.add_joint("default", friction_angle=arch.friction_angle)
     for name, end, side in (("right", 0, -1.0), ("left", arch.voussoirs, 1.0)):
         radial = (outer[end] - inner[end]) / np.hypot(*(outer[end] - inner[end]))
         reach = 0.2 * arch.radius
         low, high = inner[end] - 0.05 * reach * radial, outer[end] + 0.05 * reach * radial
         back = side * reach * np.array([-radial[1], radial[0]])
         corners = [low, high, high + back, low + back]
+        name = f"{name} abutment"
         builder.block(
-            name=f"{name} abutment", vertices=corners if side > 0.0 else corners[::-1], fixed=True
+            name=name, vertices=corners if side > 0.0 else corners[::-1], fixed=name != carried
         )
+        for at in (high + back, low + back) if name == carried else ():
+            builder.fixed_point(at, block=name)
     for k in range(arch.voussoirs):
         corners = [inner[k], outer[k], outer[k + 1], inner[k + 1]]
         builder.block(name=str(k + 1), vertices=corners)
         builder.measured_point(str(k + 1), np.mean(corners, axis=0), block=str(k + 1))
+
+
+def pushed(arch: Arch = OPPENHEIM, factor: float = 0.3) -> Model:
+    """Return two fixed abutments and the voussoirs, with ``factor`` of their weight across."""
+    builder = ModelBuilder(title="Arch under push", gravity=(factor * GRAVITY, -GRAVITY))
+    builder.add_rock("stone", young=50e9, poisson=0.2, density=DENSITY)
+    builder.add_joint("default", friction_angle=arch.friction_angle)
+    add_arch(builder, arch)
     return builder.build()
 
 

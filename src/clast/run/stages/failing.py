@@ -1,0 +1,68 @@
+"""Whether a static run that is out of balance fails, or is on its way to an equilibrium.
+
+Each step begins at rest and moves blocks by w, as a force m w/(theta tau^2) would.  Weighted by the
+motion, all blocks together have in a step the way and the acceleration
+
+    u = sum m w^2 / sum m w,    a = u/(theta tau^2).
+
+What fails is driven on: a stays as it is, or grows.  What is on its way to an equilibrium, however
+far, is driven less and less: where a falls from a1 to a2 on a way u12, it vanishes about
+a2 u12/(a1 - a2) further on.  So the verdict does not depend on how far a step may go.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from clast.model.model import Floats, Model
+from clast.model.state import State
+
+FAR_STEPS = 10
+"""Steps that go far without balance from which a system can have none."""
+GOES = 0.01
+"""Movement from which blocks are going somewhere, in units of their median size."""
+WITHIN = 0.1
+"""Distance of an equilibrium that is waited for at most, in units of the size of the model."""
+MOST_STEPS = 200
+"""Steps that go nowhere without balance from which a system has none."""
+PATIENCE = 2000
+"""Steps without balance from which a system has none, however they go."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scales:
+    """The lengths by which movements of a model are judged."""
+
+    goes: float
+    """Movement from which blocks are going somewhere, m."""
+    within: float
+    """Distance of an equilibrium that is waited for, m."""
+
+    @classmethod
+    def of(cls, model: Model) -> Scales:
+        """Return those of a model."""
+        return cls(
+            goes=GOES * float(np.sqrt(np.median(model.area))),
+            within=WITHIN * float(np.ptp(model.vertices, axis=0).max()),
+        )
+
+
+def driven(model: Model, before: State, after: State, inertia: float) -> Floats:
+    """Return way, m, and acceleration, m/s2, of a step with M times ``inertia``, 1/s2, (1, 2)."""
+    start = model.block_start
+    way = after.vertices - before.vertices
+    mean = np.add.reduceat(way, start[:-1], axis=0) / np.diff(start)[:, None]
+    far = np.where(model.fixed, 0.0, np.hypot(*mean.T))
+    momentum = float(np.sum(model.mass * far))
+    mean_way = float(np.sum(model.mass * far**2)) / momentum if momentum > 0.0 else 0.0
+    return np.array([[mean_way, inertia * mean_way]])
+
+
+def nears(steps: Floats, within: float) -> bool:
+    """Return whether way and acceleration of steps (k, 2) lead to a balance ``within`` m more."""
+    half = len(steps) // 2
+    first, second = (float(part[:, 1].mean()) for part in (steps[:half], steps[half:]))
+    way = float(steps[:, 0].sum()) / 2.0
+    return second < first and second * way <= within * (first - second)

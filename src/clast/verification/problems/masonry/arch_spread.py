@@ -1,0 +1,153 @@
+"""Thrust of an arch whose support gives way: the least one, and the greatest where it comes nearer.
+
+An arch on supports that do not move may stand with any thrust between two limits.  A support that
+moves out by next to nothing makes hinges at the extrados of the crown and the intrados of the
+haunches, and the thrust falls to the least that is in equilibrium; one that moves in makes it rise
+to the greatest (Heyman 1995).  Both are found by linear programming with N1, N2 >= 0 at the ends of
+each joint and |V| <= (N1 + N2) tan phi.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+from scipy.optimize import linprog
+
+from clast.model.builder import ModelBuilder
+from clast.model.ground_motion import Accelerogram, MovingBase
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problems.masonry.arch_push import (
+    DENSITY,
+    GRAVITY,
+    OPPENHEIM,
+    Arch,
+    add_arch,
+    joint_forces,
+)
+from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, Variant
+
+ARCHES = (
+    OPPENHEIM,
+    Arch(name="semicircle of 21"),
+    Arch(name="semicircle of 21, t/R = 0.2, phi = 30 degrees", share=0.2, friction_angle=30.0),
+)
+SPREAD, DURATION, STEPS = 2e-3, 1.0, (2e-2, 5e-2)
+"""Way of the support, m, in so many seconds, and the time steps, s."""
+MOVING = "right abutment"
+TOLERANCE = 5e-3
+WHY = "the support moves by 2 mm, which changes the arch by 0.1 to 0.3 %"
+
+
+def limit_thrust(arch: Arch, sense: float) -> float:
+    """Return the least thrust of an arch, N/m, or with a ``sense`` of -1 the greatest."""
+    equations, areas, friction = joint_forces(arch)
+    weights = np.zeros(len(equations))
+    weights[1::3] = DENSITY * GRAVITY * areas
+    inner, outer = arch.joints()
+    radial = (outer[0] - inner[0]) / np.hypot(*(outer[0] - inner[0]))
+    thrust = np.zeros(equations.shape[1])
+    thrust[:3] = radial[1], radial[1], -radial[0]
+    joints = len(inner)
+    found = linprog(
+        sense * thrust,
+        A_ub=friction,
+        b_ub=np.zeros(2 * joints),
+        A_eq=equations,
+        b_eq=weights,
+        bounds=[(0.0, None), (0.0, None), (None, None)] * joints,
+    )
+    return float(sense * found.fun)
+
+
+def on_moving_support(arch: Arch = OPPENHEIM, spread: float = SPREAD) -> Model:
+    """Return an arch whose right support moves out by ``spread``, m, in a second."""
+    most = 8.0 * spread / DURATION**2
+    across = np.array([0.0, most, -most, 0.0])
+    record = Accelerogram(
+        time=DURATION * np.array([0.0, 0.25, 0.75, 1.0]),
+        acceleration=np.stack([across, np.zeros(4)], axis=1),
+    )
+    builder = ModelBuilder(title="Arch on a support that moves", gravity=(0.0, -GRAVITY))
+    builder.ground_motion = MovingBase(record)
+    builder.add_rock("stone", young=50e9, poisson=0.2, density=DENSITY)
+    builder.add_joint("default", friction_angle=arch.friction_angle)
+    add_arch(builder, arch, carried=MOVING)
+    return builder.build()
+
+
+def thrust_of(run: Run, frame: int = -1) -> float:
+    """Return what the arch presses the right support outwards with, N/m."""
+    contacts, support = run.contacts(frame), run.model.block_name.index(MOVING)
+    across = contacts.force[:, 0]
+    on, off = contacts.vertex_block == support, contacts.edge_block == support
+    return float(across[on].sum() - across[off].sum())
+
+
+def moved(arch: Arch, spread: float, step: float, variant: Variant) -> Run:
+    """Return the static run of an arch on a support that moves."""
+    model = on_moving_support(arch, spread)
+    method = variant.method(model, normal_stiffness=1e10, max_displacement=0.02, dynamic_ratio=0.0)
+    return simulate(model, method, Schedule(step=step, end=DURATION, every=DURATION / 20))
+
+
+def examine(arches: Sequence[Arch], steps: Sequence[float], variant: Variant) -> Outcome:
+    """Compare the thrust after the support has moved out, and in."""
+    rows: list[Comparison] = []
+    runs: list[Run] = []
+    for arch in arches:
+        for sense, which in ((1.0, "least"), (-1.0, "greatest")):
+            exact = limit_thrust(arch, sense)
+            for step in steps:
+                run = moved(arch, sense * SPREAD, step, variant)
+                runs.append(run)
+                quantity = f"{which} thrust, {arch.name}, h = {1e3 * step:g} ms"
+                rows.append(relative(quantity, "N/m", thrust_of(run), exact, TOLERANCE, WHY))
+    first = runs[0]
+    ways = [float(run_way) for run_way in way_of(first)]
+    limits = [limit_thrust(arches[0], sense) for sense in (1.0, -1.0)]
+    chart = Chart(
+        title=f"thrust, {arches[0].name}",
+        x_label="way of the support, mm",
+        y_label="thrust, kN/m",
+        curves=(
+            exact_curve("least", (0.0, 1e3 * SPREAD), [1e-3 * limits[0]] * 2),
+            exact_curve("greatest", (0.0, 1e3 * SPREAD), [1e-3 * limits[1]] * 2),
+            curve(
+                variant.name,
+                [1e3 * way for way in ways],
+                [1e-3 * thrust_of(first, frame) for frame in range(len(ways))],
+            ),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+def way_of(run: Run) -> Floats:
+    """Return how far the support has moved in each frame, m, shape (k,)."""
+    motion = run.model.ground_motion
+    times = run.block(MOVING).time
+    return np.array([motion.anchor_displacement(time)[0] for time in times])
+
+
+PROBLEM = Problem(
+    name="arch-spread",
+    title="Arch on a support that gives way",
+    text="The right support of an arch moves out, or in, by 2 mm in a second, static "
+    "(dynamic_ratio = 0). Oppenheim's arch and two semicircles; E = 50 GPa, p = 10 GPa, h = 20 and "
+    "50 ms.",
+    formula="the least and the greatest thrust with N1, N2 >= 0 and |V| <= (N1 + N2) tan phi in "
+    "all joints",
+    source="limit analysis by linear programming (scipy); Heyman (1995)",
+    set_up=on_moving_support,
+    examine=partial(examine, ARCHES, STEPS),
+    variants=(CONVEX, CONVEX_MULTIPLIERS),
+    quick=(CONVEX,),
+    examine_briefly=partial(examine, ARCHES[:1], STEPS[1:]),
+)
