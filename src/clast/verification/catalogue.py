@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from clast.verification.problem import Problem
-from clast.verification.problems.blocks import column, free_fall, patch, pendulum, spin
+from clast.verification.problems.blocks import column, floating, free_fall, patch, pendulum, spin
 from clast.verification.problems.contact import (
     bounce,
     collision,
@@ -72,6 +72,7 @@ from clast.verification.problems.waves import (
     damped_block,
     damped_layer,
     layer,
+    layer_peaks,
     moving_base,
     newmark,
     oblique_wave,
@@ -88,6 +89,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         pendulum.PROBLEM,
         patch.PROBLEM,
         column.PROBLEM,
+        floating.PROBLEM,
     ),
     "contact": (
         penetration.PROBLEM,
@@ -153,6 +155,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         sinking_block.PROBLEM,
         oblique_wave.PROBLEM,
         layer.PROBLEM,
+        layer_peaks.PROBLEM,
         damped_layer.PROBLEM,
         rocking_spectrum.PROBLEM,
     ),

@@ -48,14 +48,17 @@ SLOW_STEP, SWELLING, SHAKING = 2e-3, 3.0, 2.0
 SCHEME = "numerical damping, exp(-w2 h t/4)"
 
 
-def pile(motion: GroundMotion) -> Model:
-    """Return the layer on a block of rock: viscous below, or held by fixed points that move."""
+def pile(motion: GroundMotion, blocks: int = BLOCKS) -> Model:
+    """Return the layer of so many blocks on one of rock: viscous below, or held by fixed points.
+
+    These move with the ground.
+    """
     builder = ModelBuilder(title="Layer on rock", gravity=(0.0, 0.0), ground_motion=motion)
     for name, (speed, density) in (("soft", SOFT), ("rock", ROCK)):
         builder.add_rock(name, young=2.0 * density * speed**2, poisson=0.0, density=density)
     builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
-    thick = HEIGHT / BLOCKS
-    for k in range(-1, BLOCKS):
+    thick = HEIGHT / blocks
+    for k in range(-1, blocks):
         low, high = k * thick, (k + 1) * thick
         builder.block(
             name="base" if k < 0 else f"layer {k + 1}",
@@ -67,21 +70,21 @@ def pile(motion: GroundMotion) -> Model:
     else:
         builder.fixed_point((0, -thick))
         builder.fixed_point((WIDTH, -thick))
-    builder.measured_point("surface", (0.5 * WIDTH, HEIGHT), block=f"layer {BLOCKS}")
+    builder.measured_point("surface", (0.5 * WIDTH, HEIGHT), block=f"layer {blocks}")
     return builder.build()
 
 
-def pulse() -> IncomingWave:
-    """Return a wave with a bell of horizontal velocity."""
-    time = np.linspace(0.0, PULSE, 201)
-    rate = PEAK * np.pi / PULSE * np.sin(2.0 * np.pi * time / PULSE)
+def pulse(length: float = PULSE) -> IncomingWave:
+    """Return a wave with a bell of horizontal velocity, ``length`` s long."""
+    time = np.linspace(0.0, length, 201)
+    rate = PEAK * np.pi / length * np.sin(2.0 * np.pi * time / length)
     return IncomingWave(Accelerogram(time, np.stack([rate, np.zeros_like(rate)], axis=1)))
 
 
-def bell(time: Floats) -> Floats:
+def bell(time: Floats, length: float = PULSE) -> Floats:
     """Return the velocity of the pulse, m/s, at ``time``, s, shape (k,)."""
-    within = (time > 0.0) & (time < PULSE)
-    return np.asarray(np.where(within, PEAK * np.sin(np.pi * time / PULSE) ** 2, 0.0))
+    within = (time > 0.0) & (time < length)
+    return np.asarray(np.where(within, PEAK * np.sin(np.pi * time / length) ** 2, 0.0))
 
 
 def swelling() -> MovingBase:
@@ -110,10 +113,10 @@ def exact_amplification(frequency: float) -> float:
     return float(1.0 / np.hypot(np.cos(phase), RATIO * np.sin(phase)))
 
 
-def amplification(surface: PointHistory, frequency: float) -> float:
-    """Return surface by outcrop of what the pulse has brought."""
+def amplification(surface: PointHistory, frequency: float, length: float = PULSE) -> float:
+    """Return surface by outcrop of what a pulse of ``length``, s, has brought."""
     time = surface.time
-    outcrop = 2.0 * amplitude(time, bell(time), frequency)
+    outcrop = 2.0 * amplitude(time, bell(time, length), frequency)
     return amplitude(time, surface.velocity[:, 0], frequency) / outcrop
 
 

@@ -1,0 +1,120 @@
+"""A raft that floats: it heaves and rolls for ever, with the periods of ship theory.
+
+A block of breadth b, height h and density rho has the draught T = h rho/rho_w.  Pushed under it
+heaves; tilted a little it rolls about its centroid, which lies GM below the metacentre:
+
+    heave  2 pi sqrt(T/g),    roll  2 pi sqrt((b^2 + h^2)/(12 g GM)),    GM = T/2 + b^2/(12 T) - h/2
+
+The water has no inertia here, and the pressures on the block's faces are those of water at rest.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import PointHistory
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
+
+GRAVITY, WATER, DENSITY = 9.81, 1000.0, 500.0
+BREADTH, HEIGHT = 3.0, 1.0
+DRAUGHT = HEIGHT * DENSITY / WATER
+METACENTRE = 0.5 * DRAUGHT + BREADTH**2 / (12.0 * DRAUGHT) - 0.5 * HEIGHT
+"""Height of the metacentre above the centroid GM, m: 1.25."""
+HEAVE = 2.0 * np.pi * float(np.sqrt(DRAUGHT / GRAVITY))
+ROLL = 2.0 * np.pi * float(np.sqrt((BREADTH**2 + HEIGHT**2) / (12.0 * GRAVITY * METACENTRE)))
+"""Periods, s: 1.419 and 1.640."""
+DOWN, TILT = 0.08, np.radians(2.0)
+"""By how much the raft begins too low, m, or tilted, rad."""
+STEP, PERIODS, FEW = 2e-2, 20, 5
+OF_STEP = "70 to 80 steps a period: (w h)^2/24 is 3e-4"
+
+
+def raft(down: float, tilt: float) -> Model:
+    """Return a raft over a fixed bed, ``down`` m too low and turned by ``tilt``, rad."""
+    builder = ModelBuilder(title="Raft", gravity=(0.0, -GRAVITY))
+    builder.add_rock("wood", young=1e9, poisson=0.2, density=DENSITY)
+    builder.add_joint("default", friction_angle=30.0)
+    builder.block(name="bed", vertices=[(-6, -5), (6, -5), (6, -4), (-6, -4)], fixed=True)
+    right, top = 0.5 * BREADTH, 0.5 * HEIGHT
+    corners = np.array([(-right, -top), (right, -top), (right, top), (-right, top)])
+    cosine, sine = np.cos(tilt), np.sin(tilt)
+    at = corners @ np.array([[cosine, sine], [-sine, cosine]]) + (0.0, top - DRAUGHT - down)
+    builder.block(name="raft", vertices=at)
+    builder.water(0.0, density=WATER, acts_on="faces")
+    builder.measured_point("middle", at.mean(axis=0), block="raft")
+    return builder.build()
+
+
+def swings(time: Floats, value: Floats) -> tuple[float, float]:
+    """Return period, s, and amplitude of the last swing by that of the first, of a cosine."""
+    late = np.flatnonzero((value[:-1] > 0.0) & (value[1:] <= 0.0))
+    zero = time[late] + np.diff(time)[late] * value[late] / (value[late] - value[late + 1])
+    period = float(np.diff(zero).mean())
+    last = value[time > zero[-1] - period]
+    return period, float(np.ptp(last) / np.ptp(value[time < zero[0] + period]))
+
+
+def moved(down: float, tilt: float, end: float, variant: Variant) -> PointHistory:
+    """Return how a raft moves."""
+    model = raft(down, tilt)
+    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.05)
+    return simulate(model, method, Schedule(step=STEP, end=end, every=end)).history("middle")
+
+
+def examine(periods: int, variant: Variant) -> Outcome:
+    """Compare the periods of heave and roll, and what is left of them."""
+    rows: list[Comparison] = []
+    charts: list[Chart] = []
+    for name, start, exact in (
+        ("heave", (DOWN, 0.0), HEAVE),
+        ("roll", (0.0, TILT), ROLL),
+    ):
+        history = moved(*start, (periods + 0.4) * exact, variant)
+        if name == "heave":
+            value, unit = DOWN - history.displacement[:, 1], "m"
+        else:
+            value, unit = TILT + history.rotation, "rad"
+        period, left = swings(history.time, value)
+        rows.append(relative(f"period of {name}", "s", period, exact, 2e-3, OF_STEP))
+        quantity = f"{name}, amplitude after {periods} periods by that of the first"
+        rows.append(relative(quantity, "", left, 1.0, 0.01, "pressures half way of a step"))
+        charts.append(
+            Chart(
+                title=name,
+                x_label="time, s",
+                y_label=f"{name}, {unit}",
+                curves=(
+                    exact_curve(
+                        "cosine",
+                        history.time[:300],
+                        value[0] * np.cos(2.0 * np.pi * history.time[:300] / exact),
+                    ),
+                    curve(variant.name, history.time[:300:6], value[:300:6]),
+                ),
+            )
+        )
+    return Outcome(tuple(rows), tuple(charts))
+
+
+PROBLEM = Problem(
+    name="floating-raft",
+    title="Raft that heaves and rolls",
+    text="A raft of 3 m x 1 m, 500 kg/m3, floats with a draught of 0.5 m over a fixed bed. It "
+    "begins 8 cm too low, or tilted by 2 degrees, and swings for 20 periods. p = 1 GPa, h = 20 ms.",
+    formula="heave 2 pi sqrt(T/g); roll 2 pi sqrt((b^2 + h^2)/(12 g GM)), GM = T/2 + b^2/(12 T) "
+    "- h/2; no amplitude is lost or gained",
+    source="hydrostatics of ships; the water has no inertia",
+    set_up=lambda: raft(DOWN, 0.0),
+    examine=partial(examine, PERIODS),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX, MIDPOINT),
+    quick=(CONVEX,),
+    examine_briefly=partial(examine, FEW),
+)
