@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import clast
+from clast import Stage
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh, Undamped
 from clast.contact.laws import AugmentedLagrangian, Penalty
 from clast.model.ground_motion import highest_frequency
@@ -20,6 +21,8 @@ from clast.step.integration import BackwardEuler, ConstantAcceleration, Midpoint
 from clast.step.method import Method
 from clast.step.modified import ImplicitFriction, Modified
 from clast.step.open_close import OpenClose
+from clast.verification.problems.blocks import floating
+from clast.verification.problems.method import resume
 from clast.verification.problems.waves import layer
 from clast.verification.variants import MIDPOINT
 
@@ -211,3 +214,60 @@ def test_check_warns_where_steps_damp_a_record():
     long = replace(schedule, step=0.1)
     found = method_warnings(model, method(model), long)
     assert [text for text in found if "a period: lower time.step" in text]
+
+
+def test_a_static_stage_is_as_without_it_and_a_dynamic_one_after_it_stays_at_rest():
+    found = builder(9.8, cohesion=1e9, tensile_strength=1e9)
+    found.block(name="floor", vertices=[(-1, -1), (2, -1), (2, 0), (-1, 0)], fixed=True)
+    for k in range(3):
+        found.block(name=f"b{k}", vertices=[(0, k), (1, k), (1, k + 1), (0, k + 1)])
+    found.measured_point("top", (0.5, 3.0), block="b2")
+    model = found.build()
+    stages = (
+        Stage(name="weight", dynamic_ratio=0.0),
+        Stage(name="rest", until="time", time=0.1, dynamic_ratio=1.0),
+    )
+    ends = []
+    for scheme in (MIDWAY, ConstantAcceleration()):
+        schedule = Schedule(step=1e-3, end=1.0, every=1.0, stages=stages)
+        run = simulate(model, method(model, scheme=scheme), schedule)
+        assert run.stages[0].outcome == "equilibrium"
+        down = run.history("top").displacement[:, 1]
+        settled = run.stages[0].steps
+        assert np.abs(down[settled:] - down[settled]).max() < 1e-9
+        ends.append(down[settled])
+    assert ends[0] == ends[1]
+
+
+@pytest.mark.parametrize("kept", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("step", [1e-3, 4e-3])
+def test_impacts_keep_their_restitution(kept, step):
+    found = builder(9.8)
+    found.block(name="floor", vertices=[(-1, -1), (2, -1), (2, 0), (-1, 0)], fixed=True)
+    found.block(name="b", vertices=[(0, 0.2), (1, 0.2), (1, 1.2), (0, 1.2)])
+    found.measured_point("b", (0.5, 0.7), block="b")
+    model = found.build()
+    how = method(model, process=Convex(restitution=kept))
+    fall = np.sqrt(2.0 * 0.2 / 9.8)
+    run = ran(model, how, step, fall * (1.0 + 1.5 * max(kept, 0.5)))
+    height = 0.2 + run.history("b").displacement[:, 1]
+    after = height[run.history("b").time > fall + 2.0 * step]
+    # the corners of a block that strains give by its weight
+    assert after.max() == pytest.approx(0.2 * kept**2, abs=2e-3)
+
+
+def test_a_raft_swings_on_water():
+    """Pressures that follow are those half way, by either rule."""
+    period, left = floating.swings(*_heave(MIDPOINT))
+    assert period == pytest.approx(floating.HEAVE, rel=1e-3)
+    assert left == pytest.approx(1.0, abs=2e-3)
+
+
+def _heave(variant):
+    history = floating.moved(floating.DOWN, 0.0, 3.4 * floating.HEAVE, variant)
+    return history.time, floating.DOWN - history.displacement[:, 1]
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.0])
+def test_it_is_resumed_to_the_same_bits(ratio):
+    assert set(resume.apart(*resume.both(ratio, MIDPOINT)).values()) == {0.0}

@@ -44,12 +44,13 @@ from clast.verification.problems.masonry import (
     three_hinges,
     wall_push,
 )
-from clast.verification.problems.method import energy, invariance, order
+from clast.verification.problems.method import energy, invariance, order, resume, staged_views
 from clast.verification.problems.slopes import (
     active_passive,
     bolted_block,
     bolted_toppling,
     cohesive_slab,
+    drained_slope,
     plane_failure,
     slide_topple,
     toppling,
@@ -71,6 +72,8 @@ from clast.verification.problems.waves import (
     chain,
     damped_block,
     damped_layer,
+    free_surface,
+    incoming_wave,
     layer,
     layer_peaks,
     moving_base,
@@ -115,6 +118,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         slide_topple.PROBLEM,
         plane_failure.PROBLEM,
         wet_slope.PROBLEM,
+        drained_slope.PROBLEM,
         cohesive_slab.PROBLEM,
         toppling.PROBLEM,
         active_passive.PROBLEM,
@@ -154,6 +158,8 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         viscous_end.PROBLEM,
         sinking_block.PROBLEM,
         oblique_wave.PROBLEM,
+        free_surface.PROBLEM,
+        incoming_wave.PROBLEM,
         layer.PROBLEM,
         layer_peaks.PROBLEM,
         damped_layer.PROBLEM,
@@ -171,6 +177,8 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         energy.PROBLEM,
         order.PROBLEM,
         invariance.PROBLEM,
+        staged_views.PROBLEM,
+        resume.PROBLEM,
     ),
 }
 """Folder -> its problems: what they test, from single blocks to the method as a whole."""

@@ -23,8 +23,9 @@ FAR_STEPS = 10
 """Steps that go far without balance from which a system can have none."""
 GOES = 0.01
 """Movement from which blocks are going somewhere, in units of their median size."""
-WITHIN = 0.1
-"""Distance of an equilibrium that is waited for at most, in units of the size of the model."""
+WITHIN = 0.03
+"""Distance of an equilibrium from where blocks were, in units of the size of the model, at most:
+what slides until its water or its slope has become another has failed."""
 MOST_STEPS = 200
 """Steps that go nowhere without balance from which a system has none."""
 PATIENCE = 2000
@@ -38,7 +39,7 @@ class Scales:
     goes: float
     """Movement from which blocks are going somewhere, m."""
     within: float
-    """Distance of an equilibrium that is waited for, m."""
+    """Distance of an equilibrium from where blocks were, m, at most."""
 
     @classmethod
     def of(cls, model: Model) -> Scales:

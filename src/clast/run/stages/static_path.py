@@ -263,12 +263,11 @@ class StaticPath:
             return True
         if now.steps >= failing.PATIENCE and now.far:
             return True
-        goes = float(self._distances(now).max(initial=0.0)) > self._scales.goes
-        return (
-            now.far >= failing.FAR_STEPS
-            and goes
-            and not failing.nears(now.driven, self._scales.within)
-        )
+        if now.far < failing.FAR_STEPS:
+            return False
+        moved = float(self._distances(now).max(initial=0.0))
+        left = self._scales.within - moved
+        return moved > self._scales.goes and not failing.nears(now.driven, left)
 
     def _loaded(self, now: OnPath) -> OnPath:
         """Return the path where an increment of load is in balance."""

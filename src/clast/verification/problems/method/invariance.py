@@ -36,6 +36,8 @@ class View:
     """Where its origin lies, m."""
     turn: float = 0.0
     """Angle by which it is turned, degrees."""
+    mirror: float = 1.0
+    """-1 where it is seen in a mirror, which comes before the turn."""
     first_corner: int = 0
     """Corner of each block that is named first."""
     order: tuple[int, int] = (0, 1)
@@ -47,9 +49,9 @@ class View:
 
     @property
     def rotation(self) -> Floats:
-        """Rotation matrix (2, 2)."""
+        """Matrix of turn and mirror (2, 2)."""
         cosine, sine = np.cos(np.radians(self.turn)), np.sin(np.radians(self.turn))
-        return np.array([[cosine, -sine], [sine, cosine]])
+        return np.array([[cosine, -sine], [sine, cosine]]) @ np.diag([self.mirror, 1.0])
 
     def places(self, points: Floats) -> Floats:
         """Return points (k, 2) as they are written down."""

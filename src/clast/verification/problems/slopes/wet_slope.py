@@ -102,8 +102,8 @@ def steep_slope() -> Slope:
     )
 
 
-def slope_model(slope: Slope, water: float, divided_by: float = 1.0) -> Model:
-    """Return the slope with ``water`` m of water in its crack and its strength divided."""
+def dry_slope(slope: Slope, divided_by: float = 1.0) -> ModelBuilder:
+    """Return the slope without water, its strength divided."""
     crest = (slope.height / float(np.tan(np.radians(slope.face))), slope.height)
     foot, top = tuple(slope.foot.tolist()), (slope.crack, slope.height)
     back = slope.crack + 0.5 * slope.height
@@ -121,9 +121,16 @@ def slope_model(slope: Slope, water: float, divided_by: float = 1.0) -> Model:
     # its first edge lies on the plane; the crack has no cohesion
     joints = ["plane", "", "", ""]
     builder.block(name="slab", vertices=[(0.0, 0.0), foot, top, crest], edge_joint=joints)
-    if water > 0.0:
-        builder.water(foot[1] + water, acts_on="joints", drained_at=[(0.0, 0.0)])
     builder.measured_point("slab", top, block="slab")
+    return builder
+
+
+def slope_model(slope: Slope, water: float, divided_by: float = 1.0) -> Model:
+    """Return the slope with ``water`` m of water in its crack and its strength divided."""
+    builder = dry_slope(slope, divided_by)
+    if water > 0.0:
+        level = float(slope.foot[1]) + water
+        builder.water(level, acts_on="joints", drained_at=[(0.0, 0.0)])
     return builder.build()
 
 

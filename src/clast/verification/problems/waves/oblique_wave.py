@@ -118,7 +118,13 @@ def strip(case: Incidence, dashpot: float) -> Model:
     builder = ModelBuilder(title="Oblique wave", gravity=(0.0, 0.0), plane=PlaneStrain())
     builder.add_rock("rock", young=YOUNG, poisson=POISSON, density=DENSITY)
     builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
-    builder.blocks(vertices=_triangles(case))
+    names = builder.blocks(vertices=triangles_of(case))
+    columns = columns_of(case)
+    for name, column in (("side", 0), ("middle", columns // 2)):
+        # the triangle with an edge in the upper side, at that edge's left end
+        block = names[2 * ((round(case.height) - 1) * columns + column) + 1]
+        at = (case.width / columns * column, case.height)
+        builder.measured_point(name, at, block=block)
     for side in ("left", "right"):
         # so stiff a dashpot is a roller
         builder.viscous_boundary(side=side, normal=1e6, tangential=0.0)
@@ -128,9 +134,14 @@ def strip(case: Incidence, dashpot: float) -> Model:
     return builder.build()
 
 
-def _triangles(case: Incidence) -> Floats:
+def columns_of(case: Incidence) -> int:
+    """Return the number of columns of a strip."""
+    return max(round(case.width), 2)
+
+
+def triangles_of(case: Incidence) -> Floats:
     """Return the corners of all triangles, two in each rectangle, in turn, m (n, 3, 2)."""
-    columns = max(round(case.width), 2)
+    columns = columns_of(case)
     size = case.width / columns
     found: list[list[tuple[float, float]]] = []
     for row in range(round(case.height)):
@@ -143,9 +154,9 @@ def _triangles(case: Incidence) -> Floats:
     return np.array(found, np.float64)
 
 
-def _velocities(case: Incidence, triangles: Floats) -> Floats:
+def velocities_of(case: Incidence, triangles: Floats) -> Floats:
     """Return the velocity (n, 6) of triangles whose corners have that of the packet."""
-    at = _packet(case, triangles[..., 0], triangles[..., 1])
+    at = packet(case, triangles[..., 0], triangles[..., 1])
     sides = triangles[:, 1:] - triangles[:, :1]
     gradient = np.linalg.solve(sides, at[:, 1:] - at[:, :1])  # rows d/dx, d/dy
     mean, spin = at.mean(axis=1), 0.5 * (gradient[:, 0, 1] - gradient[:, 1, 0])
@@ -155,7 +166,7 @@ def _velocities(case: Incidence, triangles: Floats) -> Floats:
     )
 
 
-def _packet(case: Incidence, x: Floats, y: Floats) -> Floats:
+def packet(case: Incidence, x: Floats, y: Floats) -> Floats:
     """Return the velocity (..., 2) of the packet at places, m/s: a gradient, or a curl."""
     across, up = case.wave_numbers
     middle, size = 0.5 * case.height, 0.9 * case.height
@@ -175,7 +186,7 @@ def _packet(case: Incidence, x: Floats, y: Floats) -> Floats:
 
 def energy_left(case: Incidence, dashpot: float, variant: Variant) -> float:
     """Return what is left of the energy when the packets are back in the middle."""
-    model = replace(strip(case, dashpot), velocity=_velocities(case, _triangles(case)))
+    model = replace(strip(case, dashpot), velocity=velocities_of(case, triangles_of(case)))
     method = variant.method(model, normal_stiffness=STIFF, max_displacement=0.01)
     step, end = WAVE_LENGTH / case.speed / STEPS_OF_PERIOD, case.crossing
     energy = simulate(model, method, Schedule(step=step, end=end, every=end)).energy
