@@ -63,11 +63,12 @@ def reference(one, c, gap, slip):
         return answer
     # shear: elastic up to Coulomb's bound, then on it
     pressing = one.friction_base[c] if given_bound else answer.normal
-    bound = max(0.0, pressing * one.friction[c] + strength)
+    joined = pressing > 0.0 or tension > 0.0
+    bound = max(0.0, pressing * one.friction[c] + strength) if joined else 0.0
     trial = one.shear_force[c] - KS * slip
     answer.shear = min(max(trial, -bound), bound)
     answer.mode = LOCK if abs(trial) <= bound and bound > 0.0 else SLIDE
-    if abs(trial) > bound and bond and not np.isnan(one.residual_cohesion[c]):
+    if abs(trial) > bound and bond and joined and not np.isnan(one.residual_cohesion[c]):
         answer.intact = False
     if answer.normal == 0.0 and tension == 0.0:
         answer.mode = OPEN
@@ -256,6 +257,18 @@ def test_tension_lowers_the_shear_strength():
     answer = LAW.respond(one, np.array([2e4 / P]), np.array([1.0]))
     assert answer.normal_force[0] == pytest.approx(-2e4)
     assert -answer.shear_force[0] == pytest.approx(5e4 - 0.6 * 2e4)
+
+
+def test_cohesion_counts_where_the_joint_is_pressed():
+    """Cohesion without tensile strength: a point that bears nothing holds no shear either."""
+    usual = {"cohesion": 1e5, "bonded": True, "shear_force": 1e4}
+    for base, held in ((0.0, 0.0), (1e-9, 1e4), (np.nan, 1e4)):
+        one = contacts(1, friction_base=base, **usual)
+        answer = LAW.respond(one, np.array([-1e-12]), np.zeros(1))
+        assert answer.shear_force[0] == pytest.approx(held)
+        assert answer.bonded[0]
+    one = contacts(1, tensile_strength=1.0, friction_base=0.0, **usual)
+    assert LAW.respond(one, np.zeros(1), np.zeros(1)).shear_force[0] == pytest.approx(1e4)
 
 
 def test_contact_without_bond_bears_no_tension():

@@ -40,7 +40,7 @@ class Contacts:
     length: Floats
     """Length of joint that the contact stands for (cohesion, tensile strength), m, shape (m,)."""
     point: Ints
-    """0 where P is a vertex, 1 to 7 inside a face (contact/joints/faces.py), shape (m,)."""
+    """0 where P is a vertex, 1 to 13 inside a face (contact/joints/faces.py), shape (m,)."""
     along: Floats
     """Place of P on the edge that begins at ``vertex``, as a share of its length, shape (m,)."""
     levers: Floats

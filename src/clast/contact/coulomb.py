@@ -2,7 +2,9 @@
 
     N >= -sigma_t L        |T| <= N tan(phi) + c L
 
-L is the length of joint that a contact stands for; compression is positive.  The shear force
+L is the length of joint that a contact stands for; compression is positive.  Cohesion counts where
+the joint is pressed together, or bears tension: |T| = 0 where N = 0 and sigma_t = 0, by whatever
+normal force friction is bounded, so that a face has nothing to lose as it opens.  The shear force
 follows its spring from the remembered one, T = T_old - k s, and is returned to the bound (Shi 1988:
 lock, slide, open).  A bond ends with the step in which it reaches its tension, or, if the joint is
 brittle, slips (contact/joints/bonds.py).  Every law of contacts ends here, whatever its normal
@@ -51,10 +53,13 @@ def nothing_found(count: int) -> Found:
 
 
 @kernel(forceinline=True)
-def shear_strength(normal, friction, cohesion, length):
-    """Return N tan(phi) + c L, N/m, not below 0; what is no number stays none."""
+def shear_strength(normal, friction, cohesion, length, tension):
+    """Return N tan(phi) + c L, N/m, not below 0; what is no number stays none.
+
+    What is not pressed together and bears no ``tension``, N/m, has no cohesion either.
+    """
     bound = normal * friction + cohesion * length
-    return 0.0 if bound < 0.0 else bound
+    return 0.0 if (bound < 0.0) | ((normal <= 0.0) & (tension == 0.0)) else bound
 
 
 @kernel(forceinline=True)
@@ -78,7 +83,8 @@ def resist(slip, k, strengths, memory, normal, bears, counts):
     bonded, shear_force, friction_base = memory
     given = not np.isnan(friction_base)
     base = friction_base if given else normal
-    bound = shear_strength(base, friction, cohesion, length) if counts else 0.0
+    tension = tension_of(tensile_strength, length)
+    bound = shear_strength(base, friction, cohesion, length, tension) if counts else 0.0
     trial = shear_force - k * slip if counts else 0.0
     sign = 1.0 if trial > 0.0 else -1.0
     size = sign * trial
@@ -87,11 +93,11 @@ def resist(slip, k, strengths, memory, normal, bears, counts):
     t = trial if sticks else sign * bound
     coupling = sign * friction if slips & (bound > 0.0) & (not given) else 0.0
     loss = bound * (size - bound) / k if slips else 0.0
-    tension = tension_of(tensile_strength, length)
     away = (not counts) | ((normal == 0.0) & (tension == 0.0))
     mode = OPEN if away else LOCK if sticks else SLIDE
     has_strength = (cohesion * length != 0.0) | (tension != 0.0)
-    slipped = slips & has_strength & (not np.isnan(residual))
+    joined = (base > 0.0) | (tension != 0.0)
+    slipped = slips & joined & has_strength & (not np.isnan(residual))
     unbroken = (bears | (tension == 0.0)) & (not slipped)
     return (
         t if bound > 0.0 else 0.0,
@@ -151,7 +157,7 @@ def limits_of_contacts(first, last, stiffnesses, strengths, base, found):
         p[c] = of_joint_or_law(p_of_joint[c], share[c] * p_of_law)
         k[c] = of_joint_or_law(k_of_joint[c], share[c] * k_of_law)
         tension[c] = tension_of(tensile_strength[c], length[c])
-        strength[c] = shear_strength(base[c], friction[c], cohesion[c], length[c])
+        strength[c] = shear_strength(base[c], friction[c], cohesion[c], length[c], tension[c])
 
 
 def largest_forces(contacts: Contacts, normal: Floats) -> tuple[Floats, Floats]:

@@ -24,7 +24,7 @@ def _no_bools() -> Bools:
     return np.zeros(0, np.bool_)
 
 
-POINTS = 8
+POINTS = 14
 """Numbers that points of a contact may have."""
 
 
@@ -45,7 +45,7 @@ class ContactMemory:
     edge: Ints = field(default_factory=_no_ints)
     """Entrance edge (index of its first vertex), shape (k,)."""
     point: Ints = field(default_factory=_no_ints)
-    """0 for a vertex, 1 to 7 for the points inside a face, shape (k,)."""
+    """0 for a vertex, 1 to 13 for the points inside a face, shape (k,)."""
     gap: Floats = field(default_factory=_no_floats)
     """Gap at the end of the step, m, negative in penetration, shape (k,)."""
     normal_force: Floats = field(default_factory=_no_floats)

@@ -3,16 +3,12 @@
 Two corners alone carry the resultant of a face, but not its bending: springs of k L/2 at both ends
 of a length L turn by 4 M/(k L^3), a face of stiffness k per area by 12 M/(k L^3).  So where a joint
 has a stiffness per area, or a bond, which has a strength per area, the shared length of two faces
-is integrated: its ends, which are vertices, and seven points at its eighths stand for these shares
-of it, in 240ths:
-
-    15  23  43  21  36  21  43  23  15
-
-They add up to 1 and their second moment about the middle is L^2/12, so that closure k L, rotation
-k L^3/12 and opening at e = L/6 are exact.  They are chosen so that a face that has opened in part
-is right, too (contact length 3 (L/2 - e), within 3 % up to e = 0.4 L), and so that no crack that
-has begun bears more than sigma_t L^2/6, the moment that began it: from the third weight on every
-remainder of the face is weaker, which Simpson's rule, for one, does not have.
+is integrated: its ends, which are vertices, and thirteen points between them stand for shares of it.
+These add up to 1 and their second moment about the middle is L^2/12, so that closure k L, rotation
+k L^3/12 and opening at e = L/6 are exact.  Points are denser towards the ends, and places and
+shares are those with which a face that has opened in part is nearest to its integral, too (contact
+length 3 (L/2 - e), rotation within 4 % up to e = 0.465 L), under the condition that no crack that
+has begun bears more than sigma_t L^2/6, the moment that began it (docs/decisions/0082).
 
 A point is kept by the two edges and its number.  It moves along with the shared length, whose ends
 are vertices: as blocks slide, its place and its share are those of the moment.  The edge of the
@@ -32,11 +28,29 @@ from clast.contact.joints.along_joint import edge_along, joints_of
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory, State, contact_keys
 
-PLACES: Floats = np.arange(1, 8) / 8.0
-"""Places of the inner points, as shares of the shared length, shape (7,)."""
-SHARES: Floats = np.array([23, 43, 21, 36, 21, 43, 23]) / 240.0
-"""Shares of the length that they stand for, shape (7,)."""
-END = 15.0 / 240.0
+NEAR_ENDS: Floats = np.array([0.0469, 0.085, 0.1402, 0.1932, 0.2653, 0.3643])
+"""Places of the inner points of one half, from its end on, as shares of the shared length, (6,)."""
+SHARES_NEAR_ENDS: Floats = np.array([0.0238, 0.0274, 0.067, 0.045, 0.0623, 0.0848])
+"""Shares of the length that the end and the inner points but for the last stand for, (6,)."""
+
+
+def shares_of_half() -> tuple[Floats, float]:
+    """Return the shares of the end and of all inner points of a half, (7,), and of the middle.
+
+    The last two follow from the length and from its second moment.
+    """
+    beside = 0.5 - np.append(0.0, NEAR_ENDS)
+    moment = 1.0 / 24.0 - SHARES_NEAR_ENDS @ beside[:-1] ** 2
+    shares = np.append(SHARES_NEAR_ENDS, moment / beside[-1] ** 2)
+    return shares, 1.0 - 2.0 * float(shares.sum())
+
+
+_HALF, _MIDDLE = shares_of_half()
+PLACES: Floats = np.concatenate([NEAR_ENDS, [0.5], 1.0 - NEAR_ENDS[::-1]])
+"""Places of the inner points, as shares of the shared length, shape (13,)."""
+SHARES: Floats = np.concatenate([_HALF[1:], [_MIDDLE], _HALF[:0:-1]])
+"""Shares of the length that they stand for, shape (13,)."""
+END = float(_HALF[0])
 """Share that each end stands for."""
 OF_TWO_CORNERS = 2.0 * END
 """The same in units of the half that a corner stands for by itself."""
@@ -57,7 +71,7 @@ class Places:
     pair: Ints
     """Index of the pair of blocks, shape (m,)."""
     point: Ints
-    """0 for a vertex, 1 to 7 for the points inside a face, shape (m,)."""
+    """0 for a vertex, 1 to 13 for the points inside a face, shape (m,)."""
     along: Floats
     """Place of P on the edge that begins at ``vertex``, as a share of its length, shape (m,)."""
     gap: Floats
