@@ -36,7 +36,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from clast.errors import CaseError, shortened
+from clast.errors import CaseError, mistyped, shortened
 from clast.rockmass.drawings.drawing import Analysis, Drawing, DrawnRock, LeftOut, PointForce
 from clast.rockmass.drawings.numbers import number_of
 from clast.rockmass.legacy.words import (
@@ -344,7 +344,7 @@ def _numbers(written: str, element: Element, file: str) -> tuple[float, ...]:
         value = number_of(word)
         if value is None:
             raise CaseError(
-                f"'{shortened(word)}' is no number",
+                f"{mistyped(word)} is no number",
                 where=f"{file}: {element.place}",
                 remedy="write numbers such as 12.5, parted by blanks",
             )

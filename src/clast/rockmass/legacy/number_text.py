@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from clast.errors import CaseError, shortened
+from clast.errors import CaseError, mistyped, shortened
 from clast.rockmass.drawings.files import text_of
 from clast.rockmass.drawings.numbers import number_of
 from clast.rockmass.legacy.words import Numbers
@@ -33,7 +33,7 @@ class NumberText:
         value = number_of(word)
         if value is None:
             raise CaseError(
-                f"'{shortened(word)}' is no number, or far too large: {what} is due here",
+                f"{mistyped(word)} is no number, or far too large: {what} is due here",
                 where=f"{self.file}: line {line_number}",
                 remedy="see whether it is the file that it is taken for, and its counts right",
             )
