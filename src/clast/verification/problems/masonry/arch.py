@@ -4,8 +4,7 @@ Heyman (1969) took the hinges of the five-hinge mechanism at the crown, the haun
 springings and the weight along the middle line, t/R = 0.106; Milankovitch (1907) had the exact
 weight, t/R = 0.1075, R being the mean radius, with haunches at 54.5 degrees from the crown.  For an
 arch of voussoirs hinges lie in joints; the thinnest that has a line of thrust inside it is found
-here by linear programming: forces N1, N2 >= 0 at the inner and outer end of every joint and a shear
-force V, three equations of equilibrium for every voussoir.
+here by linear programming: forces N1, N2 >= 0 at the inner and outer end of every joint.
 """
 
 from __future__ import annotations
@@ -13,17 +12,19 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from scipy.optimize import linprog
 
 from clast.model.builder import ModelBuilder
-from clast.model.model import Floats, Model
+from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limit_analysis import joint_ends, reserve, voussoirs_between
 from clast.verification.limits import AT_REST, limit, unbalanced
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 
 RADIUS, VOUSSOIRS = 5.0, 20
 """Mean radius, m, and number of voussoirs: joints at the crown and at 54 degrees from it."""
+FRICTION_ANGLE = 50.0
+"""Friction angle, degrees; no joint slips."""
 MILANKOVITCH = 0.1075
 """t/R of the thinnest arch."""
 LOW, HIGH, BISECTIONS = 0.1045, 0.1105, 4
@@ -32,61 +33,11 @@ FEW = 2
 STEP, STEPS = 4e-3, 300
 
 
-def joint_ends(share: float, voussoirs: int = VOUSSOIRS) -> tuple[Floats, Floats]:
-    """Return the inner and outer ends of all joints from right to left, m (k, 2), t/R = share."""
-    angle = np.linspace(0.0, np.pi, voussoirs + 1)
-    direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    half = 0.5 * share * RADIUS
-    return (RADIUS - half) * direction, (RADIUS + half) * direction
-
-
-def centroid(corners: Floats) -> tuple[float, Floats]:
-    """Return area, m2, and centroid, m (2,), of a polygon (k, 2)."""
-    following = np.roll(corners, -1, axis=0)
-    cross = corners[:, 0] * following[:, 1] - following[:, 0] * corners[:, 1]
-    area = 0.5 * cross.sum()
-    return float(area), np.sum((corners + following) * cross[:, None], axis=0) / (6.0 * area)
-
-
 def safety(share: float, voussoirs: int = VOUSSOIRS) -> float:
-    """Return how far joints may be weakened: largest s with the thrust s t/2 inside the joints.
-
-    s >= 0 where the arch stands; unknowns are N1, N2 and V of every joint, and s.
-    """
-    inner, outer = joint_ends(share, voussoirs)
-    count = len(inner)
-    equations, weights = np.zeros((3 * voussoirs, 3 * count + 1)), np.zeros(3 * voussoirs)
-    for k in range(voussoirs):
-        area, middle = centroid(np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]))
-        for joint, sign in ((k, 1.0), (k + 1, -1.0)):
-            radial = (outer[joint] - inner[joint]) / np.hypot(*(outer[joint] - inner[joint]))
-            # force on the voussoir to the left of its right joint: along the arch
-            along = sign * np.array([-radial[1], radial[0]])
-            for column, at, force in (
-                (3 * joint, inner[joint], along),
-                (3 * joint + 1, outer[joint], along),
-                (3 * joint + 2, inner[joint], sign * radial),
-            ):
-                x, y = at - middle
-                equations[3 * k : 3 * k + 3, column] = (*force, x * force[1] - y * force[0])
-        weights[3 * k + 1] = area
-    # N1, N2 >= s: s > 0 is a reserve
-    bounds = [(None, None)] * (3 * count + 1)
-    reserve = np.zeros((2 * count, 3 * count + 1))
-    for joint in range(count):
-        reserve[2 * joint, 3 * joint] = reserve[2 * joint + 1, 3 * joint + 1] = -1.0
-    reserve[:, -1] = 1.0
-    cost = np.zeros(3 * count + 1)
-    cost[-1] = -1.0
-    found = linprog(
-        cost,
-        A_ub=reserve,
-        b_ub=np.zeros(2 * count),
-        A_eq=equations,
-        b_eq=weights,
-        bounds=bounds,
-    )
-    return float(found.x[-1])
+    """Return the reserve of an arch, N/m over rho g: not negative where it stands."""
+    ends = joint_ends(RADIUS, share, 180.0, voussoirs)
+    blocks = voussoirs_between(*ends, FRICTION_ANGLE)
+    return reserve(blocks, blocks.body_force((0.0, -1.0)))
 
 
 def exact_limit(voussoirs: int = VOUSSOIRS) -> float:
@@ -96,11 +47,11 @@ def exact_limit(voussoirs: int = VOUSSOIRS) -> float:
 
 def arch(share: float = 0.12) -> Model:
     """Return a fixed base and the voussoirs of an arch with t/R = ``share``."""
-    inner, outer = joint_ends(share)
+    inner, outer = joint_ends(RADIUS, share, 180.0, VOUSSOIRS)
     reach = RADIUS * (1.0 + share)
     builder = ModelBuilder(title="Semicircular arch", gravity=(0.0, -9.8))
     builder.add_rock("stone", young=50e9, poisson=0.2, density=2400.0)
-    builder.add_joint("default", friction_angle=50.0)
+    builder.add_joint("default", friction_angle=FRICTION_ANGLE)
     builder.block(
         name="base", vertices=[(-reach, -0.5), (reach, -0.5), (reach, 0), (-reach, 0)], fixed=True
     )

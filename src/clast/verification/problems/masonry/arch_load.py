@@ -1,9 +1,8 @@
 """The point load under which a semicircular arch collapses.
 
 A load on a voussoir pulls the line of thrust towards it, until the arch folds on four hinges.  The
-largest load with a line of thrust inside the arch is found by linear programming: N1, N2 >= 0 at
-the ends of every joint, a shear force |V| <= (N1 + N2) tan phi, three equations of equilibrium for
-every voussoir (Heyman 1982).  Next to a springing no load is too large: its line stays inside.
+largest load with a line of thrust inside the arch is found by linear programming (Heyman 1982).
+Next to a springing no load is too large: its line stays inside.
 """
 
 from __future__ import annotations
@@ -11,14 +10,13 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from scipy.optimize import linprog
 
 from clast.model.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limit_analysis import joint_ends, largest_factor, voussoirs_between
 from clast.verification.limits import AT_REST, limit, unbalanced
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.problems.masonry.arch import centroid
 from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY, FRICTION_ANGLE = 9.8, 2400.0, 45.0
@@ -33,10 +31,7 @@ RESOLUTION = f"bisected to {100 * (HIGH - LOW) / 2**BISECTIONS:.2g} %; joints gi
 
 def joints() -> tuple[Floats, Floats]:
     """Return the inner and outer ends of all joints from right to left, m (k, 2)."""
-    angle = np.linspace(0.0, np.pi, VOUSSOIRS + 1)
-    direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    half = 0.5 * SHARE * RADIUS
-    return (RADIUS - half) * direction, (RADIUS + half) * direction
+    return joint_ends(RADIUS, SHARE, 180.0, VOUSSOIRS)
 
 
 def loaded_point(place: int) -> Floats:
@@ -46,38 +41,11 @@ def loaded_point(place: int) -> Floats:
 
 
 def exact_load(place: int) -> float:
-    """Return the largest load on a voussoir, N/m; unknowns are N1, N2, V of each joint, and it."""
-    inner, outer = joints()
-    count = len(inner)
-    equations, weights = np.zeros((3 * VOUSSOIRS, 3 * count + 1)), np.zeros(3 * VOUSSOIRS)
-
-    def acts(row: int, column: int, force: Floats, arm: Floats) -> None:
-        moment = arm[0] * force[1] - arm[1] * force[0]
-        equations[row : row + 3, column] += (*force, moment)
-
-    for k in range(VOUSSOIRS):
-        area, middle = centroid(np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]))
-        weights[3 * k + 1] = DENSITY * GRAVITY * area
-        for joint, sign in ((k, 1.0), (k + 1, -1.0)):
-            radial = (outer[joint] - inner[joint]) / (SHARE * RADIUS)
-            along = np.array([-radial[1], radial[0]])
-            acts(3 * k, 3 * joint, sign * along, inner[joint] - middle)
-            acts(3 * k, 3 * joint + 1, sign * along, outer[joint] - middle)
-            acts(3 * k, 3 * joint + 2, sign * radial, inner[joint] - middle)
-        if k == place - 1:
-            acts(3 * k, 3 * count, np.array([0.0, -1.0]), loaded_point(place) - middle)
-    friction = np.zeros((2 * count, 3 * count + 1))
-    for joint in range(count):
-        for row, sign in ((2 * joint, 1.0), (2 * joint + 1, -1.0)):
-            friction[row, 3 * joint : 3 * joint + 2] = -np.tan(np.radians(FRICTION_ANGLE))
-            friction[row, 3 * joint + 2] = sign
-    cost = np.zeros(3 * count + 1)
-    cost[-1] = -1.0
-    bounds = [(0.0, None), (0.0, None), (None, None)] * count + [(0.0, None)]
-    found = linprog(
-        cost, A_ub=friction, b_ub=np.zeros(2 * count), A_eq=equations, b_eq=weights, bounds=bounds
-    )
-    return float(found.x[-1])
+    """Return the largest load on a voussoir, N/m."""
+    blocks = voussoirs_between(*joints(), FRICTION_ANGLE)
+    weight = blocks.body_force((0.0, -DENSITY * GRAVITY))
+    load = blocks.force_at(place - 1, loaded_point(place), np.array([0.0, -1.0]))
+    return largest_factor(blocks, weight, load)
 
 
 def loaded_arch(place: int = PLACES[1], load: float = 2e4) -> Model:

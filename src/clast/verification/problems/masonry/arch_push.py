@@ -19,9 +19,9 @@ from scipy.optimize import linprog
 from clast.model.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limit_analysis import centroid
 from clast.verification.limits import AT_REST, limit, unbalanced
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.problems.masonry.arch import centroid
 from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 
 GRAVITY, DENSITY = 9.8, 2400.0

@@ -1,9 +1,8 @@
 """How much lateral push a dry wall in running bond bears in its plane.
 
 Under a push of a share of its weight a wall does not turn over as one piece: a part of it stays
-behind a stepped crack.  The largest share is found by linear programming: N1, N2 >= 0 at the ends
-of every joint and a shear force |V| <= (N1 + N2) tan phi, three equations for every brick.  By the
-theorem of limit analysis that is exact where no joint slips, else an upper bound (Drucker 1954).
+behind a stepped crack.  The largest share is found by linear programming, which is exact where no
+joint slips, else an upper bound (Drucker 1954).
 
 Head joints are smooth here.  Were they rough, the bound would count on friction there that needs
 them pressed together, which nothing does: with phi = 35
@@ -17,11 +16,11 @@ from functools import partial
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import linprog
 
 from clast.model.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limit_analysis import GROUND, RigidBlocks, RigidJoint, largest_factor
 from clast.verification.limits import AT_REST, limit, unbalanced
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, Variant
@@ -53,62 +52,43 @@ class Wall:
             ]
         return found
 
-    def joints(self) -> list[tuple[int, int, Floats, Floats, Floats]]:
-        """Return both bricks, -1 for the ground, both ends, and the normal into the first."""
+    def blocks(self) -> RigidBlocks:
+        """Return the bricks and their joints; head joints have no friction."""
         bricks = self.outlines()
         up, right = np.array([0.0, 1.0]), np.array([1.0, 0.0])
-        found = []
+        joints = []
+
+        def joint(first: int, second: int, ends: tuple[Floats, Floats], normal: Floats) -> None:
+            angle = FRICTION_ANGLE if normal is up else 0.0
+            joints.append(
+                RigidJoint(blocks=(first, second), ends=ends, normal=normal, friction_angle=angle)
+            )
+
         for i, (a, b, foot) in enumerate(bricks):
             if foot == 0.0:
-                found.append((i, -1, np.array([a, 0.0]), np.array([b, 0.0]), up))
+                joint(i, GROUND, (np.array([a, 0.0]), np.array([b, 0.0])), up)
             for j, (c, d, other) in enumerate(bricks):
                 low, high = max(a, c), min(b, d)
                 if np.isclose(other + COURSE, foot) and low < high:
-                    found.append((i, j, np.array([low, foot]), np.array([high, foot]), up))
+                    joint(i, j, (np.array([low, foot]), np.array([high, foot])), up)
                 if other == foot and d == a:
-                    top = np.array([a, foot + COURSE])
-                    found.append((i, j, np.array([a, foot]), top, right))
-        return found
+                    joint(i, j, (np.array([a, foot]), np.array([a, foot + COURSE])), right)
+        return RigidBlocks(
+            corners=[
+                np.array([(a, foot), (b, foot), (b, foot + COURSE), (a, foot + COURSE)])
+                for a, b, foot in bricks
+            ],
+            joints=joints,
+        )
 
 
 WALLS = (Wall(2, 6), Wall(2, 8), Wall(3, 8), Wall(3, 10))
 
 
 def exact_push(wall: Wall) -> float:
-    """Return the largest push over the weight; unknowns are N1, N2, V of each joint, and it."""
-    bricks, joints = wall.outlines(), wall.joints()
-    count = len(joints)
-    equations = np.zeros((3 * len(bricks), 3 * count + 1))
-    weights = np.zeros(3 * len(bricks))
-    friction = np.zeros((2 * count, 3 * count + 1))
-    for k, (a, b, _) in enumerate(bricks):
-        equations[3 * k, -1] = weights[3 * k + 1] = (b - a) * COURSE
-    grip = np.tan(np.radians(FRICTION_ANGLE))
-    for joint, (first, second, *ends, normal) in enumerate(joints):
-        along = np.array([normal[1], -normal[0]])
-        for brick, sign in ((first, 1.0), (second, -1.0)):
-            if brick < 0:
-                continue
-            left, right, foot = bricks[brick]
-            middle = np.array([0.5 * (left + right), foot + 0.5 * COURSE])
-            for column, at, force in (
-                (0, ends[0], sign * normal),
-                (1, ends[1], sign * normal),
-                (2, ends[0], sign * along),
-            ):
-                x, y = at - middle
-                rows = slice(3 * brick, 3 * brick + 3)
-                equations[rows, 3 * joint + column] = (*force, x * force[1] - y * force[0])
-        for row, sign in ((2 * joint, 1.0), (2 * joint + 1, -1.0)):
-            friction[row, 3 * joint : 3 * joint + 2] = -grip * normal[1]
-            friction[row, 3 * joint + 2] = sign
-    cost = np.zeros(3 * count + 1)
-    cost[-1] = -1.0
-    bounds = [(0.0, None), (0.0, None), (None, None)] * count + [(0.0, None)]
-    found = linprog(
-        cost, A_ub=friction, b_ub=np.zeros(2 * count), A_eq=equations, b_eq=weights, bounds=bounds
-    )
-    return float(found.x[-1])
+    """Return the largest push over the weight."""
+    blocks = wall.blocks()
+    return largest_factor(blocks, blocks.body_force((0.0, -1.0)), blocks.body_force((1.0, 0.0)))
 
 
 def pushed(wall: Wall = WALLS[2], share: float = 0.3) -> Model:

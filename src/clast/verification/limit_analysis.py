@@ -1,0 +1,198 @@
+"""Limit analysis of rigid blocks on joints that carry no tension, by linear programming.
+
+A joint carries N1, N2 >= 0 at its two ends and a shear force |V| <= (N1 + N2) tan phi; every block
+is in equilibrium, three equations each (Livesley 1978).  By the theorem of limit analysis the
+largest load in equilibrium is the collapse load where no joint slips; where joints slip it is an
+upper bound (Drucker 1954), for such friction opens a joint as it slips.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linprog
+
+from clast.model.model import Floats
+
+GROUND = -1
+"""Block number of what does not move."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidJoint:
+    """A straight joint between two blocks."""
+
+    blocks: tuple[int, int]
+    """Block that the normal points into, and the one behind it; GROUND for what does not move."""
+    ends: tuple[Floats, Floats]
+    """Its two ends, m, (2,) each."""
+    normal: Floats
+    """Unit normal into the first block, (2,)."""
+    friction_angle: float
+    """Friction angle, degrees."""
+
+    @property
+    def along(self) -> Floats:
+        """Unit vector along the joint, the normal turned clockwise, (2,)."""
+        return np.array([self.normal[1], -self.normal[0]])
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidBlocks:
+    """Rigid blocks and the joints between them; unknowns are N1, N2 and V of each of k joints."""
+
+    corners: Sequence[Floats]
+    """Corners of each of n blocks, counter-clockwise, m, (c, 2)."""
+    joints: Sequence[RigidJoint]
+    """The joints."""
+
+    def equilibrium(self) -> Floats:
+        """Return force across and up, N/m, and moment, N m/m, on each block by unit unknowns.
+
+        Shape (3 n, 3 k); moments are about the centroids, counter-clockwise.
+        """
+        found = np.zeros((3 * len(self.corners), 3 * len(self.joints)))
+        for k, joint in enumerate(self.joints):
+            for block, sign in zip(joint.blocks, (1.0, -1.0), strict=True):
+                if block == GROUND:
+                    continue
+                for column, at, force in (
+                    (0, joint.ends[0], sign * joint.normal),
+                    (1, joint.ends[1], sign * joint.normal),
+                    (2, joint.ends[0], sign * joint.along),
+                ):
+                    load = self.force_at(block, at, force)
+                    found[:, 3 * k + column] += load
+        return found
+
+    def friction(self) -> Floats:
+        """Return the rows of +-V - (N1 + N2) tan phi, which are <= 0, (2 k, 3 k)."""
+        found = np.zeros((2 * len(self.joints), 3 * len(self.joints)))
+        for k, joint in enumerate(self.joints):
+            for row, sign in ((2 * k, 1.0), (2 * k + 1, -1.0)):
+                found[row, 3 * k : 3 * k + 2] = -np.tan(np.radians(joint.friction_angle))
+                found[row, 3 * k + 2] = sign
+        return found
+
+    def body_force(self, force: Sequence[float]) -> Floats:
+        """Return the loads (3 n,) of a force per area (2,), N/m3."""
+        found = np.zeros(3 * len(self.corners))
+        for block, corners in enumerate(self.corners):
+            area, _ = centroid(corners)
+            found[3 * block : 3 * block + 2] = area * np.asarray(force)
+        return found
+
+    def force_at(self, block: int, at: Floats, force: Floats) -> Floats:
+        """Return the loads (3 n,) of a force (2,), N/m, at a point (2,), m, of a block."""
+        found = np.zeros(3 * len(self.corners))
+        x, y = at - centroid(self.corners[block])[1]
+        found[3 * block : 3 * block + 3] = *force, x * force[1] - y * force[0]
+        return found
+
+
+def largest_factor(blocks: RigidBlocks, dead: Floats, live: Floats) -> float:
+    """Return the largest factor of ``live`` that is in equilibrium with ``dead``, loads (3 n,)."""
+    count = 3 * len(blocks.joints)
+    cost = np.zeros(count + 1)
+    cost[-1] = -1.0
+    friction = np.hstack([blocks.friction(), np.zeros((2 * len(blocks.joints), 1))])
+    found = linprog(
+        cost,
+        A_ub=friction,
+        b_ub=np.zeros(len(friction)),
+        A_eq=np.hstack([blocks.equilibrium(), live[:, None]]),
+        b_eq=-dead,
+        bounds=[*_signs(blocks), (0.0, None)],
+    )
+    return float(found.x[-1])
+
+
+def least(blocks: RigidBlocks, dead: Floats, cost: Floats) -> float:
+    """Return the least sum of ``cost`` times the unknowns (3 k,) in equilibrium with ``dead``."""
+    friction = blocks.friction()
+    found = linprog(
+        cost,
+        A_ub=friction,
+        b_ub=np.zeros(len(friction)),
+        A_eq=blocks.equilibrium(),
+        b_eq=-dead,
+        bounds=_signs(blocks),
+    )
+    return float(found.fun)
+
+
+def reserve(blocks: RigidBlocks, dead: Floats) -> float:
+    """Return the largest s, N/m, with N1, N2 >= s in all joints, which do not slip.
+
+    It is not negative where a line of thrust lies inside the joints.
+    """
+    count = 3 * len(blocks.joints)
+    ends = np.flatnonzero(np.arange(count) % 3 != 2)
+    above = np.zeros((len(ends), count + 1))
+    above[np.arange(len(ends)), ends] = -1.0
+    above[:, -1] = 1.0
+    cost = np.zeros(count + 1)
+    cost[-1] = -1.0
+    found = linprog(
+        cost,
+        A_ub=above,
+        b_ub=np.zeros(len(ends)),
+        A_eq=np.hstack([blocks.equilibrium(), np.zeros((len(dead), 1))]),
+        b_eq=-dead,
+        bounds=[(None, None)] * (count + 1),
+    )
+    return float(found.x[-1])
+
+
+def _signs(blocks: RigidBlocks) -> list[tuple[float | None, None]]:
+    """Return the bounds of N1, N2 and V of each joint."""
+    return [(0.0, None), (0.0, None), (None, None)] * len(blocks.joints)
+
+
+def centroid(corners: Floats) -> tuple[float, Floats]:
+    """Return area, m2, and centroid, m (2,), of a polygon (k, 2)."""
+    following = np.roll(corners, -1, axis=0)
+    cross = corners[:, 0] * following[:, 1] - following[:, 0] * corners[:, 1]
+    area = 0.5 * cross.sum()
+    return float(area), np.sum((corners + following) * cross[:, None], axis=0) / (6.0 * area)
+
+
+# --- arches ----------------------------------------------------------------------------------
+
+
+def joint_ends(
+    radius: float, share: float, embrace: float, voussoirs: int
+) -> tuple[Floats, Floats]:
+    """Return the inner and outer ends of the joints of a circular arch, m, (voussoirs + 1, 2) each.
+
+    They go from right to left; ``radius`` is the mean radius, m, ``share`` the thickness over it,
+    ``embrace`` the angle between the springings, degrees.
+    """
+    half = 0.5 * np.radians(embrace)
+    angle = 0.5 * np.pi + np.linspace(-half, half, voussoirs + 1)
+    direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    reach = 0.5 * share * radius
+    return (radius - reach) * direction, (radius + reach) * direction
+
+
+def voussoirs_between(inner: Floats, outer: Floats, friction_angle: float) -> RigidBlocks:
+    """Return the voussoirs between joints, by their ends (k + 1, 2), m, on fixed abutments.
+
+    The normal of each joint points along the arch into the voussoir to its left.
+    """
+    count = len(inner) - 1
+    corners = [np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]) for k in range(count)]
+    joints = []
+    for k in range(count + 1):
+        radial = (outer[k] - inner[k]) / np.hypot(*(outer[k] - inner[k]))
+        joints.append(
+            RigidJoint(
+                blocks=(k if k < count else GROUND, k - 1 if k else GROUND),
+                ends=(inner[k], outer[k]),
+                normal=np.array([-radial[1], radial[0]]),
+                friction_angle=friction_angle,
+            )
+        )
+    return RigidBlocks(corners=corners, joints=joints)
