@@ -100,6 +100,7 @@ COMMANDS = (
     importing.import_,
     files.info,
     files.plot,
+    files.page,
     exports.export,
     cases.new,
     cases.schema,

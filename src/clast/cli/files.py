@@ -1,7 +1,8 @@
-"""Commands on result files: info, plot."""
+"""Commands on result files: info, plot, page."""
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -19,7 +20,7 @@ from clast.cli.options import (
 )
 from clast.cli.tables import print_points, print_stages, two_columns
 from clast.cli.terminal import print_json, print_table, tell
-from clast.errors import CaseError
+from clast.errors import CaseError, shortened
 
 
 def info(file: ResultFile, as_json: AsJson = False) -> None:
@@ -115,3 +116,37 @@ def plot(
     number = frame_asked(results, frame, time, stage)
     plot_results(results, target, frame=number, field=field, contacts=contacts, look=look)
     tell(f"picture: {target}")
+
+
+def page(
+    file: ResultFile,
+    output: Annotated[
+        Path | None,
+        typer.Argument(metavar="OUT.html", help="Page; the file's name with .html if absent."),
+    ] = None,
+    budget: Annotated[
+        str,
+        typer.Option(metavar="SIZE", help="Room for contact forces before they are compressed."),
+    ] = "12MB",
+) -> None:
+    """Write a page that plays a run in a browser, complete in one file, without a network."""
+    from clast.pictures.page.document import write_page
+    from clast.results import read_results
+
+    target = output or file.with_suffix(".html")
+    write_page(read_results(file), target, budget=_bytes("--budget", budget))
+    tell(f"page: {target} ({target.stat().st_size / 1e6:.3g} MB); open it in a browser")
+
+
+SIZES = {"": 1.0, "B": 1.0, "KB": 1e3, "MB": 1e6, "GB": 1e9}
+"""Units of a size -> bytes."""
+
+
+def _bytes(option: str, written: str) -> float:
+    """Return a size such as 12MB in bytes."""
+    found = re.fullmatch(r"\s*(\d+(?:\.\d*)?)\s*([KMG]?B?)\s*", written.upper())
+    if found is None or found[2] not in SIZES or float(found[1]) <= 0.0:
+        raise CaseError(
+            f"'{shortened(written)}' is no size", where=option, remedy="write e.g. 12MB or 500kB"
+        )
+    return float(found[1]) * SIZES[found[2]]

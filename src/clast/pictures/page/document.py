@@ -1,0 +1,126 @@
+"""The page itself: one HTML file with its data, drawing by its own scripts, that asks no network.
+
+The scripts are modules that name what they import; they are joined here in their order.  What a
+case calls things is data: it stands in JSON alone, and the scripts write it as text.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import os
+import re
+import tempfile
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from clast.errors import CaseError
+from clast.pictures.page.scene import scene_of
+from clast.results import Recording
+
+SUFFIXES = (".html", ".htm")
+"""Endings of the names of pages."""
+SCRIPTS = (
+    "data",
+    "colours",
+    "pens",
+    "view",
+    "draw_canvas",
+    "draw_webgl",
+    "layers",
+    "charts",
+    "app",
+)
+"""Modules of the page, each after those that it imports."""
+BUDGET = 12e6
+"""Bytes that contacts take before they are compressed, unless another number is asked for."""
+IMPORT = re.compile(r"^import (\{[^}]*\}) from \"\./(\w+)\.js\";$", re.MULTILINE)
+EXPORT = re.compile(r"^export ((?:const|function|class|async function) (\w+))", re.MULTILINE)
+
+
+def write_page(results: Recording, path: Path | str, *, budget: float = BUDGET) -> Path:
+    """Write the page of a run, complete in one file; return its path.
+
+    ``budget`` is what contacts may take, bytes; the page says how many of how many it shows.
+    Raises CaseError where the page cannot be written; no part of a page is left then.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in SUFFIXES:
+        raise CaseError(
+            f"pages cannot be written as '{path.suffix or path.name}'",
+            where=str(path),
+            remedy=f"end the name in {' or '.join(SUFFIXES)}",
+        )
+    text = page_text(scene_of(results, budget))
+    try:
+        with tempfile.NamedTemporaryFile(
+            "w", encoding="utf-8", dir=path.parent, prefix=f".{path.name}.", delete=False
+        ) as made:
+            made.write(text)
+        os.chmod(made.name, 0o666 & ~_umask())
+        os.replace(made.name, path)
+    except OSError as error:
+        raise CaseError(
+            f"the page cannot be written: {error.strerror}",
+            where=str(path),
+            remedy="name a file in a directory that exists and may be written",
+        ) from error
+    return path
+
+
+def _umask() -> int:
+    """Return the permissions that new files do not get."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def page_text(scene: dict[str, Any]) -> str:
+    """Return the text of a page of what ``scene_of`` made."""
+    scripts = ["const modules = {};", *map(_own, SCRIPTS), "modules.app.main();"]
+    library = _file("vendor/uPlot.iife.min.js")
+    program = "\n".join(['"use strict";', *scripts])
+    style = _file("vendor/uPlot.min.css") + _file("page.css")
+    policy = (
+        "default-src 'none'; img-src data: blob:; "
+        f"script-src {_hash(library)} {_hash(program)}; style-src 'unsafe-inline'"
+    )
+    # a closing tag within the data would end it
+    data = json.dumps(scene, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    return "\n".join(
+        [
+            "<!doctype html>",
+            '<html lang="en"><head><meta charset="utf-8">',
+            f'<meta http-equiv="Content-Security-Policy" content="{policy}">',
+            '<meta name="viewport" content="width=device-width,initial-scale=1">',
+            f"<title>{escape(scene['title'])} - clast</title>",
+            f"<style>{style}</style></head><body>",
+            _file("page.html"),
+            f'<script type="application/json" id="scene">{data}</script>',
+            f"<script>{library}</script>",
+            f"<script>{program}</script>",
+            "</body></html>",
+            "",
+        ]
+    )
+
+
+def _own(name: str) -> str:
+    """Return a module as a function of its own, whose result is what it exports."""
+    text = _file(f"script/{name}.js")
+    exported = ", ".join(found[2] for found in EXPORT.finditer(text))
+    text = EXPORT.sub(r"\1", IMPORT.sub(r"const \1 = modules.\2;", text))
+    return f"modules.{name} = (() => {{\n{text}\nreturn {{ {exported} }};\n}})();"
+
+
+def _file(name: str) -> str:
+    """Return the text of a file beside this one."""
+    return (files("clast.pictures.page") / name).read_text(encoding="utf-8")
+
+
+def _hash(script: str) -> str:
+    """Return what a Content-Security-Policy calls a script by."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}'"

@@ -1,0 +1,104 @@
+"""Numbers of many frames as short texts: 16 bits each, differences, deflate, base64.
+
+A block's displacement is linear over the block and stays so from step to step, so that six numbers
+a frame place all of its vertices: displacement of its centroid, rotation, three of strain.  Each
+of them, and each field, is rounded to a 65,535th of its range over the run, then kept as the
+difference from the frame before; small differences have a low byte and a high byte that is nearly
+always 0, so that the two are kept apart, and compressed.
+"""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clast.model.model import Floats, Ints
+
+LEVELS = 65_535
+"""Steps that the range of a number is divided into."""
+
+
+def packed(values: Floats) -> dict[str, Any]:
+    """Return numbers (frames, n) for the page: the ends of their range and a text.
+
+    Each is rounded to a 65,535th of the range.  NaN and infinity become 0.
+    """
+    values = np.nan_to_num(np.asarray(values, np.float64), posinf=0.0, neginf=0.0)
+    low, high = float(values.min(initial=np.inf)), float(values.max(initial=-np.inf))
+    if not values.size:
+        low = high = 0.0
+    span = high - low
+    share = (values - low) / span if span > 0.0 else np.zeros(values.shape)
+    levels = np.rint(LEVELS * share).astype(np.int64)
+    return {"low": low, "high": high, "data": text_of(_zigzag(_differences(levels)))}
+
+
+def _differences(levels: Ints) -> Ints:
+    """Return the change of 16-bit numbers (frames, n) from frame to frame, -32768 to 32767."""
+    first = np.zeros((1, *levels.shape[1:]), np.int64)
+    change = np.diff(np.concatenate([first, levels]), axis=0)
+    return np.asarray((change + 32_768) % 65_536 - 32_768)
+
+
+def _zigzag(change: Ints) -> NDArray[np.uint16]:
+    """Return 0, -1, 1, -2, ... as 0, 1, 2, 3, ..."""
+    return np.where(change < 0, -2 * change - 1, 2 * change).astype(np.uint16)
+
+
+def text_of(numbers: NDArray[np.uint16]) -> str:
+    """Return 16-bit numbers as a text: low bytes, then high bytes, deflated, in base64."""
+    flat = np.ascontiguousarray(numbers).ravel()
+    planes = np.concatenate([(flat & 0xFF).astype(np.uint8), (flat >> 8).astype(np.uint8)])
+    return base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
+
+
+def raw(numbers: NDArray[Any], kind: str) -> str:
+    """Return an array as a text: its bytes as ``kind``, such as "<f4", deflated, in base64."""
+    return base64.b64encode(zlib.compress(np.ascontiguousarray(numbers, kind).tobytes(), 9)).decode(
+        "ascii"
+    )
+
+
+def affine(start: Floats, frames: Sequence[Floats], block_start: Ints) -> dict[str, Floats]:
+    """Return how blocks have moved from their ``start`` (nv, 2) in f frames (nv, 2), by name.
+
+    ``x`` and ``y``: displacement of the mean of a block's vertices, m; ``angle``: its rotation,
+    counter-clockwise, rad, without jumps of a full turn; ``xx``, ``yy``, ``xy``: the stretch less
+    one, in the axes of the start, from the polar decomposition F = R U.  Each has the shape (f, n).
+    """
+    first, count = block_start[:-1], np.diff(block_start)
+    owner = np.repeat(np.arange(len(count)), count)
+
+    def mean(points: Floats) -> Floats:
+        return np.asarray(np.add.reduceat(points, first, axis=-2) / count[:, None])
+
+    middle = mean(start)
+    arm = start - middle[owner]
+    moment = _sums(arm, arm, first)
+    inverse = np.linalg.inv(moment)
+    shape = (len(frames), len(count))
+    found = {key: np.zeros(shape) for key in ("x", "y", "angle", "xx", "yy", "xy")}
+    for f, here in enumerate(frames):
+        now = mean(here)
+        found["x"][f], found["y"][f] = (now - middle).T
+        gradient = _sums(here - now[owner], arm, first) @ inverse
+        turn = np.arctan2(
+            gradient[:, 1, 0] - gradient[:, 0, 1], gradient[:, 0, 0] + gradient[:, 1, 1]
+        )
+        cosine, sine = np.cos(turn), np.sin(turn)
+        found["angle"][f] = turn
+        found["xx"][f] = cosine * gradient[:, 0, 0] + sine * gradient[:, 1, 0] - 1.0
+        found["yy"][f] = cosine * gradient[:, 1, 1] - sine * gradient[:, 0, 1] - 1.0
+        found["xy"][f] = cosine * gradient[:, 0, 1] + sine * gradient[:, 1, 1]
+    found["angle"] = np.unwrap(found["angle"], axis=0)
+    return found
+
+
+def _sums(left: Floats, right: Floats, first: Ints) -> Floats:
+    """Return the sums over each block of the products of two vectors (nv, 2), (n, 2, 2)."""
+    return np.asarray(np.add.reduceat(left[:, :, None] * right[:, None, :], first, axis=0))

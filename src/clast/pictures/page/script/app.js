@@ -1,0 +1,601 @@
+// The page: reads its data, draws, plays, and answers to hands, keys and the address.
+
+import { Charts } from "./charts.js";
+import { FIXED, PLAIN, Scale, endsOf, kindColour, withUnit } from "./colours.js";
+import { RunData } from "./data.js";
+import { CanvasDrawing, drawBlocks } from "./draw_canvas.js";
+import { WebglDrawing, isSoftware } from "./draw_webgl.js";
+import { LAYERS, drawChosen, drawScaleBar, layersOf } from "./layers.js";
+import { CanvasPen, SvgPen } from "./pens.js";
+import { View, followPointers } from "./view.js";
+
+const LIGHT = {
+  paper: "#ffffff", ink: "#262626", faint: "#9a9a9a", grid: "#e2e2e2", chosen: "#d81b60", bolt: "#1b7837", line: "#262626",
+};
+const DARK = {
+  paper: "#16181b", ink: "#e8e6e1", faint: "#7c7c7c", grid: "#33373c", chosen: "#ff6fa3", bolt: "#0f9d3a", line: "#0b0c0d",
+};
+const KINDS = { rock: "Rock", block: "Blocks", none: "Nothing" };
+const SLOW = 250;
+/** Milliseconds of a first frame above which a software renderer is given up. */
+
+/** One page of one run, within an element. */
+export class Page {
+  /** @param {HTMLElement} root @param {any} scene what scene.py made */
+  constructor(root, scene) {
+    this.root = root;
+    this.run = new RunData(scene);
+    this.view = new View();
+    this.state = { frame: 0, field: "displacement", share: 1, limits: null, layers: new Set(), chosen: -1 };
+    this.state.follow = false;
+    this.playing = false;
+    this.speed = 1;
+    this.loop = false;
+  }
+
+  /** Return the element of a name. */
+  $(name) {
+    return this.root.querySelector(`[data-part="${name}"]`);
+  }
+
+  /** Decode the data and show the page. */
+  async start() {
+    await this.run.decode();
+    this.state.frame = this.run.frameCount - 1;
+    this.state.layers = new Set(layersOf(this.run).filter((name) => ["bolts", "points", "excavated"].includes(name)));
+    this.theme = matchMedia("(prefers-color-scheme: dark)").matches ? DARK : LIGHT;
+    this.canvas = this.$("blocks");
+    this.above = this.$("above");
+    this.drawing = this.chooseDrawing();
+    this.root.dataset.renderer = this.drawing.name;
+    this.fillControls();
+    this.listen();
+    this.resize();
+    this.fitAll();
+    this.readAddress();
+    this.charts = new Charts(this.$("chart"), this.run.scene.curves, (time) => this.goTo(this.run.frameAt(time)));
+    this.fillCurves();
+    this.fillReport();
+    this.applyTheme();
+    this.root.dataset.ready = "yes";
+  }
+
+  /** Return what draws the blocks: WebGL2 where a graphics card does it, else the 2D canvas. */
+  chooseDrawing() {
+    const wanted = new URLSearchParams(location.search).get("renderer");
+    if (wanted !== "canvas") {
+      const gl = document.createElement("canvas").getContext("webgl2");
+      if (gl && (wanted === "webgl2" || !isSoftware(gl))) {
+        try {
+          const real = this.canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+          return new WebglDrawing(real, this.run);
+        } catch (fault) {
+          console.warn(`WebGL2 is not used: ${fault.message}`);
+          this.renewCanvas();
+        }
+      }
+    }
+    return new CanvasDrawing(this.canvas, this.run);
+  }
+
+  /** Put a new canvas in the place of one that has given a WebGL context. */
+  renewCanvas() {
+    const fresh = this.canvas.cloneNode();
+    this.canvas.replaceWith(fresh);
+    this.canvas = fresh;
+  }
+
+  // --- controls ------------------------------------------------------------------------------
+
+  fillControls() {
+    const { run } = this;
+    const fields = this.$("field");
+    for (const [name, [label]] of Object.entries(run.scene.labels)) fields.append(new Option(label, name));
+    for (const [name, label] of Object.entries(KINDS)) fields.append(new Option(label, name));
+    for (const name of layersOf(run)) {
+      const label = document.createElement("label");
+      const box = document.createElement("input");
+      box.type = "checkbox";
+      box.value = name;
+      label.append(box, ` ${LAYERS[name].label}`);
+      this.$("layers").append(label);
+    }
+    const time = this.$("time");
+    time.max = String(run.frameCount - 1);
+    this.$("title").textContent = run.scene.title;
+    document.title = `${run.scene.title} - clast`;
+    const { shown, of } = run.scene.frames;
+    const contacts = run.scene.contacts;
+    const said = [`${run.blockCount} blocks`, shown < of ? `${shown} of ${of} frames` : `${of} frames`];
+    if (contacts.of) {
+      said.push(
+        contacts.shown < contacts.of
+          ? `the largest ${contacts.shown} of ${contacts.of} contact forces`
+          : `${contacts.of} contact forces`,
+      );
+    }
+    this.$("counts").textContent = said.join(", ");
+    this.fillTicks();
+  }
+
+  /** Mark stages and events on the time line. */
+  fillTicks() {
+    const { run } = this;
+    const [first, last] = [run.times[0], run.times[run.frameCount - 1]];
+    const place = (frame) => (100 * frame) / Math.max(1, run.frameCount - 1);
+    const mark = (kind, frame, text) => {
+      const tick = document.createElement("button");
+      tick.type = "button";
+      tick.className = kind;
+      tick.style.left = `${place(frame)}%`;
+      tick.title = text;
+      tick.setAttribute("aria-label", text);
+      tick.addEventListener("click", () => this.goTo(frame));
+      this.$("ticks").append(tick);
+    };
+    run.scene.stages.forEach((stage, k, all) => {
+      if (k === 0 || stage !== all[k - 1]) mark("stage-tick", k, `Stage ${stage} begins`);
+    });
+    for (const event of run.scene.events.slice(0, 200)) {
+      if (event.time >= first && event.time <= last) mark("event-tick", run.frameAt(event.time), event.text);
+    }
+  }
+
+  fillCurves() {
+    const list = this.$("curve");
+    this.run.scene.curves.forEach((curve, k) => list.append(new Option(curve.name, String(k))));
+    list.append(new Option("Chosen block", "block"));
+  }
+
+  fillReport() {
+    const { report, events } = this.run.scene;
+    const place = this.$("report");
+    const say = (kind, text) => {
+      const element = document.createElement(kind);
+      element.textContent = text;
+      place.append(element);
+      return element;
+    };
+    say("p", report.outcome);
+    const table = document.createElement("table");
+    for (const [name, value] of report.rows) {
+      const row = table.insertRow();
+      const head = document.createElement("th");
+      head.scope = "row";
+      head.textContent = name;
+      row.append(head);
+      row.insertCell().textContent = value;
+    }
+    place.append(table);
+    const lists = [
+      ["Stages", report.stages ?? []],
+      ["Warnings", report.warnings ?? []],
+      ["Notes", report.notes ?? []],
+      ["Events", events.slice(0, 200).map(({ text }) => text)],
+    ];
+    for (const [heading, texts] of lists) {
+      if (!texts.length) continue;
+      say("h3", heading);
+      const list = say("ul", "");
+      for (const text of texts) {
+        const item = document.createElement("li");
+        item.textContent = text;
+        list.append(item);
+      }
+    }
+  }
+
+  listen() {
+    const on = (name, event, call) => this.$(name).addEventListener(event, call);
+    on("time", "input", () => this.goTo(Number(this.$("time").value)));
+    on("play", "click", () => this.play(!this.playing));
+    on("back", "click", () => this.goTo(this.state.frame - 1));
+    on("next", "click", () => this.goTo(this.state.frame + 1));
+    on("speed", "change", () => (this.speed = Number(this.$("speed").value)));
+    on("loop", "change", () => (this.loop = this.$("loop").checked));
+    on("field", "change", () => this.set({ field: this.$("field").value, limits: null }));
+    on("share", "change", () => this.set({ share: Number(this.$("share").value), limits: null }));
+    for (const end of ["low", "high"]) on(end, "change", () => this.setLimits());
+    on("layers", "change", (event) => this.toggle(event.target.value, event.target.checked));
+    on("fit", "click", () => (this.fitAll(), this.changed()));
+    on("theme", "click", () => {
+      this.theme = this.theme === DARK ? LIGHT : DARK;
+      this.applyTheme();
+    });
+    on("png", "click", () => this.savePng());
+    on("svg", "click", () => this.save(new Blob([this.svg()], { type: "image/svg+xml" }), "svg"));
+    on("csv", "click", () => this.save(new Blob([this.charts.csv()], { type: "text/csv" }), "csv"));
+    on("curve", "change", () => this.showCurve());
+    on("follow", "change", () => this.set({ follow: this.$("follow").checked }));
+    followPointers(this.above, this.view, () => this.changed(), (x, y) => this.click(x, y));
+    this.root.addEventListener("keydown", (event) => this.key(event));
+    new ResizeObserver(() => this.resize()).observe(this.$("stage"));
+    addEventListener("hashchange", () => this.readAddress());
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "checkbox") return;
+    const step = event.shiftKey ? 10 : 1;
+    const moves = {
+      " ": () => event.target.tagName !== "BUTTON" && this.play(!this.playing),
+      ",": () => this.goTo(this.state.frame - step),
+      ".": () => this.goTo(this.state.frame + step),
+      Home: () => this.goTo(0),
+      End: () => this.goTo(this.run.frameCount - 1),
+      "+": () => this.view.zoom(1.25),
+      "=": () => this.view.zoom(1.25),
+      "-": () => this.view.zoom(0.8),
+      0: () => this.fitAll(),
+      ArrowLeft: () => this.view.pan(40, 0),
+      ArrowRight: () => this.view.pan(-40, 0),
+      ArrowUp: () => this.view.pan(0, 40),
+      ArrowDown: () => this.view.pan(0, -40),
+      Escape: () => this.choose(-1),
+    };
+    if (!(event.key in moves) || (event.key === " " && event.target.tagName === "BUTTON")) return;
+    event.preventDefault();
+    moves[event.key]();
+    this.changed();
+  }
+
+  // --- state ---------------------------------------------------------------------------------
+
+  set(part) {
+    Object.assign(this.state, part);
+    this.changed();
+  }
+
+  setLimits() {
+    const [low, high] = ["low", "high"].map((end) => this.$(end).value.trim());
+    const limits = [Number(low), Number(high)];
+    const whole = low !== "" && high !== "" && limits.every(Number.isFinite) && limits[0] < limits[1];
+    this.set({ limits: whole ? limits : null });
+  }
+
+  toggle(layer, wanted) {
+    this.state.layers[wanted ? "add" : "delete"](layer);
+    this.changed();
+  }
+
+  goTo(frame) {
+    this.set({ frame: Math.max(0, Math.min(this.run.frameCount - 1, frame)) });
+  }
+
+  /** Play or pause; the run takes ten seconds at speed 1, whatever its own time. */
+  play(wanted) {
+    this.playing = wanted;
+    const button = this.$("play");
+    button.setAttribute("aria-label", wanted ? "Pause" : "Play");
+    button.textContent = wanted ? "❚❚" : "▶";
+    if (!wanted) return;
+    if (this.state.frame >= this.run.frameCount - 1) this.goTo(0);
+    const [first, last] = [this.run.times[0], this.run.times[this.run.frameCount - 1]];
+    let before = performance.now();
+    let time = this.run.times[this.state.frame];
+    const tick = (now) => {
+      if (!this.playing) return;
+      time += ((now - before) / 10_000) * this.speed * (last - first);
+      before = now;
+      if (time >= last && this.loop) time = first;
+      const frame = time >= last ? this.run.frameCount - 1 : this.run.frameAt(time);
+      if (frame !== this.state.frame) this.goTo(frame);
+      if (time >= last && !this.loop) this.play(false);
+      else requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  click(x, y) {
+    const { view, run, state } = this;
+    this.choose(run.blockAt(state.frame, view.worldX(x), view.worldY(y)));
+  }
+
+  choose(block) {
+    this.set({ chosen: block });
+    if (block >= 0) {
+      this.$("curve").value = "block";
+      this.showCurve();
+    }
+  }
+
+  /** Show all of the blocks, at the start and in the frame. */
+  fitAll() {
+    const box = [Infinity, Infinity, -Infinity, -Infinity];
+    for (const points of [this.run.start, this.run.vertices(this.state.frame)]) {
+      for (let k = 0; k < points.length; k += 2) {
+        box[0] = Math.min(box[0], points[k]);
+        box[1] = Math.min(box[1], points[k + 1]);
+        box[2] = Math.max(box[2], points[k]);
+        box[3] = Math.max(box[3], points[k + 1]);
+      }
+    }
+    this.view.fit(...box);
+  }
+
+  // --- drawing -------------------------------------------------------------------------------
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.$("stage");
+    if (!width || !height) return;
+    this.view.width = width;
+    this.view.height = height;
+    const dots = Math.min(2, devicePixelRatio || 1);
+    for (const canvas of [this.canvas, this.above]) {
+      canvas.width = Math.round(width * dots);
+      canvas.height = Math.round(height * dots);
+    }
+    this.charts?.resize();
+    this.changed();
+  }
+
+  /** Draw soon; many changes at once are drawn once. */
+  changed() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.draw();
+    });
+  }
+
+  /** Return the colour of every block in the frame, and their scale where there is one. */
+  colours() {
+    const { run, state } = this;
+    if (state.field === "rock") {
+      return [this.kinds((block) => run.scene.rock[block]), null];
+    }
+    if (state.field === "block") return [this.kinds((block) => block), null];
+    if (state.field === "none") return [run.scene.blocks.map(() => PLAIN), null];
+    const values = run.values(state.field, state.frame);
+    const counted = values.filter((_, block) => !run.fixed[block] && !run.isGone(state.frame, block));
+    const [low, high] = state.limits ?? endsOf(counted, state.share);
+    const scale = new Scale(run.scene.colours, low, high);
+    return [Array.from(values, (value, block) => (run.fixed[block] ? FIXED : scale.colour(value))), scale];
+  }
+
+  kinds(kindOf) {
+    return this.run.scene.blocks.map((_, block) => (this.run.fixed[block] ? FIXED : kindColour(kindOf(block))));
+  }
+
+  draw() {
+    const { run, view, state, theme } = this;
+    if (!theme || !this.drawing) return;
+    if (state.follow && state.chosen >= 0) {
+      const at = state.frame * run.blockCount + state.chosen;
+      view.x = run.middle[2 * state.chosen] + run.motion.x[at];
+      view.y = run.middle[2 * state.chosen + 1] + run.motion.y[at];
+    }
+    const begun = performance.now();
+    const [colours, scale] = this.colours();
+    this.drawing.draw(view, state.frame, colours, theme);
+    const context = this.above.getContext("2d");
+    const dots = this.above.width / view.width;
+    context.setTransform(dots, 0, 0, dots, 0, 0);
+    context.clearRect(0, 0, view.width, view.height);
+    this.drawLayers(new CanvasPen(context));
+    this.frameTime = performance.now() - begun;
+    this.root.dataset.drawn = String(state.frame);
+    this.root.dataset.milliseconds = this.frameTime.toFixed(1);
+    this.leaveSlowSoftware();
+    this.showState(scale);
+    this.writeAddress();
+  }
+
+  /** Use the 2D canvas where WebGL2 proves slow in the first frames. */
+  leaveSlowSoftware() {
+    this.framesDrawn = (this.framesDrawn ?? 0) + 1;
+    const asked = new URLSearchParams(location.search).get("renderer");
+    if (this.drawing.name !== "webgl2" || asked || this.framesDrawn > 5 || this.frameTime < SLOW) return;
+    this.renewCanvas();
+    this.drawing = new CanvasDrawing(this.canvas, this.run);
+    this.root.dataset.renderer = "canvas";
+    this.resize();
+  }
+
+  drawLayers(pen) {
+    const { run, view, state, theme } = this;
+    const scene = { run, view, theme, frame: state.frame };
+    for (const name of layersOf(run)) if (state.layers.has(name)) LAYERS[name].draw(pen, scene);
+    if (state.chosen >= 0 && !run.isGone(state.frame, state.chosen)) drawChosen(pen, scene, state.chosen);
+    drawScaleBar(pen, scene);
+  }
+
+  /** Bring the controls in step with the state. */
+  showState(scale) {
+    const { run, state } = this;
+    const time = run.times[state.frame];
+    this.$("time").value = String(state.frame);
+    this.$("time").setAttribute("aria-valuetext", withUnit(time, "s", 5));
+    const stage = run.scene.stages[state.frame];
+    this.$("clock").textContent = `t = ${withUnit(time, "s", 5)}${stage ? `, stage ${stage}` : ""}`;
+    this.$("field").value = state.field;
+    this.$("share").value = String(state.share);
+    for (const box of this.$("layers").querySelectorAll("input")) box.checked = state.layers.has(box.value);
+    this.$("follow").checked = state.follow;
+    this.showLegend(scale);
+    this.showChosen();
+    this.charts?.at(time);
+  }
+
+  showLegend(scale) {
+    const legend = this.$("legend");
+    legend.replaceChildren();
+    const { scene } = this.run;
+    if (scale) {
+      const [label, unit] = scene.labels[this.state.field];
+      const head = document.createElement("div");
+      head.textContent = label;
+      const bar = document.createElement("div");
+      bar.className = "bar";
+      const steps = 24;
+      const colours = Array.from({ length: steps + 1 }, (_, k) =>
+        scale.colour(scale.low + (k / steps) * (scale.high - scale.low)),
+      );
+      bar.style.background = `linear-gradient(to right, ${colours.join(",")})`;
+      const ends = [scale.low, scale.high].map((value) => {
+        const end = document.createElement("span");
+        end.textContent = withUnit(value, unit, 3);
+        return end;
+      });
+      legend.append(head, ends[0], bar, ends[1]);
+      if (document.activeElement !== this.$("low")) this.$("low").value = String(Number(scale.low.toPrecision(4)));
+      if (document.activeElement !== this.$("high")) this.$("high").value = String(Number(scale.high.toPrecision(4)));
+      this.$("unit").textContent = unit;
+    } else if (this.state.field === "rock") {
+      scene.rocks.forEach((rock, k) => {
+        const line = document.createElement("div");
+        const patch = document.createElement("span");
+        patch.className = "patch";
+        patch.style.background = kindColour(k);
+        line.append(patch, ` ${rock}`);
+        legend.append(line);
+      });
+    }
+    this.$("limits").hidden = !scale;
+  }
+
+  showChosen() {
+    const { run, state } = this;
+    const place = this.$("chosen");
+    place.replaceChildren();
+    if (state.chosen < 0) {
+      place.textContent = "Click a block for its numbers.";
+      return;
+    }
+    const block = state.chosen;
+    const head = document.createElement("strong");
+    head.textContent = `Block ${run.scene.blocks[block]}`;
+    const table = document.createElement("table");
+    const add = (name, value) => {
+      const row = table.insertRow();
+      const cell = document.createElement("th");
+      cell.scope = "row";
+      cell.textContent = name;
+      row.append(cell);
+      row.insertCell().textContent = value;
+    };
+    add("Rock", run.scene.rocks[run.scene.rock[block]] ?? "–");
+    add("Area", `${Number(run.area[block].toPrecision(4))} m²`);
+    if (run.fixed[block]) add("Support", "fixed");
+    if (run.isGone(state.frame, block)) add("State", "excavated");
+    for (const name of ["displacement", "velocity", "rotation", "sigma_xx", "sigma_yy", "sigma_xy", "sigma_1", "sigma_3"]) {
+      const [label, unit] = run.scene.labels[name];
+      add(label, withUnit(run.value(name, state.frame, block), unit));
+    }
+    place.append(head, table);
+  }
+
+  /** Return the curve of the chosen block, of the field that is shown. */
+  blockCurve() {
+    const { run, state } = this;
+    const block = Math.max(0, state.chosen);
+    const field = state.field in run.scene.labels ? state.field : "displacement";
+    const [label, unit] = run.scene.labels[field];
+    return {
+      name: `Block ${run.scene.blocks[block]}, ${label}`,
+      unit,
+      time: run.times,
+      lines: [{ name: label, values: run.times.map((_, frame) => run.value(field, frame, block)) }],
+    };
+  }
+
+  showCurve() {
+    const chosen = this.$("curve").value;
+    const curve = chosen === "block" ? this.blockCurve() : this.run.scene.curves[Number(chosen)];
+    if (!curve) return;
+    this.charts.show(curve, this.theme);
+    this.$("chart").setAttribute("aria-label", `Chart: ${curve.name}`);
+    this.charts.at(this.run.times[this.state.frame]);
+  }
+
+  applyTheme() {
+    this.root.dataset.theme = this.theme === DARK ? "dark" : "light";
+    this.showCurve();
+    this.changed();
+  }
+
+  // --- address, pictures -----------------------------------------------------------------------
+
+  /** Take over what the address says: #t=1.5&field=velocity&view=x,y,scale&layers=bolts&block=3. */
+  readAddress() {
+    if (location.hash === this.written) return;
+    const said = new URLSearchParams(location.hash.slice(1));
+    const { run, state, view } = this;
+    const time = Number(said.get("t"));
+    if (said.has("t") && Number.isFinite(time)) state.frame = run.frameAt(time);
+    const field = said.get("field");
+    if (field in run.scene.labels || field in KINDS) state.field = field;
+    const seen = (said.get("view") ?? "").split(",").map(Number);
+    if (seen.length === 3 && seen.every(Number.isFinite) && seen[2] > 0) [view.x, view.y, view.scale] = seen;
+    if (said.has("layers")) {
+      const known = layersOf(run);
+      state.layers = new Set(said.get("layers").split(",").filter((name) => known.includes(name)));
+    }
+    const block = Number(said.get("block"));
+    if (said.has("block") && block >= 0 && block < run.blockCount) state.chosen = Math.floor(block);
+    this.changed();
+  }
+
+  writeAddress() {
+    if (this.playing) return;
+    const { state, view, run } = this;
+    const said = [
+      `t=${Number(run.times[state.frame].toPrecision(9))}`,
+      `field=${state.field}`,
+      `view=${[view.x, view.y, view.scale].map((one) => Number(one.toPrecision(6))).join(",")}`,
+      `layers=${[...state.layers].join(",")}`,
+    ];
+    if (state.chosen >= 0) said.push(`block=${state.chosen}`);
+    const hash = `#${said.join("&")}`;
+    if (hash === location.hash) return;
+    this.written = hash;
+    try {
+      history.replaceState(null, "", hash);
+    } catch {
+      // a page within another page, or too many changes in a second
+    }
+  }
+
+  /** Return the drawing as an SVG text. */
+  svg() {
+    const { run, view, state, theme } = this;
+    const pen = new SvgPen(view.width, view.height, theme.paper);
+    drawBlocks(pen, run, view, state.frame, this.colours()[0], theme);
+    this.drawLayers(pen);
+    return pen.finish();
+  }
+
+  savePng() {
+    const whole = document.createElement("canvas");
+    whole.width = this.canvas.width;
+    whole.height = this.canvas.height;
+    const context = whole.getContext("2d");
+    context.drawImage(this.canvas, 0, 0);
+    context.drawImage(this.above, 0, 0);
+    whole.toBlob((blob) => this.save(blob, "png"));
+  }
+
+  save(blob, ending) {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(blob);
+    link.download = `${this.run.scene.file.replace(/\.[^.]*$/, "")}.${ending}`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+  }
+}
+
+/** Show the page of the run whose data stand in the document. */
+export async function main() {
+  const root = document.querySelector("main");
+  try {
+    const page = new Page(root, JSON.parse(document.getElementById("scene").textContent));
+    globalThis.clastPage = page;
+    await page.start();
+  } catch (fault) {
+    const say = root.querySelector('[data-part="fault"]');
+    say.hidden = false;
+    say.textContent = `The page cannot be shown: ${fault.message}`;
+    throw fault;
+  }
+}

@@ -1,0 +1,98 @@
+// Curves over time by uPlot, with a cursor at the time of the frame that is shown.
+
+import { withUnit } from "./colours.js";
+
+const INKS = ["#0b6e99", "#b5500b", "#2e7d32", "#7b3fa0", "#9a7d0a", "#a8324a", "#4f5b66", "#00796b"];
+
+/** A list of curves, one of which is drawn. */
+export class Charts {
+  /**
+   * @param {HTMLElement} place @param {any[]} curves of the scene
+   * @param {(time: number) => void} goTo called with a time that is clicked
+   */
+  constructor(place, curves, goTo) {
+    this.place = place;
+    this.curves = curves;
+    this.goTo = goTo;
+    this.time = 0;
+  }
+
+  /** Draw a curve in the colours of a theme. */
+  show(curve, theme) {
+    this.curve = curve;
+    this.theme = theme;
+    this.plot?.destroy();
+    const axis = {
+      stroke: theme.ink,
+      grid: { stroke: theme.grid, width: 1 },
+      ticks: { stroke: theme.grid },
+      font: "11px system-ui, sans-serif",
+    };
+    this.plot = new uPlot(
+      {
+        width: this.place.clientWidth,
+        height: Math.max(160, this.place.clientHeight),
+        scales: { x: { time: false } },
+        axes: [
+          { ...axis, values: (_, marks) => marks.map((mark) => `${mark} s`) },
+          { ...axis, size: 74, values: (_, marks) => marks.map((mark) => withUnit(mark, curve.unit)) },
+        ],
+        series: [
+          { label: "time", value: (_, value) => (value == null ? "" : withUnit(value, "s", 5)) },
+          ...curve.lines.map((line, k) => ({
+            label: line.name || curve.name,
+            stroke: INKS[k % INKS.length],
+            dash: k >= INKS.length ? [6, 3] : [],
+            width: 1.5,
+            points: { show: false },
+            value: (_, value) => (value == null ? "" : withUnit(value, curve.unit)),
+          })),
+        ],
+        hooks: { draw: [(plot) => this.mark(plot)] },
+      },
+      [curve.time, ...curve.lines.map((line) => line.values)],
+      this.place,
+    );
+    this.plot.over.addEventListener("click", (event) => {
+      const left = event.clientX - this.plot.over.getBoundingClientRect().left;
+      this.goTo(this.plot.posToVal(left, "x"));
+    });
+  }
+
+  /** Draw the line at the time of the frame. */
+  mark(plot) {
+    const x = plot.valToPos(this.time, "x", true);
+    const { left, top, width, height } = plot.bbox;
+    if (x < left || x > left + width) return;
+    plot.ctx.save();
+    plot.ctx.strokeStyle = this.theme.chosen;
+    plot.ctx.lineWidth = 2;
+    plot.ctx.beginPath();
+    plot.ctx.moveTo(x, top);
+    plot.ctx.lineTo(x, top + height);
+    plot.ctx.stroke();
+    plot.ctx.restore();
+  }
+
+  /** Move the line to a time, s. */
+  at(time) {
+    this.time = time;
+    this.plot?.redraw(false);
+  }
+
+  /** Fit the chart to its place. */
+  resize() {
+    this.plot?.setSize({ width: this.place.clientWidth, height: Math.max(160, this.place.clientHeight) });
+  }
+
+  /** Return the curve as a table for other programs. */
+  csv() {
+    const quoted = (text) => `"${String(text).replace(/"/g, '""')}"`;
+    const unit = this.curve.unit ? ` (${this.curve.unit})` : "";
+    const head = ["time (s)", ...this.curve.lines.map((line) => (line.name || this.curve.name) + unit)];
+    const rows = this.curve.time.map((time, k) =>
+      [time, ...this.curve.lines.map((line) => line.values[k] ?? "")].join(","),
+    );
+    return `${[head.map(quoted).join(","), ...rows].join("\n")}\n`;
+  }
+}

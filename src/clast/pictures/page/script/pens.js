@@ -1,0 +1,116 @@
+// Two pens for the same drawing: on a canvas, or into an SVG text.  Coordinates are those of the screen.
+
+/** Draws on a 2D canvas. */
+export class CanvasPen {
+  /** @param {CanvasRenderingContext2D} context */
+  constructor(context) {
+    this.context = context;
+  }
+
+  /** Draw lines: each of ``paths`` is x and y by turns. */
+  lines(paths, colour, width, dash = []) {
+    const { context } = this;
+    context.beginPath();
+    for (const path of paths) {
+      context.moveTo(path[0], path[1]);
+      for (let k = 2; k < path.length; k += 2) context.lineTo(path[k], path[k + 1]);
+    }
+    context.setLineDash(dash);
+    context.strokeStyle = colour;
+    context.lineWidth = width;
+    context.lineJoin = "round";
+    context.stroke();
+    context.setLineDash([]);
+  }
+
+  /** Fill closed outlines. */
+  areas(paths, colour) {
+    const { context } = this;
+    context.beginPath();
+    for (const path of paths) {
+      context.moveTo(path[0], path[1]);
+      for (let k = 2; k < path.length; k += 2) context.lineTo(path[k], path[k + 1]);
+      context.closePath();
+    }
+    context.fillStyle = colour;
+    context.fill();
+  }
+
+  circle(x, y, radius, fill, stroke) {
+    const { context } = this;
+    context.beginPath();
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+    context.fillStyle = fill;
+    context.fill();
+    context.strokeStyle = stroke;
+    context.lineWidth = 1.5;
+    context.stroke();
+  }
+
+  text(x, y, text, colour, halo) {
+    const { context } = this;
+    context.font = "12px system-ui, sans-serif";
+    context.textBaseline = "middle";
+    context.lineWidth = 3;
+    context.strokeStyle = halo;
+    context.strokeText(text, x, y);
+    context.fillStyle = colour;
+    context.fillText(text, x, y);
+  }
+}
+
+/** Return a text that means itself in XML. */
+export function escaped(text) {
+  const signs = { "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" };
+  return String(text).replace(/[&<>"]/g, (sign) => signs[sign]);
+}
+
+function pathOf(points, closed) {
+  let text = "";
+  for (let k = 0; k < points.length; k += 2) {
+    text += `${k ? "L" : "M"}${points[k].toFixed(2)} ${points[k + 1].toFixed(2)}`;
+  }
+  return closed ? `${text}Z` : text;
+}
+
+/** Collects an SVG text. */
+export class SvgPen {
+  constructor(width, height, background) {
+    this.parts = [
+      `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" ` +
+        `viewBox="0 0 ${width} ${height}"><rect width="100%" height="100%" fill="${background}"/>`,
+    ];
+  }
+
+  lines(paths, colour, width, dash = []) {
+    if (!paths.length) return;
+    const data = paths.map((path) => pathOf(path, false)).join("");
+    const dashes = dash.length ? ` stroke-dasharray="${dash.join(" ")}"` : "";
+    this.parts.push(
+      `<path d="${data}" fill="none" stroke="${colour}" stroke-width="${width}" stroke-linejoin="round"${dashes}/>`,
+    );
+  }
+
+  areas(paths, colour) {
+    if (!paths.length) return;
+    this.parts.push(`<path d="${paths.map((path) => pathOf(path, true)).join("")}" fill="${colour}"/>`);
+  }
+
+  circle(x, y, radius, fill, stroke) {
+    this.parts.push(
+      `<circle cx="${x.toFixed(2)}" cy="${y.toFixed(2)}" r="${radius}" fill="${fill}" stroke="${stroke}" stroke-width="1.5"/>`,
+    );
+  }
+
+  text(x, y, text, colour, halo) {
+    this.parts.push(
+      `<text x="${x.toFixed(2)}" y="${y.toFixed(2)}" font-family="system-ui, sans-serif" font-size="12" ` +
+        `dominant-baseline="middle" fill="${colour}" stroke="${halo}" stroke-width="3" paint-order="stroke">${escaped(text)}</text>`,
+    );
+  }
+
+  /** Return the whole text. */
+  finish() {
+    return `${this.parts.join("\n")}\n</svg>\n`;
+  }
+}

@@ -1,0 +1,105 @@
+// What part of the world is seen: a centre, m, and pixels per metre.  y goes up in the world.
+
+/** The part of the world that a drawing shows. */
+export class View {
+  constructor() {
+    this.x = 0;
+    this.y = 0;
+    this.scale = 1;
+    this.width = 1;
+    this.height = 1;
+  }
+
+  /** Show a box of the world, m, with a margin. */
+  fit(left, low, right, high) {
+    this.x = 0.5 * (left + right);
+    this.y = 0.5 * (low + high);
+    const wide = Math.max(right - left, 1e-9);
+    const tall = Math.max(high - low, 1e-9);
+    this.scale = 0.94 * Math.min(this.width / wide, this.height / tall);
+  }
+
+  screenX(x) {
+    return 0.5 * this.width + (x - this.x) * this.scale;
+  }
+
+  screenY(y) {
+    return 0.5 * this.height - (y - this.y) * this.scale;
+  }
+
+  worldX(x) {
+    return this.x + (x - 0.5 * this.width) / this.scale;
+  }
+
+  worldY(y) {
+    return this.y - (y - 0.5 * this.height) / this.scale;
+  }
+
+  /** Enlarge by a factor about a point of the screen, which stays where it is. */
+  zoom(factor, x = 0.5 * this.width, y = 0.5 * this.height) {
+    const [atX, atY] = [this.worldX(x), this.worldY(y)];
+    this.scale = Math.max(1e-9, Math.min(1e12, this.scale * factor));
+    this.x += atX - this.worldX(x);
+    this.y += atY - this.worldY(y);
+  }
+
+  /** Move by pixels of the screen. */
+  pan(dx, dy) {
+    this.x -= dx / this.scale;
+    this.y += dy / this.scale;
+  }
+}
+
+/**
+ * Let wheel, drag and two fingers move a view.
+ * @param {HTMLElement} element @param {View} view
+ * @param {() => void} changed @param {(x: number, y: number) => void} clicked
+ */
+export function followPointers(element, view, changed, clicked) {
+  const down = new Map();
+  let moved = 0;
+  const here = (event) => {
+    const box = element.getBoundingClientRect();
+    return { x: event.clientX - box.left, y: event.clientY - box.top };
+  };
+  element.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      const at = here(event);
+      view.zoom(Math.exp(-0.0015 * event.deltaY * (event.deltaMode === 1 ? 20 : 1)), at.x, at.y);
+      changed();
+    },
+    { passive: false },
+  );
+  element.addEventListener("pointerdown", (event) => {
+    element.setPointerCapture(event.pointerId);
+    down.set(event.pointerId, here(event));
+    if (down.size === 1) moved = 0;
+  });
+  element.addEventListener("pointermove", (event) => {
+    const before = down.get(event.pointerId);
+    if (!before) return;
+    const now = here(event);
+    if (down.size === 1) {
+      view.pan(now.x - before.x, now.y - before.y);
+    } else {
+      const other = [...down].find(([id]) => id !== event.pointerId)[1];
+      const grown =
+        Math.hypot(now.x - other.x, now.y - other.y) /
+        Math.max(1, Math.hypot(before.x - other.x, before.y - other.y));
+      view.zoom(grown, 0.5 * (now.x + other.x), 0.5 * (now.y + other.y));
+      view.pan(0.5 * (now.x - before.x), 0.5 * (now.y - before.y));
+    }
+    moved += Math.abs(now.x - before.x) + Math.abs(now.y - before.y);
+    down.set(event.pointerId, now);
+    changed();
+  });
+  const lift = (event) => {
+    const at = down.get(event.pointerId);
+    down.delete(event.pointerId);
+    if (at && event.type === "pointerup" && moved < 5) clicked(at.x, at.y);
+  };
+  element.addEventListener("pointerup", lift);
+  element.addEventListener("pointercancel", lift);
+}

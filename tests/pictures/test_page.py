@@ -1,0 +1,133 @@
+"""The page of a run: its numbers as they come back, its text, what it refuses."""
+
+import base64
+import json
+import re
+import zlib
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from clast.errors import CaseError
+from clast.pictures.page.document import write_page
+from clast.pictures.page.packing import affine, packed
+from clast.pictures.page.scene import scene_of
+
+
+def unpacked(table, width):
+    """Return the numbers (frames, width) of a packed table, as the page's script reads them."""
+    planes = np.frombuffer(zlib.decompress(base64.b64decode(table["data"])), np.uint8)
+    low, high = np.split(planes.astype(np.int64), 2)
+    coded = (low + 256 * high).reshape(-1, width)
+    change = np.where(coded % 2 == 1, -((coded + 1) // 2), coded // 2)
+    levels = np.cumsum(change, axis=0) % 65536
+    return table["low"] + levels * (table["high"] - table["low"]) / 65535
+
+
+def placed(motion, start, block_start):
+    """Return vertices (frames, nv, 2) from the six numbers of each block."""
+    count = np.diff(block_start)
+    owner = np.repeat(np.arange(len(count)), count)
+    middle = np.add.reduceat(start, block_start[:-1]) / count[:, None]
+    x, y = (start - middle[owner]).T
+    cosine, sine = np.cos(motion["angle"])[:, owner], np.sin(motion["angle"])[:, owner]
+    xx, yy, xy = (motion[name][:, owner] for name in ("xx", "yy", "xy"))
+    u, v = (1 + xx) * x + xy * y, xy * x + (1 + yy) * y
+    return np.stack(
+        [
+            middle[owner, 0] + motion["x"][:, owner] + cosine * u - sine * v,
+            middle[owner, 1] + motion["y"][:, owner] + sine * u + cosine * v,
+        ],
+        axis=-1,
+    )
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e7])
+@pytest.mark.parametrize("offset", [0.0, -3.0])
+def test_numbers_come_back_to_half_a_level(scale, offset):
+    values = scale * (np.random.default_rng(3).standard_normal((20, 7)) + offset)
+    found = unpacked(packed(values), 7)
+    assert np.abs(found - values).max() <= 0.5001 * np.ptp(values) / 65535
+
+
+def test_constants_empty_tables_and_what_is_not_finite():
+    assert unpacked(packed(np.full((3, 2), 4.5)), 2) == pytest.approx(np.full((3, 2), 4.5))
+    assert packed(np.zeros((0, 0)))["low"] == 0.0
+    assert unpacked(packed(np.array([[np.nan, np.inf], [1.0, 0.0]])), 2).min() == 0.0
+
+
+def test_the_motion_of_blocks_comes_back_from_six_numbers():
+    rng = np.random.default_rng(1)
+    block_start = np.array([0, 3, 7, 12])
+    start = rng.uniform(-5.0, 5.0, (12, 2))
+    frames = []
+    for k in range(9):
+        here = start.copy()
+        for first, past in pairwise(block_start):
+            # several turns, a shift, and strain
+            turn = 0.9 * k * (1 + first)
+            strain = np.eye(2) + 0.05 * k * rng.uniform(-1.0, 1.0, (2, 2))
+            rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+            here[first:past] = start[first:past] @ (rotation @ strain).T + [3.0 * k, -k]
+        frames.append(here)
+    motion = affine(start, frames, block_start)
+    assert placed(motion, start, block_start) == pytest.approx(np.stack(frames), abs=1e-12)
+    assert np.abs(np.diff(motion["angle"], axis=0)).max() < np.pi
+
+
+def test_a_page_places_vertices_within_its_levels(wall):
+    results = wall(4, 5)
+    scene = scene_of(results, budget=1e6)
+    motion = {name: unpacked(table, 20) for name, table in scene["motion"].items()}
+    start = results.vertices(0) - scene["origin"]
+    found = placed(motion, start, results.block_start) + scene["origin"]
+    true = np.stack([results.vertices(k) for k in range(len(results.times))])
+    assert np.abs(found - true).max() < 3e-5 * np.abs(true - true[0]).max()
+
+
+def test_the_largest_contacts_are_kept_and_counted(wall):
+    results = wall(6, 6)
+    every, few = (scene_of(results, budget)["contacts"] for budget in (1e6, 14.0 * 6 * 10))
+    assert every["shown"] == every["of"] == 5 * 30
+    assert few["of"] == every["of"] and few["count"] == [0, *[10] * 5]
+    kept, all_of = (
+        np.frombuffer(zlib.decompress(base64.b64decode(one["fy"])), "<f4") for one in (few, every)
+    )
+    assert kept[:10].min() >= np.sort(all_of[:30])[-10:].min()
+
+
+def test_frames_are_thinned_evenly_and_said(wall):
+    scene = scene_of(wall(3, 3), budget=1e5, most_values=27)
+    assert scene["frames"] == {"shown": 3, "of": 6}
+    assert scene["times"] == pytest.approx([0.0, 0.4, 1.0], abs=0.21)
+    assert scene["times"][-1] == pytest.approx(1.0)
+
+
+NASTY = "</script><script>alert(1)</script> \"'&\u202e\U0001f600\u2028"
+
+
+def test_names_are_data(wall, tmp_path):
+    text = write_page(wall(2, 2, title=NASTY), tmp_path / "a.html").read_text(encoding="utf-8")
+    assert "<script>alert" not in text
+    data = re.search(r'<script type="application/json" id="scene">(.*?)</script>', text, re.DOTALL)
+    assert json.loads(data[1])["title"] == NASTY
+
+
+def test_a_page_asks_no_network(wall, tmp_path):
+    text = write_page(wall(2, 2), tmp_path / "a.html").read_text(encoding="utf-8")
+    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', text)[1]
+    assert policy.startswith("default-src 'none'") and "unsafe-eval" not in policy
+    assert "'unsafe-inline'" not in re.search(r"script-src ([^;]*)", policy)[1]
+    assert not re.search(r"<(script|img|link)[^>]*(src|href)=", text)
+    for module in ("import {", "export class", "export function"):
+        assert module not in text
+
+
+def test_what_cannot_be_written(wall, tmp_path):
+    results = wall(2, 2)
+    with pytest.raises(CaseError, match=r"\.html or \.htm"):
+        write_page(results, tmp_path / "a.txt")
+    with pytest.raises(CaseError, match="cannot be written"):
+        write_page(results, tmp_path / "nowhere" / "a.html")
+    assert list(tmp_path.glob("*.html")) == [] and list(tmp_path.glob(".*")) == []

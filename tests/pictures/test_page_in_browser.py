@@ -1,0 +1,170 @@
+"""The page in a browser, drawn on the 2D canvas and by WebGL2: what a person would see and do."""
+
+import shutil
+import time
+
+import numpy as np
+import pytest
+
+from clast.pictures.page.document import write_page
+
+playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
+    pytest.mark.slow,
+]
+RENDERERS = {
+    "canvas": ["--disable-gpu"],
+    "webgl2": ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+}
+
+
+@pytest.fixture(params=RENDERERS)
+def opened(request, wall, tmp_path):
+    """Return a function that opens the page of a wall in a window, and what went wrong there."""
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox", *RENDERERS[request.param]]
+        )
+
+        def opening(results, width=1280, height=800, address=""):
+            page = browser.new_page(viewport={"width": width, "height": height})
+            page.faults = []
+            page.on("pageerror", lambda fault: page.faults.append(str(fault)))
+            page.on(
+                "console",
+                lambda said: page.faults.append(said.text) if said.type == "error" else None,
+            )
+            page.on(
+                "request",
+                lambda asked: (
+                    page.faults.append(asked.url)
+                    if not asked.url.startswith(("file:", "blob:", "data:"))
+                    else None
+                ),
+            )
+            file = write_page(results, tmp_path / "page.html")
+            page.goto(f"{file.as_uri()}?renderer={request.param}{address}")
+            page.wait_for_selector("main[data-ready=yes]", timeout=60_000)
+            settled(page)
+            return page
+
+        yield opening
+        browser.close()
+
+
+def settled(page):
+    """Wait until what was asked for has been drawn."""
+    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def until(page, condition, seconds=60.0):
+    """Wait for a condition; the page's own policy forbids to hand it a text to evaluate."""
+    end = time.monotonic() + seconds
+    while not page.evaluate(condition):
+        assert time.monotonic() < end, condition
+        page.wait_for_timeout(100)
+
+
+def colour_at(page, x, y):
+    """Return red, green and blue of the drawing at a point of the world, m about its origin."""
+    return page.evaluate(
+        """([x, y]) => {
+          const { view, canvas } = clastPage;
+          const copy = document.createElement("canvas");
+          [copy.width, copy.height] = [canvas.width, canvas.height];
+          const context = copy.getContext("2d");
+          clastPage.draw();
+          context.drawImage(canvas, 0, 0);
+          const dots = canvas.width / view.width;
+          const at = [view.screenX(x) * dots, view.screenY(y) * dots].map(Math.round);
+          return [...context.getImageData(at[0], at[1], 1, 1).data].slice(0, 3);
+        }""",
+        [x, y],
+    )
+
+
+def test_a_page_plays_and_answers(opened, wall, request):
+    results = wall(4, 5)
+    page = opened(results)
+    assert page.evaluate("document.querySelector('main').dataset.renderer") in request.node.name
+    assert "20 blocks, 6 frames" in page.inner_text("[data-part=counts]")
+    assert page.evaluate("clastPage.state.frame") == 5
+    page.focus("[data-part=above]")
+    page.keyboard.press("Home")
+    assert page.evaluate("clastPage.state.frame") == 0
+    page.keyboard.press(".")
+    assert page.evaluate("clastPage.state.frame") == 1
+    page.click("[data-part=play]")
+    until(page, "clastPage.state.frame === 5 && !clastPage.playing")
+    page.select_option("[data-part=field]", "velocity")
+    settled(page)
+    assert "field=velocity" in page.evaluate("location.hash")
+    assert "Velocity" in page.inner_text("[data-part=legend]")
+    assert page.faults == []
+
+
+def test_corners_stand_where_the_file_has_them(opened, wall):
+    results = wall(4, 5)
+    page = opened(results)
+    drawn = page.evaluate("clastPage.view && Array.from(clastPage.run.vertices(5))")
+    origin = page.evaluate("clastPage.run.scene.origin")
+    scale = page.evaluate("clastPage.view.scale")
+    away = np.reshape(drawn, (-1, 2)) + origin - results.vertices(5)
+    assert np.abs(away).max() * scale < 0.05  # pixels
+
+
+def test_blocks_have_the_colour_of_their_field_and_their_name_is_told(opened, wall):
+    results = wall(4, 5)
+    page = opened(results)
+    origin = np.array(page.evaluate("clastPage.run.scene.origin"))
+    middles = np.add.reduceat(results.vertices(5), results.block_start[:-1]) / 4.0 - origin
+    top, foot = middles[17], middles[1]
+    assert colour_at(page, *foot) == [0xDC, 0xDC, 0xDC]  # fixed
+    before = colour_at(page, *top)
+    page.select_option("[data-part=field]", "rock")
+    settled(page)
+    after = colour_at(page, *top)
+    assert before != after and after in ([0xE0, 0xC9, 0xA0], [0xA9, 0xB8, 0x8F])
+    x, y = page.evaluate(
+        "([x, y]) => { const box = clastPage.above.getBoundingClientRect();"
+        " return [box.left + clastPage.view.screenX(x), box.top + clastPage.view.screenY(y)]; }",
+        top.tolist(),
+    )
+    page.mouse.click(x, y)
+    settled(page)
+    assert f"Block {results.block_name[17]}" in page.inner_text("[data-part=chosen]")
+    assert page.evaluate("clastPage.state.chosen") == 17
+    assert page.faults == []
+
+
+def test_an_address_shows_the_same_again(opened, wall):
+    page = opened(wall(4, 5), address="#t=0.4&field=sigma_yy&layers=contacts,points&block=7")
+    state = "[clastPage.state.frame, clastPage.state.field, clastPage.state.chosen]"
+    assert page.evaluate(state) == [2, "sigma_yy", 7]
+    assert page.evaluate("[...clastPage.state.layers].sort()") == ["contacts", "points"]
+
+
+@pytest.mark.parametrize("size", [(390, 844), (1600, 900)])
+def test_narrow_and_wide_windows_show_all(opened, wall, size):
+    page = opened(wall(4, 5, title="<b>Wand</b> \u202e\U0001f600"), *size)
+    assert page.inner_text("[data-part=title]").startswith("<b>Wand</b>")
+    assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+    left, right = page.evaluate(
+        "(() => { const xs = Array.from(clastPage.run.vertices(0)).filter((_, k) => k % 2 === 0)"
+        ".map((x) => clastPage.view.screenX(x));"
+        " return [Math.min(...xs), clastPage.view.width - Math.max(...xs)]; })()"
+    )
+    assert left >= 0.0 and right >= 0.0
+    assert page.faults == []
+
+
+def test_pictures_and_tables_can_be_taken_along(opened, wall, tmp_path):
+    page = opened(wall(3, 3))
+    for part, begins in (("png", b"\x89PNG"), ("svg", b"<svg"), ("csv", b'"time (s)"')):
+        with page.expect_download() as taken:
+            page.click(f"[data-part={part}]")
+        file = tmp_path / f"taken.{part}"
+        taken.value.save_as(file)
+        assert file.read_bytes().startswith(begins)
