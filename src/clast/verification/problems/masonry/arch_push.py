@@ -14,12 +14,16 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from scipy.optimize import linprog
 
 from clast.model.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.limit_analysis import centroid
+from clast.verification.limit_analysis import (
+    RigidBlocks,
+    joint_ends,
+    largest_factor,
+    voussoirs_between,
+)
 from clast.verification.limits import AT_REST, limit, unbalanced
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
@@ -51,11 +55,11 @@ class Arch:
 
     def joints(self) -> tuple[Floats, Floats]:
         """Return the inner and outer ends of all joints from right to left, m (k, 2)."""
-        half = 0.5 * np.radians(self.embrace)
-        angle = 0.5 * np.pi + np.linspace(-half, half, self.voussoirs + 1)
-        direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        reach = 0.5 * self.share * self.radius
-        return (self.radius - reach) * direction, (self.radius + reach) * direction
+        return joint_ends(self.radius, self.share, self.embrace, self.voussoirs)
+
+    def blocks(self) -> RigidBlocks:
+        """Return its voussoirs as rigid blocks."""
+        return voussoirs_between(*self.joints(), self.friction_angle)
 
 
 OPPENHEIM = Arch(name="Oppenheim's arch", radius=10.0, embrace=157.5, voussoirs=7)
@@ -73,54 +77,10 @@ ARCHES = (
 )
 
 
-def joint_forces(arch: Arch) -> tuple[Floats, Floats, Floats]:
-    """Return the equilibrium (3 v, 3 k) of v voussoirs, their areas (v,), m2, friction (2 k, 3 k).
-
-    Unknowns are N1, N2 and V of each of k joints, from right to left, on the voussoir to the left;
-    rows are the forces across and up and the moment of a voussoir, and for friction what is <= 0.
-    """
-    inner, outer = arch.joints()
-    count, voussoirs = len(inner), arch.voussoirs
-    equations, areas = np.zeros((3 * voussoirs, 3 * count)), np.zeros(voussoirs)
-    for k in range(voussoirs):
-        areas[k], middle = centroid(np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]))
-        rows = slice(3 * k, 3 * k + 3)
-        for joint, sign in ((k, 1.0), (k + 1, -1.0)):
-            radial = (outer[joint] - inner[joint]) / np.hypot(*(outer[joint] - inner[joint]))
-            along = np.array([-radial[1], radial[0]])
-            for column, at, force in (
-                (3 * joint, inner[joint], sign * along),
-                (3 * joint + 1, outer[joint], sign * along),
-                (3 * joint + 2, inner[joint], sign * radial),
-            ):
-                x, y = at - middle
-                equations[rows, column] = (*force, x * force[1] - y * force[0])
-    friction = np.zeros((2 * count, 3 * count))
-    for joint in range(count):
-        for row, sign in ((2 * joint, 1.0), (2 * joint + 1, -1.0)):
-            friction[row, 3 * joint : 3 * joint + 2] = -np.tan(np.radians(arch.friction_angle))
-            friction[row, 3 * joint + 2] = sign
-    return equations, areas, friction
-
-
 def exact_factor(arch: Arch) -> float:
-    """Return the largest push over the weight; unknowns are N1, N2 and V of each joint, and it."""
-    equations, areas, friction = joint_forces(arch)
-    push, weights = np.zeros((len(equations), 1)), np.zeros(len(equations))
-    push[::3, 0] = weights[1::3] = areas
-    count = len(friction) // 2
-    cost = np.zeros(3 * count + 1)
-    cost[-1] = -1.0
-    bounds = [(0.0, None), (0.0, None), (None, None)] * count + [(0.0, None)]
-    found = linprog(
-        cost,
-        A_ub=np.hstack([friction, np.zeros((2 * count, 1))]),
-        b_ub=np.zeros(2 * count),
-        A_eq=np.hstack([equations, push]),
-        b_eq=weights,
-        bounds=bounds,
-    )
-    return float(found.x[-1])
+    """Return the largest push over the weight."""
+    blocks = arch.blocks()
+    return largest_factor(blocks, blocks.body_force((0.0, -1.0)), blocks.body_force((1.0, 0.0)))
 
 
 def add_arch(builder: ModelBuilder, arch: Arch, carried: str = "") -> None:
