@@ -157,6 +157,7 @@ PIECES_MOVE = pytest.mark.xfail(reason="free pieces of ground: impacts depend on
 NOT_YET = ("fast over a sharp crest", "landing")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
