@@ -25,7 +25,8 @@ from clast.studies.warmup import FIRST, TRIALS, run_trials
 
 def counted() -> list[tuple[int, Root]]:
     """Return how many statements are compiled for each kernel of the list, the most first."""
-    listed = [root for part in roots.listed().values() for root in part]
+    every = [root for part in roots.listed().values() for root in part]
+    listed = [root for root in every if root.is_there]
     numbers = roots.statements(*(root.kernel() for root in listed))
     found = list(zip(numbers, listed, strict=True))
     return sorted(found, key=lambda row: (-row[0], str(row[1])))

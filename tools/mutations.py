@@ -5,7 +5,7 @@
     python tools/mutations.py --only coulomb laws those of some files
 
 A copy of the tree gets one changed sign or factor after the other; its core tests are run until one
-fails.  First come the test files that name the changed module, then the rest of its chapter, then
+fails.  First come the test files that import the changed module, then the rest of its chapter, then
 the chapters above.  What no core test finds is listed in the end: each needs a test.  Kernels are
 compiled anew for every change, which takes most of the time.
 """
@@ -132,13 +132,16 @@ def mutated(text: str, mutation: Mutation) -> str:
 
 
 def order_of_tests(mutation: Mutation, tests: Path) -> list[list[str]]:
-    """Return what is run, group after group: files that name the module, chapter, those above."""
-    chapter = Path(mutation.file).parts[0]
-    stem = Path(mutation.file).stem
+    """Return what is run, group after group: files that import the module, chapter, those above."""
+    chapter, stem = Path(mutation.file).parts[0], Path(mutation.file).stem
+    dotted = ".".join(Path(mutation.file).with_suffix("").parts)
+    package = ".".join(Path(mutation.file).parts[:-1])
+    named = re.compile(rf"clast\.{dotted}\b|from clast\.{package} import .*\b{stem}\b")
     near = [
         path
-        for path in sorted((tests / chapter).glob("test_*.py"))
-        if re.search(rf"\b{stem}\b", path.read_text("utf-8"))
+        for path in sorted(tests.rglob("test_*.py"))
+        if path.relative_to(tests).parts[0] not in ("system", "long")
+        and named.search(path.read_text("utf-8"))
     ]
     above = ABOVE[ABOVE.index(chapter) + 1 :] if chapter in ABOVE else ABOVE
     groups = [[str(path) for path in near], [str(tests / chapter)]]
