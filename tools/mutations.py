@@ -139,7 +139,9 @@ def order_of_tests(mutation: Mutation, tests: Path) -> list[list[str]]:
     named = re.compile(rf"clast\.{dotted}\b|from clast\.{package} import .*\b{stem}\b")
     near = [
         path
-        for path in sorted(tests.rglob("test_*.py"))
+        for path in sorted(
+            tests.rglob("test_*.py"), key=lambda one: (chapter not in one.parts, one)
+        )
         if path.relative_to(tests).parts[0] not in ("system", "long")
         and named.search(path.read_text("utf-8"))
     ]

@@ -100,11 +100,10 @@ def test_statements_of_kernels_that_are_called_count():
 
 def test_work_is_shared_out_the_largest_first_and_nothing_is_lost():
     gone = Root("clast.block.polygon", "no_such_kernel", "(int64, )")
-    for workers in (1, 2, 8):
-        jobs = shared_out([*ROOTS, gone], workers)
-        assert sorted(root.name for job in jobs for root in job.roots) == sorted(
-            root.name for root in THERE
-        )
-        weights = [job.weight for job in jobs]
-        assert weights == sorted(weights, reverse=True)
-        assert all(len({root.module for root in job.roots}) == 1 for job in jobs)
+    jobs = shared_out([*ROOTS, gone], workers=4)
+    assert sorted(root.name for job in jobs for root in job.roots) == sorted(
+        root.name for root in THERE
+    )
+    weights = [job.weight for job in jobs]
+    assert weights == sorted(weights, reverse=True)
+    assert all(len({root.module for root in job.roots}) == 1 for job in jobs)
