@@ -19,6 +19,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from clast.compute.reductions import is_any
 from clast.errors import StepOutcome, StepRejected
 from clast.minimise.interior_point import InteriorPoint
 from clast.minimise.islands import are_small, minimise_each
@@ -54,12 +55,11 @@ class SmallIslands:
         if potential.law is not None or self.few == 0:
             return point, left
         chosen = unfinished(left, self.finished * tolerance)
-        if not chosen.any():
+        if not is_any(chosen):
             return point, left
-        chosen &= self.small(potential)
-        if not chosen.any():
+        wanted = (chosen & self.small(potential)).nonzero()[0]
+        if not len(wanted):
             return point, left
-        wanted = chosen.nonzero()[0]
         if len(wanted) > 1:
             # the largest first: the others fill up what time is left
             wanted = wanted[np.argsort(-np.diff(islands.listing[0])[wanted], kind="stable")]

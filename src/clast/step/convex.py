@@ -27,6 +27,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from clast.compute.reductions import is_any
 from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
 from clast.contact.clipped_spring import Clipped, Rows, Springs, merged, springs_of
@@ -303,7 +304,7 @@ class Search:
             else:
                 # only the last solve has the forces by which bonds are judged
                 broken = contacts.bonded & ~response.bonded
-                if not broken.any():
+                if not is_any(broken):
                     return point, multipliers.renew(law, contacts, response), response
                 contacts, solves = without_bonds(contacts, response), solves - 1
             stages("law")

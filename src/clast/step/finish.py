@@ -10,6 +10,7 @@ import numpy as np
 from clast.block import elasticity, polygon
 from clast.block.displacement import movements
 from clast.block.rotation import RotationRule
+from clast.compute.reductions import least
 from clast.compute.stopwatch import Stages
 from clast.contact.detection import find_tunnelled
 from clast.contact.memory import renew
@@ -58,7 +59,7 @@ def finish(begun: Begun, solved: Solved, stages: Stages) -> StepResult:
         travel=motion.travel,
         approach=motion.approach,
         broken=broken_in(solved),
-        penetration=float(max(0.0, -ended.gap.min(initial=0.0))),
+        penetration=abs(least(ended.gap, 0.0)),
         seconds=stages.ended(),
     )
 

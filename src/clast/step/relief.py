@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from clast.compute.reductions import is_any
 from clast.contact.contacts import Contacts
 from clast.contact.laws import normal_stiffness_of
 from clast.contact.multipliers import has_multipliers
@@ -40,9 +41,10 @@ def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> 
     held, before = np.maximum(contacts.normal_force, 0.0), contacts.multiplier
     rest = held + stiffness * contacts.gap - contacts.rest_force
     sunk = rest < before - slack
-    if not sunk.any() and not before.any():
+    any_sunk = is_any(sunk)
+    if not any_sunk and not before.any():
         return contacts
-    if sunk.any():
+    if any_sunk:
         taken_over = _left_over(model, state, contacts, sunk)
         more = np.hypot(held, taken_over) - held
         rest = np.where(sunk, rest + more, rest)

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 from clast.actions.acting import acceleration_of, add_shares, own_states, shares_of
@@ -36,7 +35,14 @@ class Begun:
     """A step that has begun: all that its equations are made from."""
 
     at: StepStart
-    """Model, state, block frames and the step's length."""
+    """What actions know of the step."""
+    model: Model
+    state: State
+    """State at the start of the step."""
+    frames: BlockFrames
+    """Areas, centroids and mass matrices at the start of the step."""
+    step: float
+    """Length of the step h, s."""
     method: Method
     workspace: Workspace
     velocity: Floats
@@ -47,46 +53,17 @@ class Begun:
     """Own state of each action."""
     shares: tuple[Share, ...]
     """What each action adds to the equations."""
-
-    @property
-    def model(self) -> Model:
-        """The model."""
-        return self.at.model
-
-    @property
-    def state(self) -> State:
-        """The state at the start of the step."""
-        return self.at.state
-
-    @property
-    def frames(self) -> BlockFrames:
-        """Areas, centroids and mass matrices at the start of the step."""
-        return self.at.frames
-
-    @property
-    def step(self) -> float:
-        """Length of the step h, s."""
-        return self.at.step
-
-    @cached_property
-    def drift(self) -> Floats:
-        """Displacement that the velocities would bring, h v, shape (n, 6)."""
-        return self.step * self.velocity
-
-    @cached_property
-    def springs(self) -> Springs | None:
-        """Springs of all actions between blocks, None where there are none."""
-        return springs_between(self.shares)
+    drift: Floats
+    """Displacement that the velocities would bring, h v, m, shape (n, 6)."""
+    springs: Springs | None
+    """Springs of all actions between blocks, None where there are none."""
+    acceleration: Floats
+    """Acceleration of every mass by gravity and the ground, m/s2, shape (2,)."""
 
     @property
     def scheme(self) -> Scheme:
         """How blocks take the step that nothing stops."""
         return Scheme(theta=self.method.integrator.theta, step=self.step)
-
-    @cached_property
-    def acceleration(self) -> Floats:
-        """Acceleration of every mass by gravity and the ground, m/s2, shape (2,)."""
-        return acceleration_of(self.shares)
 
     def contacts(self, reach: SearchDistance, drift: Floats | None = None) -> Contacts:
         """Return the contacts within ``reach``; ``drift`` (n, 6) as ``detect`` has it."""
@@ -118,14 +95,22 @@ def begin(
         # what does not swing on would step from one side of its equilibrium to the other
         at = replace(at, forces_at=1.0)
         shares = shares_of(actions, at, own)
+    velocity = carried * state.velocity
     return Begun(
         at=at,
+        model=model,
+        state=state,
+        frames=at.frames,
+        step=step,
         method=method,
         workspace=workspace,
-        velocity=carried * state.velocity,
+        velocity=velocity,
         actions=actions,
         own=own,
         shares=shares,
+        drift=step * velocity,
+        springs=springs_between(shares),
+        acceleration=acceleration_of(shares),
     )
 
 

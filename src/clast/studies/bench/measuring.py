@@ -31,6 +31,7 @@ from clast.studies.bench.measured import Benchmark, Measured
 from clast.studies.bench.scenes import SCENES, Scene
 from clast.studies.bench.settings import Settings, method_for, schedule_of
 from clast.studies.bench.whole import WARM, measure_whole
+from clast.studies.bench.whole_scenes import WHOLE_SCENES
 
 WARM_SIZES = (100, 400)
 """Sizes that are run first and not counted: one is factorised and one iterated."""
@@ -51,8 +52,9 @@ def benchmark(settings: Settings, watch: Watch = lambda _: None) -> Benchmark:
             watch(f"{network.title}, {size} blocks")
             cuts.append(measure_cut(network, size))
     wholes = []
+    if settings.wholes:
+        measure_whole(WHOLE_SCENES["rest"], WARM)
     for whole in settings.wholes:
-        measure_whole(whole, WARM)
         for size in settings.whole_sizes:
             watch(f"{whole.title}, {size} blocks")
             wholes.append(measure_whole(whole, size, told(watch, f"{whole.title}, {size} blocks")))

@@ -25,7 +25,7 @@ from clast.studies.bench.whole_scenes import SHARE, STEP, TRAVEL, WholeScene
 
 IMPACTS = "impacts"
 """Stage of a step in which contacts strike."""
-WARM = 20
+WARM = 10
 """Blocks of the scene by which kernels are loaded before anything is measured."""
 
 Watch = Callable[[Progress], None]
