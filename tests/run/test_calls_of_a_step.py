@@ -58,6 +58,6 @@ def test_a_step_makes_few_calls_however_many_blocks(
 ) -> None:
     model, method = scene()
     calls(model, method, 3)  # what is loaded or kept from then on is no part of a step
-    few, more = 10, 30
+    few, more = 4, 12
     of_a_step = (calls(model, method, more) - calls(model, method, few)) / (more - few)
     assert of_a_step <= most
