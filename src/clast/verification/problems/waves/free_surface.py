@@ -135,7 +135,7 @@ PROBLEM = Problem(
     name="free-surface",
     title="SV waves at a free surface",
     text="A strip of rock of triangles of 1 m between rollers, four wave lengths of 10 m high, "
-    "whose upper end is free, carries a packet of SV waves at 30 or 45 degrees from the normal: 185 Hz. "
+    "whose upper end is free, carries a packet of SV waves at 30 or 45 degrees from the normal. "
     "E = 20 GPa, nu = 0.25, plane strain, 40 steps a period, forces half way.",
     formula="v and t of the incoming SV wave and of the SV and P waves that leave fulfil t = 0",
     source="Aki & Richards (2002); plane waves solved",
