@@ -2,8 +2,8 @@
 
 The incoming wave and those that leave the surface, SV at the same angle and P by Snell's law, add
 up to no traction (Achenbach 1973; Aki & Richards 2002).  Beyond the critical angle, sin a >
-c_s/c_p, P clings to the surface.  At 45 degrees all comes back as SV, and the surface moves along
-itself by sqrt(2) times the wave's size, twice its component along the surface, and not across.
+c_s/c_p, P clings to the surface.  With nu = 1/4 all leaves as P at 30 degrees; at 45 degrees all
+leaves as SV, and the surface moves across itself by sqrt(2) times the wave's size, and not along.
 
 In a strip between rollers (see "oblique-wave") a packet of waves runs up to its free upper end.
 The Fourier amplitudes of the surface's velocity at the wave's frequency are compared with that of
