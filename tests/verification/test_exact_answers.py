@@ -6,13 +6,19 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from clast.verification.problems.friction import ladder
+from clast.verification.problems.friction import ladder, plane_of_weakness
 from clast.verification.problems.masonry import arch, arch_load, arch_push, kern, rocking
-from clast.verification.problems.slopes import active_passive, slide_topple, wet_slope
+from clast.verification.problems.slopes import (
+    active_passive,
+    block_train,
+    slide_topple,
+    wet_slope,
+)
 from clast.verification.problems.underground import (
     bolted_stages,
     key_block,
     kirsch,
+    pull_test,
     roof_wedge,
     snap_through,
 )
@@ -209,3 +215,46 @@ def test_the_bolt_of_a_roof_against_the_least_energy():
     assert at_start == pytest.approx(one.exact_force("bolt at the start"), rel=1e-9)
     both = -one.BOLT * head(moves(one.LEDGES, 0.0, one.BOLT, 0.0))
     assert both == pytest.approx(one.exact_force("dig and bolt at the start"), rel=1e-9)
+
+
+@pytest.mark.parametrize("dip", [35.0, 40.0, 60.0, 80.0])
+def test_jaeger_against_the_stress_on_the_plane(dip: float):
+    """At the strength the traction on the plane is on Coulomb's line."""
+    weak = plane_of_weakness
+    normal = np.array([np.sin(np.radians(dip)), np.cos(np.radians(dip))])
+    along = np.array([normal[1], -normal[0]])
+    axial = weak.CONFINING + weak.exact_strength(dip)
+    traction = np.array([weak.CONFINING, axial]) * normal
+    bound = weak.COHESION + traction @ normal * np.tan(np.radians(weak.FRICTION_ANGLE))
+    assert abs(traction @ along) == pytest.approx(bound)
+    assert weak.exact_strength(weak.FLAT) == np.inf
+    least = 45.0 + 0.5 * weak.FRICTION_ANGLE
+    assert weak.exact_strength(least) <= weak.exact_strength(dip)
+
+
+def test_blocks_in_a_row_against_the_equations_of_each():
+    """Unknown acceleration and two forces from three equations of motion."""
+    train = block_train
+    slope = train.WEIGHTS * (np.sin(train.DIP) - np.cos(train.DIP) * train.FRICTION)
+    matrix = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 1.0], [1.0, 0.0, -1.0]])
+    matrix[:, 0] = train.WEIGHTS / train.GRAVITY
+    gained, *forces = np.linalg.solve(matrix, slope)
+    assert train.acceleration() == pytest.approx(gained)
+    assert train.pushes(train.FRICTION, train.acceleration()) == pytest.approx(forces)
+    at_limit = train.pushes(train.FRICTION / train.factor(), 0.0)
+    weight = train.WEIGHTS[-1]
+    resisted = weight * np.cos(train.DIP) * train.FRICTION[-1] / train.factor()
+    assert at_limit[-1] == pytest.approx(resisted - weight * np.sin(train.DIP))
+
+
+@pytest.mark.parametrize("pretension", pull_test.PRETENSIONS)
+def test_pull_out_balances_bolt_and_frame(pretension: float):
+    test = pull_test
+    for load in np.linspace(0.01, test.FURTHER, 40) * test.load_at_rupture(pretension):
+        moved = test.exact_moved(load, pretension)
+        bolt = min(pretension + test.BOLT * moved, test.YIELD)
+        if pretension / test.BOLT + moved > test.RUPTURE:
+            bolt = 0.0
+        left = bolt + test.FRAME * moved - load
+        # a joint that is shut bears what is left of the pretension
+        assert left == pytest.approx(0.0, abs=1e-6 * load) or (left > 0.0 and moved == 0.0)

@@ -33,8 +33,11 @@ def unbalanced(
     step: float,
     steps: int,
     max_displacement: float,
+    unit: float | None = None,
 ) -> float:
     """Return the largest unbalanced acceleration of the measured points at the end, over g.
+
+    Without gravity ``unit``, m/s2, is what it is compared with.
 
     It is inf for a run that has failed: what moves far may come to rest somewhere else.
     """
@@ -53,7 +56,7 @@ def unbalanced(
         for name in model.measured_points.name
     ]
     a_step = float(np.hypot(*np.array(moved).T).max()) / LAST
-    gravity = float(np.hypot(*model.gravity))
+    gravity = float(np.hypot(*model.gravity)) if unit is None else unit
     return a_step / (method.integrator.theta * step**2 * gravity)
 
 

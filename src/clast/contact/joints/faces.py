@@ -3,12 +3,12 @@
 Two corners alone carry the resultant of a face, but not its bending: springs of k L/2 at both ends
 of a length L turn by 4 M/(k L^3), a face of stiffness k per area by 12 M/(k L^3).  So where a joint
 has a stiffness per area, or a bond, which has a strength per area, the shared length of two faces
-is integrated: its ends, which are vertices, and thirteen points between them stand for shares of it.
-These add up to 1 and their second moment about the middle is L^2/12, so that closure k L, rotation
-k L^3/12 and opening at e = L/6 are exact.  Points are denser towards the ends, and places and
-shares are those with which a face that has opened in part is nearest to its integral, too (contact
-length 3 (L/2 - e), rotation within 4 % up to e = 0.465 L), under the condition that no crack that
-has begun bears more than sigma_t L^2/6, the moment that began it (docs/decisions/0082).
+is integrated: its ends, which are vertices, and thirteen points between them stand for shares of
+it.  These add up to 1 and their second moment about the middle is L^2/12, so that closure k L,
+rotation k L^3/12 and opening at e = L/6 are exact.  Points are denser towards the ends, and places
+and shares are those with which a face that has opened in part is nearest to its integral, too
+(contact length 3 (L/2 - e), rotation within 4 % up to e = 0.465 L), under the condition that no
+crack that has begun bears more than sigma_t L^2/6, the moment that began it (decision 82).
 
 A point is kept by the two edges and its number.  It moves along with the shared length, whose ends
 are vertices: as blocks slide, its place and its share are those of the moment.  The edge of the

@@ -1,0 +1,153 @@
+"""Strength of rock with a plane of weakness, by the angle of the plane (Jaeger).
+
+A specimen is pressed from its sides by s3 and along its axis by s1.  On a plane that dips by b, the
+axis being vertical, are the stresses
+
+    sn = (s1 + s3)/2 + (s1 - s3)/2 cos(2 b),    t = (s1 - s3)/2 sin(2 b),
+
+and with t = c + sn tan phi the plane slips at
+
+    s1 - s3 = 2 (c + s3 tan phi)/((1 - tan phi tan(90 - b)) sin(2 b)),    b > phi.
+
+It is least at b = 45 + phi/2 degrees; a plane that dips by less than phi never slips.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+FRICTION_ANGLE, COHESION = 30.0, 0.4e6
+"""Friction angle, degrees, and cohesion, Pa, of the planes."""
+CONFINING = 1e6
+"""Stress s3 on the sides, Pa."""
+WIDTH, HEIGHT = 1.0, 5.0
+"""Width and height of the specimen, m."""
+SPECIMENS = ((40.0, 1), (50.0, 1), (60.0, 1), (70.0, 1), (60.0, 3))
+"""Dip of the planes, degrees, and their number."""
+FLAT = 25.0
+"""Dip of a plane that never slips, degrees."""
+MUCH = 10.0
+"""Axial stress on it, over s3."""
+APART = 0.6
+"""Vertical distance of planes, m."""
+DENSITY = 2500.0
+STEP, STEPS, STIFFNESS = 2e-3, 120, 1e9
+BISECTIONS, SPAN = 3, 0.02
+"""Bisections of s1 - s3, and the half of what is searched as a share of it."""
+RESOLUTION = f"bracket of {100 * 2 * SPAN / 2**BISECTIONS:.2g} %"
+
+
+def exact_strength(dip: float) -> float:
+    """Return s1 - s3 at which a plane that dips by ``dip``, degrees, slips, Pa; inf for never."""
+    b, friction = np.radians(dip), np.tan(np.radians(FRICTION_ANGLE))
+    holds = 1.0 - friction / np.tan(b)
+    if holds <= 0.0:
+        return np.inf
+    return float(2.0 * (COHESION + CONFINING * friction) / (holds * np.sin(2.0 * b)))
+
+
+def specimen(dip: float = 60.0, planes: int = 1, difference: float | None = None) -> Model:
+    """Return a specimen cut by planes, under s3 and s1 = s3 + ``difference``, Pa."""
+    difference = exact_strength(dip) if difference is None else difference
+    builder = ModelBuilder(title="Plane of weakness", gravity=(0.0, 0.0))
+    builder.add_rock("rock", young=20e9, poisson=0.0, density=DENSITY)
+    builder.add_joint("default", friction_angle=FRICTION_ANGLE, cohesion=COHESION)
+    rise = 0.5 * WIDTH * float(np.tan(np.radians(dip)))
+    middle = 0.5 * HEIGHT + APART * (np.arange(planes) - 0.5 * (planes - 1))
+    left, right = [0.0, *(middle - rise), HEIGHT], [0.0, *(middle + rise), HEIGHT]
+    sides = zip(pairwise(left), pairwise(right), strict=True)
+    for number, ((low, high), (other_low, other_high)) in enumerate(sides):
+        name = str(number)
+        corners = [(0.0, low), (WIDTH, other_low), (WIDTH, other_high), (0.0, high)]
+        builder.block(name=name, vertices=corners, fixed=number == 0)
+        if number == 0:
+            continue
+        press = (CONFINING, 0.0)
+        builder.line_load((0.0, high), (0.0, low), press, block=name)
+        builder.line_load((WIDTH, other_low), (WIDTH, other_high), (-CONFINING, 0.0), block=name)
+        builder.measured_point(name, np.mean(corners, axis=0), block=name)
+    axial = CONFINING + difference
+    builder.line_load((WIDTH, HEIGHT), (0.0, HEIGHT), (0.0, -axial), block=str(planes))
+    return builder.build()
+
+
+def holds(difference: float, dip: float, planes: int, variant: Variant) -> bool:
+    """Return whether the specimen bears s1 - s3, Pa.
+
+    The acceleration that counts as one is that of s3 on the specimen's end.
+    """
+    moving = unbalanced(
+        specimen(dip, planes, difference),
+        variant,
+        normal_stiffness=STIFFNESS,
+        step=STEP,
+        steps=STEPS,
+        max_displacement=0.02,
+        unit=CONFINING / (DENSITY * HEIGHT),
+    )
+    return moving < AT_REST
+
+
+def fails(difference: float, dip: float, planes: int, variant: Variant) -> bool:
+    """Return whether a plane of the specimen slips under s1 - s3, Pa."""
+    return not holds(difference, dip, planes, variant)
+
+
+def examine(specimens: tuple[tuple[float, int], ...], variant: Variant) -> Outcome:
+    """Compare s1 - s3 at the limit for planes that dip differently."""
+    rows: list[Comparison] = []
+    found = []
+    for dip, planes in specimens:
+        exact = exact_strength(dip)
+        slips = partial(fails, dip=dip, planes=planes, variant=variant)
+        ends = exact * (1.0 - SPAN), exact * (1.0 + SPAN)
+        found.append(limit(slips, *ends, BISECTIONS))
+        cut = "" if planes == 1 else f", {planes} planes"
+        quantity = f"s1 - s3 at b = {dip:g} degrees{cut}"
+        rows.append(relative(quantity, "Pa", found[-1], exact, 0.01, RESOLUTION))
+    much = float(holds(MUCH * CONFINING, FLAT, 1, variant))
+    quantity = f"holds at b = {FLAT:g} degrees, s1 = {MUCH + 1:g} s3"
+    rows.append(absolute(quantity, "", much, 1.0, 0.0, "1: holds, 0: slips"))
+    fine = np.linspace(36.0, 80.0, 89)
+    single = [k for k, (_, planes) in enumerate(specimens) if planes == 1]
+    chart = Chart(
+        title="strength over the dip of the plane",
+        x_label="dip of the plane b, degrees",
+        y_label="s1 - s3, MPa",
+        curves=(
+            exact_curve("Jaeger", fine, [1e-6 * exact_strength(b) for b in fine]),
+            curve(
+                variant.name,
+                [specimens[k][0] for k in single],
+                [1e-6 * found[k] for k in single],
+            ),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="plane-of-weakness",
+    title="Strength of rock with a plane of weakness",
+    text="A specimen of 1 m x 5 m, its lower end fixed, with a plane that dips by 40 to 70 degrees "
+    "or with three, phi = 30 degrees, c = 0.4 MPa, under 1 MPa from both sides; the axial stress "
+    "is bisected. p = 1 GPa, h = 2 ms, static (dynamic_ratio = 0). The rock between planes does "
+    "not break.",
+    formula="s1 - s3 = 2 (c + s3 tan phi)/((1 - tan phi tan(90 - b)) sin(2 b))",
+    source="Jaeger (1960), as in Brady & Brown (2004), section 4.6",
+    set_up=specimen,
+    examine=partial(examine, SPECIMENS),
+    examine_briefly=partial(examine, SPECIMENS[2:3]),
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)

@@ -1,0 +1,183 @@
+"""Blocks one above the other on a plane, each with its own friction: motion, forces, safety.
+
+Blocks of weight W_i lie on a plane of dip a and push each other through smooth joints.  Where each
+would slide faster than the one below it they move as one,
+
+    acceleration = g (sin a - cos a sum(W_i tan phi_i)/sum(W_i)),
+
+and the joint below block k bears
+
+    E_k = sum over the blocks above it of W_i (sin a - cos a tan phi_i - acceleration/g).
+
+With all friction divided by F they are at their limit where
+
+    F = cos a sum(W_i tan phi_i)/(sin a sum(W_i)),
+
+and there the joints bear the same sum with tan phi_i/F and without acceleration.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.model import Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.results import Run
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+
+GRAVITY, DENSITY = 9.8, 2500.0
+DIP = float(np.radians(35.0))
+LENGTHS = (2.0, 1.0, 3.0)
+"""Lengths of the blocks along the plane, from the highest to the lowest, m."""
+HEIGHT = 0.5
+ANGLES = (15.0, 20.0, 30.0)
+"""Friction angle of the plane below each block, degrees."""
+WEIGHTS = DENSITY * GRAVITY * HEIGHT * np.array(LENGTHS)
+FRICTION = np.tan(np.radians(ANGLES))
+STIFFNESS, STATIC_STIFFNESS = 1e9, 3e8
+"""Normal stiffness of contacts p while the blocks slide and at their limit, N/m per m."""
+STEP, DURATION = 1e-3, 0.5
+STATIC_STEPS = 600
+BISECTIONS, SPAN = 3, 0.02
+"""Bisections of the friction, and the half of what is searched as a share of it."""
+RESOLUTION = f"bracket of {100 * 2 * SPAN / 2**BISECTIONS:.2g} %"
+SHEAR = "shear springs give way before the plane slides; forces at the end of a step"
+CLOSING = "the joints swing about their forces until the step has damped it"
+
+
+def acceleration() -> float:
+    """Return the acceleration of all blocks down the plane, m/s2."""
+    mean = float(WEIGHTS @ FRICTION / WEIGHTS.sum())
+    return GRAVITY * (float(np.sin(DIP)) - float(np.cos(DIP)) * mean)
+
+
+def pushes(friction: np.ndarray, gained: float) -> np.ndarray:
+    """Return what the joints below all blocks but the lowest bear, N/m.
+
+    ``friction`` (3,) are tan phi, ``gained`` is the acceleration, m/s2.
+    """
+    each = WEIGHTS * (np.sin(DIP) - np.cos(DIP) * friction - gained / GRAVITY)
+    return np.asarray(np.cumsum(each)[:-1])
+
+
+def factor() -> float:
+    """Return the factor of safety."""
+    return float(np.cos(DIP) * (WEIGHTS @ FRICTION) / (np.sin(DIP) * WEIGHTS.sum()))
+
+
+def train(divided_by: float = 1.0) -> Model:
+    """Return the plane and the blocks on it, the friction divided."""
+    along = np.array([np.cos(DIP), np.sin(DIP)])
+    out = np.array([-along[1], along[0]])
+    builder = ModelBuilder(title="Blocks on a plane", gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=5e9, poisson=0.0, density=DENSITY)
+    builder.add_joint("default", friction_angle=0.0)
+    for number, tangent in enumerate(FRICTION, 1):
+        angle = float(np.degrees(np.arctan(tangent / divided_by)))
+        builder.add_joint(f"under {number}", friction_angle=angle, between=[("plane", str(number))])
+    foot = -6.0 * along
+    builder.block(
+        name="plane",
+        vertices=[foot, foot - 2.0 * out, 8.0 * along - 2.0 * out, 8.0 * along],
+        fixed=True,
+    )
+    low = sum(LENGTHS)
+    for number, length in enumerate(LENGTHS, 1):
+        high, low = low, low - length
+        corners = [
+            low * along,
+            high * along,
+            high * along + HEIGHT * out,
+            low * along + HEIGHT * out,
+        ]
+        builder.block(name=str(number), vertices=corners)
+        builder.measured_point(str(number), 0.25 * sum(corners), block=str(number))
+    return builder.build()
+
+
+def forces_between(run: Run) -> np.ndarray:
+    """Return the normal forces between blocks that follow each other, N/m, at the end of a run."""
+    memory, block = run.state.memory, run.model.vertex_block
+    ends = np.sort(np.stack([block[memory.vertex], memory.block], axis=1), axis=1)
+    return np.array(
+        [
+            memory.normal_force[(ends == (k, k + 1)).all(axis=1)].sum()
+            for k in range(1, len(LENGTHS))
+        ]
+    )
+
+
+def slide(variant: Variant) -> Run:
+    """Return the run of the blocks that slide."""
+    model = train()
+    method = variant.method(model, normal_stiffness=STIFFNESS, max_displacement=0.02)
+    return simulate(model, method, Schedule(step=STEP, end=DURATION, every=DURATION))
+
+
+def holds(share: float, variant: Variant) -> bool:
+    """Return whether the blocks stay with F of 1/``share``."""
+    moving = unbalanced(
+        train(factor() / share),
+        variant,
+        normal_stiffness=STATIC_STIFFNESS,
+        step=STEP,
+        steps=STATIC_STEPS,
+        max_displacement=0.02,
+    )
+    return moving < AT_REST
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare way and forces of the slide, and the factor of safety."""
+    run = slide(variant)
+    rows: list[Comparison] = []
+    histories = [run.history(str(k)) for k in range(1, 1 + len(LENGTHS))]
+    for number, history in enumerate(histories, 1):
+        way = float(np.hypot(*history.displacement[-1]))
+        exact = 0.5 * acceleration() * DURATION**2
+        rows.append(relative(f"way of block {number}", "m", way, exact, 0.01, SHEAR))
+    exact_pushes = pushes(FRICTION, acceleration())
+    for number, (force, exact) in enumerate(zip(forces_between(run), exact_pushes, strict=True), 1):
+        quantity = f"force between blocks {number} and {number + 1}"
+        rows.append(relative(quantity, "N/m", force, exact, 0.01, CLOSING))
+    found = factor() / limit(partial(holds, variant=variant), 1.0 - SPAN, 1.0 + SPAN, BISECTIONS)
+    rows.append(relative("factor of safety", "-", found, factor(), 0.01, RESOLUTION))
+    time = histories[0].time
+    chart = Chart(
+        title="way of the middle block",
+        x_label="time, s",
+        y_label="way, m",
+        curves=(
+            exact_curve("all together", time, 0.5 * acceleration() * time**2),
+            exact_curve(
+                "each alone",
+                time,
+                0.5 * GRAVITY * (np.sin(DIP) - np.cos(DIP) * FRICTION[1]) * time**2,
+            ),
+            curve(variant.name, time[::25], np.hypot(*histories[1].displacement[::25].T)),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="block-train",
+    title="Blocks that push each other down a plane",
+    text="Three blocks of 2, 1 and 3 m x 0.5 m on a plane of 35 degrees, with 15, 20 and 30 "
+    "degrees of friction below them from above, and smooth joints between them. p = 1 GPa, "
+    "h = 1 ms; the factor of safety is bisected, p = 0.3 GPa, static (dynamic_ratio = 0).",
+    formula="a = g (sin a - cos a sum(W tan phi)/sum W), E = sum of W (sin a - cos a tan phi - "
+    "a/g), F = cos a sum(W tan phi)/(sin a sum W)",
+    source="equilibrium and motion of blocks in a row",
+    set_up=train,
+    examine=examine,
+    variants=(LAGGED, OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)

@@ -1,0 +1,134 @@
+"""Pull-out of a grouted bolt: load against displacement, yield and rupture.
+
+A block is pulled off a wall by the load F, across a joint that a grouted bolt of stiffness s, yield
+force F_y and rupture at the elongation u_r crosses.  A test frame, an elastic bar of stiffness K
+beside it, takes what the bolt does not, so that there is an equilibrium at every displacement.  A
+bolt with a pretension T_0 keeps the joint shut up to F = T_0; at a displacement u it then bears
+
+    B = T_0 + s u up to F_y, then F_y, then 0 from u = u_r - T_0/s on,      F = B + K u.
+
+At rupture the frame alone is left: u jumps from (F - F_y)/K to F/K.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from clast.model.builder import ModelBuilder
+from clast.model.input.bolt_kinds import BoltNumbers
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+
+BOLT, YIELD, RUPTURE = 1e8, 2e5, 8e-3
+"""Stiffness at a joint s, N/m per m, yield force F_y, N/m, and elongation at rupture u_r, m."""
+FRAME = 5e7
+"""Stiffness K of the test frame, N/m per m."""
+PRETENSIONS = (0.0, 8e4)
+"""Pretensions T_0 of the bolt, N/m."""
+FURTHER = 1.25
+"""Load at the end over that at rupture."""
+STEP, STEPS = 0.02, 250
+REASON = "the load grows by 0.5 % of its end a step, which open-close follows a step late"
+BETWEEN = f"the load grows by {100 * FURTHER / STEPS:.2g} % a step"
+
+
+def load_at_rupture(pretension: float) -> float:
+    """Return the load F at which the bolt breaks, N/m."""
+    return YIELD + FRAME * (RUPTURE - pretension / BOLT)
+
+
+def exact_moved(load: float, pretension: float) -> float:
+    """Return the displacement u, m, under a load, N/m."""
+    if load > load_at_rupture(pretension):
+        return load / FRAME
+    elastic = max(0.0, load - pretension) / (BOLT + FRAME)
+    return max(elastic, (load - YIELD) / FRAME)
+
+
+def pulled(pretension: float = 0.0) -> Model:
+    """Return the wall, the block, the grouted bolt and the frame, under a load that grows."""
+    builder = ModelBuilder(title="Pull test of a grouted bolt", gravity=(0.0, 0.0))
+    builder.add_rock("rock", young=5e13, poisson=0.0, density=2500.0)
+    builder.add_joint("default", friction_angle=30.0)
+    builder.block(name="wall", vertices=[(-2, 0), (0, 0), (0, 1), (-2, 1)], fixed=True)
+    builder.block(name="block", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
+    numbers: BoltNumbers = {"stiffness": BOLT, "yield_force": YIELD, "rupture_elongation": RUPTURE}
+    builder.add_bolt_kind("bar", pretension=pretension, **numbers)
+    middle = (0.75, 0.5), (-1.5, 0.5)
+    builder.bolt(*middle, kind="bar", name="bar", anchorage="grouted", free_length=0.1)
+    builder.add_bolt_kind("frame", stiffness=0.5 * FRAME, compression=True)
+    for y in (0.25, 0.75):
+        builder.bolt((0.75, y), (-1.5, y), kind="frame", name=f"frame at {y:g}")
+    grows = builder.add_table("grows", (0.0, STEP * STEPS), (0.0, 1.0))
+    most = FURTHER * load_at_rupture(pretension)
+    builder.point_load((1.0, 0.5), (most, 0.0), block="block", factor=grows)
+    builder.measured_point("head", (1.0, 0.5), block="block")
+    return builder.build()
+
+
+def curve_of(pretension: float, variant: Variant) -> tuple[Floats, Floats]:
+    """Return load, N/m, and displacement, m, (k,) each.
+
+    Time waits in convex static steps until a load is in balance, whose last step counts.
+    """
+    model = pulled(pretension)
+    method = variant.method(model, normal_stiffness=1e10, max_displacement=0.05, dynamic_ratio=0.0)
+    end = STEP * STEPS
+    history = simulate(model, method, Schedule(step=STEP, end=end, every=end)).history("head")
+    last = np.append(np.diff(history.time) > 0.0, True)
+    load = FURTHER * load_at_rupture(pretension) * history.time[last] / end
+    return load, history.displacement[last, 0]
+
+
+def examine(pretensions: tuple[float, ...], variant: Variant) -> Outcome:
+    """Compare the displacement before and after yield and rupture, and the load at rupture."""
+    rows: list[Comparison] = []
+    curves = []
+    for pretension in pretensions:
+        load, moved = curve_of(pretension, variant)
+        which = f"T_0 = {1e-3 * pretension:g} kN/m"
+        breaks = load_at_rupture(pretension)
+        yields = YIELD + FRAME * (YIELD - pretension) / BOLT
+        places = (0.5 * (pretension + yields), 0.5 * (yields + breaks), load[-1])
+        for wanted, what in zip(places, ("elastic", "yields", "broken"), strict=True):
+            at = int(np.searchsorted(load, wanted))
+            exact = exact_moved(load[at], pretension)
+            quantity = f"displacement, bolt {what}, {which}"
+            rows.append(relative(quantity, "m", moved[at], exact, 5e-3, REASON))
+        jump = int(np.argmax(np.diff(moved)))
+        quantity = f"load at rupture, {which}"
+        rows.append(relative(quantity, "N/m", load[jump], breaks, 0.01, BETWEEN))
+        exact_path = np.array([exact_moved(one, pretension) for one in load])
+        curves += [
+            exact_curve(f"formula, {which}", 1e3 * exact_path, 1e-3 * load),
+            curve(f"{variant.name}, {which}", 1e3 * moved[::10], 1e-3 * load[::10]),
+        ]
+    chart = Chart(
+        title="load and displacement",
+        x_label="displacement, mm",
+        y_label="load, kN/m",
+        curves=tuple(curves),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="pull-test",
+    title="Pull-out and rupture of a grouted bolt",
+    text="A grouted bolt (100 MN/m, yield at 200 kN/m, rupture at 8 mm), with and without "
+    "pretension, is pulled beside a test frame of 50 MN/m; no gravity, h = 20 ms, static "
+    "(dynamic_ratio = 0). Not modified: one pass bears springs this stiff on a block this light in "
+    "steps of 1 ms, of which there would have to be thousands.",
+    formula="F = min(T_0 + s u, F_y) + K u up to u = u_r - T_0/s, then K u",
+    source="springs in parallel",
+    set_up=pulled,
+    examine=partial(examine, PRETENSIONS),
+    variants=(OPEN_CLOSE, CONVEX),
+    quick=(CONVEX,),
+)
