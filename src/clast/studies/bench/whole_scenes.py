@@ -131,8 +131,8 @@ def domino_outlines(size: int) -> tuple[Floats, Floats]:
     shelves = math.ceil(size / ROW)
     number = np.arange(size)
     shelf, place = number % shelves, number // shelves
-    low = SHELF * shelf
-    free = rectangles(APART * place, low, *DOMINO)
+    low, left = np.asarray(SHELF * shelf, np.float64), np.asarray(APART * place, np.float64)
+    free = rectangles(left, low, *DOMINO)
     cosine, sine = math.cos(LEAN), math.sin(LEAN)
     turn = np.array([[cosine, sine], [-sine, cosine]])
     first = place == 0
