@@ -1,12 +1,13 @@
 """A run that is resumed leaves the same digits.
 
-Two cases, one dynamic and one static with a support that moves, are run to their end; and to the
-middle, from whose checkpoint they are resumed to the end.  Blocks, contacts and energies have to
-agree to the last bit.
+Two cases, one dynamic and one static with a support that moves, are run to their end; and again,
+but interrupted as by Ctrl+C in the middle, and resumed from the checkpoint.  Blocks, contacts and
+energies have to agree to the last bit.
 """
 
 from __future__ import annotations
 
+import signal
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -17,12 +18,15 @@ from clast.case.resuming import resume
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
+from clast.run.schedule import Progress
 from clast.verification.problem import Comparison, Outcome, Problem, absolute
 from clast.verification.variants import CONVEX, LAGGED, MIDPOINT, OPEN_CLOSE, Variant
 
 CASE = "resume.toml"
 END, STEP = 0.25, 2.0**-9
 """End, s; a step of so many s that no time is rounded."""
+MIDDLE = 53
+"""Steps before the interruption."""
 BITS = "a checkpoint holds all that a run carries"
 KINDS = {"dynamic": 1.0, "static": 0.0}
 """Share of velocity that is carried, by name."""
@@ -69,16 +73,22 @@ def both(ratio: float, variant: Variant) -> tuple[Run, Run]:
         whole = Case.from_text(text(ratio, variant, END), CASE).run(
             output=Path(folder, "whole.vtkhdf")
         )
-        half = Case.from_text(text(ratio, variant, 0.5 * END), CASE).run(
-            output=Path(folder, "part.vtkhdf"), warn=_unsaid
+        half = Case.from_text(text(ratio, variant, END), CASE).run(
+            output=Path(folder, "part.vtkhdf"), warn=_unsaid, progress=_interrupt
         )
-        if half.checkpoint is None:
-            raise AssertionError("a run with an output leaves a checkpoint")
-        rest = resume(half.checkpoint, [f"time.end={END!r}"], warn=_unsaid)
+        if half.checkpoint is None or half.report.steps != MIDDLE:
+            raise AssertionError("a run that is interrupted leaves a checkpoint")
+        rest = resume(half.checkpoint, warn=_unsaid)
         # histories lie in the files
         for run in (whole, rest):
             run.history("top")
         return whole, rest
+
+
+def _interrupt(at: Progress) -> None:
+    """Interrupt a run in the middle."""
+    if at.steps == MIDDLE:
+        signal.raise_signal(signal.SIGINT)
 
 
 def _unsaid(text: str) -> None:
@@ -136,8 +146,8 @@ PROBLEM = Problem(
     name="resume",
     title="A run that is resumed",
     text="Four blocks on a base that moves by 2.3 cm in 0.25 s, one of them falling by 5 cm; "
-    "and the same static, all in touch. Run in one go, and resumed from the checkpoint in the "
-    "middle. p = 0.2 GPa, h = 1/512 s.",
+    "and the same static, all in touch. Run in one go, and interrupted after 53 steps and "
+    "resumed. p = 0.2 GPa, h = 1/512 s.",
     formula="no digit differs",
     source="a run goes on from all that it carries",
     set_up=set_up,

@@ -22,7 +22,7 @@ from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.verification.problem import Comparison, Outcome, Problem, absolute
 from clast.verification.problems.method.invariance import ORIGINAL, View
-from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, Variant
 
 GRAVITY, YOUNG, DENSITY = 9.81, 5e9, 2500.0
 CONTACT, BOLT, PUSH = 1e9, 2e7, 2e4
@@ -164,6 +164,7 @@ PROBLEM = Problem(
     set_up=lambda: written_down(ORIGINAL),
     examine=partial(examine, VIEWS),
     examine_briefly=partial(examine, VIEWS[1:3]),
-    variants=(CONVEX, OPEN_CLOSE, LAGGED),
+    # the others decide by rounding in which step a contact is found (see "invariance")
+    variants=(CONVEX,),
     quick=(CONVEX,),
 )
