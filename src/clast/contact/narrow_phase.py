@@ -216,6 +216,8 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
     if gap < 0.0 and _is_hidden(p, e, along, critdis, outlines):
         return False
     at_corner = -beyond <= max(critdis, depth, front)
+    if at_corner and is_covered(p, e, at_end, own, outlines, bearing):
+        return False
     if at_corner and _has_face_on(e, at_end, own, direction):
         return True
     i, j = outlines[3][p], outlines[3][e]
@@ -229,7 +231,6 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
             -critdis <= beyond <= 0.0
             and stands_beyond(p, e, at_end, -beyond, own, outlines, bearing)
         )
-        or is_covered(p, e, at_end, own, outlines, bearing)
     )
 
 

@@ -37,6 +37,8 @@ FACES_LIKE, BEND = np.cos(np.radians(45.0)), np.sin(np.radians(45.0))
 """Cosine and sine of the largest bend of a surface at a seam."""
 BLOCKS_BELOW = 64
 """Blocks below one another whose settlement is added up, at most."""
+WAY_ROUND = 64
+"""Edges of an outline between the two sides of a step or a notch, at most."""
 
 
 @kernel()
@@ -114,12 +116,39 @@ def _settlement(block, nx, ny, outlines, bearing):
 
 
 @kernel()
+def _goes_on(g, p, top, outlines):
+    """Return True if an outline goes on at its vertex p as at its edge g, beyond a step or a notch.
+
+    From the edge at p that faces as ``top`` does, on over the other one there, it comes to g and
+    has turned back as far as it had turned.  Round a convex corner it has not.
+    """
+    _, direction, _, vertex_block, block_start = outlines
+    first, last = block_start[vertex_block[p]], block_start[vertex_block[p] + 1]
+    k, before = p, vertex_before(p, first, last)
+    more = (direction[p, 1] - direction[before, 1]) * top[0]
+    more -= (direction[p, 0] - direction[before, 0]) * top[1]
+    if more < 0.0:
+        k = before
+    turned = 0.0
+    for _ in range(WAY_ROUND):
+        if k == g:
+            return abs(turned) < 0.5 * np.pi
+        on = vertex_after(k, first, last) if more < 0.0 else vertex_before(k, first, last)
+        sine = direction[k, 0] * direction[on, 1] - direction[k, 1] * direction[on, 0]
+        cosine = direction[k, 0] * direction[on, 0] + direction[k, 1] * direction[on, 1]
+        turned += np.arctan2(sine, cosine)
+        k = on
+    return False
+
+
+@kernel()
 def _is_flush(block, side, top, own, other, scale, outlines, bearing):
     """Return True if ``block`` stands on a surface that faces as ``top`` does and goes on there.
 
-    The surface is that of a third block.  ``other``, a vertex of the second, does not stand out of
-    it, and ``own``, a vertex of this one, does not hang below it, but for what gives way.  An edge
-    that faces as the surface does, with normal ``side``, is part of it and no side face.
+    The surface is that of a third block, or of the second one beyond a step or a notch of it.
+    ``other``, a vertex of the second, does not stand out of it, and ``own``, a vertex of this one,
+    does not hang below it, but for what gives way.  An edge that faces as the surface does, with
+    normal ``side``, is part of it and no side face.
     """
     vertices, direction, _, vertex_block, _ = outlines
     start, rows = bearing[0], bearing[1]
@@ -127,8 +156,6 @@ def _is_flush(block, side, top, own, other, scale, outlines, bearing):
         x, y, mx, my, below, depth = _surface(
             rows[at], block, bearing, vertices, direction, vertex_block
         )
-        if below == vertex_block[other]:
-            continue
         if mx * top[0] + my * top[1] < FACES_LIKE or mx * side[0] + my * side[1] >= FACES_LIKE:
             continue
         out = (vertices[other, 0] - x) * mx + (vertices[other, 1] - y) * my
@@ -137,7 +164,8 @@ def _is_flush(block, side, top, own, other, scale, outlines, bearing):
         if out > gives or high < -gives - depth:  # it may be flush yet if what is below gives way
             gives += _settlement(below, mx, my, outlines, bearing)
         if out <= gives and high >= -gives - depth:
-            return True
+            if below != vertex_block[other] or _goes_on(bearing[4][rows[at]], other, top, outlines):
+                return True
     return False
 
 
@@ -155,7 +183,9 @@ def is_covered(v, e, at_end, own, outlines, bearing):
     i, j = vertex_block[v], vertex_block[e]
     first, last = block_start[j], block_start[j + 1]
     if turn_at(e, at_end, direction, first, last) <= SMALL_ANGLE:
-        return False
+        at_end = not at_end  # at the foot of a step: its top is the corner
+        if turn_at(e, at_end, direction, first, last) <= SMALL_ANGLE:
+            return False
     corner = vertex_after(e, first, last) if at_end else e
     f = corner if at_end else vertex_before(e, first, last)
     nx, ny = direction[f, 1], -direction[f, 0]

@@ -39,11 +39,16 @@ FELT = 1e-2
 """Closing velocity that makes a bearing contact take part, in units of that of the impact."""
 SLOW = 0.5
 """The same in units of the closing velocity from which contacts strike."""
-EXACT = 1e-10
-"""Change of velocity at which impulses are found, in units of the velocity of the impact."""
-RENEWED, TIMES = 1000, 12
+EXACT, FEW = 1e-10, 12
+"""Change of velocity at which the impulses of few contacts are found, and how many are few.
+
+In units of the velocity of the impact.
+"""
+ROUGH, CLOSE = 0.3, 1e-2
+"""The same while others may join, and of many contacts, in units of the velocity that is felt."""
+RENEWED, TIMES = 500, 8
 """Impulses that are renewed at most before others join, beside so many times all."""
-WORK, SOME = 20, 5000
+WORK, SOME = 500, 200
 """Impulses that are renewed in a step at most for each of its contacts, of which it has some.
 
 What strikes later is left to the springs.
@@ -252,15 +257,16 @@ def _impulses(time, fastest, bodies, contacts, live, around, limits, group):
     """Find the impulses of all that take part, and let all that feel them take part."""
     members, _, target, linear, impulses, _, _, counts = group
     felt, velocity = max(FELT * fastest, SLOW * limits[1]), bodies[0]
-    more = True
+    enough, more, is_rough = ROUGH * felt, True, True
     while more:
         count = counts[0]
         most = TIMES + RENEWED // count
-        taken = find(
-            EXACT * fastest, most, members[:count], target, linear, impulses, velocity, contacts
-        )
+        taken = find(enough, most, members[:count], target, linear, impulses, velocity, contacts)
         counts[2] -= taken * count
         more = _pass_on(time, felt, bodies, contacts, live, around, group)
+        if not more and is_rough:
+            enough = EXACT * fastest if counts[0] <= FEW else CLOSE * felt
+            more, is_rough = True, False
 
 
 @kernel()

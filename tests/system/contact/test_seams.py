@@ -80,6 +80,16 @@ def test_without_friction_a_block_slides_over_seams_as_fast_as_before(gap, loose
     assert lost < 0.01 * 0.5 * 2500.0 * LENGTH * HEIGHT * 2.0**2
 
 
+@pytest.mark.parametrize(("gap", "rise"), [(0.0, 3.6e-6), (1e-3, 0.0), (1e-2, 2e-6)])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_body_with_steps_and_notches_is_as_its_pieces(gap, rise, mirrored):
+    """Tiles that stand on a bed are fixed with it as one body; it is penetrated by 4e-6 m."""
+    base, bed = tiles(4, gap, rise), box(-1.0, -1.0, 8.0, 0.5)
+    pieces, body = (way(one, slider(0.1), mirrored=mirrored)[0] for one in (base, [bed, *base]))
+    assert pieces == pytest.approx(0.6, rel=1e-3)
+    assert body == pytest.approx(pieces, rel=1e-6)
+
+
 @pytest.mark.parametrize("speed", [0.05, 10.0])
 @pytest.mark.parametrize("step", [2e-4, 1e-2])
 @pytest.mark.parametrize("mirrored", [False, True])
