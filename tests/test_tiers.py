@@ -69,6 +69,7 @@ def test_waits(): time.sleep(0.3)
 """
 
 
+@pytest.mark.slow
 def test_a_core_test_that_is_long_twice_fails(pytester, monkeypatch):
     """One that is long at first, as where it loads a kernel, does not; nor one that waits."""
     monkeypatch.setattr(tiers, "LIMIT", 0.1)
@@ -84,6 +85,7 @@ def test_a_core_test_that_is_long_twice_fails(pytester, monkeypatch):
     assert pytester.runpytest_inprocess("--no-core-limit").ret == 0
 
 
+@pytest.mark.slow
 def test_long_tests_are_drawn_and_tiers_come_in_order(pytester, monkeypatch):
     monkeypatch.setattr(tiers, "TESTS", pytester.path)
     monkeypatch.setenv("TESTS_DRAWN_BY", "abc")
