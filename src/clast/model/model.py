@@ -237,35 +237,9 @@ class JointTable:
         return (bonded & ~welded) | ~np.isnan(normal) | ~np.isnan(shear)
 
     @kept_property
-    def any_integrated(self) -> bool:
-        """Whether any joint's faces are integrated."""
-        return bool(self.integrated.any())
-
-    @kept_property
-    def lasting(self) -> Bools:
-        """True for joints with a cohesion that slip does not take away, shape (joints,)."""
-        return (self.strengths[1] > 0.0) & ~(self.residual_cohesion == 0.0)
-
-    @kept_property
-    def left_cohesion(self) -> Floats:
-        """Cohesion of a bond that has slipped but not opened, Pa, shape (joints,)."""
-        residual = self.residual_cohesion
-        return np.where(np.isnan(residual), self.strengths[1], residual)
-
-    @kept_property
-    def any_lasting(self) -> bool:
-        """Whether any joint has a cohesion that slip does not take away."""
-        return bool(self.lasting.any())
-
-    @kept_property
     def residual_cohesion(self) -> Floats:
         """Cohesion left after slip, Pa, nan where slip leaves bonds whole, shape (joints,)."""
         return np.array([one.residual_cohesion for one in self.joints], float)
-
-    @kept_property
-    def restitutions(self) -> Floats:
-        """Restitution of each joint, nan where it is that of the process, shape (joints,)."""
-        return np.array([one.restitution for one in self.joints], float)
 
     @kept_property
     def stiffnesses(self) -> tuple[Floats, Floats]:
@@ -453,27 +427,6 @@ class Model:
     def stiffest(self) -> float:
         """Largest Young's modulus of the rocks, Pa."""
         return max(rock.young for rock in self.rocks)
-
-    @kept_property
-    def edges_name_joints(self) -> bool:
-        """Whether any edge has a joint of its own."""
-        return bool(self.edge_joint.max(initial=-1) >= 0)
-
-    @kept_property
-    def weight(self) -> float:
-        """Size of the acceleration of gravity, m/s2."""
-        return float(np.hypot(*self.gravity))
-
-    @kept_property
-    def weight_by_size(self) -> float:
-        """Sum of weight times size of the blocks that can move, J/m: size is the root of area."""
-        free = ~self.fixed
-        return float(np.sum(self.mass[free] * self.weight * np.sqrt(self.area[free])))
-
-    @kept_property
-    def lightest(self) -> float:
-        """Mass of the lightest block that can move, kg/m; infinite where none can."""
-        return float(self.mass[~self.fixed].min(initial=np.inf))
 
     @kept_property
     def longest_edge(self) -> float:

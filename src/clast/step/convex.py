@@ -438,7 +438,7 @@ def first_friction_base(
     part.
     """
     step = begun.step
-    speed = begun.model.weight * step
+    speed = float(np.hypot(*begun.model.gravity)) * step
     return np.asarray(
         first_bases(
             contacts.normal_force,

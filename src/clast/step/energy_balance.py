@@ -89,7 +89,9 @@ def tolerated(model: Model, ledger: Ledger, first: Ledger) -> float:
     Impacts of the constant acceleration scheme give back a little too much now and then, so this
     is a wide bound: what lifts every block by a twentieth of its size, or doubles what there was.
     """
-    return 0.05 * model.weight_by_size + first.stored + abs(ledger.brought)
+    size = np.sqrt(model.area[~model.fixed])
+    weight = model.mass[~model.fixed] * np.hypot(*model.gravity)
+    return 0.05 * float(np.sum(weight * size)) + first.stored + abs(ledger.brought)
 
 
 @dataclass(frozen=True, kw_only=True)

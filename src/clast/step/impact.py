@@ -135,15 +135,15 @@ def slowest_impact(model: Model, law: ContactLaw, step: float) -> float:
     swings about its sag on them, g/w with w^2 = 2 p/m.  What rests on soft springs opens and closes
     by less than it sags, and its springs answer that.
     """
-    mass = model.lightest
+    mass = float(model.mass[~model.fixed].min(initial=np.inf))
     softest = range_of_springs(model, law.normal_stiffness)[0]
     swings = math.sqrt(mass / (2.0 * softest)) if math.isfinite(mass) else 0.0
-    return IMPACT * model.weight * max(step, swings)
+    return IMPACT * float(np.hypot(*model.gravity)) * max(step, swings)
 
 
 def restitutions(model: Model, contacts: Contacts, restitution: float) -> Floats:
     """Return the restitution of each contact, shape (m,): its joint's, or the one given."""
-    given = model.joint_table.restitutions
+    given = np.array([one.restitution for one in model.joint_table.joints], float)
     return np.where(np.isnan(given), restitution, given).take(contacts.joint)
 
 
@@ -207,7 +207,8 @@ def scheme_of(
     Contacts whose forces are ``taken`` half way stop nothing.
     """
     model, scheme = begun.model, begun.scheme
-    threshold = slowest_of(begun.method.contact_law) * model.weight * begun.step
+    gravity = float(np.hypot(*model.gravity))
+    threshold = slowest_of(begun.method.contact_law) * gravity * begun.step
     if scheme.theta == 1.0 or not float(entering.rate.min(initial=0.0)) < -threshold:
         return scheme
     moved, _ = contact_motions(contacts, entering.drift)

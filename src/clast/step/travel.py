@@ -48,7 +48,7 @@ def travel_of(begun: Begun, displacement: Floats) -> Floats:
 
 def travel_expected(begun: Begun) -> Floats:
     """Return how far blocks go, m, shape (n,), by their velocities, weight and a push."""
-    fall = begun.model.weight * begun.step**2
+    fall = float(np.hypot(*begun.model.gravity)) * begun.step**2
     if begun.method.clock is not None:
         # a static step is as long as it is because blocks hardly move
         fall = min(fall, begun.method.critdis)

@@ -69,11 +69,13 @@ def bonds_of(
     """
     table, joint = model.joint_table, places.joint
     friction, cohesion, tensile_strength = table.strengths
-    if table.any_lasting and memory.cohesive.any():
-        new = np.flatnonzero((places.row < 0) & table.lasting.take(joint) & ~bonds.bonded)
+    residual = table.residual_cohesion
+    if memory.cohesive.any():
+        lasts = (cohesion > 0.0) & ~(residual == 0.0)
+        new = np.flatnonzero((places.row < 0) & lasts.take(joint) & ~bonds.bonded)
         if len(new):
             bonds = _taken_along(bonds, new, places, memory, direction, model.block_start)
-    bonded, left = bonds.bonded, table.left_cohesion
+    bonded, left = bonds.bonded, np.where(np.isnan(residual), cohesion, residual)
     return {
         "bonded": bonded,
         "cohesive": bonds.cohesive,
@@ -81,7 +83,7 @@ def bonds_of(
         "cohesion": np.where(
             bonded, cohesion.take(joint), np.where(bonds.cohesive, left.take(joint), 0.0)
         ),
-        "residual_cohesion": table.residual_cohesion.take(joint),
+        "residual_cohesion": residual.take(joint),
         "tensile_strength": np.where(bonded, tensile_strength.take(joint), 0.0),
     }
 
