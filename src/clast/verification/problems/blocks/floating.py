@@ -73,11 +73,11 @@ def examine(periods: int, variant: Variant) -> Outcome:
     """Compare the periods of heave and roll, and what is left of them."""
     rows: list[Comparison] = []
     charts: list[Chart] = []
-    for name, start, exact in (
-        ("heave", (DOWN, 0.0), HEAVE),
-        ("roll", (0.0, TILT), ROLL),
+    for name, down, tilt, exact in (
+        ("heave", DOWN, 0.0, HEAVE),
+        ("roll", 0.0, float(TILT), ROLL),
     ):
-        history = moved(*start, (periods + 0.4) * exact, variant)
+        history = moved(down, tilt, (periods + 0.4) * exact, variant)
         if name == "heave":
             value, unit = DOWN - history.displacement[:, 1], "m"
         else:

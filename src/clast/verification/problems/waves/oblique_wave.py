@@ -118,13 +118,7 @@ def strip(case: Incidence, dashpot: float) -> Model:
     builder = ModelBuilder(title="Oblique wave", gravity=(0.0, 0.0), plane=PlaneStrain())
     builder.add_rock("rock", young=YOUNG, poisson=POISSON, density=DENSITY)
     builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
-    names = builder.blocks(vertices=triangles_of(case))
-    columns = columns_of(case)
-    for name, column in (("side", 0), ("middle", columns // 2)):
-        # the triangle with an edge in the upper side, at that edge's left end
-        block = names[2 * ((round(case.height) - 1) * columns + column) + 1]
-        at = (case.width / columns * column, case.height)
-        builder.measured_point(name, at, block=block)
+    builder.blocks(vertices=triangles_of(case))
     for side in ("left", "right"):
         # so stiff a dashpot is a roller
         builder.viscous_boundary(side=side, normal=1e6, tangential=0.0)
