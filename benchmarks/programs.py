@@ -15,7 +15,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.run.schedule import Progress, Schedule
 from clast.run.simulate import simulate

@@ -29,7 +29,7 @@ COMMANDS = {"plot", "bench", "import_"}
 """Commands of cli/: every option on the command line is an argument of the function."""
 STARTING_UP = {
     "compute/jit.py": "what is read of the kernels' files does not change while a process runs",
-    "case/choices.py": "the types of the parts of a method, and the keys of their tables",
+    "inputs/declaring/choices.py": "the types of the parts of a method, and keys of their tables",
     "case/case_file.py": "the JSON Schema of a case",
 }
 """Files whose functions may be remembered by functools.cache, and why nothing can go stale."""

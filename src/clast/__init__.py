@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from clast.actions.damping import Undamped as Undamped
     from clast.case.case_file import Case as Case
     from clast.case.case_file import load as load
+    from clast.case.law_trials import check_law as check_law
     from clast.case.resuming import resume as resume
     from clast.case.script import ModelBuilder as ModelBuilder
     from clast.case.script import simulate as simulate
@@ -56,7 +57,6 @@ if TYPE_CHECKING:
     from clast.results import read as read
     from clast.results import read_results as read_results
     from clast.run.excavation import excavated as excavated
-    from clast.run.law_check import check_law as check_law
     from clast.run.schedule import Schedule as Schedule
     from clast.step.method import Method as Method
 
@@ -66,7 +66,7 @@ HOME = {
     "Case": "clast.case.case_file",
     "load": "clast.case.case_file",
     "resume": "clast.case.resuming",
-    "check_law": "clast.run.law_check",
+    "check_law": "clast.case.law_trials",
     "excavated": "clast.run.excavation",
     "CaseError": "clast.errors",
     "ClastError": "clast.errors",

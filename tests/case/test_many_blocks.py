@@ -10,7 +10,7 @@ import pytest
 from clast.case.case_file import Case
 from clast.case.script import ModelBuilder as ScriptBuilder
 from clast.errors import ModelError
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from scenes.systems import box
 

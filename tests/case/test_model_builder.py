@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from clast.errors import ModelError
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import PlaneStrain
 
 SQUARE = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]

@@ -11,7 +11,7 @@ from scipy.spatial import Voronoi
 from clast.case.case_file import Case
 from clast.case.templates import heap
 from clast.errors import ModelError
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.run.preflight import examine
 from clast.run.simulate import simulate
 from scenes.brick_wall import listed_wall

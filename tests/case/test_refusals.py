@@ -15,8 +15,8 @@ from typing import Any
 
 import clast
 from clast.case import templates
-from clast.case.text import is_tables
 from clast.errors import CaseError
+from clast.inputs.declaring.faults import is_tables
 
 HERE = Path(__file__).parent
 KEPT = HERE / "refusals.txt"

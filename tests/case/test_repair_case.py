@@ -10,7 +10,7 @@ import pytest
 from clast.case.case_file import Case
 from clast.case.drawn_blocks import MOST, blocks_text, put_together
 from clast.errors import CaseError, ModelError
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.rockmass import Mender
 from clast.rockmass.drawings.blocks import blocks_of
 from clast.rockmass.drawings.blocks_out import write_blocks_npz

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from scenes.encounters import FAMILIES, encounters
 from scenes.systems import (
     REACH,

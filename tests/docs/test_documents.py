@@ -14,7 +14,7 @@ import clast
 from clast.case import script
 from clast.case.case_file import Case
 from clast.case.templates import INCLINE
-from clast.model import builder as model_builder
+from clast.inputs import builder as model_builder
 from scenes.places import ROOT
 
 

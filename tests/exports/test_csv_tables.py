@@ -11,7 +11,7 @@ import pytest
 import clast
 from clast.errors import CaseError
 from clast.exports import TABLES, write_csv
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.state import initial_state
 from clast.results import Results, Run, RunRecorder
 from scenes.recorded_run import record, report, three_blocks

@@ -12,7 +12,7 @@ import pytest
 
 from clast.errors import CaseError
 from clast.exports import write_dxf
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.results import Results
 from scenes.recorded_run import record, three_blocks
 

@@ -7,11 +7,11 @@ import pytest
 
 from clast.block.displacement import movements
 from clast.block.rotation import Sine
+from clast.inputs.builder import ModelBuilder
 from clast.linear.block_matrix import row_pointers
 from clast.linear.solvers import solve
 from clast.linear.system import BlockSystem
 from clast.linear.unsymmetric import Scipy
-from clast.model.builder import ModelBuilder
 from clast.model.model import PlaneStrain, PlaneStress
 from clast.step import start as terms
 from clast.step.integration import Scheme, end_velocity

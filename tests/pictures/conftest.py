@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from clast.contact.contacts import ContactResponse, Contacts
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from clast.model.state import Ledger, State, initial_state
 from clast.results import Report, Results, RunRecorder, read_results

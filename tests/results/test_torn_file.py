@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from clast.errors import CaseError
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from clast.model.state import State, initial_state
 from clast.results import Results, RunRecorder, read_results

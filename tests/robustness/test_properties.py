@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from clast.contact.laws import Penalty
+from clast.inputs.builder import ModelBuilder
 from clast.linear.factor import Factor
 from clast.linear.pattern import Patterns
 from clast.linear.system import BlockSystem
 from clast.linear.unsymmetric import Scipy, sparse_matrix
-from clast.model.builder import ModelBuilder
 from clast.model.model import Model
 from clast.model.state import State
 from clast.step.method import Method

@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from clast.errors import ModelError
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.rockmass.blocks import sound
 from clast.rockmass.repair.corners import corners_of
 from clast.rockmass.repair.repairing import Repaired, repaired

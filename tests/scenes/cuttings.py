@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.rockmass import (
     Baecher,
     Box,

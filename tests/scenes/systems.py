@@ -20,9 +20,9 @@ from clast.contact.detection import detect
 from clast.contact.laws import Penalty
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import RunStopped, StepOutcome, StepRejected
+from clast.inputs.builder import ModelBuilder
 from clast.linear.solvers import Automatic
 from clast.linear.unsymmetric import Scipy
-from clast.model.builder import ModelBuilder
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, State, initial_state
 from clast.results import Run

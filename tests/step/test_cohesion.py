@@ -8,7 +8,7 @@ import pytest
 
 import clast
 from clast.errors import ModelError
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Joint
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate

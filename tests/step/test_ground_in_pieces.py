@@ -8,7 +8,7 @@ import pytest
 
 import clast
 from clast.contact.laws import Penalty
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats
 from clast.model.state import State
 from clast.step.convex import Convex

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clast.contact.laws import AugmentedLagrangian, Penalty
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.step.convex import Convex
 from clast.step.modified import Modified
 from clast.step.open_close import OpenClose

@@ -18,10 +18,7 @@ from pydantic import BaseModel, Field, PrivateAttr, StrictStr, ValidationError, 
 
 from clast import spelling
 from clast.case import text as case_text
-from clast.case import writing as case_writing
 from clast.case.cutting import CutCase, RockMass
-from clast.case.faults import Fault, case_error, faults_of, refusal
-from clast.case.meanings import explain
 from clast.case.tables import plausibility
 from clast.case.tables.acting.bolts import BoltKindTable, BoltPatternTable, BoltTable, stage_faults
 from clast.case.tables.acting.damping import Damping, chosen_damping
@@ -50,10 +47,13 @@ from clast.case.tables.rock_mass import (
     TraceTable,
 )
 from clast.case.tables.stages import StageTable
-from clast.case.tables.table import Acceleration, Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
 from clast.errors import ModelError
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring import writing as case_writing
+from clast.inputs.declaring.faults import Fault, case_error, faults_of, refusal
+from clast.inputs.declaring.meanings import explain
+from clast.inputs.declaring.table import Acceleration, Table
 from clast.model.model import Model, PlaneStrain, PlaneStress
 
 if TYPE_CHECKING:

@@ -18,7 +18,6 @@ import numpy as np
 import shapely
 
 from clast import spelling
-from clast.case.faults import Fault
 from clast.case.tables.blocks import BlockTable
 from clast.case.tables.joint_sets import JointSetTable
 from clast.case.tables.plausibility import doubted_sets
@@ -33,7 +32,8 @@ from clast.case.tables.rock_mass import (
     unknown,
 )
 from clast.errors import CaseError, ModelError
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.faults import Fault
 from clast.model.model import Bools, Floats
 
 if TYPE_CHECKING:

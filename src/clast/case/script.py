@@ -44,11 +44,11 @@ from clast.case.tables.measurements import MeasuredPointTable
 from clast.case.tables.method import MethodTable
 from clast.case.tables.rock_mass import OpeningTable
 from clast.case.tables.stages import given_stages, stage_keys
-from clast.case.tables.table import Table
 from clast.case.tables.time_and_output import OutputTable, TimeTable
-from clast.case.writing import as_plain, table_of
 from clast.errors import CaseError
-from clast.model import builder as model_builder
+from clast.inputs import builder as model_builder
+from clast.inputs.declaring.table import Table
+from clast.inputs.declaring.writing import as_plain, table_of
 from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Recorded, Still
 from clast.model.model import Model, Plane
@@ -56,10 +56,10 @@ from clast.model.stages.stage import Stage
 from clast.results import Run, RunRecorder
 
 if TYPE_CHECKING:
-    from clast.model.input.blocks import Entry, Label
-    from clast.model.input.joints import JointEntry
-    from clast.model.input.points import Place
-    from clast.model.input.pressures import LinePressure
+    from clast.inputs.placing.blocks import Entry, Label
+    from clast.inputs.placing.joints import JointEntry
+    from clast.inputs.placing.points import Place
+    from clast.inputs.placing.pressures import LinePressure
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 

@@ -1,7 +1,5 @@
 """The consistency of a contact law: forces, stiffnesses, energies and friction belong together.
 
-    assert not clast.check_law(MyLaw())
-
 A law that is put in from a script may be wrong in ways that no run shows: friction bounded by
 another normal force than its own, a stiffness that is no derivative of its force, energies that do
 not belong to the forces.  They are compared here with differences between neighbouring gaps and
@@ -16,18 +14,10 @@ from itertools import chain
 
 import numpy as np
 
-from clast.block import polygon
-from clast.contact.candidates import SearchDistance
 from clast.contact.contacts import SLIDE, ContactResponse, Contacts
-from clast.contact.corner_rules import Bisector
-from clast.contact.detection import detect
 from clast.contact.laws import ContactLaw, has_limits
-from clast.model.builder import ModelBuilder
 from clast.model.model import Bools, Floats
-from clast.model.state import initial_state
 
-BLOCKS = 60
-"""Blocks whose contacts a law is tried on; each has two."""
 TRIALS = 300
 """Contacts that a law is tried on; fewer are taken several times."""
 DEPTHS = -8.0, -2.5
@@ -36,17 +26,6 @@ NUDGE = 1e-4
 """Gaps and slips are changed by this share of themselves to see what follows."""
 NEAR = 1e-3
 """Differences up to this share of what is compared are put down to rounding and curvature."""
-
-
-def check_law(law: ContactLaw) -> tuple[str, ...]:
-    """Return the faults of a contact law, a sentence each; none where all holds.
-
-    The law is evaluated at penetrations of 1e-8 to 3e-3 m and slips of that order.  It must leave
-    its contacts as they are; N = -dE/dgap, T = -d(E + loss)/dslip, stiffnesses and coupling must be
-    derivatives of the forces, no loss negative; |T| <= N tan(phi) + c L with its own N, which
-    sliding contacts must reach.  A law with another friction than Coulomb's fails the last.
-    """
-    return faults_of(law, _some_contacts())
 
 
 def warnings_of(law: ContactLaw, contacts: Contacts) -> tuple[str, ...]:
@@ -235,22 +214,3 @@ def _spread(contacts: Contacts, count: int) -> Contacts:
     which = np.linspace(0, len(contacts) - 1, count).astype(np.int64)
     rows = {f.name: getattr(contacts, f.name) for f in fields(Contacts) if f.name != "pairs"}
     return Contacts(**{name: values[which] for name, values in rows.items()}, pairs=contacts.pairs)
-
-
-def _some_contacts() -> Contacts:
-    """Return contacts of many strengths: blocks side by side on a floor."""
-    builder = ModelBuilder()
-    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    floor = np.array([[-1.0, -1.0], [2.0 * BLOCKS, -1.0], [2.0 * BLOCKS, 0.0], [-1.0, 0.0]])
-    builder.block(vertices=floor, fixed=True)
-    builder.blocks(vertices=square + 2.0 * np.arange(BLOCKS)[:, None, None] * np.array([1.0, 0.0]))
-    model = builder.build()
-    centroid = polygon.moments(model.vertices, model.block_start)[1]
-    reach = SearchDistance(front=0.01, depth=0.01, critdis=0.01)
-    found = detect(model, Bisector(), initial_state(model), centroid, reach)
-    rng = np.random.default_rng(2)
-    count = len(found)
-    cohesion = np.where(rng.random(count) < 0.3, 10.0 ** rng.uniform(2.0, 6.0, count), 0.0)
-    friction = np.where(rng.random(count) < 0.1, 0.0, rng.uniform(0.05, 1.5, count))
-    return replace(found, friction=friction, cohesion=cohesion, bonded=cohesion > 0.0)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.rockmass import Cut, Domain, JointSet
 from clast.rockmass.sources import set_lines, site

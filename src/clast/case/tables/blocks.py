@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Self
 import numpy as np
 from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 
-from clast.case.faults import SHOWN, Fault, refusal
-from clast.case.tables.table import Loop, Motion, Stresses, Table
 from clast.errors import CaseError, ModelError
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.faults import SHOWN, Fault, refusal
+from clast.inputs.declaring.table import Loop, Motion, Stresses, Table
 
 if TYPE_CHECKING:
     from clast.rockmass.drawings.blocks import Blocks

@@ -7,10 +7,10 @@ from typing import Annotated
 
 from pydantic import Field, StrictBool, StrictStr
 
-from clast.case.choices import Number, within
-from clast.case.tables.table import Positive, Strength, Stresses, Table
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.choices import Number, within
+from clast.inputs.declaring.table import Positive, Strength, Stresses, Table
 from clast.model import ranges
-from clast.model.builder import ModelBuilder
 
 
 class RockTable(Table):

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from pydantic import StrictStr, field_validator
 
-from clast.case.faults import Fault, refusal
-from clast.case.tables.table import Point, Positive, Table
 from clast.errors import shortened
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.faults import Fault, refusal
+from clast.inputs.declaring.table import Point, Positive, Table
 
 
 class MeasuredPointTable(Table):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from clast.case.tables.table import Length, Table
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.table import Length, Table
 
 
 class RepairTable(Table):

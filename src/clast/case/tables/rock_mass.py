@@ -12,11 +12,11 @@ from typing import Annotated, Literal, Self
 from pydantic import Discriminator, Field, StrictBool, StrictInt, StrictStr, Tag, model_validator
 
 from clast import spelling
-from clast.case.choices import Number, within
-from clast.case.faults import PLAIN, TABLE, Fault, kind_of, refusal
-from clast.case.tables.table import Length, Loop, Point, Positive, Table
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.choices import Number, within
+from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.table import Length, Loop, Point, Positive, Table
 from clast.model import ranges
-from clast.model.builder import ModelBuilder
 
 Side = Literal["bottom", "left", "right", "top"]
 Least = Annotated[Number, Field(ge=0.0), within(ranges.COORDINATE)]

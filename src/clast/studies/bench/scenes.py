@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 
 YOUNG = 5e9

@@ -10,14 +10,14 @@ import numpy as np
 from pydantic import Field, StrictBool, StrictStr
 
 from clast import spelling
-from clast.case.choices import Number, within
-from clast.case.faults import Fault
-from clast.case.tables.table import Length, Point, Positive, Table
-from clast.case.writing import table_of
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.choices import Number, within
+from clast.inputs.declaring.faults import Fault
+from clast.inputs.declaring.table import Length, Point, Positive, Table
+from clast.inputs.declaring.writing import table_of
+from clast.inputs.placing.bolt_patterns import PatternEntry
+from clast.inputs.placing.bolts import BoltEntry
 from clast.model import ranges
-from clast.model.builder import ModelBuilder
-from clast.model.input.bolt_patterns import PatternEntry
-from clast.model.input.bolts import BoltEntry
 from clast.model.model import Model
 
 BoltForce = Annotated[Number, Field(ge=0.0), within(ranges.FORCE)]

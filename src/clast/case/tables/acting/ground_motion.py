@@ -11,8 +11,6 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, Discriminator, StrictStr, Tag, model_validator
 
-from clast.case.choices import Number, within
-from clast.case.faults import PLAIN, TABLE, Fault, kind_of, refusal
 from clast.case.records.baseline import correction_of
 from clast.case.records.columns import read_record
 from clast.case.records.components import (
@@ -27,10 +25,12 @@ from clast.case.records.conversion import STOPPING, Samples, brought_to_rest
 from clast.case.records.csv import check_rising
 from clast.case.records.formats import format_of
 from clast.case.records.instants import check_sizes, doubted_times
-from clast.case.tables.table import Acceleration, Instant, Table
 from clast.errors import CaseError, ModelError, shortened
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.choices import Number, within
+from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.table import Acceleration, Instant, Table
 from clast.model import ranges
-from clast.model.builder import ModelBuilder
 from clast.model.ground_motion import (
     Accelerogram,
     GroundMotion,

@@ -7,12 +7,12 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from clast.case.choices import Number, within
-from clast.case.faults import Fault, refusal
-from clast.case.tables.table import Coordinate, Stresses, Table
 from clast.errors import CaseError
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.choices import Number, within
+from clast.inputs.declaring.faults import Fault, refusal
+from clast.inputs.declaring.table import Coordinate, Stresses, Table
 from clast.model import ranges
-from clast.model.builder import ModelBuilder
 from clast.model.in_situ import InSituStress, Overburden
 
 HELD = {"roller": (1.0, 0.0), "fixed": (1.0, 1.0), "traction": (0.0, 0.0)}

@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, StrictStr, Tag
 
-from clast.case.choices import Number, within
-from clast.case.faults import PLAIN, TABLE
-from clast.case.tables.table import Force, Instant, Point, Stress, Table
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.choices import Number, within
+from clast.inputs.declaring.faults import PLAIN, TABLE
+from clast.inputs.declaring.table import Force, Instant, Point, Stress, Table
 from clast.model import ranges
-from clast.model.builder import ModelBuilder
 
 
 class FixedPointTable(Table):

@@ -7,14 +7,14 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, StrictStr, model_validator
 
-from clast.case.choices import Number, within
-from clast.case.faults import Fault, refusal
 from clast.case.tables.acting.in_situ import Side
-from clast.case.tables.table import Instant, Loop, Point, Table
-from clast.case.writing import as_plain, table_of
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.choices import Number, within
+from clast.inputs.declaring.faults import Fault, refusal
+from clast.inputs.declaring.table import Instant, Loop, Point, Table
+from clast.inputs.declaring.writing import as_plain, table_of
+from clast.inputs.placing.viscous_boundaries import ViscousBoundary
 from clast.model import ranges
-from clast.model.builder import ModelBuilder
-from clast.model.input.viscous_boundaries import ViscousBoundary
 
 Multiple = Annotated[Number, Field(ge=0.0), within(ranges.FACTOR)]
 

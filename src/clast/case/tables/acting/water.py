@@ -7,12 +7,12 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, StrictStr, Tag, model_validator
 
-from clast.case.choices import Number, within
-from clast.case.faults import PLAIN, TABLE, Fault, kind_of, refusal
-from clast.case.tables.table import Coordinate, Loop, Point, Table
 from clast.errors import CaseError, ModelError
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.choices import Number, within
+from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.table import Coordinate, Loop, Point, Table
 from clast.model import ranges
-from clast.model.builder import ModelBuilder
 
 
 class LineFileTable(Table):

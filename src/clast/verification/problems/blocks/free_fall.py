@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, Curve, curve, exact_curve
 from clast.results import PointHistory

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model, Plane, PlaneStrain, PlaneStress
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule

@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 from scipy.special import ellipk
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory

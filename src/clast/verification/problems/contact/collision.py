@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from clast.block import polygon
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.model.state import State, initial_state
 from clast.pictures.verification import Chart, curve, exact_curve

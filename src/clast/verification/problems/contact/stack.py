@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.pictures.verification import Chart, curve, exact_curve

@@ -11,7 +11,7 @@ and a lighter one rises by a t^2/2 with a = (rho_w - rho) g/rho: water has no in
 
 from __future__ import annotations
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run

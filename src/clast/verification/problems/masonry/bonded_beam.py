@@ -20,8 +20,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
-from clast.model.input.joints import JointNumbers
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.placing.joints import JointNumbers
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run

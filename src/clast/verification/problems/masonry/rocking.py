@@ -19,7 +19,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory

@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.limit_analysis import GROUND, RigidBlocks, RigidJoint, largest_factor

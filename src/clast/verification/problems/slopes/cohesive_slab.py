@@ -24,7 +24,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule

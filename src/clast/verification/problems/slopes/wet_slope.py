@@ -17,7 +17,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.limits import AT_REST, limit, unbalanced

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.model.stages.stage import TIME, Stage
 from clast.pictures.verification import Chart, Curve, curve, exact_curve

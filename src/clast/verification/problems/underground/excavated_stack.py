@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.excavation import excavated

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule

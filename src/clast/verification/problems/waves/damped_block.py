@@ -20,7 +20,7 @@ import numpy as np
 
 from clast.actions.action import Action
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.ground_motion import Accelerogram, GroundMotion, IncomingWave, MovingBase
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve

@@ -23,8 +23,8 @@ from functools import partial
 import numpy as np
 
 from clast.contact.laws import Penalty
-from clast.model.builder import ModelBuilder
-from clast.model.input.joints import JointNumbers
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.placing.joints import JointNumbers
 from clast.model.model import Model, Rock
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory, Run

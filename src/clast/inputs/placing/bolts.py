@@ -11,12 +11,12 @@ import shapely
 
 from clast import spelling
 from clast.errors import ModelError, shortened
+from clast.inputs.placing.blocks import Vector
+from clast.inputs.placing.bolt_kinds import check_rupture
+from clast.inputs.placing.bolt_lines import Ground, Pieces, joints_between
 from clast.model import ranges
 from clast.model.bolts import BoltKind, Bolts
 from clast.model.checks import locate
-from clast.model.input.blocks import Vector
-from clast.model.input.bolt_kinds import check_rupture
-from clast.model.input.bolt_lines import Ground, Pieces, joints_between
 from clast.model.model import Floats
 from clast.model.value_checks import check_names, check_number, check_numbers, number_of
 

@@ -7,26 +7,26 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from clast.errors import shortened
+from clast.inputs.placing.blocks import Vector
+from clast.inputs.placing.bolt_kinds import checked_kind
+from clast.inputs.placing.bolt_lines import Ground
+from clast.inputs.placing.bolt_patterns import PatternEntry, bolts_round
+from clast.inputs.placing.bolts import BoltEntry, bolts_of
+from clast.inputs.placing.openings import OpeningEntry
+from clast.inputs.placing.points import Place
+from clast.inputs.placing.pressures import LinePressure
+from clast.inputs.placing.viscous_boundaries import ViscousBoundary
+from clast.inputs.placing.water import WaterEntry
 from clast.model.bolts import BoltKind, Bolts
 from clast.model.factors import Factor, checked_factor
-from clast.model.input.blocks import Vector
-from clast.model.input.bolt_kinds import checked_kind
-from clast.model.input.bolt_lines import Ground
-from clast.model.input.bolt_patterns import PatternEntry, bolts_round
-from clast.model.input.bolts import BoltEntry, bolts_of
-from clast.model.input.openings import OpeningEntry
-from clast.model.input.points import Place
-from clast.model.input.pressures import LinePressure
-from clast.model.input.viscous_boundaries import ViscousBoundary
-from clast.model.input.water import WaterEntry
 from clast.model.model import Floats
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from clast.model.input.bolt_kinds import BoltNumbers
-    from clast.model.input.bolts import BoltChoices
-    from clast.model.input.water import WaterKeys
+    from clast.inputs.placing.bolt_kinds import BoltNumbers
+    from clast.inputs.placing.bolts import BoltChoices
+    from clast.inputs.placing.water import WaterKeys
 from clast.model.value_checks import check_name, check_text
 
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
-from clast.case.choices import Given
 from clast.errors import CaseError
+from clast.inputs.declaring.choices import Given
 
 
 def table_of(kind: type[BaseModel], values: Mapping[str, Any]) -> dict[str, Any]:

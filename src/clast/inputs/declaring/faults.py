@@ -15,7 +15,6 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from clast import spelling
-from clast.case.text import is_tables
 from clast.errors import CaseError, shortened
 
 Place = tuple[str | int, ...]
@@ -106,6 +105,11 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
     else:
         return _keys_text([top, *rest])
     return f"{table} {_keys_text(rest)}" if rest else table
+
+
+def is_tables(value: Any) -> bool:
+    """Return whether a value is a list of tables, as [[block]] gives."""
+    return isinstance(value, list) and bool(value) and all(isinstance(v, dict) for v in value)
 
 
 def _is_table(top: str, value: Any) -> bool:

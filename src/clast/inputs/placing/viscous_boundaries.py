@@ -10,10 +10,10 @@ import numpy as np
 import shapely
 
 from clast.errors import ModelError, shortened
+from clast.inputs.placing.blocks import Vector
 from clast.model.checks import Geometries, Outlines, point_text
 from clast.model.ground_motion import GroundMotion, IncomingWave
 from clast.model.in_situ import SIDES
-from clast.model.input.blocks import Vector
 from clast.model.model import Bools, Floats, Ints
 from clast.model.outline import outline_edges
 from clast.model.value_checks import check_number, check_numbers

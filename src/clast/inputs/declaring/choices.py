@@ -34,9 +34,9 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
 from clast import spelling
-from clast.case.faults import Fault, faults_of, refusal
-from clast.case.meanings import field_docstrings
 from clast.errors import shortened
+from clast.inputs.declaring.faults import Fault, faults_of, refusal
+from clast.inputs.declaring.meanings import field_docstrings
 from clast.model.ranges import Range
 
 Number = Annotated[float, Strict()]

@@ -25,21 +25,21 @@ import numpy as np
 import shapely
 
 from clast.errors import ModelError
+from clast.inputs.placing.blocks import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
+from clast.inputs.placing.bolt_lines import Ground
+from clast.inputs.placing.joints import JointEntry, joint_table, joints_of_edges, pairs_of_names
+from clast.inputs.placing.openings import openings_of
+from clast.inputs.placing.points import Place, Places, located
+from clast.inputs.placing.pressures import pressed_edges
+from clast.inputs.placing.supports_and_loads import SupportsAndLoads
+from clast.inputs.placing.viscous_boundaries import check_incoming, viscous_edges
+from clast.inputs.placing.water import Bed, waters_in
 from clast.model import checks as model_checks
 from clast.model import ranges, value_checks
 from clast.model.checks import Outlines
 from clast.model.factors import NO_FACTOR
 from clast.model.ground_motion import GroundMotion, Still, ending_note
 from clast.model.in_situ import InSituStress, Overburden, stress_in_situ
-from clast.model.input.blocks import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
-from clast.model.input.bolt_lines import Ground
-from clast.model.input.joints import JointEntry, joint_table, joints_of_edges, pairs_of_names
-from clast.model.input.openings import openings_of
-from clast.model.input.points import Place, Places, located
-from clast.model.input.pressures import pressed_edges
-from clast.model.input.supports_and_loads import SupportsAndLoads
-from clast.model.input.viscous_boundaries import check_incoming, viscous_edges
-from clast.model.input.water import Bed, waters_in
 from clast.model.mending import Mended, Mending
 from clast.model.model import (
     WELD_STRENGTH,
@@ -62,7 +62,7 @@ from clast.model.value_checks import check_number, check_numbers
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from clast.model.input.joints import JointNumbers
+    from clast.inputs.placing.joints import JointNumbers
 
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""

@@ -12,9 +12,9 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from clast.case.choices import Number, within
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.choices import Number, within
 from clast.model import ranges
-from clast.model.builder import ModelBuilder
 
 Positive = Annotated[Number, Field(gt=0.0)]
 Interval = Annotated[Positive, within(ranges.INTERVAL)]

@@ -11,9 +11,9 @@ import shapely
 
 from clast import spelling
 from clast.errors import ModelError, shortened
+from clast.inputs.placing.bolt_lines import Ground
+from clast.inputs.placing.bolts import BoltEntry
 from clast.model import ranges
-from clast.model.input.bolt_lines import Ground
-from clast.model.input.bolts import BoltEntry
 from clast.model.model import Floats
 from clast.model.value_checks import check_name, check_number, check_numbers, check_text
 

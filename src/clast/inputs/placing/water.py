@@ -10,10 +10,10 @@ import numpy as np
 
 from clast import spelling
 from clast.errors import ModelError, shortened
+from clast.inputs.placing.blocks import Vector
 from clast.model import ranges
 from clast.model.checks import Outlines, point_text
 from clast.model.factors import Factor
-from clast.model.input.blocks import Vector
 from clast.model.model import Floats, Ints, JointTable
 from clast.model.value_checks import check_name, check_number, check_numbers, check_text
 from clast.model.water.drainage import distances, lowering, parts_between

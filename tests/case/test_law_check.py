@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from clast.case.law_trials import check_law
 from clast.contact.laws import AugmentedLagrangian, Carried, Penalty, with_friction
-from clast.run.law_check import check_law
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from scenes.systems import incline, method

@@ -10,10 +10,10 @@ import numpy as np
 import shapely
 
 from clast.errors import ModelError
+from clast.inputs.placing.blocks import Vector
 from clast.model import ranges
 from clast.model.checks import TOUCHING, Outlines, point_text
 from clast.model.factors import NO_FACTOR
-from clast.model.input.blocks import Vector
 from clast.model.model import EdgePressures, Floats, Ints
 from clast.model.value_checks import check_numbers, number_of
 

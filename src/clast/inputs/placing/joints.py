@@ -9,7 +9,7 @@ from typing import TypedDict
 import numpy as np
 
 from clast.errors import ModelError, shortened
-from clast.model.input.blocks import Names
+from clast.inputs.placing.blocks import Names
 from clast.model.model import Ints, Joint, JointTable
 from clast.model.value_checks import number_of
 

@@ -1,0 +1,1 @@
+"""Inputs: what a user gives, each thing declared once, with what it becomes in a model."""

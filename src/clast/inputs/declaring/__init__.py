@@ -1,0 +1,1 @@
+"""How an input is declared: its table, its ranges, what is said of its faults."""

@@ -1,0 +1,1 @@
+"""What inputs become in a model: where they lie on blocks, and what they are checked against."""
