@@ -1,9 +1,9 @@
 """Every refusal of a broad table of broken inputs, word by word, by case file and by script.
 
-`refusals.txt` has place, fault and remedy of each, and the digests of cases that are written.
+`every_refusal.txt` has place, fault and remedy of each, and the digests of cases that are written.
 Where a change is meant, write it anew and read the difference:
 
-    python tests/case/test_refusals.py
+    python tests/case/test_every_refusal.py
 """
 
 import hashlib
@@ -19,7 +19,7 @@ from clast.errors import CaseError
 from clast.inputs.declaring.faults import is_tables
 
 HERE = Path(__file__).parent
-KEPT = HERE / "refusals.txt"
+KEPT = HERE / "every_refusal.txt"
 CASES = HERE.parents[1] / "cases"
 
 BASE = """
