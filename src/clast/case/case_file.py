@@ -20,7 +20,6 @@ from clast import spelling
 from clast.case import text as case_text
 from clast.case.cutting import CutCase, RockMass
 from clast.case.tables import plausibility
-from clast.case.tables.acting.bolts import BoltKindTable, BoltPatternTable, BoltTable, stage_faults
 from clast.case.tables.acting.damping import Damping, chosen_damping
 from clast.case.tables.acting.ground_motion import GroundMotionTable
 from clast.case.tables.acting.in_situ import InSituTable
@@ -49,9 +48,10 @@ from clast.case.tables.rock_mass import (
 from clast.case.tables.stages import StageTable
 from clast.case.tables.time_and_output import OutputTable, TimeTable
 from clast.errors import ModelError
+from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.builder import ModelBuilder
 from clast.inputs.declaring import writing as case_writing
-from clast.inputs.declaring.faults import Fault, case_error, faults_of, refusal
+from clast.inputs.declaring.faults import Fault, error_of, faults_of, refusal
 from clast.inputs.declaring.meanings import explain
 from clast.inputs.declaring.table import Acceleration, Table
 from clast.model.model import Model, PlaneStrain, PlaneStress
@@ -124,11 +124,11 @@ class Case(BaseModel):
     """Tractions along lines."""
     pressure: list[PressureTable] = []
     """Pressures on edges."""
-    bolt_kind: dict[str, BoltKindTable] = {}
+    bolt_kind: dict[str, BoltKind] = {}
     """Kinds of rock bolts by name: [bolt_kind.NAME] with stiffness and yield_force."""
-    bolt: list[BoltTable] = []
+    bolt: list[Bolt] = []
     """Rock bolts."""
-    bolt_pattern: list[BoltPatternTable] = []
+    bolt_pattern: list[BoltPattern] = []
     """Rock bolts round openings."""
     water: list[WaterTable] = []
     """Water on outer faces and in joints."""
@@ -201,8 +201,14 @@ class Case(BaseModel):
     def _bolts_have_stages(self) -> Self:
         stages = [one.name for one in self.stage]
         faults = [
-            *stage_faults("bolt", [one.stage for one in self.bolt], stages),
-            *stage_faults("bolt_pattern", [one.stage for one in self.bolt_pattern], stages),
+            Fault(
+                place=(key, number, "stage"),
+                what=f"there is no stage '{one.stage}'",
+                remedy=spelling.advice(one.stage, stages, kind="stage"),
+            )
+            for key in ("bolt", "bolt_pattern")
+            for number, one in enumerate(getattr(self, key))
+            if one.stage is not None and one.stage not in stages
         ]
         if faults:
             raise refusal(*faults)
@@ -244,7 +250,7 @@ class Case(BaseModel):
             case = cls.model_validate(content)
         except ValidationError as error:
             faults = faults_of(error, explained_case())
-            raise case_error(faults, file=file, content=content) from None
+            raise error_of(faults, file=file, content=content) from None
         case._file = file
         return case
 

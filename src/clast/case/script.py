@@ -26,7 +26,6 @@ import numpy as np
 
 from clast import spelling
 from clast.case.case_file import PLANES, Case
-from clast.case.tables.acting.bolts import BoltKindTable, bolt_tables
 from clast.case.tables.acting.ground_motion import GROUND_MOTIONS, GroundMotionTable
 from clast.case.tables.acting.in_situ import in_situ_keys
 from clast.case.tables.acting.supports_and_loads import (
@@ -47,6 +46,8 @@ from clast.case.tables.stages import given_stages, stage_keys
 from clast.case.tables.time_and_output import OutputTable, TimeTable
 from clast.errors import CaseError
 from clast.inputs import builder as model_builder
+from clast.inputs.bolts import BoltPattern
+from clast.inputs.declaring.faults import table_in
 from clast.inputs.declaring.table import Table
 from clast.inputs.declaring.writing import as_plain, table_of
 from clast.model.checks import Outlines
@@ -197,10 +198,7 @@ class ModelBuilder(model_builder.ModelBuilder):
                 table_of(MeasuredPointTable, {"name": name, "at": p.at, "block": p.block})
                 for name, p in zip(self._measured_names, self._measured_points, strict=True)
             ],
-            "bolt_kind": {
-                kind.name: table_of(BoltKindTable, _unnamed(kind)) for kind in self._bolt_kinds
-            },
-            "bolt": self._bolt_tables(),
+            **self._tables_given(),
             "opening": [
                 table_of(OpeningTable, {**vars(entry), "blocks": list(entry.blocks)})
                 for entry in self._openings
@@ -211,11 +209,25 @@ class ModelBuilder(model_builder.ModelBuilder):
         }
         return {key: value for key, value in content.items() if value}
 
-    def _bolt_tables(self) -> list[dict[str, Any]]:
-        """Return the tables of the bolts, those of patterns as single ones."""
-        if not self._bolt_patterns:
-            return bolt_tables(self._bolts)
-        return bolt_tables(self._bolts, self._bolt_patterns, self.build())
+    def _tables_given(self) -> dict[str, Any]:
+        """Return the tables that hold what was given, by their keys in a case file."""
+        found: dict[str, Any] = {}
+        for key, entry in Case.model_fields.items():
+            kind: Any = table_in(entry.annotation)
+            if self.has(kind) and kind.NAMED:
+                found[key] = {name: as_plain(one) for name, one in self.named(kind).items()}
+            elif self.has(kind):
+                found[key] = [as_plain(self._with_outline(one)) for one in self.all(kind)]
+        return found
+
+    def _with_outline(self, table: Table) -> Table:
+        """Return a table; a pattern of bolts has the outline of its opening in place of a name."""
+        if not isinstance(table, BoltPattern) or not isinstance(table.opening, str):
+            return table
+        outline = self.opening_outlines.get(table.opening)
+        if outline is None:
+            return table
+        return table.model_copy(update={"opening": outline, "name": table.group(1)})
 
     def _placed_joints(self) -> list[JointEntry]:
         """Return the joints without those of lines that became no edges, which a file refuses."""

@@ -25,8 +25,11 @@ import numpy as np
 import shapely
 
 from clast.errors import ModelError
+from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, with_directions
+from clast.inputs.declaring.giving import gives, gives_named
 from clast.inputs.placing.blocks import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
 from clast.inputs.placing.bolt_lines import Ground
+from clast.inputs.placing.bolt_springs import placed_bolts
 from clast.inputs.placing.joints import JointEntry, joint_table, joints_of_edges, pairs_of_names
 from clast.inputs.placing.openings import openings_of
 from clast.inputs.placing.points import Place, Places, located
@@ -96,6 +99,13 @@ class ModelBuilder(SupportsAndLoads):
     _joints: list[JointEntry] = field(default_factory=list, init=False)
     _entries: list[Entry] = field(default_factory=list, init=False)
     _count: int = field(default=0, init=False)
+
+    add_bolt_kind = gives_named("bolt_kind", BoltKind)
+    """Add a kind of bolt, ``[bolt_kind.NAME]``, and return its name."""
+    bolt = gives("bolt", Bolt, "start", "end")
+    """Set a bolt from its head ``start`` to ``end``: ``[[bolt]]``."""
+    bolt_pattern = gives("bolt_pattern", BoltPattern, "opening", turned=with_directions)
+    """Set bolts round an opening, ``[[bolt_pattern]]``; ``angles`` are first and last direction."""
 
     def add_rock(
         self,
@@ -265,8 +275,11 @@ class ModelBuilder(SupportsAndLoads):
 
         fixed, measured = places(self._fixed_points), places(self._measured_points)
         points, lines = places(self._point_loads), places(self._line_loads)
-        bolts = self._bolts_in(
-            Ground(outlines=outlines, tree=shapely.STRtree(polygons), moved=mended.moved)
+        bolts = placed_bolts(
+            self,
+            self.opening_outlines,
+            [one.name for one in self._openings],
+            Ground(outlines=outlines, tree=shapely.STRtree(polygons), moved=mended.moved),
         )
         pressures, uncovered = pressed_edges(self._pressures, block_number, factor_number, outlines)
         value_checks.check_ground_motion(self.ground_motion, len(fixed.block))

@@ -1,4 +1,4 @@
-"""Rock bolts: what a kind of bolt bears, and the springs that the bolts of a model consist of.
+"""Rock bolts: the springs that the bolts of a model consist of.
 
 A bolt between two points is one spring; a grouted one has a spring wherever it crosses a joint.
 Forces are N per metre of thickness, tension positive.
@@ -15,48 +15,6 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
-
-
-@dataclass(frozen=True, kw_only=True)
-class BoltKind:
-    """What a bolt bears: its stiffness, where it yields and breaks, and its pretension."""
-
-    name: str
-    """Name by which bolts refer to it."""
-    stiffness: float | None = None
-    """Force by elongation s, N/m per m; None: E A/(L a) of the next three."""
-    young: float | None = None
-    """Young's modulus E of the bolt, Pa."""
-    area: float | None = None
-    """Cross-section A of one bolt, m2."""
-    out_of_plane_spacing: float | None = None
-    """Distance a of the bolts along the thickness, m."""
-    yield_force: float | None = None
-    """Force at which it yields, N/m; None: it is elastic."""
-    rupture_elongation: float | None = None
-    """Elongation, plastic one included, beyond which it is broken, m; None: it does not break."""
-    rupture_strain: float | None = None
-    """The same as a share of its length."""
-    pretension: float = 0.0
-    """Force that it is installed with, N/m."""
-    compression: bool = False
-    """True where it bears compression, as a bar does; cables bear none."""
-
-    def stiffness_of(self, length: Floats) -> Floats:
-        """Return the stiffness of springs of lengths (m,), m, in N/m per m, shape (m,)."""
-        if self.stiffness is not None:
-            return np.full(len(length), self.stiffness)
-        axial = (self.young or 0.0) * (self.area or 0.0) / (self.out_of_plane_spacing or 1.0)
-        return np.asarray(axial / length)
-
-    def rupture_of(self, length: Floats) -> Floats:
-        """Return the elongation at which springs of lengths (m,) break, m, inf: never, (m,)."""
-        limit = np.full(len(length), np.inf)
-        if self.rupture_elongation is not None:
-            limit = np.minimum(limit, self.rupture_elongation)
-        if self.rupture_strain is not None:
-            limit = np.minimum(limit, self.rupture_strain * length)
-        return limit
 
 
 def _no_floats() -> Floats:

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from clast.case.tables.acting.bolts import BoltKindTable
 from clast.case.tables.acting.in_situ import InSituTable
 from clast.case.tables.joint_sets import JointSetTable, SpreadTable
 from clast.errors import shortened
+from clast.inputs.bolts import BoltKind
 from clast.model.ground_motion import MovingBase
 from clast.model.model import Model
 from clast.model.openings import Opening
@@ -22,7 +22,7 @@ LARGEST_K0 = 10.0
 
 
 def doubts(
-    kinds: Mapping[str, BoltKindTable],
+    kinds: Mapping[str, BoltKind],
     in_situ: InSituTable | None,
     model: Model,
     stages: Sequence[Stage],
@@ -34,7 +34,7 @@ def doubts(
     yield from doubted_base(model, stages)
 
 
-def doubted_bolts(kinds: Mapping[str, BoltKindTable]) -> Iterator[str]:
+def doubted_bolts(kinds: Mapping[str, BoltKind]) -> Iterator[str]:
     """Warn of cross-sections of bolts that look like mm2 or cm2."""
     for name, kind in kinds.items():
         if kind.area is None or kind.area <= LARGEST_BOLT:

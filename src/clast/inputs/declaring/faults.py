@@ -68,12 +68,18 @@ def faults_of(error: ValidationError, table: type[BaseModel]) -> list[Fault]:
     return found
 
 
-def case_error(faults: Sequence[Fault], *, file: str, content: Mapping[str, Any]) -> CaseError:
-    """Return one error that says all faults of a case file."""
+def error_of(
+    faults: Sequence[Fault],
+    *,
+    content: Mapping[str, Any],
+    file: str = "",
+    kind: type[CaseError] = CaseError,
+) -> CaseError:
+    """Return one error that says all faults of a case file, or of what a script gives."""
     if len(faults) == 1:
         only = faults[0]
-        place = place_text(only.place, content)
-        return CaseError(only.what, where=f"{file}: {place}" if place else file, remedy=only.remedy)
+        where = ": ".join(filter(None, (file, place_text(only.place, content))))
+        return kind(only.what, where=where, remedy=only.remedy)
     lines = []
     for fault in faults[:SHOWN]:
         place = place_text(fault.place, content)
@@ -82,7 +88,7 @@ def case_error(faults: Sequence[Fault], *, file: str, content: Mapping[str, Any]
             lines.append(f"    {fault.remedy}")
     if len(faults) > SHOWN:
         lines.append(f"  and {len(faults) - SHOWN} more")
-    return CaseError(f"{len(faults)} things to put right\n" + "\n".join(lines), where=file)
+    return kind(f"{len(faults)} things to put right\n" + "\n".join(lines), where=file)
 
 
 def place_text(place: Place, content: Mapping[str, Any]) -> str:
@@ -256,7 +262,7 @@ def _known_keys(place: Place, table: type[BaseModel]) -> str:
     close = spelling.nearest(word, keys_of(here))
     if close is None:
         for name, field in table.model_fields.items():
-            inner = _table_in(field.annotation)
+            inner = table_in(field.annotation)
             if inner is not None and inner is not here and word in keys_of(inner):
                 return f"'{word}' belongs in the table {field.alias or name}"
     return spelling.advice(word, keys_of(here), kind="key")
@@ -290,15 +296,15 @@ def _table_at(table: type[BaseModel], place: Place) -> type[BaseModel] | None:
             continue
         fields = here.model_fields.items()
         field = next((f for name, f in fields if part in (name, f.alias)), None)
-        here = _table_in(field.annotation) if field else None
+        here = table_in(field.annotation) if field else None
         if field is not None and get_origin(field.annotation) is dict:
             next(parts, None)  # the user's own name of a rock or a joint
     return here
 
 
-def _table_in(annotation: Any) -> type[BaseModel] | None:
+def table_in(annotation: Any) -> type[BaseModel] | None:
     """Return the table inside an annotation such as list[BlockTable], or None."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
-    inside = (_table_in(argument) for argument in get_args(annotation))
+    inside = (table_in(argument) for argument in get_args(annotation))
     return next((found for found in inside if found is not None), None)

@@ -1,18 +1,18 @@
-"""What all tables of the case file have in common: the kinds of numbers, and what a table can do.
+"""What all inputs have in common: the kinds of numbers, and what a table can do.
 
-A group of tables is a file here and a line in ``clast.case.case_file.Case``: the name of the
-table in the file.  What it says of the system of blocks it adds to the builder by itself.
+A group of tables is a file of ``inputs`` and a line in ``clast.case.case_file.Case``: the name of
+the table in the file.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from clast.inputs.builder import ModelBuilder
 from clast.inputs.declaring.choices import Number, within
 from clast.model import ranges
 
@@ -33,16 +33,52 @@ Loop = list[Point]
 
 
 class Table(BaseModel):
-    """A table of the case file: unknown keys and numbers that are none are refused."""
+    """A table of the case file, or what a script gives in its place.
+
+    Unknown keys and numbers that are none are refused.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    NAMED: ClassVar[bool] = False
+    """True where tables are told apart by their keys: [bolt_kind.NAME]."""
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
-        """Add to the system of blocks what the table says of it; ``key`` is the table's own name.
+    def add_to(self, builder: Any, key: str, folder: Path) -> None:
+        """Add to the system of blocks what the table says of it.
 
-        ``folder`` is where the case file is.  Tables that say nothing of the system add nothing.
+        ``key`` is the table's own name, or its key; ``folder`` is where the case file is.
         """
+        builder.add(self, key)
 
     def remarks(self, folder: Path) -> Iterator[str]:
         """Say what seems unsound and only the case file knows."""
         return iter(())
+
+
+T = TypeVar("T", bound=Table)
+
+
+@dataclass(kw_only=True)
+class Inputs:
+    """All that a user gives, each kind of table in the order in which it was given."""
+
+    _listed: dict[type[Table], list[Any]] = field(default_factory=dict, init=False, repr=False)
+    _named: dict[type[Table], dict[str, Any]] = field(default_factory=dict, init=False, repr=False)
+
+    def all(self, kind: type[T]) -> list[T]:
+        """Return the tables of a kind of which there may be several: [[bolt]]."""
+        return self._listed.setdefault(kind, [])
+
+    def named(self, kind: type[T]) -> dict[str, T]:
+        """Return the tables of a kind by their names: [bolt_kind.NAME]."""
+        return self._named.setdefault(kind, {})
+
+    def has(self, kind: type[Table]) -> bool:
+        """Return whether there is a table of a kind."""
+        return bool(self._listed.get(kind) or self._named.get(kind))
+
+    def add(self, table: Table, key: str) -> None:
+        """Add a table that is whole; its key is its name where it has one."""
+        if table.NAMED:
+            self.named(type(table))[key] = table
+        else:
+            self.all(type(table)).append(table)

@@ -16,15 +16,18 @@ def table_of(kind: type[BaseModel], values: Mapping[str, Any]) -> dict[str, Any]
     """Return a table of a case file with those of its ``values`` that differ from the defaults."""
     plain = {key: as_plain(value) for key, value in values.items()}
     defaults = {key: as_plain(field.default) for key, field in kind.model_fields.items()}
-    return {key: value for key, value in plain.items() if value != defaults[key]}
+    names = {key: field.alias or key for key, field in kind.model_fields.items()}
+    return {names[key]: value for key, value in plain.items() if value != defaults[key]}
 
 
 def as_plain(value: Any) -> Any:
-    """Return a value in the types of a case file: arrays and tuples become lists."""
+    """Return a value in the types of a case file: arrays and tuples become lists, tables too."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, list | tuple):
         return [as_plain(item) for item in value]
+    if isinstance(value, BaseModel):
+        return table_of(type(value), dict(value))
     return value
 
 

@@ -7,31 +7,25 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from clast.errors import shortened
+from clast.inputs.declaring.table import Inputs
 from clast.inputs.placing.blocks import Vector
-from clast.inputs.placing.bolt_kinds import checked_kind
-from clast.inputs.placing.bolt_lines import Ground
-from clast.inputs.placing.bolt_patterns import PatternEntry, bolts_round
-from clast.inputs.placing.bolts import BoltEntry, bolts_of
 from clast.inputs.placing.openings import OpeningEntry
 from clast.inputs.placing.points import Place
 from clast.inputs.placing.pressures import LinePressure
 from clast.inputs.placing.viscous_boundaries import ViscousBoundary
 from clast.inputs.placing.water import WaterEntry
-from clast.model.bolts import BoltKind, Bolts
 from clast.model.factors import Factor, checked_factor
 from clast.model.model import Floats
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from clast.inputs.placing.bolt_kinds import BoltNumbers
-    from clast.inputs.placing.bolts import BoltChoices
     from clast.inputs.placing.water import WaterKeys
 from clast.model.value_checks import check_name, check_text
 
 
 @dataclass(kw_only=True)
-class SupportsAndLoads:
+class SupportsAndLoads(Inputs):
     """What holds blocks, acts on them and is measured of them: a part of ``ModelBuilder``."""
 
     _fixed_points: list[Place] = field(default_factory=list, init=False)
@@ -43,9 +37,6 @@ class SupportsAndLoads:
     _factors: list[Factor] = field(default_factory=list, init=False)
     _measured_points: list[Place] = field(default_factory=list, init=False)
     _measured_names: list[str] = field(default_factory=list, init=False)
-    _bolt_kinds: list[BoltKind] = field(default_factory=list, init=False)
-    _bolts: list[BoltEntry] = field(default_factory=list, init=False)
-    _bolt_patterns: list[PatternEntry] = field(default_factory=list, init=False)
     opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
     """Outlines of openings by name, counter-clockwise, m, (c, 2) each: for patterns of bolts."""
     _openings: list[OpeningEntry] = field(default_factory=list, init=False)
@@ -191,88 +182,6 @@ class SupportsAndLoads:
         """
         self._measured_names.append(name)
         self._measured_points.append(Place(f"measured point '{shortened(str(name))}'", at, block))
-
-    def add_bolt_kind(self, name: str, **numbers: Unpack[BoltNumbers]) -> str:
-        """Add a kind of bolt and return its name: forces in N per metre of thickness.
-
-        ``stiffness`` in N/m per m, or ``young``, Pa, ``area``, m2, and ``out_of_plane_spacing``, m:
-        E A/(L a).  ``yield_force`` and ``pretension`` in N/m, ``rupture_elongation`` in m or
-        ``rupture_strain`` as a share of the length; ``compression`` is True for what bears it.
-        """
-        self._bolt_kinds.append(checked_kind(name, numbers))
-        return name
-
-    def bolt(
-        self,
-        start: Vector,
-        end: Vector,
-        *,
-        kind: str,
-        blocks: Sequence[str] | None = None,
-        name: str | None = None,
-        **choices: Unpack[BoltChoices],
-    ) -> None:
-        """Set a bolt from its head ``start`` to ``end`` (x, y), m, both of which move with blocks.
-
-        ``blocks`` names those of both ends, where blocks touch there.  ``anchorage`` "ends" is one
-        spring between the two, "grouted" one for each joint that it crosses, ``free_length``, m, to
-        each side.  ``pretension_is`` "initial" changes with movement, "jacked" is held until a
-        later stage begins.  ``stage`` names the stage that installs it.
-        """
-        label = f"bolt {len(self._bolts) + 1}" + (f" '{shortened(str(name))}'" if name else "")
-        self._bolts.append(
-            BoltEntry(
-                label=label,
-                name=name,
-                kind=kind,
-                start=start,
-                end=end,
-                blocks=blocks,
-                choices=dict(choices),
-            )
-        )
-
-    def bolt_pattern(
-        self,
-        opening: str | Sequence[Vector] | Floats,
-        *,
-        kind: str,
-        length: float,
-        spacing: float,
-        angles: Vector = (0.0, 360.0),
-        name: str | None = None,
-        **choices: Unpack[BoltChoices],
-    ) -> None:
-        """Set bolts of a ``length`` round an opening, radial, ``spacing`` apart on its wall, m.
-
-        ``opening`` is its outline, (c, 2), m, or the name of one in ``opening_outlines``;
-        ``angles`` are the first and the last, degrees, counter-clockwise from +x, seen from its
-        centroid.  What is left of the wall stays free at both ends alike.  ``choices`` are those of
-        ``bolt``.
-        """
-        label = f"bolt pattern {len(self._bolt_patterns) + 1}"
-        self._bolt_patterns.append(
-            PatternEntry(
-                label=label,
-                name=name,
-                kind=kind,
-                opening=opening,
-                length=length,
-                spacing=spacing,
-                angles=angles,
-                choices=dict(choices),
-            )
-        )
-
-    def _bolts_in(self, ground: Ground) -> Bolts:
-        """Return all bolts, those of patterns behind the others."""
-        excavated = [one.name for one in self._openings]
-        round_openings = [
-            bolt
-            for entry in self._bolt_patterns
-            for bolt in bolts_round(entry, self.opening_outlines, ground, excavated)
-        ]
-        return bolts_of(self._bolt_kinds, [*self._bolts, *round_openings], ground)
 
     def opening(self, name: str, blocks: Iterable[str], weld: str | None = None) -> str:
         """Let stages excavate ``blocks`` (their names) together under a name; return this.

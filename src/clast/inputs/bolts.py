@@ -1,0 +1,211 @@
+"""[bolt_kind.NAME], [[bolt]], [[bolt_pattern]]: what bolts bear, and where they are.
+
+Forces are N per metre of thickness, tension positive.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
+
+from clast.inputs.declaring.choices import Number, within
+from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, refusal
+from clast.inputs.declaring.table import Length, Loop, Point, Positive, Table
+from clast.model import ranges
+from clast.model.model import Floats
+
+BoltForce = Annotated[Number, Field(ge=0.0), within(ranges.FORCE)]
+Degrees = Annotated[Number, Field(ge=-360.0, le=720.0)]
+AXIAL = ("young", "area", "out_of_plane_spacing")
+"""What a stiffness is made of."""
+
+
+class BoltKind(Table):
+    """What a kind of bolt bears; stiffness, or young, area and out_of_plane_spacing."""
+
+    NAMED: ClassVar[bool] = True
+
+    stiffness: Annotated[Positive, within(ranges.STIFFNESS)] | None = None
+    """Force by elongation, N/m per m."""
+    young: Annotated[Positive, within(ranges.MODULUS)] | None = None
+    """Young's modulus of the bolt, Pa; with area and out_of_plane_spacing in place of stiffness."""
+    area: Positive | None = None
+    """Cross-section of one bolt, m2."""
+    out_of_plane_spacing: Length | None = None
+    """Distance between bolts along the thickness, m."""
+    yield_force: Annotated[Positive, within(ranges.FORCE)] | None = None
+    """Force at which it yields, N per metre of thickness; it is elastic if absent."""
+    rupture_elongation: Length | None = None
+    """Elongation, plastic one included, at which it breaks for good, m; never if absent."""
+    rupture_strain: Annotated[Positive, within(ranges.FACTOR)] | None = None
+    """The same as a share of its length, -."""
+    pretension: BoltForce = 0.0
+    """Force that it is installed with, N per metre of thickness."""
+    compression: StrictBool = False
+    """True for bars, which bear compression; cables bear none."""
+
+    @model_validator(mode="after")
+    def _has_one_stiffness(self) -> Self:
+        given = [key for key in AXIAL if getattr(self, key) is not None]
+        lacking = [key for key in AXIAL if key not in given]
+        if self.stiffness is not None and given:
+            what = f"stiffness and {', '.join(given)} are both given"
+            remedy = "give stiffness, N/m per m of thickness, or young, area and "
+            raise refusal(Fault(what=what, remedy=remedy + "out_of_plane_spacing"))
+        if self.stiffness is None and lacking:
+            half = f"{' and '.join(given)} without {' and '.join(lacking)}"
+            remedy = (
+                "give stiffness, N/m per m of thickness, or all of young (Pa), area (m2 of one "
+                "bolt) and out_of_plane_spacing (m between bolts along the thickness)"
+            )
+            raise refusal(Fault(what=half if given else "has no stiffness", remedy=remedy))
+        return self
+
+    @model_validator(mode="after")
+    def _does_not_contradict_itself(self) -> Self:
+        if self.yield_force is not None and self.pretension > self.yield_force:
+            what = (
+                f"a pretension of {self.pretension:g} N/m is above yield_force, "
+                f"{self.yield_force:g} N/m"
+            )
+            remedy = "lower it: a bolt that yields holds no pretension"
+            raise refusal(Fault(place=("pretension",), what=what, remedy=remedy))
+        if self.rupture_elongation is not None and self.rupture_strain is not None:
+            what = "rupture_elongation and rupture_strain are both given"
+            remedy = "give one of them: m, or a share of the length"
+            raise refusal(Fault(what=what, remedy=remedy))
+        return self
+
+    def stiffness_of(self, length: Floats) -> Floats:
+        """Return the stiffness of springs of lengths (m,), m, in N/m per m: E A/(L a), (m,)."""
+        if self.stiffness is not None:
+            return np.full(len(length), self.stiffness)
+        axial = (self.young or 0.0) * (self.area or 0.0) / (self.out_of_plane_spacing or 1.0)
+        return np.asarray(axial / length)
+
+    def rupture_of(self, length: Floats) -> Floats:
+        """Return the elongation at which springs of lengths (m,) break, m, inf: never, (m,)."""
+        limit = np.full(len(length), np.inf)
+        if self.rupture_elongation is not None:
+            limit = np.minimum(limit, self.rupture_elongation)
+        if self.rupture_strain is not None:
+            limit = np.minimum(limit, self.rupture_strain * length)
+        return limit
+
+
+class Bolt(Table):
+    """A bolt between two points, which move with their blocks."""
+
+    name: StrictStr | None = None
+    """Name; its number if absent."""
+    start: Point
+    """Head [x, y], in a block or on its face, m."""
+    end: Point
+    """Other end [x, y], in another block, m."""
+    blocks: tuple[StrictStr, StrictStr] | None = None
+    """Blocks of both ends, the head first; needed only where blocks touch."""
+    kind: StrictStr
+    """Kind: [bolt_kind.NAME]."""
+    anchorage: Literal["ends", "grouted"] = "ends"
+    """ends: one spring between head and toe; grouted: one for every joint that it crosses."""
+    free_length: Length | None = None
+    """Length on each side of a joint along which a grouted bolt is free, m."""
+    pretension_is: Literal["initial", "jacked"] = "initial"
+    """initial: changes with movement from the start; jacked: a jack holds it until a later stage
+    begins, without stages to the end."""
+    stage: StrictStr | None = None
+    """Stage that installs it; it is there from the start if absent."""
+
+    @model_validator(mode="after")
+    def _is_a_line(self) -> Self:
+        if self.start == self.end:
+            raise refusal(Fault(what="has no length", remedy="give two different ends"))
+        if self.anchorage == "grouted" and self.blocks is not None:
+            what = "a grouted bolt moves with all blocks that it runs through"
+            remedy = 'leave blocks out; only anchorage = "ends" may need them'
+            raise refusal(Fault(place=("blocks",), what=what, remedy=remedy))
+        check_free_length(self)
+        return self
+
+
+def _kind_of_opening(value: Any) -> str:
+    """Return the tag of an opening: its name, or its corners."""
+    return TABLE if isinstance(value, str) else PLAIN
+
+
+class BoltPattern(Table):
+    """Bolts round an opening, radial from its centroid."""
+
+    name: StrictStr | None = None
+    """Name of the pattern, from which its bolts have theirs; that of the opening if absent."""
+    opening: Annotated[
+        Annotated[StrictStr, Tag(TABLE)] | Annotated[Loop, Tag(PLAIN)],
+        Discriminator(_kind_of_opening),
+    ]
+    """Name of an [[opening]], or corners [x, y] of one, m."""
+    length: Length
+    """Length of each bolt, m."""
+    spacing: Length
+    """Distance of the heads along the wall, m."""
+    from_: Degrees = Field(0.0, alias="from")
+    """First direction, degrees, counter-clockwise from +x."""
+    to: Degrees = 360.0
+    """Last direction, degrees; what the spacing leaves is left at both ends alike."""
+    kind: StrictStr
+    """Kind: [bolt_kind.NAME]."""
+    anchorage: Literal["ends", "grouted"] = "ends"
+    """ends: one spring between head and toe; grouted: one for every joint that it crosses."""
+    free_length: Length | None = None
+    """Length on each side of a joint along which a grouted bolt is free, m."""
+    pretension_is: Literal["initial", "jacked"] = "initial"
+    """initial: changes with movement from the start; jacked: a jack holds it until a later stage
+    begins, without stages to the end."""
+    stage: StrictStr | None = None
+    """Stage that installs it; it is there from the start if absent."""
+
+    @model_validator(mode="after")
+    def _is_part_of_an_outline(self) -> Self:
+        if not 0.0 < self.to - self.from_ <= 360.0:
+            what = f"from {self.from_:g} to {self.to:g} degrees is no part of an outline"
+            remedy = "give from below to, counter-clockwise from +x, at most 360 degrees apart"
+            raise refusal(Fault(what=what, remedy=remedy))
+        check_free_length(self)
+        return self
+
+    def label(self, number: int) -> str:
+        """Return how a message calls it; its number is from 1."""
+        return f"bolt pattern {number}"
+
+    def group(self, number: int) -> str:
+        """Return the name of the pattern: its own, that of its opening, or its number."""
+        if self.name is not None:
+            return self.name
+        return self.opening if isinstance(self.opening, str) else self.label(number)
+
+
+def check_free_length(bolt: Bolt | BoltPattern) -> None:
+    """Refuse a grouted bolt without a free length, and one of another kind with it."""
+    if bolt.anchorage == "grouted" and bolt.free_length is None:
+        remedy = (
+            "say how long the bolt is free on each side of a joint, m, e.g. a few of its "
+            "diameters: free_length = 0.1"
+        )
+        raise refusal(Fault(what="free_length is missing", remedy=remedy))
+    if bolt.anchorage == "ends" and bolt.free_length is not None:
+        what = "a bolt that is anchored at its ends has no free_length: it is free all along"
+        remedy = 'leave it out, or anchorage = "grouted"'
+        raise refusal(Fault(what=what, remedy=remedy))
+
+
+def with_directions(keys: dict[str, Any]) -> dict[str, Any]:
+    """Return the keys of a pattern of a script: ``angles`` are the first and the last direction."""
+    if "angles" not in keys:
+        return keys
+    given = {key: value for key, value in keys.items() if key != "angles"}
+    try:
+        first, last = keys["angles"]
+    except (TypeError, ValueError):
+        return {**given, "from": keys["angles"]}  # which is refused as no number
+    return {**given, "from": first, "to": last}

@@ -1,0 +1,98 @@
+"""Methods of the builder that follow from the declarations of inputs.
+
+    class ModelBuilder(Inputs):
+        bolt = gives("bolt", Bolt, "start", "end")
+
+gives the builder the method ``bolt``: it takes the keys of ``[[bolt]]``, those two also by their
+place, and refuses what a case file would be refused for, in the same words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from inspect import Parameter, Signature
+from keyword import iskeyword
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from clast.errors import ModelError
+from clast.inputs.declaring.faults import Fault, error_of, faults_of
+from clast.inputs.declaring.meanings import explain
+from clast.inputs.declaring.table import Inputs, Table
+from clast.inputs.declaring.writing import as_plain
+
+T = TypeVar("T", bound=Table)
+Keys = dict[str, Any]
+
+POSITIONAL = Parameter.POSITIONAL_OR_KEYWORD
+
+
+def gives(
+    key: str, kind: type[Table], *places: str, turned: Callable[[Keys], Keys] = dict
+) -> Callable[..., None]:
+    """Return the method of a builder that adds a record, ``[[key]]`` of a case file.
+
+    ``places`` are keys that may be given by their place; ``turned`` makes keys of the file of those
+    of a script where these differ.  Raises ModelError for what the record cannot be.
+    """
+
+    def method(self: Inputs, *values: Any, **keys: Any) -> None:
+        records = self.all(kind)
+        keys = turned(_by_name(key, places, values, keys))
+        records.append(record_of(kind, keys, (key, len(records)), [{}] * len(records) + [keys]))
+
+    return _described(method, key, kind, [Parameter(one, POSITIONAL) for one in places])
+
+
+def gives_named(key: str, kind: type[Table], *places: str) -> Callable[..., str]:
+    """Return the method ``add_...`` of a builder that adds a record by its name and returns it."""
+
+    def method(self: Inputs, name: str, *values: Any, **keys: Any) -> str:
+        keys = _by_name(key, places, values, keys)
+        known = self.named(kind)
+        if name in known:
+            what = f"there are two {key.replace('_', ' ')}s of that name"
+            raise ModelError(what, where=f"{key} '{name}'", remedy="rename one of them")
+        known[name] = record_of(kind, keys, (key, name), {name: keys})
+        return name
+
+    return _described(method, f"add_{key}", kind, [Parameter("name", POSITIONAL)])
+
+
+def _by_name(key: str, places: tuple[str, ...], values: tuple[Any, ...], keys: Keys) -> Keys:
+    """Return all arguments by their names; arrays become lists."""
+    if len(values) > len(places) or keys.keys() & set(places[: len(values)]):
+        raise TypeError(f"{key}() takes {len(places)} values by place: {', '.join(places)}")
+    return {**dict(zip(places, values, strict=False)), **keys}
+
+
+def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str | int, ...], all_: Any) -> T:
+    """Return a record; ModelError in the words of a case file that has it at this place."""
+    try:
+        return kind.model_validate({name: as_plain(value) for name, value in keys.items()})
+    except ValidationError as error:
+        explain(kind)
+        faults = [
+            Fault(place=(*place, *one.place), what=one.what, remedy=one.remedy)
+            for one in faults_of(error, kind)
+        ]
+        raise error_of(faults, content={place[0]: all_}, kind=ModelError) from None
+
+
+def _described(method: Any, name: str, kind: type[Table], first: list[Parameter]) -> Any:
+    """Return a method with the name, the arguments and the words of its record."""
+    placed = {one.name for one in first}
+    rest = [
+        Parameter(one.alias or key, Parameter.KEYWORD_ONLY, default=_default(one))
+        for key, one in kind.model_fields.items()
+        if key not in placed and not iskeyword(one.alias or key)
+    ]
+    method.__name__ = name
+    method.__doc__ = kind.__doc__
+    method.__signature__ = Signature([Parameter("self", POSITIONAL), *first, *rest])
+    return method
+
+
+def _default(one: Any) -> Any:
+    return Parameter.empty if one.is_required() else one.default

@@ -1,0 +1,205 @@
+"""Bolts in the blocks of a model: their points, and the springs between these."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+
+from clast.errors import ModelError, shortened
+from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
+from clast.inputs.declaring.table import Inputs
+from clast.inputs.placing.bolt_lines import Ground, Pieces, joints_between
+from clast.inputs.placing.bolt_patterns import bolts_round
+from clast.model import ranges
+from clast.model.bolts import Bolts
+from clast.model.checks import locate
+from clast.model.model import Floats
+from clast.model.value_checks import check_names, number_of
+
+
+@dataclass(frozen=True, kw_only=True)
+class Anchored:
+    """The points of one bolt from head to toe, and between which of them its springs act."""
+
+    block: list[int]
+    at: list[Floats]
+    ends: list[tuple[int, int]]
+
+
+def placed_bolts(
+    given: Inputs, openings: Mapping[str, Floats], blocks_of_openings: Sequence[str], ground: Ground
+) -> Bolts:
+    """Return the bolts of a model, those of patterns behind the others.
+
+    ``openings`` are the outlines of openings by name, (c, 2) each, m; ``blocks_of_openings`` names
+    those that are blocks.  ModelError names bolt and remedy where one cannot be.
+    """
+    kinds = given.named(BoltKind)
+    check_names("bolt kind", list(kinds))
+    bolts = given.all(Bolt)
+    labels = [_label(number, bolt) for number, bolt in enumerate(bolts, 1)]
+    groups = [""] * len(bolts)
+    for number, pattern in enumerate(given.all(BoltPattern), 1):
+        for label, bolt in bolts_round(pattern, number, (openings, blocks_of_openings), ground):
+            bolts = [*bolts, bolt]
+            labels.append(label)
+            groups.append(pattern.group(number))
+    if not bolts:
+        return Bolts()
+    names = [str(k) if bolt.name is None else bolt.name for k, bolt in enumerate(bolts, 1)]
+    check_names("bolt", names)
+    named = list(zip(labels, bolts, strict=True))
+    parts = [_anchored(label, bolt, ground) for label, bolt in named]
+    first = np.cumsum([0, *(len(part.block) for part in parts)])
+    known = {name: number for number, name in enumerate(kinds)}
+    for label, bolt in named:
+        number_of(bolt.kind, known, "bolt kind", f"{label}, kind")
+    pairs = [(first[k] + i, first[k] + j) for k, part in enumerate(parts) for i, j in part.ends]
+    return _with_springs(
+        Bolts(
+            name=tuple(names),
+            kind=tuple(bolt.kind for bolt in bolts),
+            group=tuple(groups),
+            stage=tuple(bolt.stage or "" for bolt in bolts),
+            installed=np.array([not bolt.stage for bolt in bolts], np.bool_),
+            locked=np.zeros(len(bolts), np.bool_),
+            block=np.array([block for part in parts for block in part.block], np.int64),
+            at=np.array([point for part in parts for point in part.at]).reshape(-1, 2),
+            bolt=np.repeat(np.arange(len(bolts)), np.diff(first)),
+            ends=np.array(pairs, np.int64).reshape(-1, 2),
+        ),
+        named,
+        [kinds[bolt.kind] for bolt in bolts],
+    )
+
+
+def _label(number: int, bolt: Bolt) -> str:
+    """Return how a message calls a bolt."""
+    return f"bolt {number} '{shortened(bolt.name)}'" if bolt.name else f"bolt {number}"
+
+
+def _with_springs(
+    bolts: Bolts, named: Sequence[tuple[str, Bolt]], kinds: Sequence[BoltKind]
+) -> Bolts:
+    """Return the bolts with what their springs bear, by label, record and kind (k,) of each."""
+    owner = bolts.of_spring
+    length = np.hypot(*(bolts.at[bolts.ends[:, 1]] - bolts.at[bolts.ends[:, 0]]).T)
+    stiffness, rupture = np.zeros(len(owner)), np.full(len(owner), np.inf)
+    for k, (kind, (label, bolt)) in enumerate(zip(kinds, named, strict=True)):
+        own = owner == k
+        stiffness[own] = kind.stiffness_of(length[own])
+        rupture[own] = kind.rupture_of(length[own])
+        where, remedy = f"{label}, kind '{bolt.kind}'", "see to young, area and length"
+        for m in np.flatnonzero(own):
+            ranges.check_size(stiffness[m], ranges.STIFFNESS, f"{where}, stiffness", remedy)
+            _refuse_early_rupture(kind, stiffness[m], rupture[m], where)
+        if bolt.pretension_is == "jacked" and kind.pretension == 0.0:
+            raise ModelError(
+                f"a jack would hold nothing: kind '{shortened(bolt.kind)}' has no pretension",
+                where=f"{label}, pretension_is",
+                remedy="give pretension to its kind, or leave pretension_is out",
+            )
+    strength = [np.inf if kind.yield_force is None else kind.yield_force for kind in kinds]
+    jacked = [bolt.pretension_is == "jacked" for _, bolt in named]
+    return replace(
+        bolts,
+        stiffness=stiffness,
+        rupture=rupture,
+        yield_force=np.array(strength)[owner],
+        pretension=np.array([kind.pretension for kind in kinds])[owner],
+        compression=np.array([kind.compression for kind in kinds], np.bool_)[owner],
+        jacked=np.array(jacked, np.bool_)[owner],
+    )
+
+
+def _refuse_early_rupture(kind: BoltKind, stiffness: float, rupture: float, where: str) -> None:
+    """Refuse a spring that breaks before it yields, or before it has its pretension."""
+    for force, what in ((kind.yield_force, "it yields"), (kind.pretension, "it is tensioned")):
+        if force is not None and rupture < force / stiffness:
+            raise ModelError(
+                f"it breaks at an elongation of {rupture:.6g} m, but {what} at "
+                f"{force / stiffness:.6g} m ({force:g} N/m by {stiffness:g} N/m per m)",
+                where=where,
+                remedy="raise rupture_elongation or rupture_strain, or the stiffness",
+            )
+
+
+def _anchored(label: str, bolt: Bolt, ground: Ground) -> Anchored:
+    """Return the points and springs of a bolt."""
+    line = np.array([bolt.start, bolt.end]) - ground.outlines.origin
+    return ANCHORAGES[bolt.anchorage](label, bolt, line, ground)
+
+
+# Anchored at its ends ----------------------------------------------------------------------------
+
+
+def _at_its_ends(label: str, bolt: Bolt, line: Floats, ground: Ground) -> Anchored:
+    """Return one spring between two points."""
+    block = _blocks_of_ends(label, bolt, line, ground)
+    if block[0] == block[1]:
+        raise ModelError(
+            f"both ends are in {ground.outlines.label(block[0])}, which it cannot hold",
+            where=label,
+            remedy="move one end across a joint, into another block",
+        )
+    return Anchored(block=block, at=[line[0], line[1]], ends=[(0, 1)])
+
+
+def _blocks_of_ends(label: str, bolt: Bolt, line: Floats, ground: Ground) -> list[int]:
+    """Return the blocks of head and toe."""
+    named = np.full(2, -1, np.int64)
+    if bolt.blocks is not None:
+        numbers = {name: number for number, name in enumerate(ground.outlines.names)}
+        named[:] = [number_of(name, numbers, "block", f"{label}, blocks") for name in bolt.blocks]
+
+    def where(k: int) -> str:
+        return f"{label}, {('start', 'end')[k]} at {ground.text(line[k])}"
+
+    shapes = np.array(shapely.points(line))
+    try:
+        found = locate(shapes, named, where, ground.outlines, ground.tree, ground.moved)
+    except ModelError as error:
+        if "common boundary" not in error.what:
+            raise
+        remedy = 'say which ones its ends move with, the head first: blocks = ["1", "2"]'
+        raise ModelError(error.what, where=error.where, remedy=remedy) from None
+    return [int(one) for one in found]
+
+
+# Grouted -----------------------------------------------------------------------------------------
+
+
+def _grouted(label: str, bolt: Bolt, line: Floats, ground: Ground) -> Anchored:
+    """Return a spring for each joint that the bolt crosses, and its own ends beside them."""
+    free = bolt.free_length or 0.0
+    pieces = ground.pieces(line)
+    joints_between(pieces, line, ground, label, free)
+    return _crossings(pieces, line, free)
+
+
+def _crossings(pieces: Pieces, line: Floats, free: float) -> Anchored:
+    """Return the head, two points beside each joint, and the toe."""
+    length = float(np.hypot(*(line[1] - line[0])))
+    along = (line[1] - line[0]) / length
+    # what lies between two joints is shared by the springs of both
+    room = np.diff(pieces.ends, axis=1)[:, 0]
+    share = np.full(len(room), 0.5)
+    share[[0, -1]] = 1.0
+    reach = np.minimum(free, share * room)
+    block, at, ends = [int(pieces.block[0])], [line[0]], []
+    for k in range(len(room) - 1):
+        before, after = pieces.ends[k, 1] - reach[k], pieces.ends[k + 1, 0] + reach[k + 1]
+        ends.append((len(block), len(block) + 1))
+        block += [int(pieces.block[k]), int(pieces.block[k + 1])]
+        at += [line[0] + before * along, line[0] + after * along]
+    return Anchored(block=[*block, int(pieces.block[-1])], at=[*at, line[1]], ends=ends)
+
+
+ANCHORAGES: dict[str, Callable[[str, Bolt, Floats, Ground], Anchored]] = {
+    "ends": _at_its_ends,
+    "grouted": _grouted,
+}
+"""Name of an anchorage -> what makes points and springs of a bolt."""
