@@ -22,7 +22,6 @@ from clast.case.cutting import CutCase, RockMass
 from clast.case.tables import plausibility
 from clast.case.tables.acting.damping import Damping, chosen_damping
 from clast.case.tables.acting.ground_motion import GroundMotionTable
-from clast.case.tables.acting.in_situ import InSituTable
 from clast.case.tables.acting.supports_and_loads import (
     FactorTable,
     FixedPointTable,
@@ -30,7 +29,6 @@ from clast.case.tables.acting.supports_and_loads import (
     PointLoadTable,
     PressureTable,
 )
-from clast.case.tables.acting.viscous_boundaries import ViscousBoundaryTable
 from clast.case.tables.acting.water import WaterTable
 from clast.case.tables.blocks import BlockFileTable, BlockTable, GeometryTable
 from clast.case.tables.joint_sets import JointSetTable
@@ -54,6 +52,8 @@ from clast.inputs.declaring import writing as case_writing
 from clast.inputs.declaring.faults import Fault, error_of, faults_of, refusal
 from clast.inputs.declaring.meanings import explain
 from clast.inputs.declaring.table import Acceleration, Table
+from clast.inputs.in_situ import InSituTable
+from clast.inputs.viscous_boundaries import ViscousBoundary
 from clast.model.model import Model, PlaneStrain, PlaneStress
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ class Case(BaseModel):
     """Rock bolts round openings."""
     water: list[WaterTable] = []
     """Water on outer faces and in joints."""
-    viscous_boundary: list[ViscousBoundaryTable] = []
+    viscous_boundary: list[ViscousBoundary] = []
     """Outer edges through which waves leave."""
     in_situ: InSituTable | None = None
     """Stress in the rock before anything is dug."""

@@ -27,7 +27,6 @@ import numpy as np
 from clast import spelling
 from clast.case.case_file import PLANES, Case
 from clast.case.tables.acting.ground_motion import GROUND_MOTIONS, GroundMotionTable
-from clast.case.tables.acting.in_situ import in_situ_keys
 from clast.case.tables.acting.supports_and_loads import (
     FactorTable,
     FixedPointTable,
@@ -35,7 +34,6 @@ from clast.case.tables.acting.supports_and_loads import (
     PointLoadTable,
     PressureTable,
 )
-from clast.case.tables.acting.viscous_boundaries import viscous_keys
 from clast.case.tables.acting.water import WaterTable
 from clast.case.tables.blocks import BlockTable
 from clast.case.tables.materials import JointTable, RockTable
@@ -50,6 +48,7 @@ from clast.inputs.bolts import BoltPattern
 from clast.inputs.declaring.faults import table_in
 from clast.inputs.declaring.table import Table
 from clast.inputs.declaring.writing import as_plain, table_of
+from clast.inputs.in_situ import in_situ_keys
 from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Recorded, Still
 from clast.model.model import Model, Plane
@@ -203,7 +202,6 @@ class ModelBuilder(model_builder.ModelBuilder):
                 table_of(OpeningTable, {**vars(entry), "blocks": list(entry.blocks)})
                 for entry in self._openings
             ],
-            "viscous_boundary": [viscous_keys(one) for one in self._viscous_boundaries],
             "in_situ": in_situ_keys(self.in_situ),
             "ground_motion": _ground_motion(self.ground_motion),
         }

@@ -30,13 +30,14 @@ from clast.inputs.declaring.giving import gives, gives_named
 from clast.inputs.placing.blocks import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.bolt_springs import placed_bolts
+from clast.inputs.placing.dashpots import check_incoming, viscous_edges
 from clast.inputs.placing.joints import JointEntry, joint_table, joints_of_edges, pairs_of_names
 from clast.inputs.placing.openings import openings_of
 from clast.inputs.placing.points import Place, Places, located
 from clast.inputs.placing.pressures import pressed_edges
 from clast.inputs.placing.supports_and_loads import SupportsAndLoads
-from clast.inputs.placing.viscous_boundaries import check_incoming, viscous_edges
 from clast.inputs.placing.water import Bed, waters_in
+from clast.inputs.viscous_boundaries import ViscousBoundary, with_where
 from clast.model import checks as model_checks
 from clast.model import ranges, value_checks
 from clast.model.checks import Outlines
@@ -106,6 +107,8 @@ class ModelBuilder(SupportsAndLoads):
     """Set a bolt from its head ``start`` to ``end``: ``[[bolt]]``."""
     bolt_pattern = gives("bolt_pattern", BoltPattern, "opening", turned=with_directions)
     """Set bolts round an opening, ``[[bolt_pattern]]``; ``angles`` are first and last direction."""
+    viscous_boundary = gives("viscous_boundary", ViscousBoundary, turned=with_where)
+    """Let waves leave, ``[[viscous_boundary]]``: on a ``side``, on ``edges``, in a ``polygon``."""
 
     def add_rock(
         self,
@@ -284,7 +287,7 @@ class ModelBuilder(SupportsAndLoads):
         pressures, uncovered = pressed_edges(self._pressures, block_number, factor_number, outlines)
         value_checks.check_ground_motion(self.ground_motion, len(fixed.block))
         held = self._fixed(outlines)
-        viscous = viscous_edges(self._viscous_boundaries, outlines, polygons, held)
+        viscous = viscous_edges(self.all(ViscousBoundary), outlines, polygons, held)
         check_incoming(self.ground_motion, viscous, outlines)
         value_checks.check_actions(self.actions)
         area, gravity = (

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from clast.errors import CaseError
-from clast.inputs.builder import ModelBuilder
 from clast.inputs.declaring.choices import Number, within
 from clast.inputs.declaring.faults import Fault, refusal
 from clast.inputs.declaring.table import Coordinate, Stresses, Table
@@ -59,7 +58,7 @@ class InSituTable(Table):
             raise refusal(Fault(place=("gradient",), what=what, remedy="remove gradient"))
         return self
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
+    def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Give the builder the stress."""
         in_contacts, held = IN_CONTACTS[self.contacts], HELD[self.boundary]
         if self.k0 is not None:

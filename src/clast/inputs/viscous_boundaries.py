@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictStr, model_validator
 
-from clast.case.tables.acting.in_situ import Side
-from clast.inputs.builder import ModelBuilder
+from clast.errors import shortened
 from clast.inputs.declaring.choices import Number, within
 from clast.inputs.declaring.faults import Fault, refusal
 from clast.inputs.declaring.table import Instant, Loop, Point, Table
-from clast.inputs.declaring.writing import as_plain, table_of
-from clast.inputs.placing.viscous_boundaries import ViscousBoundary
+from clast.inputs.in_situ import Side
 from clast.model import ranges
 
 Multiple = Annotated[Number, Field(ge=0.0), within(ranges.FACTOR)]
 
 
-class WhereTable(Table):
+class Where(Table):
     """Where a viscous boundary is: one of these."""
 
     side: Side | None = None
@@ -38,14 +35,14 @@ class WhereTable(Table):
         return self
 
 
-class ViscousBoundaryTable(Table):
+class ViscousBoundary(Table):
     """Dashpots on outer edges, in the place of the rock beyond: waves leave, few come back.
 
     On an edge act -normal rho c_p v_n and -tangential rho c_s v_t, with rho, c_p and c_s of the
     block behind it.
     """
 
-    where: WhereTable
+    where: Where
     """Which edges: {side = "bottom"}, {edges = [[p, q], ...]} or {polygon = [...]}."""
     normal: Multiple = 1.0
     """Multiple of rho c_p; 0: free along the normal."""
@@ -59,21 +56,24 @@ class ViscousBoundaryTable(Table):
     stage: StrictStr | None = None
     """Stage with which the dashpots begin, in the place of begins."""
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
-        """Add the boundary."""
-        own = {name: value for name, value in self if name != "where"}
-        builder.viscous_boundary(**dict(self.where), **own)
+    @model_validator(mode="after")
+    def _begins_once(self) -> Self:
+        if self.stage == "":
+            what, remedy = "'' is no name of a stage", 'give the name of a [[stage]], e.g. "quake"'
+            raise refusal(Fault(place=("stage",), what=what, remedy=remedy))
+        if self.stage is not None and self.begins:
+            named = shortened(self.stage)
+            what = f"begins both at {self.begins:g} s and with the stage '{named}'"
+            raise refusal(Fault(what=what, remedy="give begins or stage"))
+        if self.normal == self.tangential == 0.0:
+            what = "normal and tangential are both 0: that is a free edge"
+            remedy = "leave the boundary out, or give normal = 1 and tangential = 1"
+            raise refusal(Fault(what=what, remedy=remedy))
+        return self
 
 
-def viscous_keys(given: ViscousBoundary) -> dict[str, object]:
-    """Return the table of a boundary of a script."""
-    where = {
-        key: as_plain(getattr(given, key))
-        for key in ("side", "edges", "polygon")
-        if getattr(given, key) is not None
-    }
-    names = ("normal", "tangential", "static", "begins", "stage")
-    return {
-        "where": where,
-        **table_of(ViscousBoundaryTable, {key: getattr(given, key) for key in names}),
-    }
+def with_where(keys: dict[str, Any]) -> dict[str, Any]:
+    """Return the keys of a boundary of a script, which says where by keys of their own."""
+    given = {key: value for key, value in keys.items() if key not in Where.model_fields}
+    where = {key: keys[key] for key in Where.model_fields if keys.get(key) is not None}
+    return {"where": where, **given}

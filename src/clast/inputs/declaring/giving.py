@@ -77,7 +77,7 @@ def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str | int, ..
             Fault(place=(*place, *one.place), what=one.what, remedy=one.remedy)
             for one in faults_of(error, kind)
         ]
-        raise error_of(faults, content={place[0]: all_}, kind=ModelError) from None
+        raise error_of(faults, content={str(place[0]): all_}, kind=ModelError) from None
 
 
 def _described(method: Any, name: str, kind: type[Table], first: list[Parameter]) -> Any:

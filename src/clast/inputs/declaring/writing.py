@@ -26,6 +26,8 @@ def as_plain(value: Any) -> Any:
         return value.tolist()
     if isinstance(value, list | tuple):
         return [as_plain(item) for item in value]
+    if isinstance(value, dict):
+        return {key: as_plain(item) for key, item in value.items()}
     if isinstance(value, BaseModel):
         return table_of(type(value), dict(value))
     return value

@@ -1,22 +1,19 @@
-"""Viscous boundaries as they are given to a builder, and the edges that they are found on."""
+"""The edges of a model that viscous boundaries are on."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import shapely
 
-from clast.errors import ModelError, shortened
-from clast.inputs.placing.blocks import Vector
+from clast.errors import ModelError
+from clast.inputs.declaring.table import Loop, Point
+from clast.inputs.viscous_boundaries import ViscousBoundary, Where
 from clast.model.checks import Geometries, Outlines, point_text
 from clast.model.ground_motion import GroundMotion, IncomingWave
-from clast.model.in_situ import SIDES
-from clast.model.model import Bools, Floats, Ints
+from clast.model.model import Bools, Ints
 from clast.model.outline import outline_edges
-from clast.model.value_checks import check_number, check_numbers
 from clast.model.viscous_edges import DOWNWARDS, ViscousEdges
 
 STATIC = {"hold": 1.0, "none": 0.0}
@@ -27,23 +24,8 @@ OUTSIDE = np.array([0.05, 0.5, 0.95])
 """Places along an edge, as shares of its length, where rock beyond it would be in a block."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ViscousBoundary:
-    """A viscous boundary as it is given; one of ``side``, ``edges`` and ``polygon`` says where."""
-
-    label: str
-    side: str | None
-    edges: Sequence[tuple[Vector, Vector]] | None
-    polygon: Sequence[Vector] | Floats | None
-    normal: float
-    tangential: float
-    static: str
-    begins: float
-    stage: str | None = None
-
-
 def viscous_edges(
-    entries: Sequence[ViscousBoundary], outlines: Outlines, polygons: Geometries, fixed: Bools
+    boundaries: Sequence[ViscousBoundary], outlines: Outlines, polygons: Geometries, fixed: Bools
 ) -> ViscousEdges:
     """Return the edges of viscous boundaries, in their order.
 
@@ -52,20 +34,26 @@ def viscous_edges(
     """
     found = [ViscousEdges()]
     seen: dict[int, str] = {}
-    for entry in entries:
-        numbers = _numbers(entry)
-        edge = _edges(entry, outlines, polygons)
-        _refuse_fixed(entry, edge, outlines, fixed)
-        for one in edge.tolist():
-            if one in seen:
+    for number, one in enumerate(boundaries, 1):
+        label = f"viscous boundary {number}"
+        edge = _edges(label, one.where, outlines, polygons)
+        _refuse_fixed(label, edge, outlines, fixed)
+        for k in edge.tolist():
+            if k in seen:
                 raise ModelError(
-                    f"{_edge_text(one, outlines)} is an edge of {seen[one]}, too",
-                    where=entry.label,
+                    f"{_edge_text(k, outlines)} is an edge of {seen[k]}, too",
+                    where=label,
                     remedy="let each edge be in one viscous boundary",
                 )
-        seen |= dict.fromkeys(edge.tolist(), entry.label)
+        seen |= dict.fromkeys(edge.tolist(), label)
+        numbers = {
+            "normal": one.normal,
+            "tangential": one.tangential,
+            "kept": STATIC[one.static],
+            "begins": one.begins if one.stage is None else np.inf,
+        }
         columns = {name: np.full(len(edge), value) for name, value in numbers.items()}
-        stage = (entry.stage or "",) * len(edge)
+        stage = (one.stage or "",) * len(edge)
         found.append(ViscousEdges(edge=edge, block=outlines.owner[edge], stage=stage, **columns))
     names = ("edge", "block", "normal", "tangential", "kept", "begins")
     joined = {name: np.concatenate([getattr(one, name) for one in found]) for name in names}
@@ -88,107 +76,43 @@ def check_incoming(motion: GroundMotion, edges: ViscousEdges, outlines: Outlines
         )
 
 
-def _numbers(entry: ViscousBoundary) -> dict[str, float]:
-    """Return multiples, share and time of a boundary, checked."""
-    where = entry.label
-    if entry.static not in STATIC:
-        raise ModelError(
-            f"static is {entry.static!r}",
-            where=f"{where}, static",
-            remedy="it is " + " or ".join(f'"{name}"' for name in STATIC),
-        )
-    numbers = {
-        key: check_number(getattr(entry, key), f"{where}, {key}")
-        for key in ("normal", "tangential", "begins")
-    }
-    for key, value in numbers.items():
-        if not 0.0 <= value < np.inf:
-            raise ModelError(
-                f"{value:g} is below 0 or not finite",
-                where=f"{where}, {key}",
-                remedy="give 0 or more; 1 is the impedance of the rock"
-                if key != "begins"
-                else "give a time in s, 0 or more",
-            )
-    if entry.stage is not None:
-        numbers["begins"] = _until_stage(entry)
-    if numbers["normal"] == numbers["tangential"] == 0.0:
-        raise ModelError(
-            "normal and tangential are both 0: that is a free edge",
-            where=where,
-            remedy="leave the boundary out, or give normal = 1 and tangential = 1",
-        )
-    return {**numbers, "kept": STATIC[entry.static]}
-
-
-def _until_stage(entry: ViscousBoundary) -> float:
-    """Return the time at which a boundary begins whose stage is still to come."""
-    if not isinstance(entry.stage, str) or not entry.stage:
-        raise ModelError(
-            f"{shortened(repr(entry.stage))} is no name of a stage",
-            where=f"{entry.label}, stage",
-            remedy='give the name of a [[stage]], e.g. stage = "quake"',
-        )
-    if entry.begins:
-        raise ModelError(
-            f"begins both at {entry.begins:g} s and with the stage '{shortened(entry.stage)}'",
-            where=entry.label,
-            remedy="give begins or stage",
-        )
-    return np.inf
-
-
-def _edges(entry: ViscousBoundary, outlines: Outlines, polygons: Geometries) -> Ints:
+def _edges(label: str, place: Where, outlines: Outlines, polygons: Geometries) -> Ints:
     """Return the edges of a boundary, in their order."""
-    given = [key for key in ("side", "edges", "polygon") if getattr(entry, key) is not None]
-    if len(given) != 1:
-        raise ModelError(
-            "says where it is by " + (" and ".join(given) if given else "nothing"),
-            where=f"{entry.label}, where",
-            remedy='give one of side = "bottom", edges = [[p, q], ...] and polygon = [...]',
-        )
-    if entry.side is not None:
-        edge = _on_side(entry, outlines)
-    elif entry.edges is not None:
-        edge = _on_lines(entry, entry.edges, outlines)
+    if place.side is not None:
+        edge = _on_side(label, place.side, outlines)
+    elif place.edges is not None:
+        edge = _on_lines(label, place.edges, outlines)
         inner = edge[~_is_outer(edge, outlines, polygons)]
         for one in inner[:1].tolist():
             raise ModelError(
                 f"{_edge_text(one, outlines)} has another block behind it",
-                where=f"{entry.label}, where",
+                where=f"{label}, where",
                 remedy="give edges with no block beyond them: waves leave the model there",
             )
     else:
-        edge = _within(entry, outlines, polygons)
+        edge = _within(label, place.polygon or [], outlines, polygons)
     return np.unique(edge)
 
 
-def _on_side(entry: ViscousBoundary, outlines: Outlines) -> Ints:
-    side = str(entry.side)
-    if side not in SIDES:
-        raise ModelError(
-            f"there is no side '{side}'",
-            where=f"{entry.label}, where",
-            remedy=f"the sides are {', '.join(SIDES)}",
-        )
+def _on_side(label: str, side: str, outlines: Outlines) -> Ints:
     edge = outline_edges(outlines.vertices, outlines.start, (side,))[:, 0]
     if len(edge) == 0:
         raise ModelError(
             f"no edge lies on the {side} side of the box around all blocks, only corners",
-            where=f"{entry.label}, where",
+            where=f"{label}, where",
             remedy="name the edges: edges = [[p, q], ...] with points p and q, or a polygon",
         )
     return edge
 
 
-def _on_lines(entry: ViscousBoundary, lines: Any, outlines: Outlines) -> Ints:
+def _on_lines(label: str, lines: Sequence[tuple[Point, Point]], outlines: Outlines) -> Ints:
     """Return the edges that lie along straight lines."""
     here, there = outlines.vertices, outlines.vertices[outlines.following]
     near = BESIDE * np.sqrt(np.abs(outlines.area))[outlines.owner]
     found = []
     for number, line in enumerate(lines, start=1):
-        where = f"{entry.label}, where, edges {number}"
-        ends = check_numbers(np.ravel(np.asarray(line, object)).tolist(), 4, where).reshape(2, 2)
+        where = f"{label}, where, edges {number}"
+        ends = np.array(line)
         first, last = ends - outlines.origin
         length = float(np.hypot(*(last - first)))
         if length == 0.0:
@@ -210,21 +134,20 @@ def _on_lines(entry: ViscousBoundary, lines: Any, outlines: Outlines) -> Ints:
     if not found:
         raise ModelError(
             "is an empty list",
-            where=f"{entry.label}, where, edges",
+            where=f"{label}, where, edges",
             remedy="name the edges: edges = [[p, q], ...] with points p and q",
         )
     return np.concatenate(found)
 
 
-def _within(entry: ViscousBoundary, outlines: Outlines, polygons: Geometries) -> Ints:
+def _within(label: str, polygon: Loop, outlines: Outlines, polygons: Geometries) -> Ints:
     """Return the outer edges whose middle lies in a polygon."""
-    where = f"{entry.label}, where, polygon"
-    corners = [check_numbers(corner, 2, where) for corner in entry.polygon or ()]
-    if len(corners) < 3:
+    where = f"{label}, where, polygon"
+    if len(polygon) < 3:
         raise ModelError(
-            f"{len(corners)} points are no polygon", where=where, remedy="give 3 points or more"
+            f"{len(polygon)} points are no polygon", where=where, remedy="give 3 points or more"
         )
-    shape = shapely.Polygon(np.array(corners) - outlines.origin)
+    shape = shapely.Polygon(np.array(polygon) - outlines.origin)
     if not shape.is_valid:
         raise ModelError(
             "the polygon crosses itself", where=where, remedy="order its points along its outline"
@@ -255,12 +178,12 @@ def _is_outer(edge: Ints, outlines: Outlines, polygons: Geometries) -> Bools:
     return outer
 
 
-def _refuse_fixed(entry: ViscousBoundary, edge: Ints, outlines: Outlines, fixed: Bools) -> None:
+def _refuse_fixed(label: str, edge: Ints, outlines: Outlines, fixed: Bools) -> None:
     """Refuse edges of blocks that do not move."""
     for one in edge[fixed[outlines.owner[edge]]][:1].tolist():
         raise ModelError(
             f"{_edge_text(one, outlines)} is on a fixed block, which takes up no waves",
-            where=entry.label,
+            where=label,
             remedy="remove fixed = true of the block; in-situ stress, or supports until the "
             "dashpots begin (begins), hold it",
         )

@@ -12,7 +12,6 @@ from clast.inputs.placing.blocks import Vector
 from clast.inputs.placing.openings import OpeningEntry
 from clast.inputs.placing.points import Place
 from clast.inputs.placing.pressures import LinePressure
-from clast.inputs.placing.viscous_boundaries import ViscousBoundary
 from clast.inputs.placing.water import WaterEntry
 from clast.model.factors import Factor, checked_factor
 from clast.model.model import Floats
@@ -32,7 +31,6 @@ class SupportsAndLoads(Inputs):
     _point_loads: list[Place] = field(default_factory=list, init=False)
     _line_loads: list[Place] = field(default_factory=list, init=False)
     _pressures: list[LinePressure] = field(default_factory=list, init=False)
-    _viscous_boundaries: list[ViscousBoundary] = field(default_factory=list, init=False)
     _waters: list[WaterEntry] = field(default_factory=list, init=False)
     _factors: list[Factor] = field(default_factory=list, init=False)
     _measured_points: list[Place] = field(default_factory=list, init=False)
@@ -116,39 +114,6 @@ class SupportsAndLoads(Inputs):
                 block=block,
                 factor=factor,
                 name=_name_of(name, label),
-            )
-        )
-
-    def viscous_boundary(
-        self,
-        *,
-        side: str | None = None,
-        edges: Sequence[tuple[Vector, Vector]] | None = None,
-        polygon: Sequence[Vector] | None = None,
-        normal: float = 1.0,
-        tangential: float = 1.0,
-        static: str = "hold",
-        begins: float = 0.0,
-        stage: str | None = None,
-    ) -> None:
-        """Let waves leave through outer edges: on a ``side``, along lines ``edges``, in a polygon.
-
-        ``normal`` and ``tangential`` are multiples of rho c_p and rho c_s of the block behind.
-        Until ``begins``, s, or until the ``stage`` of that name, springs hold the edges; what they
-        bear, or what in-situ stress brings, stays as a traction with static = "hold" and is dropped
-        with "none".
-        """
-        self._viscous_boundaries.append(
-            ViscousBoundary(
-                label=f"viscous boundary {len(self._viscous_boundaries) + 1}",
-                side=side,
-                edges=edges,
-                polygon=polygon,
-                normal=normal,
-                tangential=tangential,
-                static=static,
-                begins=begins,
-                stage=stage,
             )
         )
 
