@@ -174,7 +174,7 @@ REFUSED: dict[str, tuple[Callable[[clast.ModelBuilder], None], str]] = {
         lambda b: b.viscous_boundary(polygon=[(0, 0), (1, 1), (1, 0), (0, 1)]),
         "crosses itself",
     ),
-    "negative": (lambda b: b.viscous_boundary(side="left", normal=-1.0), "must be 0 or more, not -1"),
+    "negative": (lambda b: b.viscous_boundary(side="left", normal=-1.0), "must be 0 or more"),
     "free": (lambda b: b.viscous_boundary(side="left", normal=0, tangential=0), "free edge"),
     "static": (lambda b: b.viscous_boundary(side="left", static="held"), "'held'"),
     "two of one": (

@@ -28,12 +28,18 @@ factor = "ramp"
 """
 
 BROKEN = {
-    "time falls": (["table.ramp.time=[0, 2, 1]"], ["'ramp', time", "instant 3", "not after"]),
-    "instant twice": (["table.ramp.time=[0, 0, 1]"], ["'ramp', time", "instant 2", "each once"]),
-    "lengths differ": (["table.ramp.value=[0, 1]"], ["'ramp', value", "2 values for 3 instants"]),
+    "time falls": (["table.ramp.time=[0, 2, 1]"], ["[table.ramp] time", "instant 3", "not after"]),
+    "instant twice": (
+        ["table.ramp.time=[0, 0, 1]"],
+        ["[table.ramp] time", "instant 2"],
+    ),
+    "lengths differ": (
+        ["table.ramp.value=[0, 1]"],
+        ["[table.ramp] value", "2 values for 3"],
+    ),
     "one instant": (
         ["table.ramp.time=[0]", "table.ramp.value=[1]"],
-        ["'ramp', time", "1 instants", "at least 2"],
+        ["[table.ramp] time", "1 instants", "at least 2"],
     ),
     "value is nan": (["table.ramp.value=[0, nan, 1]"], ["[table.ramp] value 2", "finite"]),
     "value is text": (["table.ramp.value=[0, 'one', 1]"], ["[table.ramp] value 2", "number"]),
@@ -46,7 +52,7 @@ BROKEN = {
         ["pressure 1", "no edge", "block 2 'wall'", "0.1 m away", "on the outline"],
     ),
     "across an edge": (["pressure.1.end=[2, 2]"], ["pressure 1", "no edge", "nearest"]),
-    "no length": (["pressure.1.end=[0, 0]"], ["pressure 1", "no length", "two different ends"]),
+    "no length": (["pressure.1.end=[0, 0]"], ["[[pressure]] 1", "no length", "two different ends"]),
     "end is infinite": (["pressure.1.end=[0, inf]"], ["[[pressure]] 1 end", "finite"]),
     "value of three": (["pressure.1.value=[1, 2, 3]"], ["[[pressure]] 1 value", "3 items"]),
     "value of words": (["pressure.1.value=much"], ["[[pressure]] 1 value", "number", "Pa"]),
@@ -77,10 +83,10 @@ REFUSED: dict[str, tuple[Change, list[str]]] = {
         lambda b: (b.add_table("a", [0, 1], [0, 1]), b.add_table("a", [0, 1], [0, 1])),
         ["two tables of that name", "'a'"],
     ),
-    "table of pairs": (lambda b: b.add_table("a", [(0, 1)], [1]), ["'a', time", "no list"]),
+    "table of pairs": (lambda b: b.add_table("a", [(0, 1)], [1]), ["[table.a] time 1", "number"]),
     "instant at infinity": (
         lambda b: b.add_table("a", [0, math.inf], [1, 1]),
-        ["'a', time", "number 2", "not finite"],
+        ["[table.a] time 2", "finite"],
     ),
     "factor of a point load": (
         lambda b: b.point_load((0.5, 0.5), (1, 1), factor="x"),
@@ -88,9 +94,9 @@ REFUSED: dict[str, tuple[Change, list[str]]] = {
     ),
     "factor of a line load": (
         lambda b: b.line_load((0, 0), (1, 0), (1, 1), factor=3),  # type: ignore[arg-type]
-        ["line load 1, factor", "no name of a table"],
+        ["[[line_load]] 1 factor", "text in quotes"],
     ),
-    "pressure of text": (lambda b: b.pressure((0, 0), (1, 0), "x"), ["pressure 1, value"]),
+    "pressure of text": (lambda b: b.pressure((0, 0), (1, 0), "x"), ["[[pressure]] 1 value"]),
     "pressure beyond range": (lambda b: b.pressure((0, 0), (1, 0), 1e30), ["too large", "Pa"]),
 }
 

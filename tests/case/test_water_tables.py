@@ -41,10 +41,10 @@ BROKEN = {
     ),
     "line below everything": (["water.1={line=[[0, -2], [4, -9]]}"], ["below all blocks, by 1 m"]),
     "level is nan": (["water.1.level=nan"], ["[[water]] 1 level", "finite"]),
-    "t/m3": (["water.1.density=1.025"], ["water 1, density", "t/m3", "write 1025"]),
-    "kN/m3": (["water.1.density=9.81"], ["water 1, density", "kN/m3", "write 1000"]),
-    "a gas": (["water.1.density=50"], ["water 1, density", "no liquid"]),
-    "negative density": (["water.1.density=-1000"], ["water 1, density", "no density"]),
+    "t/m3": (["water.1.density=1.025"], ["[[water]] 1 density", "t/m3", "write 1025"]),
+    "kN/m3": (["water.1.density=9.81"], ["[[water]] 1 density", "kN/m3", "write 1000"]),
+    "a gas": (["water.1.density=50"], ["[[water]] 1 density", "no liquid"]),
+    "negative density": (["water.1.density=-1000"], ["[[water]] 1 density", "no density"]),
     "unknown joint": (
         ['water.1.joints=["bedd"]'],
         ["water 1, joints", "no joint 'bedd'", "mean 'bed'"],
@@ -52,11 +52,11 @@ BROKEN = {
     "joint of nothing": (['water.1.joints=["default"]'], ["no two blocks lie along", "'default'"]),
     "joints of faces": (
         ['water.1.joints=["bed"]', "water.1.acts_on=faces"],
-        ["water 1", "outer faces alone", 'acts_on = "joints"'],
+        ["[[water]] 1", "outer faces alone", 'acts_on = "joints"'],
     ),
     "unknown table": (["water.1.factor=rmap"], ["water 1, factor", "'rmap'", "mean 'ramp'"]),
     "table beyond one": (["water.1.factor=wild"], ["water 1, factor", "goes from 0 to 2"]),
-    "share beyond one": (["water.1.factor=1.5"], ["water 1, factor", "1.5 is no share"]),
+    "share beyond one": (["water.1.factor=1.5"], ["[[water]] 1 factor", "1.5 is no share"]),
     "drain beside": (
         ["water.1.drained_at=[[0.5, 0.3]]"],
         ["water 1, drained_at, point 1", "(0.5, 0.3) is on no joint", "0.3 m away"],
@@ -85,13 +85,13 @@ def test_what_cannot_be_is_refused_with_the_remedy(name: str):
 
 
 SCRIPTS = {
-    "unknown key": ({"wettted": "closed"}, ["no key 'wettted'", "mean 'wetted'"]),
+    "unknown key": ({"wettted": "closed"}, ["no such key", "mean 'wetted'"]),
     "unknown place": ({"acts_on": "edges"}, ["acts_on", "'edges'", "faces"]),
     "unknown state": ({"wetted": "never"}, ["wetted", "'never'", "closed"]),
     "no number": ({"level": "high"}, ["level", "'high'"]),
-    "no points": ({"level": None, "line": 3.0}, ["line", "no points"]),
-    "no list of joints": ({"joints": "bed"}, ["joints", '["bed"]']),
-    "no share": ({"factor": None}, ["factor", "no number"]),
+    "no points": ({"level": None, "line": 3.0}, ["line", "list in brackets"]),
+    "no list of joints": ({"joints": "bed"}, ["joints", "list in brackets"]),
+    "no share": ({"factor": None}, ["factor", "number"]),
 }
 
 
@@ -110,7 +110,7 @@ def test_scripts_are_told_as_well(name: str):
     keys, said = SCRIPTS[name]
     with pytest.raises(ModelError) as caught:
         script(**keys).build()
-    assert all(words in str(caught.value) for words in ("water 1", *said)), caught.value
+    assert all(words in str(caught.value) for words in ("[[water]] 1", *said)), caught.value
 
 
 def test_two_waters_of_one_name_are_refused():

@@ -22,18 +22,9 @@ from clast.case.cutting import CutCase, RockMass
 from clast.case.tables import plausibility
 from clast.case.tables.acting.damping import Damping, chosen_damping
 from clast.case.tables.acting.ground_motion import GroundMotionTable
-from clast.case.tables.acting.supports_and_loads import (
-    FactorTable,
-    FixedPointTable,
-    LineLoadTable,
-    PointLoadTable,
-    PressureTable,
-)
-from clast.case.tables.acting.water import WaterTable
 from clast.case.tables.blocks import BlockFileTable, BlockTable, GeometryTable
 from clast.case.tables.joint_sets import JointSetTable
 from clast.case.tables.materials import JointTable, RockTable
-from clast.case.tables.measurements import MeasuredPointTable, ReferenceTable
 from clast.case.tables.method import MethodTable
 from clast.case.tables.repair import RepairTable
 from clast.case.tables.rock_mass import (
@@ -53,7 +44,10 @@ from clast.inputs.declaring.faults import Fault, error_of, faults_of, refusal
 from clast.inputs.declaring.meanings import explain
 from clast.inputs.declaring.table import Acceleration, Table
 from clast.inputs.in_situ import InSituTable
+from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
+from clast.inputs.measurements import MeasuredPoint, Reference
 from clast.inputs.viscous_boundaries import ViscousBoundary
+from clast.inputs.water import Water
 from clast.model.model import Model, PlaneStrain, PlaneStress
 
 if TYPE_CHECKING:
@@ -114,15 +108,15 @@ class Case(BaseModel):
     """Rocks of the domain by place."""
     block_pattern: list[BlockPatternTable] = []
     """Masonry in the domain."""
-    table: dict[str, FactorTable] = {}
+    table: dict[str, FactorOverTime] = {}
     """Factors of loads over time by name: [table.ramp] with time and value."""
-    fixed_point: list[FixedPointTable] = []
+    fixed_point: list[FixedPoint] = []
     """Points held in place."""
-    point_load: list[PointLoadTable] = []
+    point_load: list[PointLoad] = []
     """Forces at points."""
-    line_load: list[LineLoadTable] = []
+    line_load: list[LineLoad] = []
     """Tractions along lines."""
-    pressure: list[PressureTable] = []
+    pressure: list[Pressure] = []
     """Pressures on edges."""
     bolt_kind: dict[str, BoltKind] = {}
     """Kinds of rock bolts by name: [bolt_kind.NAME] with stiffness and yield_force."""
@@ -130,7 +124,7 @@ class Case(BaseModel):
     """Rock bolts."""
     bolt_pattern: list[BoltPattern] = []
     """Rock bolts round openings."""
-    water: list[WaterTable] = []
+    water: list[Water] = []
     """Water on outer faces and in joints."""
     viscous_boundary: list[ViscousBoundary] = []
     """Outer edges through which waves leave."""
@@ -138,9 +132,9 @@ class Case(BaseModel):
     """Stress in the rock before anything is dug."""
     ground_motion: GroundMotionTable | None = None
     """Earthquake or shaking table."""
-    measured_point: list[MeasuredPointTable] = []
+    measured_point: list[MeasuredPoint] = []
     """Points recorded every step."""
-    reference: list[ReferenceTable] = []
+    reference: list[Reference] = []
     """Displacements known from elsewhere; clast run and clast compare print the error."""
     stage: list[StageTable] = []
     """Parts of the run, one after the other."""

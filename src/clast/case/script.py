@@ -27,17 +27,8 @@ import numpy as np
 from clast import spelling
 from clast.case.case_file import PLANES, Case
 from clast.case.tables.acting.ground_motion import GROUND_MOTIONS, GroundMotionTable
-from clast.case.tables.acting.supports_and_loads import (
-    FactorTable,
-    FixedPointTable,
-    LineLoadTable,
-    PointLoadTable,
-    PressureTable,
-)
-from clast.case.tables.acting.water import WaterTable
 from clast.case.tables.blocks import BlockTable
 from clast.case.tables.materials import JointTable, RockTable
-from clast.case.tables.measurements import MeasuredPointTable
 from clast.case.tables.method import MethodTable
 from clast.case.tables.rock_mass import OpeningTable
 from clast.case.tables.stages import given_stages, stage_keys
@@ -58,8 +49,6 @@ from clast.results import Run, RunRecorder
 if TYPE_CHECKING:
     from clast.inputs.placing.blocks import Entry, Label
     from clast.inputs.placing.joints import JointEntry
-    from clast.inputs.placing.points import Place
-    from clast.inputs.placing.pressures import LinePressure
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 
@@ -157,46 +146,6 @@ class ModelBuilder(model_builder.ModelBuilder):
             "rock": rocks,
             "joint": {entry.joint.name: self._joint(entry) for entry in self._placed_joints()},
             "block": list(self._blocks()),
-            "fixed_point": [
-                table_of(FixedPointTable, {"at": p.at, "block": p.block})
-                for p in self._fixed_points
-            ],
-            "point_load": [
-                table_of(PointLoadTable, {"at": p.at, "force": p.load, **_choice(p)})
-                for p in self._point_loads
-            ],
-            "line_load": [
-                table_of(
-                    LineLoadTable, {"start": p.at, "end": p.end, "traction": p.load, **_choice(p)}
-                )
-                for p in self._line_loads
-            ],
-            "pressure": [
-                table_of(
-                    PressureTable, {"start": p.start, "end": p.end, "value": p.value, **_choice(p)}
-                )
-                for p in self._pressures
-            ],
-            "water": [
-                table_of(
-                    WaterTable,
-                    {
-                        **w.keys,
-                        "name": w.name,
-                        "level": w.level,
-                        "line": w.line,
-                        "acts_on": w.acts_on,
-                    },
-                )
-                for w in self._waters
-            ],
-            "table": {
-                factor.name: table_of(FactorTable, _unnamed(factor)) for factor in self._factors
-            },
-            "measured_point": [
-                table_of(MeasuredPointTable, {"name": name, "at": p.at, "block": p.block})
-                for name, p in zip(self._measured_names, self._measured_points, strict=True)
-            ],
             **self._tables_given(),
             "opening": [
                 table_of(OpeningTable, {**vars(entry), "blocks": list(entry.blocks)})
@@ -410,11 +359,6 @@ def _refuse_both(tables: dict[str, Any], given: dict[str, Any]) -> None:
 def _unnamed(thing: Any) -> dict[str, Any]:
     """Return the numbers of a rock or a joint by name."""
     return {key: value for key, value in vars(thing).items() if key != "name"}
-
-
-def _choice(load: Place | LinePressure) -> dict[str, str | None]:
-    """Return the block and the table that a load names, and its own name."""
-    return {"block": load.block, "factor": load.factor, "name": load.name or None}
 
 
 def _plane_name(plane: Plane) -> str:

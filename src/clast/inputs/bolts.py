@@ -13,6 +13,7 @@ from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_val
 from clast.inputs.declaring.choices import Number, within
 from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, refusal
 from clast.inputs.declaring.table import Length, Loop, Point, Positive, Table
+from clast.inputs.loads import check_length
 from clast.model import ranges
 from clast.model.model import Floats
 
@@ -120,8 +121,7 @@ class Bolt(Table):
 
     @model_validator(mode="after")
     def _is_a_line(self) -> Self:
-        if self.start == self.end:
-            raise refusal(Fault(what="has no length", remedy="give two different ends"))
+        check_length(self.start, self.end)
         if self.anchorage == "grouted" and self.blocks is not None:
             what = "a grouted bolt moves with all blocks that it runs through"
             remedy = 'leave blocks out; only anchorage = "ends" may need them'

@@ -27,17 +27,20 @@ import shapely
 from clast.errors import ModelError
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, with_directions
 from clast.inputs.declaring.giving import gives, gives_named
+from clast.inputs.declaring.table import Inputs
+from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
+from clast.inputs.measurements import MeasuredPoint
 from clast.inputs.placing.blocks import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.bolt_springs import placed_bolts
 from clast.inputs.placing.dashpots import check_incoming, viscous_edges
 from clast.inputs.placing.joints import JointEntry, joint_table, joints_of_edges, pairs_of_names
-from clast.inputs.placing.openings import openings_of
-from clast.inputs.placing.points import Place, Places, located
+from clast.inputs.placing.openings import OpeningEntry, openings_of
+from clast.inputs.placing.points import located, places_of
 from clast.inputs.placing.pressures import pressed_edges
-from clast.inputs.placing.supports_and_loads import SupportsAndLoads
-from clast.inputs.placing.water import Bed, waters_in
+from clast.inputs.placing.wetting import Bed, waters_in
 from clast.inputs.viscous_boundaries import ViscousBoundary, with_where
+from clast.inputs.water import Water
 from clast.model import checks as model_checks
 from clast.model import ranges, value_checks
 from clast.model.checks import Outlines
@@ -73,7 +76,7 @@ FAR = 10.0
 
 
 @dataclass
-class ModelBuilder(SupportsAndLoads):
+class ModelBuilder(Inputs):
     """Collects what a system of blocks is made of; ``build`` checks it and makes the Model.
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
@@ -99,6 +102,9 @@ class ModelBuilder(SupportsAndLoads):
     _rocks: list[Rock] = field(default_factory=list, init=False)
     _joints: list[JointEntry] = field(default_factory=list, init=False)
     _entries: list[Entry] = field(default_factory=list, init=False)
+    opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
+    """Outlines of openings by name, counter-clockwise, m, (c, 2) each: for patterns of bolts."""
+    _openings: list[OpeningEntry] = field(default_factory=list, init=False)
     _count: int = field(default=0, init=False)
 
     add_bolt_kind = gives_named("bolt_kind", BoltKind)
@@ -109,6 +115,20 @@ class ModelBuilder(SupportsAndLoads):
     """Set bolts round an opening, ``[[bolt_pattern]]``; ``angles`` are first and last direction."""
     viscous_boundary = gives("viscous_boundary", ViscousBoundary, turned=with_where)
     """Let waves leave, ``[[viscous_boundary]]``: on a ``side``, on ``edges``, in a ``polygon``."""
+    fixed_point = gives("fixed_point", FixedPoint, "at", "block")
+    """Hold a point of a block in place: ``[[fixed_point]]``."""
+    add_table = gives_named("table", FactorOverTime, "time", "value")
+    """Add a factor of loads over time, ``[table.NAME]``, and return its name."""
+    point_load = gives("point_load", PointLoad, "at", "force", "block", "factor", "name")
+    """Apply a force at a point of a block: ``[[point_load]]``."""
+    line_load = gives("line_load", LineLoad, "start", "end", "traction", "block", "factor", "name")
+    """Apply a traction along a line of a block: ``[[line_load]]``."""
+    pressure = gives("pressure", Pressure, "start", "end", "value", "block", "factor", "name")
+    """Press on the edges along a line: ``[[pressure]]``."""
+    measured_point = gives("measured_point", MeasuredPoint, "name", "at", "block")
+    """Record displacement, velocity and rotation of a point, every step: ``[[measured_point]]``."""
+    water = gives("water", Water, "level")
+    """Let water press on what lies below a level or a phreatic line: ``[[water]]``."""
 
     def add_rock(
         self,
@@ -250,6 +270,16 @@ class ModelBuilder(SupportsAndLoads):
         self._entries.append(entry)
         return entry.names
 
+    def opening(self, name: str, blocks: Iterable[str], weld: str | None = None) -> str:
+        """Let stages excavate ``blocks`` (their names) together under a name; return this.
+
+        ``weld`` names a joint (``add_weld``): the edges that have it hold together what is inside
+        and outside until the opening is excavated, and then have no joint of their own any more.
+        """
+        names = (blocks,) if isinstance(blocks, str) else tuple(map(str, blocks))
+        self._openings.append(OpeningEntry(str(name), names, weld))
+        return str(name)
+
     def build(self) -> Model:
         """Check everything and return the Model; raise ModelError with the remedy otherwise."""
         self._check_names()
@@ -268,23 +298,25 @@ class ModelBuilder(SupportsAndLoads):
         block_rock = rocks_of(self._labelled(outlines), [rock.name for rock in self._rocks])
         block_number = {name: number for number, name in enumerate(outlines.names)}
         rock_number = {rock.name: index for index, rock in enumerate(self._rocks)}
-        factor_number = {factor.name: index for index, factor in enumerate(self._factors)}
+        factors = tuple(one.factor(name) for name, one in self.named(FactorOverTime).items())
+        factor_number = {factor.name: index for index, factor in enumerate(factors)}
         along = {*np.unique(edge_joint).tolist(), *self.line_joints}
         table = joint_table(self._joints, rock_number, block_number, along)
         overlaps = model_checks.check_overlaps(outlines, polygons)
 
-        def places(entries: list[Place]) -> Places:
-            return located(entries, block_number, factor_number, outlines, polygons, mended.moved)
-
-        fixed, measured = places(self._fixed_points), places(self._measured_points)
-        points, lines = places(self._point_loads), places(self._line_loads)
+        fixed, measured, points, lines = (
+            located(entries, block_number, factor_number, outlines, polygons, mended.moved)
+            for entries in places_of(self).values()
+        )
         bolts = placed_bolts(
             self,
             self.opening_outlines,
             [one.name for one in self._openings],
             Ground(outlines=outlines, tree=shapely.STRtree(polygons), moved=mended.moved),
         )
-        pressures, uncovered = pressed_edges(self._pressures, block_number, factor_number, outlines)
+        pressures, uncovered = pressed_edges(
+            self.all(Pressure), block_number, factor_number, outlines
+        )
         value_checks.check_ground_motion(self.ground_motion, len(fixed.block))
         held = self._fixed(outlines)
         viscous = viscous_edges(self.all(ViscousBoundary), outlines, polygons, held)
@@ -296,8 +328,8 @@ class ModelBuilder(SupportsAndLoads):
         )
         density = np.array([rock.density for rock in self._rocks])[block_rock]
         own_joints = joints_of_edges(table, edge_joint)
-        bed = Bed(outlines, table, own_joints, block_rock, gravity, tuple(self._factors))
-        water, wet = waters_in(self._waters, bed)
+        bed = Bed(outlines, table, own_joints, block_rock, gravity, factors)
+        water, wet = waters_in(self.all(Water), bed)
         in_situ = stress_in_situ(self.in_situ, density * area, area, gravity, outlines.top)
         if in_situ is not None and self.opening_outlines:
             rings = [ring - outlines.origin for ring in self.opening_outlines.values()]
@@ -341,9 +373,11 @@ class ModelBuilder(SupportsAndLoads):
             pressures=pressures,
             bolts=bolts,
             water=water,
-            factors=tuple(self._factors),
+            factors=factors,
             measured_points=MeasuredPoints(
-                block=measured.block, at=measured.at, name=tuple(self._measured_names)
+                block=measured.block,
+                at=measured.at,
+                name=tuple(one.name for one in self.all(MeasuredPoint)),
             ),
             ground_motion=self.ground_motion,
             actions=tuple(self.actions),
@@ -385,8 +419,8 @@ class ModelBuilder(SupportsAndLoads):
         value_checks.check_names("rock", [rock.name for rock in self._rocks])
         value_checks.check_names("joint", [entry.joint.name for entry in self._joints])
         value_checks.check_names("block", self._names())
-        value_checks.check_names("table", [factor.name for factor in self._factors])
-        value_checks.check_point_names(self._measured_names)
+        value_checks.check_names("table", list(self.named(FactorOverTime)))
+        value_checks.check_point_names([one.name for one in self.all(MeasuredPoint)])
 
     def _names(self) -> list[str]:
         return [name for entry in self._entries for name in entry.names]

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Any
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import Discriminator, StrictStr, Tag
+import numpy as np
+from pydantic import Discriminator, StrictStr, Tag, model_validator
 
-from clast.inputs.builder import ModelBuilder
 from clast.inputs.declaring.choices import Number, within
-from clast.inputs.declaring.faults import PLAIN, TABLE
+from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, refusal
 from clast.inputs.declaring.table import Force, Instant, Point, Stress, Table
 from clast.model import ranges
+from clast.model.factors import Factor
 
 
-class FixedPointTable(Table):
+class FixedPoint(Table):
     """A point of a block that is held in place by a stiff spring."""
 
     at: Point
@@ -22,28 +23,44 @@ class FixedPointTable(Table):
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
-        """Add the fixed point."""
-        builder.fixed_point(**dict(self))
 
-
-class FactorTable(Table):
+class FactorOverTime(Table):
     """A factor of loads over time, linear between its instants and constant outside them.
 
     Loads name it in ``factor``; each step has the load times the value at its end.
     """
+
+    NAMED: ClassVar[bool] = True
 
     time: list[Instant]
     """Instants, s, rising."""
     value: list[Annotated[Number, within(ranges.FACTOR)]]
     """Values at the instants, -."""
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
-        """Add the factor."""
-        builder.add_table(key, self.time, self.value)
+    @model_validator(mode="after")
+    def _is_a_function_of_time(self) -> Self:
+        count, place = len(self.time), ("time",)
+        if len(self.value) != count:
+            what = f"has {len(self.value)} values for {count} instants"
+            remedy = "give one value for each instant"
+            raise refusal(Fault(place=("value",), what=what, remedy=remedy))
+        if count < 2:
+            remedy = "give at least 2; a load that is constant needs no table"
+            raise refusal(Fault(place=place, what=f"has {count} instants", remedy=remedy))
+        for k, (before, after) in enumerate(pairwise(self.time), 1):
+            if after <= before:
+                what = f"instant {k + 1}, {after:g} s, is not after instant {k}, {before:g} s"
+                remedy = "order the instants by time, each once (for a jump, 1e-9 s apart)"
+                raise refusal(Fault(place=place, what=what, remedy=remedy))
+        return self
+
+    def factor(self, name: str) -> Factor:
+        """Return what it is in a model."""
+        time, value = (np.array(one, np.float64) for one in (self.time, self.value))
+        return Factor(name=name, time=time, value=value)
 
 
-class PointLoadTable(Table):
+class PointLoad(Table):
     """A force at a point that moves with its block."""
 
     at: Point
@@ -57,12 +74,8 @@ class PointLoadTable(Table):
     name: StrictStr | None = None
     """Name by which stages refer to it; several loads may share one."""
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
-        """Add the load."""
-        builder.point_load(**dict(self))
 
-
-class LineLoadTable(Table):
+class LineLoad(Table):
     """A traction along a line that moves with its block, usually along an edge."""
 
     start: Point
@@ -78,9 +91,10 @@ class LineLoadTable(Table):
     name: StrictStr | None = None
     """Name by which stages refer to it; several loads may share one."""
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
-        """Add the load."""
-        builder.line_load(**dict(self))
+    @model_validator(mode="after")
+    def _has_a_length(self) -> Self:
+        check_length(self.start, self.end)
+        return self
 
 
 def _kind_of_value(value: Any) -> str:
@@ -88,7 +102,7 @@ def _kind_of_value(value: Any) -> str:
     return TABLE if isinstance(value, list | tuple) else PLAIN
 
 
-class PressureTable(Table):
+class Pressure(Table):
     """A pressure on the edges along a straight line, normal to them as they turn.
 
     It acts on the parts of edges that lie on the line at the start of the run, from outside the
@@ -111,6 +125,13 @@ class PressureTable(Table):
     name: StrictStr | None = None
     """Name by which stages refer to it; several loads may share one."""
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
-        """Add the pressure."""
-        builder.pressure(**dict(self))
+    @model_validator(mode="after")
+    def _has_a_length(self) -> Self:
+        check_length(self.start, self.end)
+        return self
+
+
+def check_length(start: Point, end: Point) -> None:
+    """Refuse a line whose ends are one point."""
+    if start == end:
+        raise refusal(Fault(what="has no length", remedy="give two different ends"))

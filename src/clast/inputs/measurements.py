@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from pydantic import StrictStr, field_validator
 
 from clast.errors import shortened
-from clast.inputs.builder import ModelBuilder
 from clast.inputs.declaring.faults import Fault, refusal
 from clast.inputs.declaring.table import Point, Positive, Table
 
 
-class MeasuredPointTable(Table):
+class MeasuredPoint(Table):
     """A point whose displacement, velocity and rotation are recorded every step."""
 
     name: StrictStr
@@ -30,12 +27,8 @@ class MeasuredPointTable(Table):
             raise refusal(Fault(what=what, remedy="give it a name without /"))
         return name
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
-        """Add the measured point."""
-        builder.measured_point(**dict(self))
 
-
-class ReferenceTable(Table):
+class Reference(Table):
     """A displacement that is known from elsewhere, to compare a run with."""
 
     point: StrictStr

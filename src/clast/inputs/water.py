@@ -8,14 +8,19 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Discriminator, Field, StrictStr, Tag, model_validator
 
 from clast.errors import CaseError, ModelError
-from clast.inputs.builder import ModelBuilder
 from clast.inputs.declaring.choices import Number, within
 from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, kind_of, refusal
-from clast.inputs.declaring.table import Coordinate, Loop, Point, Table
+from clast.inputs.declaring.table import Coordinate, Inputs, Loop, Point, Table
 from clast.model import ranges
 
+LIGHTEST = 100.0
+"""Densities below are no kg/m3."""
+UNITS = ((0.1, 3.0, "t/m3 or g/cm3", 1000.0), (3.0, 30.0, "kN/m3", 1000.0 / 9.81))
+"""What densities between two numbers look like, and what they are to be multiplied by."""
+SHARE = "give a share of the full head from 0 to 1, or the name of a table of such shares"
 
-class LineFileTable(Table):
+
+class LineFile(Table):
     """A phreatic line in a file beside the case file."""
 
     file: StrictStr
@@ -27,7 +32,7 @@ def _kind_of_factor(value: Any) -> str:
     return TABLE if isinstance(value, str) else PLAIN
 
 
-class WaterTable(Table):
+class Water(Table):
     """Water that presses on what lies below its surface, and follows the blocks."""
 
     name: StrictStr | None = None
@@ -36,7 +41,7 @@ class WaterTable(Table):
     """Height y of a horizontal surface, m; or give a line."""
     line: (
         Annotated[
-            Annotated[Loop, Tag(PLAIN)] | Annotated[LineFileTable, Tag(TABLE)],
+            Annotated[Loop, Tag(PLAIN)] | Annotated[LineFile, Tag(TABLE)],
             Discriminator(kind_of),
         ]
         | None
@@ -69,12 +74,39 @@ class WaterTable(Table):
             raise refusal(Fault(what=what, remedy=remedy))
         return self
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
-        """Add the water."""
-        line = self.line
-        keys = dict(self)
-        keys["line"] = _points(folder / line.file) if isinstance(line, LineFileTable) else line
-        builder.water(**keys)
+    @model_validator(mode="after")
+    def _has_a_density(self) -> Self:
+        remedy = "give it in kg/m3: 1000 for water, 1025 for the sea"
+        for low, high, unit, factor in UNITS:
+            if low <= self.density < high:
+                what = f"{self.density:g} looks like {unit}, but densities are in kg/m3"
+                remedy = f"write {self.density * factor:.4g}; the weight follows from gravity"
+                raise refusal(Fault(place=("density",), what=what, remedy=remedy))
+        if not self.density > 0.0:
+            what = f"{self.density:g} is no density"
+            raise refusal(Fault(place=("density",), what=what, remedy=remedy))
+        if self.density < LIGHTEST:
+            what = f"{self.density:g} kg/m3 is no liquid's"
+            raise refusal(Fault(place=("density",), what=what, remedy=remedy))
+        return self
+
+    @model_validator(mode="after")
+    def _suits_what_it_acts_on(self) -> Self:
+        if not isinstance(self.factor, str) and not 0.0 <= self.factor <= 1.0:
+            what = f"{self.factor:g} is no share"
+            raise refusal(Fault(place=("factor",), what=what, remedy=SHARE))
+        if self.acts_on == "faces" and (self.joints is not None or self.drained_at):
+            what = "names joints or drains, but the water is on outer faces alone"
+            remedy = 'give acts_on = "joints" or "both", or remove joints and drained_at'
+            raise refusal(Fault(what=what, remedy=remedy))
+        return self
+
+    def add_to(self, builder: Inputs, key: str, folder: Path) -> None:
+        """Add the water, with the line of a file."""
+        whole = self
+        if isinstance(self.line, LineFile):
+            whole = self.model_copy(update={"line": _points(folder / self.line.file)})
+        builder.add(whole, key)
 
 
 def _points(path: Path) -> list[tuple[float, float]]:

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from clast.errors import ModelError, shortened
-from clast.model import ranges
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -45,53 +41,3 @@ def factors_at(factors: Sequence[Factor], number: Ints, time: float) -> Floats:
     It is 1 where the number is NO_FACTOR.
     """
     return np.array([1.0, *(factor.at(time) for factor in factors)])[number - NO_FACTOR]
-
-
-def checked_factor(name: str, time: Any, value: Any) -> Factor:
-    """Return a factor of what a script or a case file gives; raise ModelError with the remedy."""
-    where = f"table '{shortened(str(name))}'"
-    instants = _numbers(time, f"{where}, time", ranges.TIME)
-    values = _numbers(value, f"{where}, value", ranges.FACTOR)
-    if len(instants) != len(values):
-        raise ModelError(
-            f"has {len(values)} values for {len(instants)} instants",
-            where=f"{where}, value",
-            remedy="give one value for each instant",
-        )
-    if len(instants) < 2:
-        raise ModelError(
-            f"has {len(instants)} instants",
-            where=f"{where}, time",
-            remedy="give at least 2; a load that is constant needs no table",
-        )
-    for k in np.flatnonzero(np.diff(instants) <= 0.0)[:1]:
-        raise ModelError(
-            f"instant {k + 2}, {instants[k + 1]:g} s, is not after instant {k + 1}, "
-            f"{instants[k]:g} s",
-            where=f"{where}, time",
-            remedy="order the instants by time, each once (for a jump, 1e-9 s apart)",
-        )
-    return Factor(name=name, time=instants, value=values)
-
-
-def _numbers(values: Any, where: str, limits: ranges.Range) -> Floats:
-    """Return finite numbers as an array, shape (k,), or say that they are none."""
-    try:
-        array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        array = np.zeros((0, 0))
-    if array.ndim != 1:
-        raise ModelError(
-            f"{shortened(repr(values))} is no list of numbers",
-            where=where,
-            remedy="give it as a list, e.g. [0.0, 1.0]",
-        )
-    for k in np.flatnonzero(~np.isfinite(array))[:1]:
-        raise ModelError(
-            f"number {k + 1}, {array[k]:g}, is not finite",
-            where=where,
-            remedy="give finite numbers: instants in s, values as factors of the load",
-        )
-    for number in array:
-        ranges.check_size(float(number), limits, where, "give instants in s, values as factors")
-    return array

@@ -10,22 +10,27 @@ place, and refuses what a case file would be refused for, in the same words.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from inspect import Parameter, Signature
 from keyword import iskeyword
+from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from clast.errors import ModelError
-from clast.inputs.declaring.faults import Fault, error_of, faults_of
+from clast.errors import ModelError, shortened
+from clast.inputs.declaring.faults import error_of, faults_of
 from clast.inputs.declaring.meanings import explain
 from clast.inputs.declaring.table import Inputs, Table
 from clast.inputs.declaring.writing import as_plain
+from clast.model.value_checks import check_names
 
 T = TypeVar("T", bound=Table)
 Keys = dict[str, Any]
 
 POSITIONAL = Parameter.POSITIONAL_OR_KEYWORD
+HERE = Path()
+"""Where files are that a script names: the working directory."""
 
 
 def gives(
@@ -40,7 +45,8 @@ def gives(
     def method(self: Inputs, *values: Any, **keys: Any) -> None:
         records = self.all(kind)
         keys = turned(_by_name(key, places, values, keys))
-        records.append(record_of(kind, keys, (key, len(records)), [{}] * len(records) + [keys]))
+        record = record_of(kind, keys, (key, len(records)), [{}] * len(records) + [keys])
+        record.add_to(self, key, HERE)
 
     return _described(method, key, kind, [Parameter(one, POSITIONAL) for one in places])
 
@@ -50,11 +56,12 @@ def gives_named(key: str, kind: type[Table], *places: str) -> Callable[..., str]
 
     def method(self: Inputs, name: str, *values: Any, **keys: Any) -> str:
         keys = _by_name(key, places, values, keys)
-        known = self.named(kind)
+        known, said = self.named(kind), key.replace("_", " ")
+        check_names(said, [name])
         if name in known:
-            what = f"there are two {key.replace('_', ' ')}s of that name"
-            raise ModelError(what, where=f"{key} '{name}'", remedy="rename one of them")
-        known[name] = record_of(kind, keys, (key, name), {name: keys})
+            what = f"there are two {said}s of that name"
+            raise ModelError(what, where=f"{said} '{shortened(name)}'", remedy="rename one of them")
+        record_of(kind, keys, (key, name), {name: keys}).add_to(self, name, HERE)
         return name
 
     return _described(method, f"add_{key}", kind, [Parameter("name", POSITIONAL)])
@@ -73,11 +80,9 @@ def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str | int, ..
         return kind.model_validate({name: as_plain(value) for name, value in keys.items()})
     except ValidationError as error:
         explain(kind)
-        faults = [
-            Fault(place=(*place, *one.place), what=one.what, remedy=one.remedy)
-            for one in faults_of(error, kind)
-        ]
-        raise error_of(faults, content={str(place[0]): all_}, kind=ModelError) from None
+        first = faults_of(error, kind)[0]
+        first = replace(first, place=(*place, *first.place))
+        raise error_of([first], content={str(place[0]): all_}, kind=ModelError) from None
 
 
 def _described(method: Any, name: str, kind: type[Table], first: list[Parameter]) -> Any:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 import shapely
 
-from clast.errors import ModelError
-from clast.inputs.placing.blocks import Vector
-from clast.model import ranges
+from clast.errors import shortened
+from clast.inputs.declaring.table import Inputs, Point, Table
+from clast.inputs.loads import FixedPoint, LineLoad, PointLoad, Pressure
+from clast.inputs.measurements import MeasuredPoint
 from clast.model.checks import Geometries, Outlines, locate, point_text
 from clast.model.factors import NO_FACTOR
 from clast.model.model import Floats, Ints
-from clast.model.value_checks import check_numbers, number_of
-
-NO_LOAD: Vector = ()
-"""Load of a place that has none."""
+from clast.model.value_checks import check_text, number_of
 
 
 @dataclass(frozen=True)
@@ -24,10 +24,10 @@ class Place:
     """A point, or a line from ``at`` to ``end``, on a block; ``load`` is its force or traction."""
 
     label: str
-    at: Vector
+    at: Point
     block: str | None
-    end: Vector | None = None
-    load: Vector = NO_LOAD
+    end: Point | None = None
+    load: Point = (0.0, 0.0)
     factor: str | None = None
     name: str = ""
 
@@ -42,6 +42,40 @@ class Places:
     load: Floats
     factor: Ints
     name: tuple[str, ...]
+
+
+def places_of(given: Inputs) -> dict[type[Table], list[Place]]:
+    """Return where everything is that is at points or along lines, by its kind."""
+    return {
+        FixedPoint: [
+            Place(f"fixed point {k}", one.at, one.block)
+            for k, one in enumerate(given.all(FixedPoint), 1)
+        ],
+        MeasuredPoint: [
+            Place(f"measured point '{shortened(one.name)}'", one.at, one.block)
+            for one in given.all(MeasuredPoint)
+        ],
+        PointLoad: [
+            Place(label, one.at, one.block, load=one.force, factor=one.factor, name=name)
+            for label, name, one in named_loads(given.all(PointLoad), "point load")
+        ],
+        LineLoad: [
+            Place(label, one.start, one.block, one.end, one.traction, one.factor, name)
+            for label, name, one in named_loads(given.all(LineLoad), "line load")
+        ],
+    }
+
+
+L = TypeVar("L", PointLoad, LineLoad, Pressure)
+
+
+def named_loads(loads: Sequence[L], kind: str) -> Iterator[tuple[str, str, L]]:
+    """Give each load with how messages call it, and its name, "" where it has none."""
+    for number, one in enumerate(loads, 1):
+        label = f"{kind} {number}"
+        if one.name is not None:
+            check_text(one.name, label)
+        yield label, one.name or "", one
 
 
 def located(
@@ -60,20 +94,15 @@ def located(
     at, end, load = np.zeros((count, 2)), np.zeros((count, 2)), np.zeros((count, 2))
     named, factor = np.full(count, -1, np.int64), np.full(count, NO_FACTOR, np.int64)
     for k, entry in enumerate(entries):
-        at[k] = check_numbers(entry.at, 2, entry.label) - outlines.origin
+        at[k] = np.array(entry.at) - outlines.origin
         if entry.end is not None:
-            end[k] = check_numbers(entry.end, 2, f"{entry.label}, end") - outlines.origin
-        if entry.load is not NO_LOAD:
-            load[k] = check_numbers(
-                entry.load, 2, f"{entry.label}, force or traction", ranges.FORCE
-            )
+            end[k] = np.array(entry.end) - outlines.origin
+        load[k] = entry.load
         if entry.block is not None:
             named[k] = number_of(entry.block, block_number, "block", entry.label)
         if entry.factor is not None:
             factor[k] = number_of(entry.factor, factor_number, "table", f"{entry.label}, factor")
     lines = np.array([entry.end is not None for entry in entries], dtype=np.bool_)
-    for k in np.flatnonzero(lines & (at == end).all(axis=1))[:1]:
-        raise ModelError("has no length", where=entries[k].label, remedy="give two different ends")
     shapes = np.array(shapely.points(at))
     if lines.any():
         shapes = np.array(shapely.linestrings(np.stack([at, end], axis=1)))

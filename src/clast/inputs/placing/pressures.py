@@ -1,34 +1,21 @@
-"""Pressures along straight lines as they are given to a builder, and the edges they press on."""
+"""The edges of a model that pressures along straight lines press on."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import numpy as np
 import shapely
 
 from clast.errors import ModelError
-from clast.inputs.placing.blocks import Vector
-from clast.model import ranges
+from clast.inputs.loads import Pressure
+from clast.inputs.placing.points import named_loads
 from clast.model.checks import TOUCHING, Outlines, point_text
 from clast.model.factors import NO_FACTOR
 from clast.model.model import EdgePressures, Floats, Ints
-from clast.model.value_checks import check_numbers, number_of
-
-
-@dataclass(frozen=True, kw_only=True)
-class LinePressure:
-    """A pressure along the line from ``start`` to ``end``, m, of one or two values, Pa."""
-
-    label: str
-    start: Vector
-    end: Vector
-    value: Any
-    block: str | None
-    factor: str | None
-    name: str = ""
+from clast.model.value_checks import number_of
 
 
 @dataclass(frozen=True)
@@ -46,7 +33,7 @@ class _Line:
 
 
 def pressed_edges(
-    entries: Sequence[LinePressure],
+    pressures: Sequence[Pressure],
     block_number: dict[str, int],
     factor_number: dict[str, int],
     outlines: Outlines,
@@ -57,21 +44,21 @@ def pressed_edges(
     """
     found = [EdgePressures()]
     notes: list[str] = []
-    for entry in entries:
-        line = _line(entry, outlines)
-        ends = _pair(entry.value, f"{entry.label}, value")
+    for label, name, one in named_loads(pressures, "pressure"):
+        line = _line(one, outlines)
+        ends = one.value if isinstance(one.value, tuple) else (one.value, one.value)
         edges = np.arange(len(outlines.vertices))
-        if entry.block is not None:
-            own = number_of(entry.block, block_number, "block", f"{entry.label}, block")
+        if one.block is not None:
+            own = number_of(one.block, block_number, "block", f"{label}, block")
             edges = edges[outlines.owner == own]
         factor = NO_FACTOR
-        if entry.factor is not None:
-            factor = number_of(entry.factor, factor_number, "table", f"{entry.label}, factor")
+        if one.factor is not None:
+            factor = number_of(one.factor, factor_number, "table", f"{label}, factor")
         edge, share, place = _parts(line, edges, outlines)
         if len(edge) == 0:
-            _refuse_no_edge(entry, line, edges, outlines)
-        _refuse_two_blocks(entry, line, edge, np.sort(place, axis=1), outlines)
-        notes += _uncovered(entry, line, place)
+            _refuse_no_edge(label, line, edges, outlines)
+        _refuse_two_blocks(label, line, edge, np.sort(place, axis=1), outlines)
+        notes += _uncovered(label, line, place)
         found.append(
             EdgePressures(
                 block=outlines.owner[edge],
@@ -79,29 +66,20 @@ def pressed_edges(
                 share=share,
                 pressure=ends[0] + (ends[1] - ends[0]) * place / line.length,
                 factor=np.full(len(edge), factor),
-                name=(entry.name,) * len(edge),
+                name=(name,) * len(edge),
             )
         )
-    names = ("block", "edge", "share", "pressure", "factor")
-    joined = {name: np.concatenate([getattr(one, name) for one in found]) for name in names}
-    labels = tuple(name for one in found for name in one.name)
-    return EdgePressures(**joined, name=labels), tuple(notes)
+    keys = ("block", "edge", "share", "pressure", "factor")
+    joined = {key: np.concatenate([getattr(part, key) for part in found]) for key in keys}
+    names = tuple(name for part in found for name in part.name)
+    return EdgePressures(**joined, name=names), tuple(notes)
 
 
-def _line(entry: LinePressure, outlines: Outlines) -> _Line:
-    """Return the line of a pressure about the origin; refuse one without length."""
-    start = check_numbers(entry.start, 2, f"{entry.label}, start") - outlines.origin
-    end = check_numbers(entry.end, 2, f"{entry.label}, end") - outlines.origin
+def _line(pressure: Pressure, outlines: Outlines) -> _Line:
+    """Return the line of a pressure about the origin."""
+    start, end = (np.array(one) - outlines.origin for one in (pressure.start, pressure.end))
     length = float(np.hypot(*(end - start)))
-    if length == 0.0:
-        raise ModelError("has no length", where=entry.label, remedy="give two different ends")
     return _Line(start, (end - start) / length, length)
-
-
-def _pair(value: Any, where: str) -> Floats:
-    """Return the pressures at both ends, Pa, shape (2,), from two numbers or one for both."""
-    several = isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
-    return check_numbers(value if several else (value, value), 2, where, ranges.STRESS)
 
 
 def _reach(outlines: Outlines, edges: Ints) -> Floats:
@@ -132,7 +110,7 @@ def _parts(line: _Line, edges: Ints, outlines: Outlines) -> tuple[Ints, Floats, 
     return edges[chosen], share, first[0][chosen, None] + share * way[near, None]
 
 
-def _refuse_no_edge(entry: LinePressure, line: _Line, edges: Ints, outlines: Outlines) -> NoReturn:
+def _refuse_no_edge(label: str, line: _Line, edges: Ints, outlines: Outlines) -> NoReturn:
     """Raise ModelError for a line along no edge, with the edge that comes nearest."""
     here, there = outlines.vertices[edges], outlines.vertices[outlines.following[edges]]
     end = line.start + line.length * line.along
@@ -150,14 +128,14 @@ def _refuse_no_edge(entry: LinePressure, line: _Line, edges: Ints, outlines: Out
         f"no edge lies along it; the nearest, {corners} of "
         f"{outlines.label(int(outlines.owner[edges[nearest]]))}, is up to {away[nearest]:.3g} m "
         "away",
-        where=entry.label,
+        where=label,
         remedy="give start and end on the outline of a block (a line within a block is loaded by a "
         "line load)",
     )
 
 
 def _refuse_two_blocks(
-    entry: LinePressure, line: _Line, edge: Ints, place: Floats, outlines: Outlines
+    label: str, line: _Line, edge: Ints, place: Floats, outlines: Outlines
 ) -> None:
     """Refuse a line along which edges of two blocks lie in the same place (k, 2), m."""
     order = np.argsort(place[:, 0], kind="stable")
@@ -169,16 +147,16 @@ def _refuse_two_blocks(
         raise ModelError(
             f"edges of {outlines.label(one)} and {outlines.label(other)} both lie along it from "
             f"{point_text(at)} on",
-            where=entry.label,
+            where=label,
             remedy=f'say which one is pressed, e.g. block = "{outlines.names[one]}"',
         )
 
 
-def _uncovered(entry: LinePressure, line: _Line, place: Floats) -> Iterator[str]:
+def _uncovered(label: str, line: _Line, place: Floats) -> Iterator[str]:
     """Say where a line has parts along no edge: nothing is pressed there."""
     pressed = float(np.abs(np.diff(place, axis=1)).sum())
     if pressed < (1.0 - TOUCHING) * line.length:
         yield (
-            f"{entry.label} is {line.length:.6g} m long, but edges lie along only {pressed:.6g} m "
+            f"{label} is {line.length:.6g} m long, but edges lie along only {pressed:.6g} m "
             "of it: it presses on these"
         )

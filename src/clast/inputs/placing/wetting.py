@@ -1,25 +1,24 @@
-"""Water as it is given to a builder, and the edges and joints that it is found to wet."""
+"""The edges and joints of a model that water wets."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, TypedDict
+from typing import Any
 
 import numpy as np
 
 from clast import spelling
 from clast.errors import ModelError, shortened
-from clast.inputs.placing.blocks import Vector
-from clast.model import ranges
+from clast.inputs.water import SHARE, Water
 from clast.model.checks import Outlines, point_text
 from clast.model.factors import Factor
 from clast.model.model import Floats, Ints, JointTable
-from clast.model.value_checks import check_name, check_number, check_numbers, check_text
+from clast.model.value_checks import check_text
 from clast.model.water.drainage import distances, lowering, parts_between
 from clast.model.water.faces import Edges, Facing, edges_of, facing_edges, outer_parts
+from clast.model.water.water import Water as WetWater
 from clast.model.water.water import (
-    Water,
     WetFaces,
     WetJoints,
     ends_of_faces,
@@ -34,37 +33,6 @@ OPENED = {"open-and-closed": 1.0, "closed": 0.0}
 """Opening of a joint at which its water runs out, in lengths of the joint."""
 CLOSED = 1e-3
 """Opening that counts as none, in units of what faces may lie apart."""
-LIGHTEST = 100.0
-"""Densities below are no kg/m3."""
-UNITS = ((0.1, 3.0, "t/m3 or g/cm3", 1000.0), (3.0, 30.0, "kN/m3", 1000.0 / 9.81))
-"""What densities between two numbers look like, and what they are to be multiplied by."""
-
-
-class WaterKeys(TypedDict, total=False):
-    """What more there is to say of water; all have defaults."""
-
-    density: float
-    """Density, kg/m3; 1000 if absent."""
-    joints: Sequence[str] | None
-    """Joints that it gets into; all if absent."""
-    factor: float | str
-    """Share of the full head, 0 to 1, or the table of time that has it."""
-    drained_at: Sequence[Vector]
-    """Points (x, y) of joints where there is no pressure, m."""
-    wetted: str
-    """ "open-and-closed": a joint that opens keeps its pressure; "closed": it loses it."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class WaterEntry:
-    """Water under ``level``, m, or a phreatic ``line`` of points, m."""
-
-    label: str
-    name: str | None
-    level: Any
-    line: Any
-    acts_on: str
-    keys: WaterKeys
 
 
 @dataclass(frozen=True)
@@ -83,54 +51,43 @@ class Bed:
     """Tables of time."""
 
 
-def waters_in(entries: Sequence[WaterEntry], bed: Bed) -> tuple[tuple[Water, ...], tuple[str, ...]]:
+def waters_in(waters: Sequence[Water], bed: Bed) -> tuple[tuple[WetWater, ...], tuple[str, ...]]:
     """Return what water wets, and what is to be said of it.
 
     Raises ModelError for water that wets nothing or cannot be.
     """
-    if not entries:
+    if not waters:
         return (), ()
     outlines = bed.outlines
     edges = edges_of(outlines.vertices, outlines.following, outlines.owner, outlines.area)
     facing = facing_edges(edges)
     found, notes = [], []
-    for entry in entries:
-        water, said = _water(entry, bed, edges, facing)
+    for number, one in enumerate(waters, 1):
+        water, said = _water(f"water {number}", one, bed, edges, facing)
         found.append(water)
         notes += said
-    _refuse_same_names(entries)
+    _refuse_same_names(waters)
     return tuple(found), tuple(notes)
 
 
-def _water(entry: WaterEntry, bed: Bed, edges: Edges, facing: Facing) -> tuple[Water, list[str]]:
+def _water(
+    label: str, given: Water, bed: Bed, edges: Edges, facing: Facing
+) -> tuple[WetWater, list[str]]:
     """Return one water, and what is to be said of it."""
-    for key in entry.keys:
-        if key not in WaterKeys.__annotations__:
-            raise ModelError(
-                f"there is no key '{key}'",
-                where=entry.label,
-                remedy=spelling.advice(key, WaterKeys.__annotations__, kind="key"),
-            )
-    surface = _surface(entry, bed.outlines)
-    share, factor = _share(entry, bed.factors)
-    weight = _density(entry) * _gravity(entry, bed.gravity)
-    _refuse_dry(entry, surface, bed.outlines)
-    on_faces, on_joints = _choice(entry.acts_on, ACTS_ON, f"{entry.label}, acts_on")
+    surface = _surface(label, given, bed.outlines)
+    share, factor = _share(label, given, bed.factors)
+    weight = given.density * _gravity(label, bed.gravity)
+    _refuse_dry(label, surface, bed.outlines)
+    on_faces, on_joints = ACTS_ON[given.acts_on]
     faces, joints = WetFaces(), WetJoints()
     notes: list[str] = []
     if on_faces:
         edge, part = outer_parts(edges, facing)
         faces = WetFaces(edge=edge, share=part)
     if on_joints:
-        joints, notes = _joints(entry, surface, bed, edges, facing)
-    elif entry.keys.get("joints") is not None or len(entry.keys.get("drained_at", ())):
-        raise ModelError(
-            "names joints or drains, but the water is on outer faces alone",
-            where=entry.label,
-            remedy='give acts_on = "joints" or "both", or remove joints and drained_at',
-        )
-    water = Water(
-        name=entry.name or "",
+        joints, notes = _joints(label, given, surface, bed, edges, facing)
+    water = WetWater(
+        name=given.name or "",
         surface=surface,
         weight=weight,
         share=share,
@@ -138,24 +95,15 @@ def _water(entry: WaterEntry, bed: Bed, edges: Edges, facing: Facing) -> tuple[W
         faces=faces,
         joints=joints,
     )
-    return water, [*notes, _said(entry, water, edges)]
+    return water, [*notes, _said(label, water, edges)]
 
 
-def _surface(entry: WaterEntry, outlines: Outlines) -> Floats:
+def _surface(label: str, given: Water, outlines: Outlines) -> Floats:
     """Return the points of the phreatic line about the origin, x rising, shape (m, 2)."""
-    if (entry.level is None) == (entry.line is None):
-        what = "has neither level nor line" if entry.level is None else "has both level and line"
-        raise ModelError(
-            what,
-            where=entry.label,
-            remedy="give the level y of a horizontal surface, or the points of a phreatic line",
-        )
-    if entry.level is not None:
-        level = check_number(entry.level, f"{entry.label}, level")
-        point = check_numbers([0.0, level], 2, f"{entry.label}, level") - outlines.origin
-        return np.array([[0.0, point[1]]])
-    where = f"{entry.label}, line"
-    points = _points(entry.line, where)
+    if given.level is not None:
+        return np.array([[0.0, given.level - outlines.origin[1]]])
+    where = f"{label}, line"
+    points = np.array(given.line).reshape(-1, 2)
     if len(points) < 2:
         raise ModelError(
             f"has {len(points)} points",
@@ -175,87 +123,41 @@ def _surface(entry: WaterEntry, outlines: Outlines) -> Floats:
     return np.ascontiguousarray(points - outlines.origin)
 
 
-def _points(values: Any, where: str) -> Floats:
-    """Return points (k, 2), m."""
-    try:
-        given = list(values)
-    except TypeError:
-        raise ModelError(
-            f"{shortened(repr(values))} are no points", where=where, remedy="give [[x, y], ...]"
-        ) from None
-    points = [check_numbers(one, 2, f"{where}, point {k}") for k, one in enumerate(given, 1)]
-    return np.array(points).reshape(-1, 2)
-
-
-def _density(entry: WaterEntry) -> float:
-    """Return the density, kg/m3; refuse one that looks like another unit."""
-    where, remedy = f"{entry.label}, density", "give it in kg/m3: 1000 for water, 1025 for the sea"
-    density = check_number(entry.keys.get("density", 1000.0), where)
-    if not density > 0.0 or not np.isfinite(density):
-        raise ModelError(f"{density:g} is no density", where=where, remedy=remedy)
-    for low, high, unit, factor in UNITS:
-        if low <= density < high:
-            raise ModelError(
-                f"{density:g} looks like {unit}, but densities are in kg/m3",
-                where=where,
-                remedy=f"write {density * factor:.4g}; the weight follows from gravity",
-            )
-    if density < LIGHTEST:
-        raise ModelError(f"{density:g} kg/m3 is no liquid's", where=where, remedy=remedy)
-    ranges.check_size(density, ranges.DENSITY, where, remedy)
-    return density
-
-
-def _gravity(entry: WaterEntry, gravity: Floats) -> float:
+def _gravity(label: str, gravity: Floats) -> float:
     """Return the size of gravity, m/s2; refuse one that gives water no level."""
     across, up = gravity.tolist()
     if across != 0.0 or up >= 0.0:
         raise ModelError(
             f"gravity is [{across:g}, {up:g}]: without gravity straight down water has no level",
-            where=entry.label,
+            where=label,
             remedy="give gravity = [0.0, -9.81]; sideways acceleration is a [ground_motion]",
         )
     return float(-up)
 
 
-def _share(entry: WaterEntry, factors: tuple[Factor, ...]) -> tuple[float, Factor | None]:
+def _share(label: str, given: Water, factors: tuple[Factor, ...]) -> tuple[float, Factor | None]:
     """Return the share of the full head, and the table that it follows."""
-    given, where = entry.keys.get("factor", 1.0), f"{entry.label}, factor"
-    remedy = "give a share of the full head from 0 to 1, or the name of a table of such shares"
-    if isinstance(given, str):
+    name, where = given.factor, f"{label}, factor"
+    if isinstance(name, str):
         known = {factor.name: factor for factor in factors}
-        if given not in known:
+        if name not in known:
             raise ModelError(
-                f"there is no table '{shortened(given)}'",
+                f"there is no table '{shortened(name)}'",
                 where=where,
-                remedy=spelling.advice(given, known, kind="table"),
+                remedy=spelling.advice(name, known, kind="table"),
             )
-        values = known[given].value
+        values = known[name].value
         if values.min() < 0.0 or values.max() > 1.0:
             raise ModelError(
-                f"table '{shortened(given)}' goes from {values.min():g} to {values.max():g}",
+                f"table '{shortened(name)}' goes from {values.min():g} to {values.max():g}",
                 where=where,
-                remedy=remedy,
+                remedy=SHARE,
             )
-        return 1.0, known[given]
-    share = check_number(given, where)
-    if not 0.0 <= share <= 1.0:
-        raise ModelError(f"{share:g} is no share", where=where, remedy=remedy)
-    return share, None
+        return 1.0, known[name]
+    return name, None
 
 
-def _choice(name: Any, known: dict[str, Any], where: str) -> Any:
-    """Return what a name stands for."""
-    if not isinstance(name, str) or name not in known:
-        raise ModelError(
-            f"there is no '{shortened(str(name))}'",
-            where=where,
-            remedy=spelling.advice(str(name), known, kind="choice"),
-        )
-    return known[name]
-
-
-def _refuse_dry(entry: WaterEntry, surface: Floats, outlines: Outlines) -> None:
+def _refuse_dry(label: str, surface: Floats, outlines: Outlines) -> None:
     """Refuse water that lies below all blocks."""
     x, y = outlines.vertices.T
     depth = surface_at(surface, x) - y
@@ -265,34 +167,33 @@ def _refuse_dry(entry: WaterEntry, surface: Floats, outlines: Outlines) -> None:
     raise ModelError(
         f"its surface is below all blocks, by {abs(depth[nearest]):.6g} m at the nearest, "
         f"{outlines.vertex_label(nearest)}",
-        where=entry.label,
+        where=label,
         remedy="give its height y in the coordinates of the case, not a depth",
     )
 
 
 def _joints(
-    entry: WaterEntry, surface: Floats, bed: Bed, edges: Edges, facing: Facing
+    label: str, given: Water, surface: Floats, bed: Bed, edges: Edges, facing: Facing
 ) -> tuple[WetJoints, list[str]]:
     """Return the joints that water gets into, and what is to be said of their drains."""
-    names = entry.keys.get("joints")
-    if names is not None:
-        chosen = _chosen(entry, names, bed, facing)
+    if given.joints is not None:
+        chosen = _chosen(label, given.joints, bed, facing)
         facing = Facing(facing.edge[chosen], facing.share[chosen])
     if not len(facing.edge):
         raise ModelError(
             "no two blocks lie along each other: there is no joint for water to get into",
-            where=entry.label,
+            where=label,
             remedy='give acts_on = "faces", or blocks that touch',
         )
     near = edges.near[facing.edge].min(axis=1)
     apart = np.zeros((len(facing.edge), 2))
     joints = WetJoints(edge=facing.edge, share=facing.share, lowered=apart)
-    drains = _points(entry.keys.get("drained_at", ()), f"{entry.label}, drained_at")
+    drains = np.array(given.drained_at).reshape(-1, 2)
     notes: list[str] = []
     if len(drains):
         drains = drains - bed.outlines.origin
         ends = _middle(joints, edges)
-        _refuse_far(entry, ends, near, drains, bed.outlines.origin)
+        _refuse_far(label, ends, near, drains, bed.outlines.origin)
         part, share = parts_between(ends, near, drains)
         width = joints.share[part, :, 1:] - joints.share[part, :, :1]
         divided = joints.share[part, :, :1] + width * share[:, None]
@@ -300,11 +201,11 @@ def _joints(
         near, ends = near[part], _middle(joints, edges)
         lowered = lowering(ends, near, surface, drains)
         joints = WetJoints(edge=joints.edge, share=joints.share, lowered=lowered)
-        notes = list(_above(entry, surface, drains, bed.outlines.origin))
+        notes = list(_above(label, surface, drains, bed.outlines.origin))
     one, other = faces_of_joints(joints, edges.vertices, edges.after)
     length = np.hypot(*(one[:, 1] - one[:, 0]).T)
     gap = np.hypot(*np.moveaxis(other - one, -1, 0)).max(axis=1)
-    opened = _choice(entry.keys.get("wetted", "open-and-closed"), OPENED, f"{entry.label}, wetted")
+    opened = OPENED[given.wetted]
     return WetJoints(
         edge=joints.edge,
         share=joints.share,
@@ -319,15 +220,13 @@ def _middle(joints: WetJoints, edges: Edges) -> Floats:
     return np.asarray(0.5 * (one + other))
 
 
-def _chosen(entry: WaterEntry, names: Sequence[str], bed: Bed, facing: Facing) -> Any:
+def _chosen(label: str, names: Sequence[str], bed: Bed, facing: Facing) -> Any:
     """Return which parts of edges that lie along each other belong to named joints, (k,)."""
-    where = f"{entry.label}, joints"
-    if isinstance(names, str):
-        raise ModelError(f"'{names}' is no list", where=where, remedy=f'write ["{names}"]')
+    where = f"{label}, joints"
     number = {joint.name: index for index, joint in enumerate(bed.table.joints)}
     wanted = []
     for name in names:
-        if check_name(name, "joint", where) not in number:
+        if name not in number:
             raise ModelError(
                 f"there is no joint '{shortened(name)}'",
                 where=where,
@@ -352,27 +251,25 @@ def _chosen(entry: WaterEntry, names: Sequence[str], bed: Bed, facing: Facing) -
     return chosen
 
 
-def _refuse_far(
-    entry: WaterEntry, ends: Floats, near: Floats, drains: Floats, origin: Floats
-) -> None:
+def _refuse_far(label: str, ends: Floats, near: Floats, drains: Floats, origin: Floats) -> None:
     """Refuse drains on no joint, with how far away the nearest one is."""
     away = distances(ends, drains)
     for k in np.flatnonzero(away > near.max())[:1]:
         raise ModelError(
             f"{point_text(drains[k] + origin)} is on no joint that this water gets into; the "
             f"nearest is {away[k]:.3g} m away",
-            where=f"{entry.label}, drained_at, point {k + 1}",
+            where=f"{label}, drained_at, point {k + 1}",
             remedy="give a point on the joint itself, e.g. where it comes out of the slope",
         )
 
 
-def _above(entry: WaterEntry, surface: Floats, drains: Floats, origin: Floats) -> Iterator[str]:
+def _above(label: str, surface: Floats, drains: Floats, origin: Floats) -> Iterator[str]:
     """Say which drains lie above the water."""
     for k in np.flatnonzero(surface_at(surface, drains[:, 0]) <= drains[:, 1]):
-        yield f"{entry.label}: the drain at {point_text(drains[k] + origin)} lies above the water"
+        yield f"{label}: the drain at {point_text(drains[k] + origin)} lies above the water"
 
 
-def _said(entry: WaterEntry, water: Water, edges: Edges) -> str:
+def _said(label: str, water: WetWater, edges: Edges) -> str:
     """Return how much of the edges is wetted at the start and what presses there; refuse none."""
     faces = wetted(water.surface, ends_of_faces(water.faces, edges.vertices, edges.after))
     one, other = faces_of_joints(water.joints, edges.vertices, edges.after)
@@ -380,7 +277,7 @@ def _said(entry: WaterEntry, water: Water, edges: Edges) -> str:
     if not len(faces.line) and not len(joints.line):
         raise ModelError(
             "wets no edge: no joint or outer face that it could act on lies below its surface",
-            where=entry.label,
+            where=label,
             remedy="raise the level, drain less, or let it act on both faces and joints",
         )
     parts, most = [], 0.0
@@ -402,15 +299,15 @@ def _said(entry: WaterEntry, water: Water, edges: Edges) -> str:
         )
         most = max(most, float(joints.head.max()))
     rises = f", times table '{water.factor.name}'" if water.factor else ""
-    return f"{entry.label} wets {' and '.join(parts)}; up to {weight * most:.4g} Pa{rises}"
+    return f"{label} wets {' and '.join(parts)}; up to {weight * most:.4g} Pa{rises}"
 
 
-def _refuse_same_names(entries: Sequence[WaterEntry]) -> None:
+def _refuse_same_names(waters: Sequence[Water]) -> None:
     """Refuse two waters of one name."""
-    named = [one for one in entries if one.name is not None]
-    names = [check_name(one.name, "water", one.label) for one in named]
-    for one, name in zip(named, names, strict=True):
-        check_text(name, one.label)
+    names = [one.name for one in waters if one.name is not None]
+    for number, one in enumerate(waters, 1):
+        if one.name is not None:
+            check_text(one.name, f"water {number}")
     for name in names:
         if names.count(name) > 1:
             raise ModelError(
