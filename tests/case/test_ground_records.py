@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from clast.case.case_file import Case
-from clast.case.records.conversion import from_velocity
 from clast.errors import CaseError
+from clast.inputs.records.conversion import from_velocity
 from scenes.command_line import clast_command
 from scenes.records import GAL, INTERVAL, at2_text, csv_text, knet_text
 

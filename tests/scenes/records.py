@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.case.records.series import STANDARD_GRAVITY
+from clast.inputs.records.series import STANDARD_GRAVITY
 
 COUNTS = np.round(8000.0 * np.sin(0.37 * np.arange(40)) * np.hanning(40)).astype(int)
 GAL = COUNTS * 1000.0 / 8000.0

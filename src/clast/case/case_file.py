@@ -17,14 +17,10 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import BaseModel, Field, PrivateAttr, StrictStr, ValidationError, model_validator
 
 from clast import spelling
-from clast.case import text as case_text
 from clast.case.cutting import CutCase, RockMass
 from clast.case.tables import plausibility
-from clast.case.tables.acting.damping import Damping, chosen_damping
-from clast.case.tables.acting.ground_motion import GroundMotionTable
 from clast.case.tables.blocks import BlockFileTable, BlockTable, GeometryTable
 from clast.case.tables.joint_sets import JointSetTable
-from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.method import MethodTable
 from clast.case.tables.repair import RepairTable
 from clast.case.tables.rock_mass import (
@@ -39,12 +35,16 @@ from clast.case.tables.time_and_output import OutputTable, TimeTable
 from clast.errors import ModelError
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.builder import ModelBuilder
+from clast.inputs.damping import Damping, chosen_damping
+from clast.inputs.declaring import text as case_text
 from clast.inputs.declaring import writing as case_writing
 from clast.inputs.declaring.faults import Fault, error_of, faults_of, refusal
 from clast.inputs.declaring.meanings import explain
 from clast.inputs.declaring.table import Acceleration, Table
+from clast.inputs.ground_motion import GroundMotionTable
 from clast.inputs.in_situ import InSituTable
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
+from clast.inputs.materials import Joint, Rock
 from clast.inputs.measurements import MeasuredPoint, Reference
 from clast.inputs.viscous_boundaries import ViscousBoundary
 from clast.inputs.water import Water
@@ -84,9 +84,9 @@ class Case(BaseModel):
     """Table that gravity is multiplied by; constant if absent."""
     time: TimeTable
     """When to simulate: [time] with step and end."""
-    rock: dict[str, RockTable]
+    rock: dict[str, Rock]
     """Rocks by name: [rock.granite] with young, poisson and density."""
-    joint: dict[str, JointTable] = {}
+    joint: dict[str, Joint] = {}
     """Joint strengths by name: [joint.default] with friction_angle."""
     geometry: GeometryTable | None = None
     """Blocks by numbered vertices."""

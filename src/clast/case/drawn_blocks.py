@@ -17,8 +17,8 @@ import numpy as np
 
 from clast import spelling
 from clast.case.comments import TO_BE_GIVEN, comment, listed
-from clast.case.text import to_toml
 from clast.errors import ModelError
+from clast.inputs.declaring.text import to_toml
 from clast.model.checks import Outlines, check_polygons
 from clast.model.mending import Repair
 from clast.rockmass import CONSTRUCTION, WELDED, repaired

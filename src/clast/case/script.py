@@ -26,9 +26,7 @@ import numpy as np
 
 from clast import spelling
 from clast.case.case_file import PLANES, Case
-from clast.case.tables.acting.ground_motion import GROUND_MOTIONS, GroundMotionTable
 from clast.case.tables.blocks import BlockTable
-from clast.case.tables.materials import JointTable, RockTable
 from clast.case.tables.method import MethodTable
 from clast.case.tables.rock_mass import OpeningTable
 from clast.case.tables.stages import given_stages, stage_keys
@@ -39,7 +37,9 @@ from clast.inputs.bolts import BoltPattern
 from clast.inputs.declaring.faults import table_in
 from clast.inputs.declaring.table import Table
 from clast.inputs.declaring.writing import as_plain, table_of
+from clast.inputs.ground_motion import GROUND_MOTIONS, GroundMotionTable
 from clast.inputs.in_situ import in_situ_keys
+from clast.inputs.materials import Joint
 from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Recorded, Still
 from clast.model.model import Model, Plane
@@ -48,7 +48,6 @@ from clast.results import Run, RunRecorder
 
 if TYPE_CHECKING:
     from clast.inputs.placing.blocks import Entry, Label
-    from clast.inputs.placing.joints import JointEntry
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 
@@ -137,16 +136,14 @@ class ModelBuilder(model_builder.ModelBuilder):
         """Return the tables of a case file that hold the system of blocks."""
         for action in self.actions[:1]:
             raise _no_name("actions", action)
-        rocks = {rock.name: table_of(RockTable, _unnamed(rock)) for rock in self._rocks}
         content = {
             "title": self.title,
             "plane": _plane_name(self.plane),
             "gravity": as_plain(np.asarray(self.gravity, np.float64)),
             **({"gravity_factor": self.gravity_factor} if self.gravity_factor else {}),
-            "rock": rocks,
-            "joint": {entry.joint.name: self._joint(entry) for entry in self._placed_joints()},
             "block": list(self._blocks()),
             **self._tables_given(),
+            "joint": self._placed_joints(),
             "opening": [
                 table_of(OpeningTable, {**vars(entry), "blocks": list(entry.blocks)})
                 for entry in self._openings
@@ -176,23 +173,14 @@ class ModelBuilder(model_builder.ModelBuilder):
             return table
         return table.model_copy(update={"opening": outline, "name": table.group(1)})
 
-    def _placed_joints(self) -> list[JointEntry]:
+    def _placed_joints(self) -> dict[str, Any]:
         """Return the joints without those of lines that became no edges, which a file refuses."""
         along = {"default", *np.unique(self._edge_joint_names(self._unnumbered())).tolist()}
-        return [
-            entry
-            for entry in self._joints
-            if entry.between or entry.between_rocks or entry.joint.name in along
-        ]
-
-    def _joint(self, entry: JointEntry) -> dict[str, Any]:
-        """Return the table of a joint strength."""
-        where = {
-            "between": entry.between,
-            "between_rocks": entry.between_rocks,
-            "allow_small_friction_angle": entry.allow_small_friction_angle,
+        return {
+            name: as_plain(one)
+            for name, one in self.named(Joint).items()
+            if one.between or one.between_rocks or name in along
         }
-        return table_of(JointTable, {**_unnamed(entry.joint), **where})
 
     def _unnumbered(self) -> Outlines:
         """Return what messages need to know of the blocks: their names."""
@@ -354,11 +342,6 @@ def _refuse_both(tables: dict[str, Any], given: dict[str, Any]) -> None:
                 f"{said} and a {type(value).__name__} are both given",
                 remedy=f"give the keys, or put them into the {type(value).__name__}",
             )
-
-
-def _unnamed(thing: Any) -> dict[str, Any]:
-    """Return the numbers of a rock or a joint by name."""
-    return {key: value for key, value in vars(thing).items() if key != "name"}
 
 
 def _plane_name(plane: Plane) -> str:

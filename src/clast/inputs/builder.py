@@ -25,6 +25,7 @@ import numpy as np
 import shapely
 
 from clast.errors import ModelError
+from clast.inputs import materials
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, with_directions
 from clast.inputs.declaring.giving import gives, gives_named
 from clast.inputs.declaring.table import Inputs
@@ -34,7 +35,7 @@ from clast.inputs.placing.blocks import Entry, Label, ManyBlocks, Names, OneBloc
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.bolt_springs import placed_bolts
 from clast.inputs.placing.dashpots import check_incoming, viscous_edges
-from clast.inputs.placing.joints import JointEntry, joint_table, joints_of_edges, pairs_of_names
+from clast.inputs.placing.joints import joint_table, joints_of_edges
 from clast.inputs.placing.openings import OpeningEntry, openings_of
 from clast.inputs.placing.points import located, places_of
 from clast.inputs.placing.pressures import pressed_edges
@@ -53,7 +54,6 @@ from clast.model.model import (
     Bools,
     Floats,
     Ints,
-    Joint,
     LineLoads,
     MaterialPoints,
     MeasuredPoints,
@@ -61,15 +61,13 @@ from clast.model.model import (
     Plane,
     PlaneStress,
     PointLoads,
-    Rock,
 )
 from clast.model.outline import edges_on
-from clast.model.value_checks import check_number, check_numbers
+from clast.model.value_checks import check_numbers
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    pass
 
-    from clast.inputs.placing.joints import JointNumbers
 
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""
@@ -99,14 +97,22 @@ class ModelBuilder(Inputs):
     line_joints: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     mending: Mending | None = None
-    _rocks: list[Rock] = field(default_factory=list, init=False)
-    _joints: list[JointEntry] = field(default_factory=list, init=False)
     _entries: list[Entry] = field(default_factory=list, init=False)
     opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
     """Outlines of openings by name, counter-clockwise, m, (c, 2) each: for patterns of bolts."""
     _openings: list[OpeningEntry] = field(default_factory=list, init=False)
     _count: int = field(default=0, init=False)
 
+    add_rock = gives_named("rock", materials.Rock)
+    """Add a rock, ``[rock.NAME]``, and return its name."""
+    add_joint = gives_named("joint", materials.Joint, usual="default")
+    """Add a joint, ``[joint.NAME]``, and return its name.
+
+    The joint called "default" serves every contact that no other joint names with
+    ``between`` (pairs of blocks) or ``between_rocks`` (pairs of rocks, equal ones allowed);
+    a pair of blocks goes before what edges say for themselves (``edge_joint`` of blocks), and
+    that before a pair of rocks.  Without any default, contacts are frictionless.
+    """
     add_bolt_kind = gives_named("bolt_kind", BoltKind)
     """Add a kind of bolt, ``[bolt_kind.NAME]``, and return its name."""
     bolt = gives("bolt", Bolt, "start", "end")
@@ -129,72 +135,6 @@ class ModelBuilder(Inputs):
     """Record displacement, velocity and rotation of a point, every step: ``[[measured_point]]``."""
     water = gives("water", Water, "level")
     """Let water press on what lies below a level or a phreatic line: ``[[water]]``."""
-
-    def add_rock(
-        self,
-        name: str,
-        *,
-        young: float,
-        poisson: float,
-        density: float,
-        initial_stress: Vector = (0.0, 0.0, 0.0),
-    ) -> str:
-        """Add a rock: Young's modulus in Pa, Poisson's ratio, density in kg/m3; return its name.
-
-        ``initial_stress`` (xx, yy, xy) in Pa is that of its blocks at the start.
-        """
-        xx, yy, xy = _three(initial_stress, f"rock '{name}', initial_stress")
-        self._rocks.append(
-            Rock(
-                name=name,
-                young=check_number(young, f"rock '{name}', young"),
-                poisson=check_number(poisson, f"rock '{name}', poisson"),
-                density=check_number(density, f"rock '{name}', density"),
-                initial_stress=(xx, yy, xy),
-            )
-        )
-        return name
-
-    def add_joint(
-        self,
-        name: str = "default",
-        *,
-        between: Iterable[tuple[str, str]] = (),
-        between_rocks: Iterable[tuple[str, str]] = (),
-        allow_small_friction_angle: bool = False,
-        **numbers: Unpack[JointNumbers],
-    ) -> str:
-        """Add a joint and return its name: ``friction_angle`` in degrees, strengths in Pa.
-
-        ``cohesion`` and ``tensile_strength`` are those of bonds, which end where the joint opens;
-        with ``residual_cohesion`` they end where it slips, too, and leave that;
-        ``normal_stiffness`` and ``shear_stiffness``, Pa/m, go before those of the contact law, and
-        ``restitution``, 0 to 1, before that of the process.
-
-        The joint called "default" serves every contact that no other joint names with
-        ``between`` (pairs of blocks) or ``between_rocks`` (pairs of rocks, equal ones allowed);
-        a pair of blocks goes before what edges say for themselves (``edge_joint`` of blocks), and
-        that before a pair of rocks.  Without any default, contacts are frictionless.
-        ``allow_small_friction_angle`` confirms an angle that looks like radians.
-        """
-        where = f"joint '{name}'"
-        checked: Any = {
-            # None is a value where it stands in the joint itself
-            key: check_number(value, f"{where}, {key}")
-            if value is not None or getattr(Joint, key, None) is not None
-            else None
-            for key, value in numbers.items()
-        }
-        joint = Joint(name=name, **checked)
-        self._joints.append(
-            JointEntry(
-                joint,
-                pairs_of_names(between, f"{where}, between"),
-                pairs_of_names(between_rocks, f"{where}, between_rocks"),
-                allow_small_friction_angle,
-            )
-        )
-        return name
 
     def add_weld(self, name: str) -> str:
         """Add a joint that no load opens or shears, and return its name.
@@ -283,25 +223,22 @@ class ModelBuilder(Inputs):
     def build(self) -> Model:
         """Check everything and return the Model; raise ModelError with the remedy otherwise."""
         self._check_names()
-        for rock in self._rocks:
+        rocks = tuple(one.rock(name) for name, one in self.named(materials.Rock).items())
+        for rock in rocks:
             value_checks.check_rock(rock, self.plane)
-        for entry in self._joints:
-            value_checks.check_joint(
-                entry.joint, allow_small_friction_angle=entry.allow_small_friction_angle
-            )
         drawn = self._outlines()
         clockwise = drawn.area < 0.0
         edge = drawn.turned_edges(clockwise)
         mended, polygons = self._mended(drawn, clockwise)
         outlines, edge = mended.outlines, edge[mended.edge]
         edge_joint = self._edge_joint_names(drawn)[edge]
-        block_rock = rocks_of(self._labelled(outlines), [rock.name for rock in self._rocks])
+        block_rock = rocks_of(self._labelled(outlines), [rock.name for rock in rocks])
         block_number = {name: number for number, name in enumerate(outlines.names)}
-        rock_number = {rock.name: index for index, rock in enumerate(self._rocks)}
+        rock_number = {rock.name: index for index, rock in enumerate(rocks)}
         factors = tuple(one.factor(name) for name, one in self.named(FactorOverTime).items())
         factor_number = {factor.name: index for index, factor in enumerate(factors)}
         along = {*np.unique(edge_joint).tolist(), *self.line_joints}
-        table = joint_table(self._joints, rock_number, block_number, along)
+        table = joint_table(self.named(materials.Joint), rock_number, block_number, along)
         overlaps = model_checks.check_overlaps(outlines, polygons)
 
         fixed, measured, points, lines = (
@@ -326,7 +263,7 @@ class ModelBuilder(Inputs):
             outlines.area,
             check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION),
         )
-        density = np.array([rock.density for rock in self._rocks])[block_rock]
+        density = np.array([rock.density for rock in rocks])[block_rock]
         own_joints = joints_of_edges(table, edge_joint)
         bed = Bed(outlines, table, own_joints, block_rock, gravity, factors)
         water, wet = waters_in(self.all(Water), bed)
@@ -341,7 +278,7 @@ class ModelBuilder(Inputs):
             gravity=gravity,
             gravity_factor=self._factor_of_gravity(factor_number),
             origin=outlines.origin,
-            rocks=tuple(self._rocks),
+            rocks=rocks,
             joint_table=table,
             edge_joint=own_joints,
             block_name=outlines.names,
@@ -416,8 +353,8 @@ class ModelBuilder(Inputs):
 
     def _check_names(self) -> None:
         value_checks.check_title(self.title)
-        value_checks.check_names("rock", [rock.name for rock in self._rocks])
-        value_checks.check_names("joint", [entry.joint.name for entry in self._joints])
+        value_checks.check_names("rock", list(self.named(materials.Rock)))
+        value_checks.check_names("joint", list(self.named(materials.Joint)))
         value_checks.check_names("block", self._names())
         value_checks.check_names("table", list(self.named(FactorOverTime)))
         value_checks.check_point_names([one.name for one in self.all(MeasuredPoint)])
@@ -479,7 +416,8 @@ class ModelBuilder(Inputs):
         self, outlines: Outlines, block_rock: Ints, in_situ: InSituStress | None
     ) -> Floats:
         """Return the start stress (xx, yy, xy) of each block, Pa, shape (n, 3)."""
-        stress = np.array([rock.initial_stress for rock in self._rocks])[block_rock]
+        rocks = self.named(materials.Rock).values()
+        stress = np.array([one.initial_stress for one in rocks])[block_rock]
         if in_situ is not None:
             stress += in_situ.at(outlines.heights)
         first = 0
@@ -489,11 +427,6 @@ class ModelBuilder(Inputs):
                 stress[first:past] = own
             first = past
         return np.ascontiguousarray(stress)
-
-
-def _three(values: Vector, where: str) -> tuple[float, float, float]:
-    first, second, third = check_numbers(values, 3, where, ranges.STRESS).tolist()
-    return first, second, third
 
 
 def _origin(vertices: Floats) -> Floats:

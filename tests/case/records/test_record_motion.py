@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from clast.case.records.baseline import correction_of
-from clast.case.records.components import Component, along, together
-from clast.case.records.conversion import (
+from clast.errors import CaseError
+from clast.inputs.records.baseline import correction_of
+from clast.inputs.records.components import Component, along, together
+from clast.inputs.records.conversion import (
     Samples,
     brought_to_rest,
     from_displacement,
     from_velocity,
 )
-from clast.errors import CaseError
 from clast.model.ground_motion import Accelerogram, InertialForce, MovingBase
 
 RATE = 2.0 * np.pi * 1.5

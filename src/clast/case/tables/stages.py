@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 from pydantic_core import PydanticCustomError
 
-from clast.case.tables.acting.damping import DAMPINGS, Damping, chosen_damping
 from clast.errors import CaseError, shortened
+from clast.inputs.damping import DAMPINGS, Damping, chosen_damping
 from clast.inputs.declaring.choices import Number, class_at, within
 from clast.inputs.declaring.faults import Fault, refusal
 from clast.inputs.declaring.table import Interval, Positive, Strength, Table

@@ -16,6 +16,7 @@ from pydantic_core import PydanticCustomError
 
 from clast import spelling
 from clast.errors import CaseError, shortened
+from clast.inputs.declaring.text import is_tables
 
 Place = tuple[str | int, ...]
 """Keys and list positions (from 0) that lead to a value."""
@@ -111,11 +112,6 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
     else:
         return _keys_text([top, *rest])
     return f"{table} {_keys_text(rest)}" if rest else table
-
-
-def is_tables(value: Any) -> bool:
-    """Return whether a value is a list of tables, as [[block]] gives."""
-    return isinstance(value, list) and bool(value) and all(isinstance(v, dict) for v in value)
 
 
 def _is_table(top: str, value: Any) -> bool:

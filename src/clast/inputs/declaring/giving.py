@@ -51,10 +51,16 @@ def gives(
     return _described(method, key, kind, [Parameter(one, POSITIONAL) for one in places])
 
 
-def gives_named(key: str, kind: type[Table], *places: str) -> Callable[..., str]:
-    """Return the method ``add_...`` of a builder that adds a record by its name and returns it."""
+def gives_named(
+    key: str, kind: type[Table], *places: str, usual: str | None = None
+) -> Callable[..., str]:
+    """Return the method ``add_...`` of a builder that adds a record by its name and returns it.
 
-    def method(self: Inputs, name: str, *values: Any, **keys: Any) -> str:
+    ``usual`` is the name of one that is given without.
+    """
+    default: Any = Parameter.empty if usual is None else usual
+
+    def method(self: Inputs, name: Any = usual, *values: Any, **keys: Any) -> str:
         keys = _by_name(key, places, values, keys)
         known, said = self.named(kind), key.replace("_", " ")
         check_names(said, [name])
@@ -62,9 +68,9 @@ def gives_named(key: str, kind: type[Table], *places: str) -> Callable[..., str]
             what = f"there are two {said}s of that name"
             raise ModelError(what, where=f"{said} '{shortened(name)}'", remedy="rename one of them")
         record_of(kind, keys, (key, name), {name: keys}).add_to(self, name, HERE)
-        return name
+        return str(name)
 
-    return _described(method, f"add_{key}", kind, [Parameter("name", POSITIONAL)])
+    return _described(method, f"add_{key}", kind, [Parameter("name", POSITIONAL, default=default)])
 
 
 def _by_name(key: str, places: tuple[str, ...], values: tuple[Any, ...], keys: Keys) -> Keys:

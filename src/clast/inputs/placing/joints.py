@@ -1,60 +1,20 @@
-"""Joints as they are given to a builder, and the pairs of blocks and rocks that they belong to."""
+"""The pairs of blocks and rocks, and the edges, that joints belong to."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import TypedDict
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from clast.errors import ModelError, shortened
+from clast.errors import ModelError
+from clast.inputs.materials import Joint
 from clast.inputs.placing.blocks import Names
-from clast.model.model import Ints, Joint, JointTable
+from clast.model.model import Ints, JointTable
 from clast.model.value_checks import number_of
 
 
-class JointNumbers(TypedDict, total=False):
-    """What a joint is made of (model.model.Joint); what is left out is as a joint has it."""
-
-    friction_angle: float
-    cohesion: float
-    tensile_strength: float
-    residual_cohesion: float | None
-    restitution: float | None
-    normal_stiffness: float | None
-    shear_stiffness: float | None
-
-
-@dataclass(frozen=True)
-class JointEntry:
-    """A joint, and the pairs of blocks and of rocks that it lies between."""
-
-    joint: Joint
-    between: tuple[tuple[str, str], ...]
-    between_rocks: tuple[tuple[str, str], ...]
-    allow_small_friction_angle: bool
-
-
-def pairs_of_names(pairs: Iterable[tuple[str, str]], where: str) -> tuple[tuple[str, str], ...]:
-    """Return pairs of names as tuples, or say that they are none."""
-    given: object = pairs
-    try:
-        given = list(pairs)
-        found = [tuple(pair) for pair in given if not isinstance(pair, str)]
-        if len(found) == len(given) and all(len(pair) == 2 for pair in found):
-            return tuple((one, other) for one, other in found)
-    except TypeError:
-        pass
-    raise ModelError(
-        f"{shortened(repr(given))} are no pairs of names",
-        where=where,
-        remedy='give pairs: [["a", "b"]]',
-    )
-
-
 def joint_table(
-    entries: Sequence[JointEntry],
+    given: Mapping[str, Joint],
     rock_number: dict[str, int],
     block_number: dict[str, int],
     along_edges: set[str],
@@ -63,14 +23,12 @@ def joint_table(
 
     ``along_edges`` are the names of those that edges have, or lines that may become edges.
     """
-    ordered = sorted(entries, key=lambda entry: entry.joint.name != "default")
-    if not ordered or ordered[0].joint.name != "default":
-        ordered.insert(0, JointEntry(Joint(), (), (), allow_small_friction_angle=False))
+    ordered = sorted({"default": Joint(), **given}.items(), key=lambda one: one[0] != "default")
+    names = [name for name, _ in ordered]
     rock_joint: dict[tuple[int, int], int] = {}
     block_joint: dict[tuple[int, int], int] = {}
-    for index, entry in enumerate(ordered):
-        name = entry.joint.name
-        placed = entry.between or entry.between_rocks or name in along_edges
+    for index, (name, one) in enumerate(ordered):
+        placed = one.between or one.between_rocks or name in along_edges
         if index > 0 and not placed:
             raise ModelError(
                 "belongs to no contact",
@@ -78,14 +36,14 @@ def joint_table(
                 remedy="call it default, or say where it is with between (pairs of blocks), "
                 "between_rocks (pairs of rocks) or the edge_joint of blocks",
             )
-        _assign(entry.between_rocks, "rock", rock_number, index, rock_joint, ordered)
-        _assign(entry.between, "block", block_number, index, block_joint, ordered)
+        _assign(one.between_rocks, "rock", rock_number, index, rock_joint, names)
+        _assign(one.between, "block", block_number, index, block_joint, names)
     rock_pair = np.zeros((len(rock_number), len(rock_number)), np.int64)
     for (one, other), index in rock_joint.items():
         rock_pair[one, other] = rock_pair[other, one] = index
     pairs = sorted(block_joint)
     return JointTable(
-        joints=tuple(entry.joint for entry in ordered),
+        joints=tuple(one.joint(name) for name, one in ordered),
         rock_pair=rock_pair,
         block_pair=np.array(pairs, np.int64).reshape(-1, 2),
         block_pair_joint=np.array([block_joint[pair] for pair in pairs], np.int64),
@@ -104,15 +62,15 @@ def joints_of_edges(table: JointTable, names: Names) -> Ints:
 
 
 def _assign(
-    pairs: tuple[tuple[str, str], ...],
+    pairs: Sequence[tuple[str, str]],
     kind: str,
     number: dict[str, int],
     index: int,
     assigned: dict[tuple[int, int], int],
-    joints: list[JointEntry],
+    names: Sequence[str],
 ) -> None:
     """Give pairs of blocks or rocks to a joint; refuse pairs that two joints claim."""
-    where = f"joint '{joints[index].joint.name}'"
+    where = f"joint '{names[index]}'"
     for one, other in pairs:
         found = (number_of(one, number, kind, where), number_of(other, number, kind, where))
         pair = (min(found), max(found))
@@ -125,8 +83,7 @@ def _assign(
         before = assigned.setdefault(pair, index)
         if before != index:
             raise ModelError(
-                f"the {kind}s '{one}' and '{other}' belong to joint "
-                f"'{joints[before].joint.name}' already",
+                f"the {kind}s '{one}' and '{other}' belong to joint '{names[before]}' already",
                 where=where,
                 remedy="name the pair in one joint only",
             )

@@ -21,7 +21,6 @@ from itertools import pairwise
 import numpy as np
 
 from clast.inputs.builder import ModelBuilder
-from clast.inputs.placing.joints import JointNumbers
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -37,12 +36,12 @@ STIFFNESS, STRENGTH = 1e10, 1e6
 """Stiffness k of the joint, Pa/m, and its tensile strength s, Pa."""
 FORCE = 2e5
 """Force N that presses the beam on, N/m."""
-STIFF: JointNumbers = {
+STIFF: dict[str, float] = {
     "friction_angle": 40.0,
     "normal_stiffness": STIFFNESS,
     "shear_stiffness": STIFFNESS,
 }
-BONDED: JointNumbers = {"friction_angle": 40.0, "cohesion": 1e9, "tensile_strength": STRENGTH}
+BONDED: dict[str, float] = {"friction_angle": 40.0, "cohesion": 1e9, "tensile_strength": STRENGTH}
 SHARES = (0.1, 0.2, 0.25, 1.0 / 3.0, 0.4, 0.45)
 """Eccentricities e over b."""
 WALLS = (1, 4)
@@ -55,7 +54,7 @@ CHORDS = "fifteen points stand for the face: within 4 % up to e = 0.465 b, and r
 
 
 def beam(
-    blocks: int = 1, force: float = 0.0, moment: float = 0.0, joint: JointNumbers = STIFF
+    blocks: int = 1, force: float = 0.0, moment: float = 0.0, joint: dict[str, float] = STIFF
 ) -> Model:
     """Return the beam on a wall of so many blocks, with N, N/m, and M, N m/m, at its joint."""
     builder = ModelBuilder(title="Bonded beam", gravity=(0.0, 0.0))

@@ -24,7 +24,6 @@ import numpy as np
 
 from clast.contact.laws import Penalty
 from clast.inputs.builder import ModelBuilder
-from clast.inputs.placing.joints import JointNumbers
 from clast.model.model import Model, Rock
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory, Run
@@ -55,7 +54,7 @@ FREQUENCY = 2.0 * np.pi * SPEED / WAVE_LENGTH
 """Circular frequency of waves as long as the bell, 1/s."""
 SOFT = 0.5 * FREQUENCY * DENSITY * SPEED
 """Stiffness k of the soft joint, Pa/m: lets 1/sqrt(2) of those waves through."""
-BOND: JointNumbers = {"friction_angle": 45.0, "cohesion": 1e12, "tensile_strength": 1e12}
+BOND: dict[str, float] = {"friction_angle": 45.0, "cohesion": 1e12, "tensile_strength": 1e12}
 """Strength of all joints."""
 EVEN = Penalty(STIFF, SHEAR)
 """Law of all joints but soft ones."""
@@ -87,7 +86,7 @@ def bar(soft: Mapping[int, float], rock: Rock = GRANITE) -> Model:
     builder.add_rock(rock.name, young=rock.young, poisson=rock.poisson, density=rock.density)
     builder.add_joint("default", **BOND)
     for joint, stiffness in soft.items():
-        numbers: JointNumbers = {**BOND, "normal_stiffness": stiffness}
+        numbers: dict[str, float] = {**BOND, "normal_stiffness": stiffness}
         builder.add_joint(f"soft {joint}", between=[(str(joint - 1), str(joint))], **numbers)
     for k in range(BLOCKS):
         corners = [(k, 0), (k + 1, 0), (k + 1, 1), (k, 1)]

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from clast.case.records.conversion import CONVERSIONS, Samples
-from clast.case.records.formats import READERS, format_of
-from clast.case.records.instants import check_sizes, doubted_times
-from clast.case.records.series import UNITS, Series
 from clast.errors import CaseError, shortened
+from clast.inputs.records.conversion import CONVERSIONS, Samples
+from clast.inputs.records.formats import READERS, format_of
+from clast.inputs.records.instants import check_sizes, doubted_times
+from clast.inputs.records.series import UNITS, Series
 from clast.model.model import Floats
 
 SAME = 0.01

@@ -16,10 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from clast.case.records.series import UNITS, Series, number_of, numbers_of
-from clast.case.records.unit_names import unit_of_heading
-from clast.case.text import read_text
 from clast.errors import CaseError
+from clast.inputs.declaring.text import read_text
+from clast.inputs.records.series import UNITS, Series, number_of, numbers_of
+from clast.inputs.records.unit_names import unit_of_heading
 
 HEADING = 12
 """Lines within which NPTS and DT are looked for."""

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from clast.errors import CaseError, shortened
-from clast.inputs.declaring.faults import is_tables
 
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 """Keys that TOML allows without quotes."""
@@ -237,6 +236,11 @@ def _table_lines(name: str, table: Mapping[str, Any]) -> list[str]:
             for line in _table_lines(f"{name}.{_key(key)}", inner)
         ]
     return ["", f"[{name}]", *(f"{_key(k)} = {_written(v)}" for k, v in table.items())]
+
+
+def is_tables(value: Any) -> bool:
+    """Return whether a value is a list of tables, as [[block]] gives."""
+    return isinstance(value, list) and bool(value) and all(isinstance(v, dict) for v in value)
 
 
 def _key(key: str) -> str:

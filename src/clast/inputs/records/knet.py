@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from clast.case.records.series import Series, header_number, numbers_of
-from clast.case.text import read_text
 from clast.errors import CaseError
+from clast.inputs.declaring.text import read_text
+from clast.inputs.records.series import Series, header_number, numbers_of
 
 HEADING = 17
 """Lines of the heading."""

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
+import math
+from typing import Annotated, ClassVar, Self
 
-from pydantic import Field, StrictBool, StrictStr
+from pydantic import Field, StrictBool, StrictStr, model_validator
 
-from clast.inputs.builder import ModelBuilder
 from clast.inputs.declaring.choices import Number, within
+from clast.inputs.declaring.faults import Fault, refusal
 from clast.inputs.declaring.table import Positive, Strength, Stresses, Table
-from clast.model import ranges
+from clast.model import model, ranges
+from clast.model.value_checks import SMALL_ANGLE
 
 
-class RockTable(Table):
+class Rock(Table):
     """A linear elastic rock."""
+
+    NAMED: ClassVar[bool] = True
 
     young: Annotated[Positive, within(ranges.MODULUS)]
     """Young's modulus, Pa."""
@@ -25,13 +28,15 @@ class RockTable(Table):
     initial_stress: Stresses = (0.0, 0.0, 0.0)
     """Stress (xx, yy, xy) in the blocks at the start, Pa, tension positive."""
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
-        """Add the rock, called ``key``."""
-        builder.add_rock(key, **dict(self))
+    def rock(self, name: str) -> model.Rock:
+        """Return what it is in a model."""
+        return model.Rock(name=name, **dict(self))
 
 
-class JointTable(Table):
+class Joint(Table):
     """Strength and stiffness of contacts along a joint; the joint called default serves others."""
+
+    NAMED: ClassVar[bool] = True
 
     friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] = 0.0
     """Coulomb friction angle, degrees."""
@@ -54,6 +59,26 @@ class JointTable(Table):
     allow_small_friction_angle: StrictBool = False
     """True where a friction angle below 1.6 is meant in degrees, not in radians."""
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
-        """Add the joint, called ``key``."""
-        builder.add_joint(key, **dict(self))
+    @model_validator(mode="after")
+    def _does_not_contradict_itself(self) -> Self:
+        angle = self.friction_angle
+        if 0.0 < angle < SMALL_ANGLE and not self.allow_small_friction_angle:
+            what = f"{angle:g} looks like radians, but friction angles are in degrees"
+            remedy = (
+                f"write {math.degrees(angle):.6g}, or 0 for no friction; if {angle:g} degrees "
+                "is meant, add allow_small_friction_angle = true to the joint"
+            )
+            raise refusal(Fault(place=("friction_angle",), what=what, remedy=remedy))
+        if self.residual_cohesion is not None and self.residual_cohesion > self.cohesion:
+            what = f"{self.residual_cohesion:g} Pa are more than the cohesion, {self.cohesion:g} Pa"
+            remedy = "give what slip leaves of the cohesion, or leave it out: then all of it stays"
+            raise refusal(Fault(place=("residual_cohesion",), what=what, remedy=remedy))
+        return self
+
+    def joint(self, name: str) -> model.Joint:
+        """Return what it is in a model."""
+        return model.Joint(name=name, **self.model_dump(exclude=PLACES))
+
+
+PLACES = {"between", "between_rocks", "allow_small_friction_angle"}
+"""Keys of a joint that say where it is, and not what it bears."""

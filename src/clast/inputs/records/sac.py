@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from clast.case.records.series import Series
-from clast.case.text import read_bytes
 from clast.errors import CaseError
+from clast.inputs.declaring.text import read_bytes
+from clast.inputs.records.series import Series
 
 LAYOUT = "SAC is binary, with a header of 632 bytes; name such a file, or the format that it has"
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from clast.case.records.columns import Record, read_record
-from clast.case.records.series import Series
 from clast.errors import CaseError
+from clast.inputs.records.columns import Record, read_record
+from clast.inputs.records.series import Series
 
 UNEVEN = 0.1
 """Share of the interval by which instants may be off: times are rounded where they are printed."""

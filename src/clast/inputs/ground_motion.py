@@ -6,14 +6,18 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, Discriminator, StrictStr, Tag, model_validator
 
-from clast.case.records.baseline import correction_of
-from clast.case.records.columns import read_record
-from clast.case.records.components import (
+from clast.errors import CaseError, ModelError, shortened
+from clast.inputs.declaring.choices import Number, within
+from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.table import Acceleration, Instant, Table
+from clast.inputs.records.baseline import correction_of
+from clast.inputs.records.columns import read_record
+from clast.inputs.records.components import (
     OTHER_UNIT,
     Component,
     Wanted,
@@ -21,15 +25,10 @@ from clast.case.records.components import (
     component,
     together,
 )
-from clast.case.records.conversion import STOPPING, Samples, brought_to_rest
-from clast.case.records.csv import check_rising
-from clast.case.records.formats import format_of
-from clast.case.records.instants import check_sizes, doubted_times
-from clast.errors import CaseError, ModelError, shortened
-from clast.inputs.builder import ModelBuilder
-from clast.inputs.declaring.choices import Number, within
-from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, kind_of, refusal
-from clast.inputs.declaring.table import Acceleration, Instant, Table
+from clast.inputs.records.conversion import STOPPING, Samples, brought_to_rest
+from clast.inputs.records.csv import check_rising
+from clast.inputs.records.formats import format_of
+from clast.inputs.records.instants import check_sizes, doubted_times
 from clast.model import ranges
 from clast.model.ground_motion import (
     Accelerogram,
@@ -174,7 +173,7 @@ class GroundMotionTable(Table):
         """Return the ground motion; a file is looked for in ``folder``."""
         return GROUND_MOTIONS[self.acts](self._record(folder, _Said()))
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
+    def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Let the ground move, and note what was read."""
         said = _Said()
         builder.ground_motion = GROUND_MOTIONS[self.acts](self._record(folder, said))

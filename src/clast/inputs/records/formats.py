@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from clast.case.records.at2 import read_at2
-from clast.case.records.columns import BESIDE
-from clast.case.records.csv import read_csv
-from clast.case.records.knet import is_knet, read_knet
-from clast.case.records.sac import read_sac
-from clast.case.records.series import Series
-from clast.case.text import read_text
+from clast.inputs.declaring.text import read_text
+from clast.inputs.records.at2 import read_at2
+from clast.inputs.records.columns import BESIDE
+from clast.inputs.records.csv import read_csv
+from clast.inputs.records.knet import is_knet, read_knet
+from clast.inputs.records.sac import read_sac
+from clast.inputs.records.series import Series
 
 READERS: dict[str, Callable[[Path], Series]] = {
     "csv": read_csv,

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from clast.case.records.instants import check_heading
-from clast.case.text import read_text
 from clast.errors import CaseError, mistyped
+from clast.inputs.declaring.text import read_text
+from clast.inputs.records.instants import check_heading
 from clast.model.model import Floats, Ints
 
 SEPARATOR = re.compile(r"[,;\s]+")

@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from clast.case.records.conversion import Samples
 from clast.errors import CaseError
+from clast.inputs.records.conversion import Samples
 from clast.model.model import Floats
 
 ORDER = 4

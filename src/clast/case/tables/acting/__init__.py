@@ -1,1 +1,0 @@
-"""Tables of what acts on blocks: supports, loads, stress, water, bolts, the ground."""
