@@ -27,8 +27,8 @@ def joint_table(
     names = [name for name, _ in ordered]
     rock_joint: dict[tuple[int, int], int] = {}
     block_joint: dict[tuple[int, int], int] = {}
-    for index, (name, one) in enumerate(ordered):
-        placed = one.between or one.between_rocks or name in along_edges
+    for index, (name, joint) in enumerate(ordered):
+        placed = joint.between or joint.between_rocks or name in along_edges
         if index > 0 and not placed:
             raise ModelError(
                 "belongs to no contact",
@@ -36,8 +36,8 @@ def joint_table(
                 remedy="call it default, or say where it is with between (pairs of blocks), "
                 "between_rocks (pairs of rocks) or the edge_joint of blocks",
             )
-        _assign(one.between_rocks, "rock", rock_number, index, rock_joint, names)
-        _assign(one.between, "block", block_number, index, block_joint, names)
+        _assign(joint.between_rocks, "rock", rock_number, index, rock_joint, names)
+        _assign(joint.between, "block", block_number, index, block_joint, names)
     rock_pair = np.zeros((len(rock_number), len(rock_number)), np.int64)
     for (one, other), index in rock_joint.items():
         rock_pair[one, other] = rock_pair[other, one] = index
