@@ -9,8 +9,8 @@ import pytest
 
 import clast
 from clast.actions.damping import Adaptive, Rayleigh
-from clast.case.tables.stages import given_stages
 from clast.errors import CaseError, ModelError
+from clast.inputs.stages import given_stages
 from clast.run.excavation import excavated
 from scenes.shaken import shaken
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from clast.case.case_file import Case
-from clast.case.tables.joint_sets import JointSetTable
-from clast.case.tables.rock_mass import (
+from clast.inputs.joint_sets import JointSetTable
+from clast.inputs.rock_mass import (
     BlockPatternTable,
     DomainTable,
     OpeningTable,

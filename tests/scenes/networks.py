@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 
 from clast.case.case_file import Case
-from clast.case.tables.method import CRITDIS_SHARE
 from clast.errors import CaseError, RunStopped
+from clast.inputs.method import CRITDIS_SHARE
 from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.results import Run

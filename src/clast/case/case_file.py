@@ -17,22 +17,10 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import BaseModel, Field, PrivateAttr, StrictStr, ValidationError, model_validator
 
 from clast import spelling
+from clast.case import plausibility
 from clast.case.cutting import CutCase, RockMass
-from clast.case.tables import plausibility
-from clast.case.tables.blocks import BlockFileTable, BlockTable, GeometryTable
-from clast.case.tables.joint_sets import JointSetTable
-from clast.case.tables.method import MethodTable
-from clast.case.tables.repair import RepairTable
-from clast.case.tables.rock_mass import (
-    BlockPatternTable,
-    DomainTable,
-    OpeningTable,
-    RegionTable,
-    TraceTable,
-)
-from clast.case.tables.stages import StageTable
-from clast.case.tables.time_and_output import OutputTable, TimeTable
 from clast.errors import ModelError
+from clast.inputs.blocks import BlockFileTable, BlockTable, GeometryTable
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.builder import ModelBuilder
 from clast.inputs.damping import Damping, chosen_damping
@@ -43,9 +31,21 @@ from clast.inputs.declaring.meanings import explain
 from clast.inputs.declaring.table import Acceleration, Table
 from clast.inputs.ground_motion import GroundMotionTable
 from clast.inputs.in_situ import InSituTable
+from clast.inputs.joint_sets import JointSetTable
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.measurements import MeasuredPoint, Reference
+from clast.inputs.method import MethodTable
+from clast.inputs.repair import RepairTable
+from clast.inputs.rock_mass import (
+    BlockPatternTable,
+    DomainTable,
+    OpeningTable,
+    RegionTable,
+    TraceTable,
+)
+from clast.inputs.stages import StageTable
+from clast.inputs.time_and_output import OutputTable, TimeTable
 from clast.inputs.viscous_boundaries import ViscousBoundary
 from clast.inputs.water import Water
 from clast.model.model import Model, PlaneStrain, PlaneStress

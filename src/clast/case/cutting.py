@@ -18,10 +18,13 @@ import numpy as np
 import shapely
 
 from clast import spelling
-from clast.case.tables.blocks import BlockTable
-from clast.case.tables.joint_sets import JointSetTable
-from clast.case.tables.plausibility import doubted_sets
-from clast.case.tables.rock_mass import (
+from clast.case.plausibility import doubted_sets
+from clast.errors import CaseError, ModelError
+from clast.inputs.blocks import BlockTable
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.faults import Fault
+from clast.inputs.joint_sets import JointSetTable
+from clast.inputs.rock_mass import (
     SHAPES,
     BlockPatternTable,
     DomainTable,
@@ -31,9 +34,6 @@ from clast.case.tables.rock_mass import (
     TraceTable,
     unknown,
 )
-from clast.errors import CaseError, ModelError
-from clast.inputs.builder import ModelBuilder
-from clast.inputs.declaring.faults import Fault
 from clast.model.model import Bools, Floats
 
 if TYPE_CHECKING:

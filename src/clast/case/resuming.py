@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from clast.case.case_file import Case
 from clast.case.stage_again import check_fits, not_as_before, stage_before
-from clast.case.tables.time_and_output import OutputTable
 from clast.errors import CaseError, shortened
+from clast.inputs.time_and_output import OutputTable
 from clast.model.model import Model
 from clast.results import Run, RunRecorder
 from clast.results.checkpoints.checkpoint import OBJECTS, SETTINGS, TEXT, Checkpoint, Source

@@ -26,13 +26,9 @@ import numpy as np
 
 from clast import spelling
 from clast.case.case_file import PLANES, Case
-from clast.case.tables.blocks import BlockTable
-from clast.case.tables.method import MethodTable
-from clast.case.tables.rock_mass import OpeningTable
-from clast.case.tables.stages import given_stages, stage_keys
-from clast.case.tables.time_and_output import OutputTable, TimeTable
 from clast.errors import CaseError
 from clast.inputs import builder as model_builder
+from clast.inputs.blocks import BlockTable
 from clast.inputs.bolts import BoltPattern
 from clast.inputs.declaring.faults import table_in
 from clast.inputs.declaring.table import Table
@@ -40,6 +36,10 @@ from clast.inputs.declaring.writing import as_plain, table_of
 from clast.inputs.ground_motion import GROUND_MOTIONS, GroundMotionTable
 from clast.inputs.in_situ import in_situ_keys
 from clast.inputs.materials import Joint
+from clast.inputs.method import MethodTable
+from clast.inputs.rock_mass import OpeningTable
+from clast.inputs.stages import given_stages, stage_keys
+from clast.inputs.time_and_output import OutputTable, TimeTable
 from clast.model.checks import Outlines
 from clast.model.ground_motion import GroundMotion, Recorded, Still
 from clast.model.model import Model, Plane

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from clast import spelling
 from clast.case.case_file import Case
-from clast.case.tables.method import CONTACT_LAWS, PROCESSES
 from clast.errors import CaseError, RunStopped
 from clast.inputs.declaring.choices import Chosen, Given
+from clast.inputs.method import CONTACT_LAWS, PROCESSES
 from clast.model.model import Bools, Floats, Ints
 from clast.results import Report, Run
 from clast.results.frames import gone_in_frame

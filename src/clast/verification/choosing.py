@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from clast import spelling
-from clast.case.tables.method import CONTACT_LAWS, PROCESSES
 from clast.errors import CaseError
+from clast.inputs.method import CONTACT_LAWS, PROCESSES
 from clast.verification.catalogue import GROUPS, PROBLEMS
 from clast.verification.problem import Problem
 

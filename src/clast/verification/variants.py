@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from clast.case.tables.method import FIXED_POINT_FACTOR, MethodTable
+from clast.inputs.method import FIXED_POINT_FACTOR, MethodTable
 from clast.model.model import Model
 from clast.step.method import Method
 

@@ -2,7 +2,7 @@
 
 ``process = "modified"`` and ``process = {name = "modified", passes = 2}`` both choose the class
 that the name stands for.  Its numbers are the fields of its dataclass: adding an alternative takes
-the dataclass and one line in the dictionary of names (clast.case.tables.method).  A script may give
+the dataclass and one line in the dictionary of names (clast.inputs.method).  A script may give
 an object in the place of the name.
 """
 

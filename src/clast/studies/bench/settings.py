@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from clast import spelling
-from clast.case.tables.method import SOLVERS, MethodTable
-from clast.case.tables.time_and_output import TRAVEL_SHARE
 from clast.errors import CaseError
+from clast.inputs.method import SOLVERS, MethodTable
+from clast.inputs.time_and_output import TRAVEL_SHARE
 from clast.model.model import Model
 from clast.run.schedule import Schedule
 from clast.step.method import Method

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, StrictStr, Tag, model_validator
 
-from clast.case.tables.rock_mass import Seed, check_keys
 from clast.inputs.declaring.choices import Alternatives, Choice, Number
 from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, kind_of, refusal
 from clast.inputs.declaring.table import Loop, Point, Table
+from clast.inputs.rock_mass import Seed, check_keys
 
 if TYPE_CHECKING:
     from clast.rockmass.joints.joint_set import JointSet

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from clast.case.tables.joint_sets import JointSetTable, SpreadTable
 from clast.errors import shortened
 from clast.inputs.bolts import BoltKind
 from clast.inputs.in_situ import InSituTable
+from clast.inputs.joint_sets import JointSetTable, SpreadTable
 from clast.model.ground_motion import MovingBase
 from clast.model.model import Model
 from clast.model.openings import Opening
