@@ -20,7 +20,7 @@ from clast import spelling
 from clast.case import plausibility
 from clast.case.cutting import CutCase, RockMass
 from clast.errors import ModelError
-from clast.inputs.blocks import BlockFileTable, BlockTable, GeometryTable
+from clast.inputs.blocks import BlockFileTable, BlockTable, GeometryTable, RepairTable
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.builder import ModelBuilder
 from clast.inputs.damping import Damping, chosen_damping
@@ -36,7 +36,6 @@ from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, 
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.measurements import MeasuredPoint, Reference
 from clast.inputs.method import MethodTable
-from clast.inputs.repair import RepairTable
 from clast.inputs.rock_mass import (
     BlockPatternTable,
     DomainTable,

@@ -37,7 +37,6 @@ from clast.inputs.ground_motion import GROUND_MOTIONS, GroundMotionTable
 from clast.inputs.in_situ import in_situ_keys
 from clast.inputs.materials import Joint
 from clast.inputs.method import MethodTable
-from clast.inputs.rock_mass import OpeningTable
 from clast.inputs.stages import given_stages, stage_keys
 from clast.inputs.time_and_output import OutputTable, TimeTable
 from clast.model.checks import Outlines
@@ -144,10 +143,6 @@ class ModelBuilder(model_builder.ModelBuilder):
             "block": list(self._blocks()),
             **self._tables_given(),
             "joint": self._placed_joints(),
-            "opening": [
-                table_of(OpeningTable, {**vars(entry), "blocks": list(entry.blocks)})
-                for entry in self._openings
-            ],
             "in_situ": in_situ_keys(self.in_situ),
             "ground_motion": _ground_motion(self.ground_motion),
         }

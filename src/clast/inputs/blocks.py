@@ -1,18 +1,17 @@
-"""[geometry] and [[block]]: the blocks, by numbered vertices and by coordinates."""
+"""[geometry], [[block]], [[block_file]], [repair]: the blocks, and how they are put together."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 
 from clast.errors import CaseError, ModelError
-from clast.inputs.builder import ModelBuilder
 from clast.inputs.declaring.faults import SHOWN, Fault, refusal
-from clast.inputs.declaring.table import Loop, Motion, Stresses, Table
+from clast.inputs.declaring.table import Length, Loop, Motion, Stresses, Table
 
 if TYPE_CHECKING:
     from clast.rockmass.drawings.blocks import Blocks
@@ -73,7 +72,7 @@ class GeometryTable(Table):
                 f"{shown}. Is a loop missing?"
             )
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
+    def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Add the blocks."""
         vertices = np.array(self.vertices, np.float64).reshape(-1, 2)
         for block in self.blocks:
@@ -97,7 +96,7 @@ class BlockFileTable(Table):
     fixed: list[Annotated[StrictInt, Field(ge=1)]] = Field([])
     """Numbers in the file, from 1, of blocks that cannot move at all."""
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
+    def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Add the blocks, with joints that hold where edges are welded."""
         from clast.rockmass import CONSTRUCTION, WELDED
 
@@ -154,6 +153,20 @@ class BlockTable(Table):
     edge_joint: list[StrictStr] | None = None
     """Joint of the edge from each vertex to the next, one name a vertex; "" for none of its own."""
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
+    def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Add the block."""
         builder.block(**dict(self))
+
+
+class RepairTable(Table):
+    """All blocks, whichever table brings them, put together where they are meant to touch."""
+
+    tolerance: Length
+    """Largest distance by which corners and edges that belong together were drawn apart, m:
+    vertices within it become one, or go onto the edge of another block; none moves further."""
+
+    def add_to(self, builder: Any, key: str, folder: Path) -> None:
+        """Have the builder put its blocks together."""
+        from clast.rockmass.repair.mender import Mender
+
+        builder.mending = Mender(tolerance=self.tolerance)

@@ -17,7 +17,7 @@ Nothing is judged before ``ModelBuilder.build``, so things may be added in any o
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -36,10 +36,11 @@ from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.bolt_springs import placed_bolts
 from clast.inputs.placing.dashpots import check_incoming, viscous_edges
 from clast.inputs.placing.joints import joint_table, joints_of_edges
-from clast.inputs.placing.openings import OpeningEntry, openings_of
+from clast.inputs.placing.openings import openings_of
 from clast.inputs.placing.points import located, places_of
 from clast.inputs.placing.pressures import pressed_edges
 from clast.inputs.placing.wetting import Bed, waters_in
+from clast.inputs.rock_mass import OpeningTable, of_blocks
 from clast.inputs.viscous_boundaries import ViscousBoundary, with_where
 from clast.inputs.water import Water
 from clast.model import checks as model_checks
@@ -100,7 +101,6 @@ class ModelBuilder(Inputs):
     _entries: list[Entry] = field(default_factory=list, init=False)
     opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
     """Outlines of openings by name, counter-clockwise, m, (c, 2) each: for patterns of bolts."""
-    _openings: list[OpeningEntry] = field(default_factory=list, init=False)
     _count: int = field(default=0, init=False)
 
     add_rock = gives_named("rock", materials.Rock)
@@ -121,6 +121,12 @@ class ModelBuilder(Inputs):
     """Set bolts round an opening, ``[[bolt_pattern]]``; ``angles`` are first and last direction."""
     viscous_boundary = gives("viscous_boundary", ViscousBoundary, turned=with_where)
     """Let waves leave, ``[[viscous_boundary]]``: on a ``side``, on ``edges``, in a ``polygon``."""
+    opening = gives("opening", OpeningTable, "name", "blocks", "weld", turned=of_blocks)
+    """Let stages excavate ``blocks`` together under a name: ``[[opening]]``.
+
+    ``weld`` names a joint (``add_weld``): the edges that have it hold together what is inside
+    and outside until the opening is excavated, and then have no joint of their own any more.
+    """
     fixed_point = gives("fixed_point", FixedPoint, "at", "block")
     """Hold a point of a block in place: ``[[fixed_point]]``."""
     add_table = gives_named("table", FactorOverTime, "time", "value")
@@ -210,16 +216,6 @@ class ModelBuilder(Inputs):
         self._entries.append(entry)
         return entry.names
 
-    def opening(self, name: str, blocks: Iterable[str], weld: str | None = None) -> str:
-        """Let stages excavate ``blocks`` (their names) together under a name; return this.
-
-        ``weld`` names a joint (``add_weld``): the edges that have it hold together what is inside
-        and outside until the opening is excavated, and then have no joint of their own any more.
-        """
-        names = (blocks,) if isinstance(blocks, str) else tuple(map(str, blocks))
-        self._openings.append(OpeningEntry(str(name), names, weld))
-        return str(name)
-
     def build(self) -> Model:
         """Check everything and return the Model; raise ModelError with the remedy otherwise."""
         self._check_names()
@@ -248,7 +244,7 @@ class ModelBuilder(Inputs):
         bolts = placed_bolts(
             self,
             self.opening_outlines,
-            [one.name for one in self._openings],
+            [one.name for one in self.all(OpeningTable)],
             Ground(outlines=outlines, tree=shapely.STRtree(polygons), moved=mended.moved),
         )
         pressures, uncovered = pressed_edges(
@@ -318,7 +314,7 @@ class ModelBuilder(Inputs):
             ),
             ground_motion=self.ground_motion,
             actions=tuple(self.actions),
-            openings=openings_of(self._openings, block_number, edge_joint),
+            openings=openings_of(self.all(OpeningTable), block_number, edge_joint),
             gone=np.zeros(len(area), np.bool_),
             overlaps=overlaps,
             repairs=mended.repairs,

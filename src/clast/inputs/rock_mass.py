@@ -7,15 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, StrictBool, StrictInt, StrictStr, Tag, model_validator
 
 from clast import spelling
-from clast.inputs.builder import ModelBuilder
 from clast.inputs.declaring.choices import Number, within
 from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, kind_of, refusal
-from clast.inputs.declaring.table import Length, Loop, Point, Positive, Table
+from clast.inputs.declaring.table import Inputs, Length, Loop, Point, Positive, Table
 from clast.model import ranges
 
 Side = Literal["bottom", "left", "right", "top"]
@@ -177,10 +176,15 @@ class OpeningTable(Table):
             check_keys(given, needed, allowed, self.shape)
         return self
 
-    def add_to(self, builder: ModelBuilder, key: str, folder: Path) -> None:
+    def add_to(self, builder: Inputs, key: str, folder: Path) -> None:
         """Add an opening of blocks; that of a shape comes with the domain that is cut."""
         if self.blocks:
-            builder.opening(self.name, self.blocks, self.weld)
+            builder.add(self, key)
+
+
+def of_blocks(keys: dict[str, Any]) -> dict[str, Any]:
+    """Return the keys of an opening of a script, which has no domain to cut."""
+    return {"blocks": [], **keys}
 
 
 def check_keys(

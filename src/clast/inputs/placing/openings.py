@@ -1,32 +1,21 @@
-"""Openings of a script, or of a case file, before they are checked."""
+"""The blocks and welded edges of openings."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from clast import spelling
 from clast.errors import ModelError, shortened
+from clast.inputs.rock_mass import OpeningTable
 from clast.model.openings import Opening
 from clast.model.value_checks import check_text
 
 
-@dataclass(frozen=True)
-class OpeningEntry:
-    """An opening as it was given."""
-
-    name: str
-    blocks: tuple[str, ...]
-    """Names of its blocks."""
-    weld: str | None
-    """Joint of the edges that are welded until it is excavated."""
-
-
 def openings_of(
-    entries: Sequence[OpeningEntry],
+    entries: Sequence[OpeningTable],
     block_number: Mapping[str, int],
     edge_joint: NDArray[np.str_],
 ) -> tuple[Opening, ...]:
@@ -47,8 +36,6 @@ def openings_of(
                 where=where,
                 remedy="give it another name: stages excavate openings and blocks by their names",
             )
-        if not one.blocks:
-            raise ModelError("it has no block", where=where, remedy="name the blocks inside")
         numbers = []
         for name in one.blocks:
             if name not in block_number:
