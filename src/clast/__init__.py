@@ -35,12 +35,12 @@ if TYPE_CHECKING:
     from clast.errors import ModelError as ModelError
     from clast.errors import RunStopped as RunStopped
     from clast.errors import RunWarning as RunWarning
+    from clast.inputs.in_situ import Overburden as Overburden
     from clast.model.ground_motion import Accelerogram as Accelerogram
     from clast.model.ground_motion import IncomingWave as IncomingWave
     from clast.model.ground_motion import InertialForce as InertialForce
     from clast.model.ground_motion import MovingBase as MovingBase
     from clast.model.in_situ import InSituStress as InSituStress
-    from clast.model.in_situ import Overburden as Overburden
     from clast.model.model import Joint as Joint
     from clast.model.model import Model as Model
     from clast.model.model import PlaneStrain as PlaneStrain
@@ -83,7 +83,7 @@ HOME = {
     "MovingBase": "clast.model.ground_motion",
     "Method": "clast.step.method",
     "InSituStress": "clast.model.in_situ",
-    "Overburden": "clast.model.in_situ",
+    "Overburden": "clast.inputs.in_situ",
     "Joint": "clast.model.model",
     "Model": "clast.model.model",
     "PlaneStrain": "clast.model.model",

@@ -108,7 +108,8 @@ class ModelBuilder(model_builder.ModelBuilder):
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
     yy, xy), angles in degrees, velocities in m/s and rad/s.  Polygons are counter-clockwise.
-    Nothing is judged before ``build``, ``case`` or ``to_toml``.
+    Its methods take the keys of a case file's tables; how things fit together is judged by
+    ``build``, ``case`` and ``to_toml``.
     """
 
     def case(self, *, stages: Sequence[Stage] = (), **keys: Unpack[Keys]) -> Case:

@@ -11,7 +11,8 @@
     builder.measured_point("A", (1, 9), block="slider")
     model = builder.build()
 
-Nothing is judged before ``ModelBuilder.build``, so things may be added in any order.
+Methods take the keys of the tables of a case file, and refuse what a table cannot say by itself;
+how things fit together is judged by ``ModelBuilder.build``, so they may be added in any order.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import shapely
@@ -29,6 +30,7 @@ from clast.inputs import materials
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, with_directions
 from clast.inputs.declaring.giving import gives, gives_named
 from clast.inputs.declaring.table import Inputs
+from clast.inputs.in_situ import Overburden, stress_in_situ
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.measurements import MeasuredPoint
 from clast.inputs.placing.blocks import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
@@ -48,7 +50,7 @@ from clast.model import ranges, value_checks
 from clast.model.checks import Outlines
 from clast.model.factors import NO_FACTOR
 from clast.model.ground_motion import GroundMotion, Still, ending_note
-from clast.model.in_situ import InSituStress, Overburden, stress_in_situ
+from clast.model.in_situ import InSituStress
 from clast.model.mending import Mended, Mending
 from clast.model.model import (
     WELD_STRENGTH,
@@ -65,10 +67,6 @@ from clast.model.model import (
 )
 from clast.model.outline import edges_on
 from clast.model.value_checks import check_numbers
-
-if TYPE_CHECKING:
-    pass
-
 
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""

@@ -43,10 +43,8 @@ def gives(
     """
 
     def method(self: Inputs, *values: Any, **keys: Any) -> None:
-        records = self.all(kind)
         keys = turned(_by_name(key, places, values, keys))
-        record = record_of(kind, keys, (key, len(records)), [{}] * len(records) + [keys])
-        record.add_to(self, key, HERE)
+        record_of(kind, keys, (key, len(self.all(kind)))).add_to(self, key, HERE)
 
     return _described(method, key, kind, [Parameter(one, POSITIONAL) for one in places])
 
@@ -67,28 +65,33 @@ def gives_named(
         if name in known:
             what = f"there are two {said}s of that name"
             raise ModelError(what, where=f"{said} '{shortened(name)}'", remedy="rename one of them")
-        record_of(kind, keys, (key, name), {name: keys}).add_to(self, name, HERE)
+        record_of(kind, keys, (key, name)).add_to(self, name, HERE)
         return str(name)
 
     return _described(method, f"add_{key}", kind, [Parameter("name", POSITIONAL, default=default)])
 
 
 def _by_name(key: str, places: tuple[str, ...], values: tuple[Any, ...], keys: Keys) -> Keys:
-    """Return all arguments by their names; arrays become lists."""
+    """Return all arguments by their names."""
     if len(values) > len(places) or keys.keys() & set(places[: len(values)]):
         raise TypeError(f"{key}() takes {len(places)} values by place: {', '.join(places)}")
     return {**dict(zip(places, values, strict=False)), **keys}
 
 
-def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str | int, ...], all_: Any) -> T:
-    """Return a record; ModelError in the words of a case file that has it at this place."""
+def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str, str | int]) -> T:
+    """Return a record; ModelError in the words of a case file that has it at this place.
+
+    ``place`` is the key of its table, and its name or its number from 0.
+    """
     try:
         return kind.model_validate({name: as_plain(value) for name, value in keys.items()})
     except ValidationError as error:
         explain(kind)
         first = faults_of(error, kind)[0]
         first = replace(first, place=(*place, *first.place))
-        raise error_of([first], content={str(place[0]): all_}, kind=ModelError) from None
+        key, own = place
+        tables = {own: keys} if isinstance(own, str) else [{}] * own + [dict(keys)]
+        raise error_of([first], content={key: tables}, kind=ModelError) from None
 
 
 def _described(method: Any, name: str, kind: type[Table], first: list[Parameter]) -> Any:
@@ -99,7 +102,7 @@ def _described(method: Any, name: str, kind: type[Table], first: list[Parameter]
         for key, one in kind.model_fields.items()
         if key not in placed and not iskeyword(one.alias or key)
     ]
-    method.__name__ = name
+    method.__name__ = method.__qualname__ = name
     method.__doc__ = kind.__doc__
     method.__signature__ = Signature([Parameter("self", POSITIONAL), *first, *rest])
     return method

@@ -13,7 +13,8 @@ from functools import partial
 import numpy as np
 
 from clast.inputs.builder import ModelBuilder
-from clast.model.in_situ import InSituStress, Overburden
+from clast.inputs.in_situ import Overburden
+from clast.model.in_situ import InSituStress
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
