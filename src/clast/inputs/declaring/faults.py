@@ -32,6 +32,8 @@ def kind_of(value: Any) -> str:
 
 NAMED = frozenset({"rock", "joint", "table", "bolt_kind"})
 """Tables that hold tables by name."""
+UNKNOWN_KEY = "there is no such key"
+"""Fault of a key that no table has."""
 SHOWN = 10
 """Most faults that one message lists."""
 
@@ -149,7 +151,7 @@ def _in_words(
 ) -> Fault:
     """Return pydantic's fault as a sentence and a remedy."""
     if kind == "extra_forbidden":
-        return Fault(place=place, what="there is no such key", remedy=_known_keys(place, table))
+        return Fault(place=place, what=UNKNOWN_KEY, remedy=_known_keys(place, table))
     known = field_at(table, place)
     meaning = _meaning(place, table)
     if kind == "missing" and isinstance(place[-1], int):

@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from clast.errors import ModelError, shortened
-from clast.inputs.declaring.faults import error_of, faults_of
+from clast.inputs.declaring.faults import UNKNOWN_KEY, error_of, faults_of
 from clast.inputs.declaring.meanings import explain
 from clast.inputs.declaring.table import Inputs, Table
 from clast.inputs.declaring.writing import as_plain
@@ -87,7 +87,9 @@ def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str, str | in
         return kind.model_validate({name: as_plain(value) for name, value in keys.items()})
     except ValidationError as error:
         explain(kind)
-        first = faults_of(error, kind)[0]
+        faults = faults_of(error, kind)
+        # a key that is misspelt is the cause of one that is missing
+        first = min(faults, key=lambda fault: fault.what != UNKNOWN_KEY)
         first = replace(first, place=(*place, *first.place))
         key, own = place
         tables = {own: keys} if isinstance(own, str) else [{}] * own + [dict(keys)]
