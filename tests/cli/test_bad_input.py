@@ -108,7 +108,7 @@ TEXTS = {
     "unknown plane": (changed('plane = "stress"', 'plane = "strian"'), ["plane", "mean 'strain'"]),
     "friction angle in radians": (
         changed("= 20.0", "= 0.349"),
-        ["joint 'default', friction_angle", "radians", "write 19.9", "allow_small_friction_angle"],
+        ["[joint.default] friction_angle", "radians", "write 19.9", "allow_small_friction_angle"],
     ),
     "friction angle of a wall": (changed("= 20.0", "= 90"), ["friction_angle", "below 90"]),
     "negative cohesion": (
