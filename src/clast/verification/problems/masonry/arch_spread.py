@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve

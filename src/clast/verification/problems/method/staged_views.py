@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.model.model import Floats, Model
 from clast.model.stages.stage import TIME, Stage

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.actions.damping import Rayleigh
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.ground_motion import Accelerogram, IncomingWave
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve

@@ -3,7 +3,7 @@
 `every_refusal.txt` has place, fault and remedy of each, and the digests of cases that are written.
 Where a change is meant, write it anew and read the difference:
 
-    python tests/case/test_every_refusal.py
+    python tests/system/case/test_every_refusal.py
 """
 
 import hashlib
@@ -20,7 +20,7 @@ from clast.inputs.declaring.faults import is_tables
 
 HERE = Path(__file__).parent
 KEPT = HERE / "every_refusal.txt"
-CASES = HERE.parents[1] / "cases"
+CASES = HERE.parents[2] / "cases"
 
 BASE = """
 title = "all tables"
