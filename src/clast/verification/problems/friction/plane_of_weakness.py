@@ -19,7 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.limits import AT_REST, limit, unbalanced

@@ -16,8 +16,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.model.builder import ModelBuilder
-from clast.model.input.bolt_kinds import BoltNumbers
+from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -58,8 +57,13 @@ def pulled(pretension: float = 0.0) -> Model:
     builder.add_joint("default", friction_angle=30.0)
     builder.block(name="wall", vertices=[(-2, 0), (0, 0), (0, 1), (-2, 1)], fixed=True)
     builder.block(name="block", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
-    numbers: BoltNumbers = {"stiffness": BOLT, "yield_force": YIELD, "rupture_elongation": RUPTURE}
-    builder.add_bolt_kind("bar", pretension=pretension, **numbers)
+    builder.add_bolt_kind(
+        "bar",
+        stiffness=BOLT,
+        yield_force=YIELD,
+        rupture_elongation=RUPTURE,
+        pretension=pretension,
+    )
     middle = (0.75, 0.5), (-1.5, 0.5)
     builder.bolt(*middle, kind="bar", name="bar", anchorage="grouted", free_length=0.1)
     builder.add_bolt_kind("frame", stiffness=0.5 * FRAME, compression=True)
