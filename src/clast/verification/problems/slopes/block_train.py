@@ -98,7 +98,7 @@ def train(divided_by: float = 1.0) -> Model:
             low * along + HEIGHT * out,
         ]
         builder.block(name=str(number), vertices=corners)
-        builder.measured_point(str(number), 0.25 * sum(corners), block=str(number))
+        builder.measured_point(str(number), np.mean(corners, axis=0), block=str(number))
     return builder.build()
 
 
