@@ -121,7 +121,10 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
     # bolts
     "bolt into a void": (bolt("[0.5, -0.5]", "[5, 5]"), ("bolt 1 'B', end", "outside", "move it")),
     "both ends in one": (bolt("-0.5", "1.2"), ("bolt 1 'B'", "block 3 'high'", "across a joint")),
-    "bolt of no length": (bolt("-0.5", "1.8"), ("bolt 1 'B'", "no length", "two different ends")),
+    "bolt of no length": (
+        bolt("-0.5", "1.8"),
+        ("[[bolt]] 1 'B'", "no length", "two different ends"),
+    ),
     "kind unknown": (bolt('"cable"', '"cabel"'), ("bolt 1 'B', kind", "'cabel'", "'cable'?")),
     "no such key": (bolt("start", "strat"), ("[[bolt]] 1 'B' strat", "did you mean 'start'?")),
     "bolt without a name": (bolt('"B"', '" "'), ("bolt 1 ' '", "has no name", "short name")),
@@ -142,11 +145,11 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
         CASE + BOLT + 'pretension_is = "jacked"\n',
         ("bolt 1 'B', pretension_is", "no pretension", "leave pretension_is out"),
     ),
-    "free at its ends": (CASE + BOLT + "free_length = 0.1\n", ("bolt 1 'B'", "leave it out")),
+    "free at its ends": (CASE + BOLT + "free_length = 0.1\n", ("[[bolt]] 1 'B'", "leave it out")),
     "grouted without free": (CASE + BOLT + 'anchorage = "grouted"\n', ("'B'", "free_length =")),
     "tension above yield": (
         kind("yield_force = 1e5\npretension = 2e5"),
-        ("bolt kind 'cable', pretension", "above yield_force, 100000 N/m", "lower it"),
+        ("[bolt_kind.cable] pretension", "above yield_force, 100000 N/m", "lower it"),
     ),
     "rupture before yield": (
         kind("yield_force = 1e5\nrupture_elongation = 1e-3"),
@@ -154,18 +157,18 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "rupture twice": (
         kind("rupture_elongation = 1\nrupture_strain = 1"),
-        ("bolt kind 'cable'", "both given", "give one of them"),
+        ("[bolt_kind.cable]", "both given", "give one of them"),
     ),
     "rupture of 1e300": (kind("rupture_strain = 1e300"), ("rupture_strain", "too large")),
     "area without spacing": (
         bolt("stiffness = 2e7", "young = 2e11\narea = 1e-3"),
-        ("bolt kind 'cable'", "without out_of_plane_spacing", "m between bolts"),
+        ("[bolt_kind.cable]", "without out_of_plane_spacing", "m between bolts"),
     ),
     "area of a galaxy": (
         bolt("stiffness = 2e7", "young = 2e11\narea = 1e60\nout_of_plane_spacing = 1.0"),
         ("bolt 1 'B', kind 'cable', stiffness", "too large", "see to young, area and length"),
     ),
-    "no stiffness": (bolt("stiffness = 2e7", ""), ("bolt kind 'cable'", "no stiffness", "give")),
+    "no stiffness": (bolt("stiffness = 2e7", ""), ("[bolt_kind.cable]", "no stiffness", "give")),
     "stiffness below 0": (bolt("2e7", "-1.0"), ("[bolt_kind.cable] stiffness", "above 0", "N/m")),
     "stiffness without end": (bolt("2e7", "inf"), ("[bolt_kind.cable] stiffness", "finite")),
     "yields if true": (
@@ -263,7 +266,7 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
     "stage as a table": (CASE + '[stage]\nname = "a"\n', ("[stage]", "write [[stage]]")),
     "stage misspelt": (stage("excavat = []"), ("'first' excavat", "did you mean 'excavate'?")),
     # loads over time
-    "time falls": (of("time = [0, 1]", "time = [1, 0]"), ("table 'rise', time", "order the inst")),
+    "time falls": (of("time = [0, 1]", "time = [1, 0]"), ("[table.rise] time", "order the inst")),
     "value of nan": (of("value = [0, 1]", "value = [0, nan]"), ("[table.rise] value 2", "finite")),
     "pressure off": (
         of("start = [0, 2]", "start = [9, 9]"),
@@ -273,10 +276,13 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
     # water
     "density of a vacuum": (
         water("density = 0"),
-        ("water 1, density", "0 is no", "1000 for water"),
+        ("[[water]] 1 'lake' density", "0 is no", "1000 for water"),
     ),
-    "density in t/m3": (water("density = 1"), ("water 1, density", "t/m3", "write 1000")),
-    "weight in kN/m3": (water("density = 9.81"), ("water 1, density", "kN/m3", "write 1000")),
+    "density in t/m3": (water("density = 1"), ("[[water]] 1 'lake' density", "t/m3", "write 1000")),
+    "weight in kN/m3": (
+        water("density = 9.81"),
+        ("[[water]] 1 'lake' density", "kN/m3", "write 1000"),
+    ),
     "line goes back": (
         water("", "line = [[0, 1], [2, 1], [1, 0]]"),
         ("water 1, line", "goes back at (1, 0)", "order the points by x"),
@@ -293,7 +299,10 @@ BROKEN: dict[str, tuple[str, tuple[str, ...]]] = {
         water("").replace("schema = 1", "schema = 1\ngravity = [0, 0]"),
         ("water 1", "gravity is [0, 0]", "give gravity = [0.0, -9.81]"),
     ),
-    "share above 1": (water("factor = 2"), ("water 1, factor", "2 is no share", "from 0 to 1")),
+    "share above 1": (
+        water("factor = 2"),
+        ("[[water]] 1 'lake' factor", "2 is no share", "from 0 to 1"),
+    ),
     "water without a name": (water("").replace("lake", ""), ("water 1 ''", "has no name")),
     # dashpots
     "edge inside": (
