@@ -159,7 +159,7 @@ class Job:
         One that the list has wrong, after a change of its arguments, is left to whoever needs it.
         """
         for root in self.roots:
-            with suppress(LookupError, TypingError):
+            with suppress(LookupError, TypeError, TypingError):
                 root.compile()
 
 
