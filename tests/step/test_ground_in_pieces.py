@@ -30,6 +30,7 @@ class Trial:
     friction_angle: float = 0.0
     restitution: float = 0.0
     stiffness: float = 5e9
+    young: float = 5e9
     mirrored: bool = False
     angle: float = 0.0
 
@@ -53,7 +54,7 @@ class Trial:
                 (box(right, LOW, 2.0, self.level(right) - LOW), True),
             ]
         builder = ModelBuilder(gravity=self.turned_vector((0.0, -9.81)))
-        builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+        builder.add_rock("rock", young=self.young, poisson=0.2, density=2500.0)
         builder.add_joint(friction_angle=self.friction_angle, restitution=self.restitution)
         for outline, fixed in pieces:
             builder.block(vertices=self.placed(outline), fixed=fixed)
@@ -152,32 +153,30 @@ def test_fixed_pieces_are_as_one(name):
         assert pieces.ledger.impacts == pytest.approx(whole.ledger.impacts, rel=1e-6, abs=1e-3)
 
 
-PIECES_MOVE = pytest.mark.xfail(reason="free pieces of ground: impacts depend on the cut (68)")
-"""What does not hold yet: by 93 % over a sharp crest, by 15 % in a landing."""
-NOT_YET = ("fast over a sharp crest", "landing")
+def stiff(trial: Trial) -> Trial:
+    """Return a trial on ground that settles by a hundredth.
+
+    Free pieces sink under their own weight, each by another amount: soft ground of 8 m by 0.1 mm,
+    which makes steps of what was flush, and those are obstacles (decision 80).
+    """
+    return replace(trial, young=100.0 * trial.young, stiffness=100.0 * trial.stiffness)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[PIECES_MOVE] if name in NOT_YET else [])
-        for name, one in TRIALS.items()
-        if not one.restitution
-    ],
-)
+@pytest.mark.parametrize("name", TRIALS)
 def test_free_pieces_are_as_one(name):
-    trial = TRIALS[name]
+    trial = stiff(TRIALS[name])
     whole = trial.end([], free=True)
     pieces = trial.end([0.0, 0.3, 0.45, 1.1], free=True)
     assert trial.differ(whole, pieces) < 0.01
+    assert trial.differ(trial.end([]), whole) < 0.01
 
 
 @pytest.mark.parametrize("cuts", [[], [0.1, 0.2], [0.08 * k for k in range(11)]])
-@pytest.mark.parametrize("free", [False, pytest.param(True, marks=PIECES_MOVE)])
+@pytest.mark.parametrize("free", [False, True])
 def test_the_column_loses_what_housner_says(cuts, free):
     """Of its rate 1 - 3/2 sin^2 of the slenderness is left, whatever the ground is cut into."""
-    trial = landing(step=5e-4, steps=80)
+    trial = stiff(landing(step=5e-4, steps=80)) if free else landing(step=5e-4, steps=80)
     fallen = trial.block[:, 1].mean() - 0.8
     mass, about = 2500.0 * 0.8 * 1.6, 2500.0 * 0.8 * 1.6 * 4.0 / 3.0 * 0.8
     before = 0.5 * about * 1.0**2 + mass * 9.81 * fallen
