@@ -34,7 +34,7 @@ from clast.inputs.in_situ import InSituTable
 from clast.inputs.joint_sets import JointSetTable
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.materials import Joint, Rock
-from clast.inputs.measurements import MeasuredPoint, Reference
+from clast.inputs.measurements import MeasuredPoint, Reference, point_faults
 from clast.inputs.method import MethodTable
 from clast.inputs.rock_mass import (
     BlockPatternTable,
@@ -152,16 +152,7 @@ class Case(BaseModel):
 
     @model_validator(mode="after")
     def _references_have_points(self) -> Self:
-        names = [point.name for point in self.measured_point]
-        faults = [
-            Fault(
-                place=("reference", number, "point"),
-                what=f"there is no measured point '{reference.point}'",
-                remedy=spelling.advice(reference.point, names, kind="measured point"),
-            )
-            for number, reference in enumerate(self.reference)
-            if reference.point not in names
-        ]
+        faults = list(point_faults(self.measured_point, self.reference))
         if faults:
             raise refusal(*faults)
         return self

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from pydantic import StrictStr, field_validator
+from collections.abc import Iterator, Sequence
 
+from pydantic import StrictStr
+
+from clast import spelling
 from clast.errors import shortened
-from clast.inputs.declaring.faults import Fault, refusal
+from clast.inputs.declaring.faults import Fault
 from clast.inputs.declaring.table import Point, Positive, Table
 
 
@@ -19,14 +22,6 @@ class MeasuredPoint(Table):
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
 
-    @field_validator("name")
-    @classmethod
-    def _has_no_slash(cls, name: str) -> str:
-        if "/" in name:
-            what = f"'{shortened(name)}' has a /, but names places in the result file"
-            raise refusal(Fault(what=what, remedy="give it a name without /"))
-        return name
-
 
 class Reference(Table):
     """A displacement that is known from elsewhere, to compare a run with."""
@@ -39,3 +34,24 @@ class Reference(Table):
     """When, s; the end of the run if absent."""
     source: StrictStr = ""
     """Where it comes from, e.g. "closed form: g t2/2"."""
+
+
+def point_faults(
+    points: Sequence[MeasuredPoint], references: Sequence[Reference]
+) -> Iterator[Fault]:
+    """Give what a case file cannot say of points: names with a slash, references to none."""
+    for number, point in enumerate(points):
+        if "/" in point.name:  # scripts may: only a file's names are typed in again
+            yield Fault(
+                place=("measured_point", number, "name"),
+                what=f"'{shortened(point.name)}' has a /, but names places in the result file",
+                remedy="give it a name without /",
+            )
+    names = [point.name for point in points]
+    for number, reference in enumerate(references):
+        if reference.point not in names:
+            yield Fault(
+                place=("reference", number, "point"),
+                what=f"there is no measured point '{reference.point}'",
+                remedy=spelling.advice(reference.point, names, kind="measured point"),
+            )
