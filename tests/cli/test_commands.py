@@ -375,20 +375,6 @@ def test_signals_end_a_run_and_keep_its_results(incline, number):
     assert results.times[-1] == results.steps["time"][-1] > 0.0
 
 
-@pytest.mark.slow
-def test_threads_are_asked_for_and_change_nothing(incline, tmp_path):
-    """The kernels of the process that runs the case take their number from the option."""
-    found = []
-    for number in ("1", str(min(2, os.cpu_count() or 1))):
-        file = tmp_path / f"{number}.vtkhdf"
-        command = [sys.executable, "-m", "clast", "run", str(incline), *SHORT, "-q"]
-        done = subprocess.run([*command, "--threads", number, "-o", str(file)], check=False)
-        assert done.returncode == 0
-        found.append(read_results(file).energy)
-    for name, values in found[0].items():
-        assert (values == found[-1][name]).all()
-
-
 def test_impossible_numbers_of_threads_are_refused(incline):
     for number in ("0", "100000", "many"):
         refused = clast_command("run", incline, "--threads", number)
