@@ -39,7 +39,8 @@ def unbalanced(
 
     Without gravity ``unit``, m/s2, is what it is compared with.
 
-    It is inf for a run that has failed: what moves far may come to rest somewhere else.
+    It is inf for a run that has failed, and for one whose points have moved by more than
+    ``max_displacement``, m: what moves far may come to rest somewhere else.
     """
     method = variant.method(
         model,
@@ -50,6 +51,9 @@ def unbalanced(
     end = steps * step
     run = simulate(model, method, Schedule(step=step, end=end, every=end))
     if any(event.kind == "fails" for event in run.report.events):
+        return math.inf
+    ways = [run.history(name).displacement[-1] for name in model.measured_points.name]
+    if float(np.hypot(*np.array(ways).T).max()) > max_displacement:
         return math.inf
     moved = [
         run.history(name).displacement[-1] - run.history(name).displacement[-1 - LAST]
