@@ -42,11 +42,15 @@ def answer(gap, slip, p, k, joint, memory):
     intact = bonded and (bears or tension == 0.0)
     energy = 0.5 * (n - multiplier) ** 2 / p
     strength = cohesion * length
-    bound = max(0.0, (base if given else n) * friction + strength)
+    presses = base if given else n
+    # what is not pressed has no cohesion, unless it bears tension (decision 81)
+    joined = presses > 0.0 or tension != 0.0
+    bound = max(0.0, presses * friction + strength) if joined else 0.0
     pull = shear_force - k * slip
     t, ks, coupling, mode, loss = 0.0, 0.0, 0.0, 1, 0.0
     if abs(pull) > bound:
-        intact = intact and (np.isnan(residual) or (strength == 0.0 and tension == 0.0))
+        breaks = joined and (strength != 0.0 or tension != 0.0)
+        intact = intact and (np.isnan(residual) or not breaks)
         t, loss = np.sign(pull) * bound, bound * (abs(pull) - bound) / k
         coupling = 0.0 if given or bound == 0.0 else np.sign(pull) * friction
     elif bound > 0.0:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import clast
+from clast.contact.joints.faces import END
 from clast.contact.laws import Penalty, normal_stiffness_of
 from clast.errors import ModelError
 from scenes.systems import box, contacts_of, turned
@@ -97,11 +98,11 @@ def test_springs_change_little_where_a_block_tilts(height):
         at_pivot = np.abs(contacts.foot - (pivot - builder.build().origin)).max(axis=1) < 1e-9
         assert at_pivot.sum() == 1
         found.append(contacts.normal_stiffness[at_pivot][0])
-        # a corner is the end of a face, a sixteenth of it
-        own = (np.cos(tilt) ** 3 + height * np.sin(tilt) ** 3) / 16.0
+        # a corner is the end of a face, and stands for that share of it (decision 82)
+        own = (np.cos(tilt) ** 3 + height * np.sin(tilt) ** 3) * END
         assert found[-1] == pytest.approx(own, rel=3e-3 * (1.0 + height))
-    assert found[0] == 1.0 / 16.0
-    assert found[-1] == pytest.approx(height / 16.0, rel=1e-12)
+    assert found[0] == pytest.approx(END, rel=1e-12)
+    assert found[-1] == pytest.approx(height * END, rel=1e-12)
 
 
 def squeezed(process, law, force=(0.0, -2e6), end=0.2):

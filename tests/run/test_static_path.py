@@ -96,7 +96,7 @@ def test_bonds_that_break_are_counted_and_may_be_held():
         run = clast.simulate(builder.build(), stages=stages, end=1.0, step=1e-2, dynamic_ratio=0.0)
         (record,) = run.stages
         assert (record.outcome, record.mechanism) == ("fails", ("block",)), bonds
-        assert record.broken == 9  # the points of the face
+        assert record.broken == 15  # the points of the face (decision 82)
         (event,) = [one for one in run.report.events if one.kind == "bonds break"]
         assert "'block'" in event.text
         # 1/1.5 of the weight is what they bear, in increments of 1/32

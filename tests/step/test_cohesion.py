@@ -102,10 +102,9 @@ def test_a_block_that_is_lifted_off_has_no_cohesion_afterwards():
 def test_more_is_not_left_than_there_was():
     builder = ModelBuilder()
     builder.add_rock("rock", young=1e9, poisson=0.0, density=DENSITY)
-    builder.add_joint(cohesion=1e3, residual_cohesion=2e3)
-    builder.block(vertices=[(0, 0), (1, 0), (1, 1)])
+    # said where the joint is given (decision 92)
     with pytest.raises(ModelError, match="residual_cohesion"):
-        builder.build()
+        builder.add_joint(cohesion=1e3, residual_cohesion=2e3)
 
 
 def test_a_case_file_says_what_slip_leaves(tmp_path):
