@@ -271,7 +271,8 @@ def bearable_stiffness(model: Model, step: float) -> tuple[float, str]:
     """Return the normal stiffness, N/m per m, that a step of ``step``, s, bears, and the reason.
 
     p h2/m = 1 for the lightest block with four contacts; no more than the limit for any block with
-    the contacts that it has at the start.  Infinity where all blocks are fixed.
+    the contacts that it has at the start, the points of a face counted by their shares of p.
+    Infinity where all blocks are fixed.
     """
     free = ~model.fixed
     if not free.any():
@@ -280,9 +281,11 @@ def bearable_stiffness(model: Model, step: float) -> tuple[float, str]:
     near = NEAR * float(np.sqrt(model.smallest))
     reach = SearchDistance(front=near, depth=near, critdis=near)
     contacts = detect(model, Bisector(), state, block_frames(model, state).centroid, reach)
-    count = np.bincount(_sides(contacts), minlength=model.block_count)
+    sides = _sides(contacts)
+    count = np.bincount(sides, minlength=model.block_count)
+    springs = np.bincount(sides, np.tile(contacts.spring_share, 2), model.block_count)
     of_four = model.mass / multipliers.CONTACTS_OF_A_BLOCK
-    share = np.minimum(of_four, STABILITY_LIMIT * model.mass / np.maximum(1, count))
+    share = np.minimum(of_four, STABILITY_LIMIT * model.mass / np.where(count > 0, springs, 1.0))
     least = int(np.argmin(np.where(free, share, np.inf)))
     stable = float(share[least]) / step**2
     if share[least] == of_four[least]:
@@ -299,10 +302,10 @@ def _sides(contacts: Contacts) -> Ints:
 
 
 def stability_number(model: Model, method: Method, state: State, step: float) -> float:
-    """Return the largest p h2/m over the blocks, m being a block's mass per contact.
+    """Return the largest p h2/m over the blocks, p being all springs of a block together.
 
-    Contacts are those within critdis at ``state``; a block that touches nothing yet is counted
-    with the single vertex that it will land on.
+    Springs are those of contacts within critdis at ``state``; a block that touches nothing yet is
+    counted with the single vertex that it will land on.
     """
     frames = block_frames(model, state)
     contacts = detect(
@@ -313,13 +316,10 @@ def stability_number(model: Model, method: Method, state: State, step: float) ->
         search_of_modified(method),
     )
     sides = _sides(contacts)
-    per_block = np.maximum(1, np.bincount(sides, minlength=model.block_count))
-    stiffness = np.full(model.block_count, method.contact_law.normal_stiffness)
-    if len(contacts):
-        own = normal_stiffness_of(contacts, method.contact_law)
-        stiffness[sides] = 0.0
-        np.maximum.at(stiffness, sides, np.concatenate([own, own]))
-    number = stiffness * per_block / model.mass
+    own = np.tile(normal_stiffness_of(contacts, method.contact_law), 2)
+    together = np.bincount(sides, own, model.block_count)
+    touches = np.bincount(sides, minlength=model.block_count) > 0
+    number = np.where(touches, together, method.contact_law.normal_stiffness) / model.mass
     return float(step**2 * number[~model.fixed].max(initial=0.0))
 
 
