@@ -216,11 +216,14 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
     if gap < 0.0 and _is_hidden(p, e, along, critdis, outlines):
         return False
     at_corner = -beyond <= max(critdis, depth, front)
-    # first: what a face bears at its end must not come and go with the surfaces around it
-    if at_corner and _has_face_on(e, at_end, own, direction):
+    has_face = at_corner and _has_face_on(e, at_end, own, direction)
+    # what a face bears at its end must not come and go with the surfaces around it
+    if has_face and length[e] > critdis:
         return True
     if at_corner and is_covered(p, e, at_end, own, outlines, bearing):
         return False
+    if has_face:
+        return True
     i, j = outlines[3][p], outlines[3][e]
     if is_no_corner(p, j, nx, ny, own, outlines, bearing):
         return False
