@@ -6,6 +6,7 @@ N and M = N e about the middle of its height b.  Joint stiffness k, tensile stre
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -14,7 +15,7 @@ import pytest
 import clast
 from clast.contact.joints.faces import PLACES
 from scenes.restarts import differences, pressed_at
-from scenes.systems import box, contacts_of, turned
+from scenes.systems import REACH, box, contacts_of, turned
 
 K, YOUNG = 1e10, 1e15
 """Joint stiffness, Pa/m, and modulus of blocks that give way to nothing, Pa."""
@@ -110,6 +111,27 @@ def test_a_face_opens_at_the_kern(parts, share, opens):
     force = 2e5
     run = beam(parts, force=force, moment=share * HEIGHT * force / 6.0, **STIFF)
     assert (run.state.memory.gap.max() > 0.0) == opens
+
+
+@pytest.mark.parametrize("angle", [0.0, 70.0])
+@pytest.mark.parametrize("plane_first", [False, True])
+@pytest.mark.parametrize("tilt", [2.9, 3.1, 10.0, 29.0])
+def test_a_tip_that_goes_in_presses_as_what_is_inside(tilt, plane_first, angle):
+    """A wedge g deep presses with k g^2/(2 tan(tilt)) across the plane, numbered as it may be."""
+    deep = 0.15 * np.sin(np.radians(tilt))
+    tipped = turned(box(0, 0), np.radians(tilt)) - [0.0, deep]
+    outlines = [turned(one, np.radians(angle)) for one in (tipped, box(-2, -1, 6.0))]
+    builder = clast.ModelBuilder(gravity=(0.0, 0.0))
+    builder.add_rock("rock", young=YOUNG, poisson=0.0, density=2500.0)
+    builder.add_joint("default", friction_angle=40.0, **STIFF)
+    builder.blocks(vertices=outlines[::-1] if plane_first else outlines)
+    contacts = contacts_of(builder.build(), reach=replace(REACH, depth=0.1))
+    forces = contacts.normal_stiffness * np.maximum(0.0, -contacts.gap)
+    assert forces.sum() == pytest.approx(K * deep**2 / (2.0 * np.tan(np.radians(tilt))), rel=0.1)
+    across = turned(np.array([[0.0, 1.0]]), np.radians(angle))[0]
+    turn = 0.0 if tilt > 3.0 else np.radians(tilt)
+    pressed = contacts.normal[forces > 0.0]
+    assert np.abs(np.abs(pressed @ across) - 1.0).max() <= 1.0 - np.cos(turn) + 1e-12
 
 
 BONDS = {

@@ -447,5 +447,5 @@ def test_names_that_are_unknown_or_taken_are_refused():
         opening(("x", ["c"]))
     with pytest.raises(ModelError, match="part of opening 'x' already"):
         opening(("x", ["a"]), ("y", ["a", "b"]))
-    with pytest.raises(ModelError, match="has no block"):
+    with pytest.raises(ModelError, match="is an empty list"):
         opening(("x", []))

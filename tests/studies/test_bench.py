@@ -134,8 +134,10 @@ def test_figures_for_a_program(measured):
         "triad_by_threads",
         "rows",
         "cuts",
+        "wholes",
     }
     assert content["cuts"] == []
+    assert content["wholes"] == []
     assert {"cpu", "cores", "memory", "system", "versions"} == set(content["machine"])
     assert {"python", "numpy", "numba", "clast"} <= set(content["machine"]["versions"])
     assert content["settings"]["end"] == pytest.approx(3e-3)

@@ -11,9 +11,10 @@ and shares are those with which a face that has opened in part is nearest to its
 crack that has begun bears more than sigma_t L^2/6, the moment that began it (decision 82).
 
 A point is kept by the two edges and its number.  It moves along with the shared length, whose ends
-are vertices: as blocks slide, its place and its share are those of the moment.  The edge of the
-block with the lower number has the point P, the other one Q.  Joints without stiffness and bond
-keep their corners alone, about which blocks then tip exactly.
+are vertices: as blocks slide, its place and its share are those of the moment.  Of edges that lie
+flush the one of the block with the lower number has the point P, the other one Q; of edges at an
+angle, up to 30 degrees, the one whose vertex goes in deepest has P (decision 94).  Joints without
+stiffness and bond keep their corners alone, about which blocks then tip exactly.
 """
 
 from __future__ import annotations
@@ -28,6 +29,11 @@ from clast.contact.joints.along_joint import edge_along, joints_of
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory, State, contact_keys
 
+FACING = np.sin(np.radians(30.0))
+"""Sine of the angle up to which edges face each other.
+
+A tip that presses is by then alone: its neighbour is open until the tip is 0.023 L deep.
+"""
 NEAR_ENDS: Floats = np.array([0.0469, 0.085, 0.1402, 0.1932, 0.2653, 0.3643])
 """Places of the inner points of one half, from its end on, as shares of the shared length, (6,)."""
 SHARES_NEAR_ENDS: Floats = np.array([0.0238, 0.0274, 0.067, 0.045, 0.0623, 0.0848])
@@ -127,7 +133,7 @@ def _shared_edges(
     vertices: Floats,
     edges: tuple[Floats, Floats],
 ) -> tuple[Ints, Ints, Ints]:
-    """Return edges that lie on each other: of the lower block, of the higher one, and the pair.
+    """Return edges that face each other: the one with the points P, the other, and the pair.
 
     Each pair of edges once (k,), though up to four vertices tell of it.
     """
@@ -136,18 +142,25 @@ def _shared_edges(
     ends = corners.vertex[some], corners.edge[some]
     blocks = corners.vertex_block[some], corners.edge_block[some]
     outlines = vertices, model.block_start, *edges
-    _edges_on_each_other(ends, blocks, outlines, own, other)
+    _edges_facing_each_other(ends, blocks, outlines, own, other)
     there = own >= 0
     own, other, which = own[there], other[there], np.repeat(some, 2)[there]
+    # the vertex that goes in deepest tells first
+    deepest = np.argsort(corners.gap[which], kind="stable")
+    own, other, which = own[deepest], other[deepest], which[deepest]
     low = corners.vertex_block[which] < corners.edge_block[which]
-    first, second = np.where(low, own, other), np.where(low, other, own)
-    _, at = np.unique(first * len(vertices) + second, return_index=True)
-    return first[at], second[at], corners.pair[which[at]]
+    lower, higher = np.where(low, own, other), np.where(low, other, own)
+    _, at = np.unique(lower * len(vertices) + higher, return_index=True)
+    one, two = edges[0][own[at]], edges[0][other[at]]
+    flush = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) <= SMALL_ANGLE
+    first = np.where(flush, lower[at], own[at])
+    second = np.where(flush, higher[at], other[at])
+    return first, second, corners.pair[which[at]]
 
 
 @kernel()
-def _edges_on_each_other(ends, blocks, outlines, own, other):
-    """Write the own edge of each vertex that lies along its entrance edge, and that edge.
+def _edges_facing_each_other(ends, blocks, outlines, own, other):
+    """Write the own edge of each vertex that faces its entrance edge, and that edge.
 
     Two places (2 m,) for the two own edges of each contact, -1 where they do not.
     """
@@ -162,7 +175,7 @@ def _edges_on_each_other(ends, blocks, outlines, own, other):
             a, w = (before, before) if side == 0 else (p, after)
             sine = direction[a, 0] * direction[e, 1] - direction[a, 1] * direction[e, 0]
             cosine = direction[a, 0] * direction[e, 0] + direction[a, 1] * direction[e, 1]
-            if abs(sine) <= SMALL_ANGLE and cosine < 0.0:
+            if abs(sine) <= FACING and cosine < 0.0:
                 own[2 * c + side] = a
                 other[2 * c + side] = edge_along(p, w, e, j, of_edges, 0.0)
 
@@ -176,7 +189,7 @@ def _inside(
     centroid: Floats,
     edges: tuple[Floats, Floats],
 ) -> Places:
-    """Return the points inside what edges (k,) of the lower and the higher blocks share."""
+    """Return the points P on edges ``own`` (k,) inside what they share with edges ``edge``."""
     vertices, (direction, length) = state.vertices, edges
     block = model.vertex_block
     end = model.vertex_after[own]
