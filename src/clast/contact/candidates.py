@@ -86,8 +86,9 @@ def find_candidates(
     if vertex_block is None:
         vertex_block = polygon.owners(block_start)
     outlines = vertices, direction, length, vertex_block, block_start
+    of_memory = memory.vertex, memory.block, memory.gap
     bearing = (
-        *seams.rows_by_block(memory.vertex, memory.block, vertex_block, len(box)),
+        *seams.rows_by_block(of_memory, vertex_block, len(box), reach.critdis),
         memory.vertex,
         memory.block,
         memory.edge,

@@ -42,22 +42,27 @@ WAY_ROUND = 64
 
 
 @kernel()
-def rows_by_block(memory_vertex, memory_block, vertex_block, block_count):
+def rows_by_block(memory, vertex_block, block_count, critdis):
     """Return the first memory row of each block, (block_count + 1,), and these rows, (2 k,).
 
-    Each row belongs to the block of its vertex and to the block of its edge.
+    ``memory`` are its vertices, the blocks of its edges, and its gaps (r,), m.  Each row belongs to
+    the block of its vertex and to the block of its edge, k rows in all: nothing stands on what is
+    farther than ``critdis``, m, away, which is remembered only because blocks are fast.
     """
+    vertex, block, gap = memory
     start = np.zeros(block_count + 1, np.int64)
-    for row in range(len(memory_vertex)):
-        start[vertex_block[memory_vertex[row]] + 1] += 1
-        start[memory_block[row] + 1] += 1
-    for block in range(block_count):
-        start[block + 1] += start[block]
-    rows, filled = np.empty(2 * len(memory_vertex), np.int64), start[:-1].copy()
-    for row in range(len(memory_vertex)):
-        for block in (vertex_block[memory_vertex[row]], memory_block[row]):
-            rows[filled[block]] = row
-            filled[block] += 1
+    for row in range(len(vertex)):
+        if gap[row] <= critdis:
+            start[vertex_block[vertex[row]] + 1] += 1
+            start[block[row] + 1] += 1
+    for b in range(block_count):
+        start[b + 1] += start[b]
+    rows, filled = np.empty(start[-1], np.int64), start[:-1].copy()
+    for row in range(len(vertex)):
+        if gap[row] <= critdis:
+            for b in (vertex_block[vertex[row]], block[row]):
+                rows[filled[b]] = row
+                filled[b] += 1
     return start, rows
 
 
