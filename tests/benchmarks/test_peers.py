@@ -68,6 +68,7 @@ def test_rigid_outlines_turn_about_their_centre():
     assert turned[0] == pytest.approx(np.roll(square[0], -1, axis=0))
 
 
+@pytest.mark.slow  # a whole scene, to its rest
 def test_the_page_shows_what_is_kept(small_wall):
     outcome = programs.Clast(0.005).simulate(small_wall, 0.01, 60.0)
     row = asdict(peers.figures(small_wall, programs.Clast(0.005), outcome))

@@ -244,6 +244,7 @@ def eliminated(one, order):
     return own, scaled
 
 
+@pytest.mark.slow  # no fewer blocks have four strips
 @pytest.mark.parametrize("parted", [True, False])
 def test_the_seam_is_eliminated_as_if_one_block_came_after_the_other(parted):
     """By segments, or, where segments are coupled, as a whole."""
