@@ -153,6 +153,7 @@ def test_two_corners_inside_each_other_make_one_contact(dx, dy, lean):
     assert exits[found] == max(exits.values())
 
 
+@pytest.mark.slow  # 4,001 positions
 def test_passing_corners_hand_the_contact_over_where_both_exits_are_equal():
     """Along the way the penetration of the one contact never jumps."""
     gaps, who = [], []
