@@ -9,20 +9,16 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-import os
 import re
-import tempfile
 from html import escape
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from clast.errors import CaseError
+from clast.pictures.html_files import html_path, write_html
 from clast.pictures.page.scene import scene_of
 from clast.results import Recording
 
-SUFFIXES = (".html", ".htm")
-"""Endings of the names of pages."""
 SCRIPTS = (
     "data",
     "colours",
@@ -47,35 +43,8 @@ def write_page(results: Recording, path: Path | str, *, budget: float = BUDGET) 
     ``budget`` is what contacts may take, bytes; the page says how many of how many it shows.
     Raises CaseError where the page cannot be written; no part of a page is left then.
     """
-    path = Path(path)
-    if path.suffix.lower() not in SUFFIXES:
-        raise CaseError(
-            f"pages cannot be written as '{path.suffix or path.name}'",
-            where=str(path),
-            remedy=f"end the name in {' or '.join(SUFFIXES)}",
-        )
-    text = page_text(scene_of(results, budget))
-    try:
-        with tempfile.NamedTemporaryFile(
-            "w", encoding="utf-8", dir=path.parent, prefix=f".{path.name}.", delete=False
-        ) as made:
-            made.write(text)
-        os.chmod(made.name, 0o666 & ~_umask())
-        os.replace(made.name, path)
-    except OSError as error:
-        raise CaseError(
-            f"the page cannot be written: {error.strerror}",
-            where=str(path),
-            remedy="name a file in a directory that exists and may be written",
-        ) from error
-    return path
-
-
-def _umask() -> int:
-    """Return the permissions that new files do not get."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+    path = html_path(path)
+    return write_html(page_text(scene_of(results, budget)), path)
 
 
 def page_text(scene: dict[str, Any]) -> str:

@@ -10,7 +10,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from clast.errors import CaseError
+from clast.pictures.html_files import html_path, write_html
 from clast.pictures.look import NO_WISHES, Look
 from clast.pictures.rock_mass.section import BY, cut_figure
 from clast.pictures.rock_mass.statistics import statistics_figure
@@ -20,8 +20,6 @@ from clast.rockmass.report import place_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SUFFIXES = (".html", ".htm")
-"""Endings of the names of pages."""
 STYLE = (
     "body{font:16px/1.5 system-ui,sans-serif;color:#262626;max-width:62rem;margin:1.5rem auto;"
     "padding:0 1rem}h1{font-size:1.5rem;overflow-wrap:anywhere}"
@@ -83,23 +81,8 @@ def write_cut_report(
     ``look`` has size, resolution and part of the sections.  CaseError where the page cannot be
     written, or a picture of it not be drawn.
     """
-    path = Path(path)
-    if path.suffix.lower() not in SUFFIXES:
-        raise CaseError(
-            f"pages cannot be written as '{path.suffix or path.name}'",
-            where=str(path),
-            remedy=f"end the name in {' or '.join(SUFFIXES)}",
-        )
-    text = page(cut, title=title, look=look)
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise CaseError(
-            f"the page cannot be written: {error.strerror}",
-            where=str(path),
-            remedy="name a file in a directory that exists and may be written",
-        ) from error
-    return path
+    path = html_path(path)
+    return write_html(page(cut, title=title, look=look), path)
 
 
 def page(cut: Cut, *, title: str, look: Look) -> str:
