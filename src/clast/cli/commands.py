@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from clast.cli import cases, exports, files, importing, rock_masses, studies
+from clast.cli import cases, exports, files, films, importing, rock_masses, studies
 from clast.cli.exit_codes import BAD_INPUT, STOPPED, interrupted_by
 from clast.cli.terminal import say
 from clast.errors import ClastError, RunStopped, RunWarning, shortened
@@ -101,6 +101,7 @@ COMMANDS = (
     files.info,
     files.plot,
     files.page,
+    films.film,
     exports.export,
     cases.new,
     cases.schema,

@@ -93,6 +93,26 @@ def compiling() -> Iterator[Callable[[str, float], None]]:
         yield show
 
 
+@contextmanager
+def counting(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Give a function that shows how many of how many are done, and the time that is left.
+
+    Where there is no terminal it shows nothing.
+    """
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+    from rich.progress import TimeRemainingColumn as Left
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda _done, _of: None
+        return
+    columns = TextColumn("{task.description}"), BarColumn(bar_width=24), MofNCompleteColumn()
+    with Progress(*columns, Left(), TextColumn("left"), console=console, transient=True) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda done, of: bar.update(task, completed=done, total=of)
+
+
 def print_json(content: Any) -> None:
     """Print JSON; numbers that JSON does not know become null."""
     typer.echo(json_text(content))

@@ -8,7 +8,7 @@ import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE, TEXT_SIZE, Sheet, literal
-from clast.pictures.fields import KINDS, SCALARS, prefixed
+from clast.pictures.fields import SCALARS, PictureField, prefixed
 from clast.pictures.scale import Scale, scale_of
 from clast.pictures.strokes import GROUND
 from clast.results import Recording
@@ -144,33 +144,53 @@ def colour(
     free = ~(results.fixed | gone_in_frame(results, frame))
     if not free.any():
         return
-    if field == "joint":
-        blocks.set_facecolor(GROUND)
-        return
-    if field in KINDS:
-        kinds = results.field(field, frame)[free]
-        blocks.set_facecolor([kind_colour(kind) for kind in kinds])
+    if field not in SCALARS:
+        paint_kinds(blocks, results, field, frame, free)
         return
     quantity = SCALARS[field]
     values = quantity.values(results, frame)
     area = areas_of(results, results.vertices(frame))
     counted = free & shown if (free & shown).any() else free
     scale = scale_of(values[counted], area[counted], limits)
+    unit = paint(blocks, values[free], scale, quantity)
+    label = f"{quantity.label} ({unit})"
+    if scale.beyond:
+        label += "\n" if sheet.upright else "; "
+        label += _beyond(values[counted], quantity.unit, scale)
+    draw_colour_bar(figure, sheet, blocks, label, scale.extend)
+
+
+def paint_kinds(
+    blocks: PolyCollection, results: Recording, field: str, frame: int, drawn: Bools
+) -> None:
+    """Colour the blocks ``drawn`` (n,) by a field that tells kinds apart."""
+    if field == "joint":
+        blocks.set_facecolor(GROUND)
+        return
+    kinds = results.field(field, frame)[drawn]
+    blocks.set_facecolor([kind_colour(kind) for kind in kinds])
+
+
+def paint(blocks: PolyCollection, values: Floats, scale: Scale, quantity: PictureField) -> str:
+    """Colour blocks by their values (k,) on a scale; return the unit, with its prefix."""
     factor, unit = prefixed(max(abs(scale.low), abs(scale.high)), quantity.unit)
-    blocks.set_array(factor * values[free])
+    blocks.set_array(factor * values)
     blocks.set_cmap(scale.colours)
     blocks.set_clim(factor * scale.low, factor * scale.high)
+    return unit
+
+
+def draw_colour_bar(
+    figure: Figure, sheet: Sheet, blocks: PolyCollection, label: str, extend: str
+) -> None:
+    """Explain the colours of blocks on a sheet; ``extend`` as matplotlib has it."""
     place = figure.add_axes(sheet.share(sheet.bar))
     bar = figure.colorbar(
         blocks,
         cax=place,
         orientation="vertical" if sheet.upright else "horizontal",
-        extend=scale.extend,
+        extend=extend,
     )
-    label = f"{quantity.label} ({unit})"
-    if scale.beyond:
-        label += "\n" if sheet.upright else "; "
-        label += _beyond(values[counted], quantity.unit, scale)
     bar.set_label(label, fontsize=TEXT_SIZE, color=INK)
     bar.ax.tick_params(labelsize=SMALL_SIZE, color=FAINT, labelcolor=INK, width=0.6, length=3)
     bar.outline.set_linewidth(0.5)

@@ -74,7 +74,7 @@ def plot_results(
     water = pressures_of(results, waters, number, here)
     bolted = results.bolts(number)
     handles = [
-        *_legend_handles(results, field, gone),
+        *legend_handles(results, field, gone),
         *handles_of(edges, part),
         *handles_of_water(waters, water),
         *bolts.handles_of(bolted),
@@ -105,7 +105,7 @@ def plot_results(
         draw_arrows(figure, sheet, axes, arrows)
     if field == "block":
         blocks.draw_names(axes, results, here, gone)
-    _draw_points(axes, results, number)
+    draw_points(axes, results.point_name, places_of_points(results, [number])[0])
     keys.draw(figure, sheet)
     return canvas.save(figure, Path(path))
 
@@ -164,14 +164,24 @@ def _label(field: str) -> str:
     return SCALARS[field].label if field in SCALARS else KINDS[field]
 
 
-def _draw_points(axes: Axes, results: Recording, frame: int) -> None:
-    """Mark the measured points where they are now."""
-    places = list(zip(results.point_name, results.point_start, strict=True))[:MOST_NAMES]
-    for number, (name, start) in enumerate(places):
+def places_of_points(results: Recording, frames: Sequence[int]) -> Floats:
+    """Return where the measured points are in some frames, m, shape (frames, points, 2)."""
+    times = results.times[list(frames)]
+    places = np.zeros((len(frames), len(results.point_name), 2))
+    for number, (name, start) in enumerate(
+        zip(results.point_name, results.point_start, strict=True)
+    ):
         history = results.history(name)
-        row = int(np.abs(history.time - results.times[frame]).argmin())
-        before = counted_from(results.stages, number, float(history.time[row]))
-        at = start + before + history.displacement[row]
+        for place, time in enumerate(times):
+            row = int(np.abs(history.time - time).argmin())
+            before = counted_from(results.stages, number, float(history.time[row]))
+            places[place, number] = start + before + history.displacement[row]
+    return places
+
+
+def draw_points(axes: Axes, names: Sequence[str], places: Floats) -> None:
+    """Mark the measured points (k, 2) where they are, the first few with their names."""
+    for name, at in list(zip(names, places, strict=True))[:MOST_NAMES]:
         axes.plot(*at, "o", ms=3.5, mfc="white", mec=INK, mew=0.9, zorder=6)
         text, side = _beside(axes, name, float(at[0]))
         axes.annotate(
@@ -199,7 +209,7 @@ def _beside(axes: Axes, name: str, x: float) -> tuple[str, str]:
     return canvas.cut_to(name, left, SMALL_SIZE), "right"
 
 
-def _legend_handles(results: Recording, field: str, gone: Bools) -> list[Any]:
+def legend_handles(results: Recording, field: str, gone: Bools) -> list[Any]:
     """Return what the legend explains: outlines, fixed and excavated blocks, rocks."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch

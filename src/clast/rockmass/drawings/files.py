@@ -73,6 +73,16 @@ def replaced(path: Path) -> Iterator[BinaryIO]:
 
     Raises CaseError where nothing can be written there; an older file is then left as it was.
     """
+    with replaced_path(path) as part, part.open("wb") as file:
+        yield file
+
+
+@contextmanager
+def replaced_path(path: Path) -> Iterator[Path]:
+    """Give the path of an empty file that takes the name ``path`` when it is written.
+
+    Raises CaseError where nothing can be written there; an older file is then left as it was.
+    """
     try:
         real = path.resolve()
         _check_target(real, path)
@@ -80,9 +90,9 @@ def replaced(path: Path) -> Iterator[BinaryIO]:
         try:
             part.unlink(missing_ok=True)
             # a new file: where somebody has put a link, that is not followed
-            with part.open("xb") as file:
-                yield file
-                file.flush()
+            part.open("xb").close()
+            yield part
+            with part.open("rb") as file:
                 os.fsync(file.fileno())
             os.replace(part, real)
         finally:

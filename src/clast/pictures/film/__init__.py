@@ -1,0 +1,1 @@
+"""Films of runs: MP4, animated GIF and WebP."""
