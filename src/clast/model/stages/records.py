@@ -71,10 +71,11 @@ class Mechanism:
         more = len(self.blocks) - NAMED
         which = f"blocks {named}" if len(self.blocks) > 1 else f"block {named}"
         which += f" and {more} more" if more > 0 else ""
-        moves = "move" if len(self.blocks) > 1 else "moves"
+        many = len(self.blocks) > 1
+        moves = f"move, most of all '{self.mover.block}'," if many else "moves"
         return (
-            f"no equilibrium{self._under()}: {which} {moves}, most of all '{self.mover.block}', "
-            f"{towards(self.mover.direction)}, by {self.moved:.3g} m in {self.steps} steps"
+            f"no equilibrium{self._under()}: {which} {moves} "
+            f"{towards(self.mover.direction)} by {self.moved:.3g} m in {self.steps} steps"
         )
 
     def _under(self) -> str:
