@@ -45,7 +45,14 @@ from clast.verification.problems.masonry import (
     three_hinges,
     wall_push,
 )
-from clast.verification.problems.method import energy, invariance, order, resume, staged_views
+from clast.verification.problems.method import (
+    convergence,
+    energy,
+    invariance,
+    order,
+    resume,
+    staged_views,
+)
 from clast.verification.problems.slopes import (
     active_passive,
     block_train,
@@ -180,6 +187,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
     "method": (
         energy.PROBLEM,
         order.PROBLEM,
+        convergence.PROBLEM,
         invariance.PROBLEM,
         staged_views.PROBLEM,
         resume.PROBLEM,

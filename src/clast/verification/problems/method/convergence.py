@@ -1,0 +1,208 @@
+"""How errors fall with the step and with the normal stiffness, in motion and at rest.
+
+A block of mass m on two contact springs of stiffness p, which bear its weight, swings about its sag
+W/(2 p) with
+
+    x = (v/w) sin(w t),    w^2 = 2 p/m,
+
+as long as v/w is less than the sag.  Forces at the end of a step leave an error of first order in
+h, those half way one of second order.
+
+On a floor that does not give way a block of height H, which has one strain, swings with
+
+    w^2 = 3 E/(rho H^2);
+
+a column of such blocks at rest is shorter by rho g H^2/(2 E), H its whole height.  Contacts that
+give way make the frequency less and the shortening more, by what falls as 1/p.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg import eigh
+
+from clast.inputs.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
+from clast.verification.variants import (
+    CONVEX,
+    LAGGED,
+    MIDPOINT,
+    MIDPOINT_OPEN_CLOSE,
+    MIDPOINT_PASSES,
+    OPEN_CLOSE,
+    Variant,
+)
+
+GRAVITY, DENSITY = 9.8, 2500.0
+SOFT, RIGID = 1e7, 1e14
+"""Normal stiffness p, and Young's modulus, Pa, of the block that swings on its springs."""
+CIRCULAR = float(np.sqrt(2.0 * SOFT / DENSITY))
+"""w of that block of 1 m2, 1/s."""
+SHARE = 0.5
+"""Amplitude of what swings, in units of what the weight presses it down by."""
+STEPS, TURNED = (80, 160), 2.0
+"""Steps of the motion on springs, and w t at its end, rad."""
+YOUNG = 1e9
+"""Young's modulus of blocks that give way by themselves, Pa."""
+RATIOS, STATIC_RATIOS = (25.0, 50.0), (5.0, 10.0)
+"""p/E in motion and at rest: one pass needs many steps to come to rest on stiffer contacts."""
+PERIODS, STEPS_OF_PERIOD = 2.2, 200
+"""Periods of the block that swings by its strain: the time between two upward crossings counts."""
+BLOCKS = 3
+"""Number of blocks of the column, 1 m x 1 m each."""
+STATIC_STEP, STATIC_STEPS = 4e-4, 1500
+IN_STEP = "order of the limit of small steps: the next term is (w h)^2 of the error"
+IN_STIFFNESS = "order of the limit of stiff contacts: the next term is E/p of the error"
+NUMBERS = "(w h)^2/12 of the time scheme is 8e-5"
+AT_REST = "gaps are measured in shapes that the weight has strained by 5e-5"
+
+
+def blocks_at_rest(young: float, stiffness: float, count: int = 1) -> Model:
+    """Return blocks of 1 m2 on each other on a fixed floor.
+
+    Young's modulus in Pa, normal stiffness in N/m per m.  One block alone is strained and sagged by
+    its weight from the start.
+    """
+    builder = ModelBuilder(title="Convergence", gravity=(0.0, -GRAVITY))
+    weight = DENSITY * GRAVITY
+    borne = (0.0, -0.5 * weight if count == 1 else 0.0, 0.0)
+    builder.add_rock("rock", young=young, poisson=0.0, density=DENSITY, initial_stress=borne)
+    builder.add_joint("default", friction_angle=0.0)
+    ground = [(-1, -1), (2, -1), (2, 0), (-1, 0)]
+    builder.block(name="floor", vertices=ground, fixed=True)
+    low = -0.5 * weight / stiffness if count == 1 else 0.0
+    for number in range(count):
+        foot, top = low + number, low + number + 1.0
+        builder.block(name=f"{number}", vertices=[(0, foot), (1, foot), (1, top), (0, top)])
+    builder.measured_point("top", (0.5, low + count), block=f"{count - 1}")
+    return builder.build()
+
+
+def moved(
+    model: Model, velocity: Floats, stiffness: float, schedule: Schedule, variant: Variant
+) -> tuple[Floats, Floats]:
+    """Return times, s, and heights, m, of the top of a block that begins with a velocity (6,)."""
+    velocities = np.zeros_like(model.velocity)
+    velocities[-1] = velocity
+    method = variant.method(model, normal_stiffness=stiffness, max_displacement=0.05)
+    top = simulate(replace(model, velocity=velocities), method, schedule).history("top")
+    return top.time, top.displacement[:, 1]
+
+
+def error_in_step(steps: int, variant: Variant) -> float:
+    """Return the error of the block that swings on its springs, in units of its amplitude."""
+    size = SHARE * GRAVITY / CIRCULAR**2
+    end = TURNED / CIRCULAR
+    start = np.array([0.0, size * CIRCULAR, 0.0, 0.0, 0.0, 0.0])
+    schedule = Schedule(step=end / steps, end=end, every=end)
+    _, height = moved(blocks_at_rest(RIGID, SOFT), start, SOFT, schedule, variant)
+    return float(height[-1] / size - np.sin(TURNED))
+
+
+def mode(stiffness: float) -> tuple[float, Floats]:
+    """Return w, 1/s, and the shape (v0, ey) of the slow swing of a block on its springs."""
+    spring = 2.0 * stiffness * np.array([[1.0, -0.5], [-0.5, 0.25]])
+    square, shapes = eigh(spring + np.diag([0.0, YOUNG]), DENSITY * np.diag([1.0, 1.0 / 12.0]))
+    return float(np.sqrt(square[0])), shapes[:, 0]
+
+
+def exact_frequency(stiffness: float) -> float:
+    """Return w, 1/s, on contacts of a stiffness, N/m per m, which may be infinite."""
+    if np.isinf(stiffness):
+        return float(np.sqrt(3.0 * YOUNG / DENSITY))
+    return mode(stiffness)[0]
+
+
+def frequency(stiffness: float, variant: Variant) -> float:
+    """Return w, 1/s, of the block that swings by its strain, counted over a period."""
+    circular, (up, strain) = mode(stiffness)
+    # the top goes half of the sag of a block with one strain to and fro
+    size = SHARE * 0.5 * DENSITY * GRAVITY / YOUNG
+    rate = size * circular / (up + 0.5 * strain)
+    period = 2.0 * np.pi / circular
+    end = PERIODS * period
+    schedule = Schedule(step=period / STEPS_OF_PERIOD, end=end, every=end)
+    start = rate * np.array([0.0, up, 0.0, 0.0, strain, 0.0])
+    time, y = moved(blocks_at_rest(YOUNG, stiffness), start, stiffness, schedule, variant)
+    at = np.flatnonzero((y[1:-1] < 0.0) & (y[2:] >= 0.0)) + 1
+    crossing = time[at] - y[at] * (time[at + 1] - time[at]) / (y[at + 1] - y[at])
+    return float(2.0 * np.pi * (len(at) - 1) / (crossing[-1] - crossing[0]))
+
+
+def exact_shortening(stiffness: float) -> float:
+    """Return how far the top of the column goes down, m, the stiffness as for w."""
+    above = DENSITY * GRAVITY * np.arange(BLOCKS, 0, -1)
+    springs = stiffness * np.array([2.0] + [4.0] * (BLOCKS - 1))
+    return 0.5 * DENSITY * GRAVITY * BLOCKS**2 / YOUNG + float(np.sum(above / springs))
+
+
+def shortening(stiffness: float, variant: Variant) -> float:
+    """Return how far the top of the column goes down in statics, m."""
+    model = blocks_at_rest(YOUNG, stiffness, BLOCKS)
+    method = variant.method(
+        model, normal_stiffness=stiffness, max_displacement=0.01, dynamic_ratio=0.0
+    )
+    end = STATIC_STEPS * STATIC_STEP
+    run = simulate(model, method, Schedule(step=STATIC_STEP, end=end, every=end))
+    return -float(run.history("top").displacement[-1, 1])
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare orders in h and 1/p, and the errors by which contacts that give way differ."""
+    half_way = variant.integrator == "midpoint"
+    in_step = [abs(error_in_step(steps, variant)) for steps in STEPS]
+    order = float(np.log2(in_step[0] / in_step[1]))
+    rows: list[Comparison] = [
+        absolute("order in h", "", order, 2.0 if half_way else 1.0, 0.05, IN_STEP)
+    ]
+    parts = (
+        ("frequency", "1/s", RATIOS, frequency, exact_frequency, NUMBERS),
+        ("shortening", "m", STATIC_RATIOS, shortening, exact_shortening, AT_REST),
+    )
+    curves = []
+    for name, unit, ratios, computed, exact, why in parts:
+        found = np.array([computed(ratio * YOUNG, variant) for ratio in ratios])
+        right = np.array([exact(ratio * YOUNG) for ratio in ratios])
+        for k, ratio in enumerate(ratios):
+            quantity = f"{name} at p = {ratio:g} E"
+            rows.append(relative(quantity, unit, found[k], right[k], 3e-4, why))
+        errors, of_formula = (np.abs(values / exact(np.inf) - 1.0) for values in (found, right))
+        order = float(np.log(errors[0] / errors[1]) / np.log(ratios[1] / ratios[0]))
+        rows.append(absolute(f"order in 1/p, {name}", "", order, 1.0, 0.03, IN_STIFFNESS))
+        curves += [
+            exact_curve(f"{name} by formula", ratios, of_formula),
+            curve(f"{name}, {variant.name}", ratios, errors),
+        ]
+    chart = Chart(
+        title="what contacts that give way change",
+        x_label="p/E",
+        y_label="relative change",
+        curves=tuple(curves),
+        x_scale="log",
+        y_scale="log",
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="convergence",
+    title="Convergence in the step and in the stiffness of contacts",
+    text="A block of 1 m2 that rests on its contact springs (p = 10 MPa) swings about its sag, in "
+    "80 and in 160 steps; one of E = 1 GPa swings by its strain, 200 steps a period, on contacts "
+    "with p of 25 and 50 E; and a column of three such blocks stands under its own weight, p of 5 "
+    "and 10 E, static (dynamic_ratio = 0). No contact opens or strikes.",
+    formula="error proportional to h with forces at the end of the step and to h^2 half way; "
+    "w of a block with one strain on springs, sqrt(3 E/(rho H^2)) for p without limit; "
+    "shortening rho g H^2/(2 E) + sum of W/(n p): both differ from their limits by 1/p",
+    source="oscillator; elasticity of blocks with one strain each",
+    set_up=lambda: blocks_at_rest(YOUNG, RATIOS[0] * YOUNG, BLOCKS),
+    examine=examine,
+    variants=(CONVEX, LAGGED, OPEN_CLOSE, MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE),
+    quick=(MIDPOINT,),
+)
