@@ -217,7 +217,8 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
         return False
     at_corner = -beyond <= max(critdis, depth, front)
     has_face = at_corner and _has_face_on(e, at_end, own, direction)
-    # what a face bears at its end must not come and go with the surfaces around it
+    # what a face bears at its end must not come and go with the surfaces around it; a face shorter
+    # than critdis may be a step that is pressed in as deep as it is high, which what slides passes
     if has_face and length[e] > critdis:
         return True
     if at_corner and is_covered(p, e, at_end, own, outlines, bearing):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
+from clast.block.polygon import edges
 from clast.contact.joints.along_joint import range_of_springs
 from clast.errors import ModelError, shortened
 from clast.model.ground_motion import MovingBase, Recorded, highest_frequency
@@ -26,6 +27,8 @@ LARGE_SHARE = 0.1
 """max_displacement and critdis above this share of the smallest block's size are coarse."""
 SMALL_SHARE = 1e-6
 """max_displacement and critdis below this share of the smallest block's size find nothing."""
+THROUGH = 0.5
+"""critdis above this share of a block's thickness sees what lies behind the block."""
 SINKING = 0.01
 """Blocks that sink into others by more than this share of the smallest block sink too far."""
 JOINT_RATIO = 1e4
@@ -83,6 +86,16 @@ def _length_warnings(model: Model, method: Method) -> Iterator[str]:
                 f"{key} is {length:g} m, next to nothing beside the smallest block of "
                 f"{size:.3g} m: raise it to {0.005 * size:.2g} m, or leave it out"
             )
+    # twice the area by the outline: of slabs their thickness, of squares half of their side
+    _, length = edges(model.vertices, model.block_start)
+    thickness = 2.0 * model.area / np.add.reduceat(length, model.block_start[:-1])
+    thinnest = int(np.argmin(thickness))
+    if THROUGH * thickness[thinnest] < method.critdis <= LARGE_SHARE * size:
+        yield (
+            f"critdis is {method.critdis:g} m, but block {named(model, np.array([thinnest]))} is "
+            f"only {thickness[thinnest]:.3g} m thick: contacts would reach through it; lower "
+            f"critdis to {0.25 * thickness[thinnest]:.2g} m"
+        )
 
 
 def check_overlaps(model: Model, method: Method) -> None:
