@@ -53,6 +53,17 @@ def test_a_slide_over_a_bend_is_warned_of(cut, said, scale, mirrored):
         assert all(said in text and "(0, 0)" in text.replace("-0", "0") for text in found)
 
 
+@pytest.mark.parametrize(("cut", "said"), [(None, "locked"), (90.0, "flattens under 1 cut(s)")])
+def test_a_bend_between_blocks_of_ground_is_warned_of(cut, said):
+    """As where each plane has a friction angle of its own."""
+    ground, *slices = slide(cut)
+    head, low, deep, foot, bend = ground
+    below = np.array([0.0, -12.0])
+    parts = [np.array([head, low, below, bend]), np.array([below, deep, foot, bend])]
+    (text,) = slide_warnings(system([*parts, *slices], fixed=[0, 1]))
+    assert said in text and "25 degrees" in text
+
+
 def test_a_slide_that_is_turned_with_its_gravity_is_the_same():
     angle = 0.6
     outlines = [turned(one, angle) for one in slide(90.0)]

@@ -8,7 +8,10 @@ by phi from their normals:
 
     E = W1 sin(a - phi) cos(phi)/cos(a - 2 phi),    E = W2 sin(phi - b) cos(phi)/cos(2 phi - b)
 
-for the upper and for the lower block; the slope is at its limit where both are equal.
+for the upper and for the lower block; the slope is at its limit where both are equal.  Where both
+planes and the joint (phi_j) have friction angles of their own, it is (Sarma 1979)
+
+    W1 sin(a - phi_1)/cos(a - phi_1 - phi_j) = W2 sin(phi_2 - b)/cos(phi_2 + phi_j - b).
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.limits import AT_REST, limit, unbalanced
-from clast.verification.problem import Comparison, Outcome, Problem, absolute
+from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 STEEP, FLATS = 50.0, (0.0, 5.0, 10.0)
@@ -29,14 +32,22 @@ LENGTH, WIDTH, CROWN = 4.0, 2.0, 1.0
 """Horizontal lengths of the lower and the upper block, and height of the latter's left side, m."""
 CUT = 0.1
 """Length by which the toe of the upper block is cut off, m, so that it may sink along the joint."""
+OWN = (35.0, 15.0, 25.0)
+"""Friction angles of upper plane, lower plane and joint where each has its own, degrees."""
 STEP, STEPS = 4e-3, 300
 BISECTIONS, SPAN = 4, 2.0
 """Bisections of the friction angle, and the half of what is searched, degrees."""
 RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.2g} degrees"
+SHARE = 0.04
+"""Half of what is searched of friction that differs, as a share of it."""
+FINER = f"bisected to {200 * SHARE / 2**BISECTIONS:.2g} %"
 
 
-def outlines(flat: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the corners of base, upper and lower block, m; the joint stands at x = 0."""
+def outlines(flat: float) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray]:
+    """Return the corners of both parts of the base, upper and lower block, m.
+
+    The joint stands at x = 0, where the base is cut, too.
+    """
     steep, gentle = np.tan(np.radians(STEEP)), np.tan(np.radians(flat))
     top = WIDTH * steep + CROWN
     cut = CUT * steep
@@ -44,8 +55,9 @@ def outlines(flat: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     fall = LENGTH * gentle
     lower = np.array([(0.0, 0.0), (LENGTH, -fall), (LENGTH, top - fall), (0.0, top)])
     left, right = -WIDTH - 1.0, LENGTH + 2.0
-    base = np.array([(left, -2.5), (right, -2.5), (right, -right * gentle), (0.0, 0.0)])
-    return np.vstack([base, (left, -left * steep)]), upper, lower
+    back = np.array([(left, -2.5), (0.0, -2.5), (0.0, 0.0), (left, -left * steep)])
+    front = np.array([(0.0, -2.5), (right, -2.5), (right, -right * gentle), (0.0, 0.0)])
+    return (back, front), upper, lower
 
 
 def area(corners: np.ndarray) -> float:
@@ -54,26 +66,45 @@ def area(corners: np.ndarray) -> float:
     return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
-def exact_limit(flat: float) -> float:
-    """Return the friction angle at the limit, degrees."""
+def missing(flat: float, angles: tuple[float, float, float]) -> float:
+    """Return by how much the push of the upper block exceeds what the lower one resists, m2.
+
+    Friction angles of upper plane, lower plane and joint in degrees; forces over the unit weight.
+    """
     _, upper, lower = outlines(flat)
     a, b = np.radians(STEEP), np.radians(flat)
-
-    def missing(phi: float) -> float:
-        push = area(upper) * np.sin(a - phi) / np.cos(a - 2.0 * phi)
-        resistance = area(lower) * np.sin(phi - b) / np.cos(2.0 * phi - b)
-        return float(push - resistance)
-
-    return float(np.degrees(brentq(missing, b, 0.5 * a)))
+    of_upper, of_lower, of_joint = np.radians(angles)
+    push = area(upper) * np.sin(a - of_upper) / np.cos(a - of_upper - of_joint)
+    resistance = area(lower) * np.sin(of_lower - b) / np.cos(of_lower + of_joint - b)
+    return float(push - resistance)
 
 
-def slope(flat: float = FLATS[1], friction_angle: float = 20.0) -> Model:
-    """Return the base with both blocks; angles in degrees."""
-    base, upper, lower = outlines(flat)
+def exact_limit(flat: float) -> float:
+    """Return the friction angle at the limit, degrees."""
+    return float(brentq(lambda phi: missing(flat, (phi, phi, phi)), flat, 0.5 * STEEP))
+
+
+def own_friction(share: float) -> tuple[float, float, float]:
+    """Return the friction angles of upper plane, lower plane and joint with a share of each tan."""
+    upper, lower, joint = np.degrees(np.arctan(share * np.tan(np.radians(OWN)))).tolist()
+    return upper, lower, joint
+
+
+def exact_factor(flat: float) -> float:
+    """Return the factor of safety where planes and joint have friction of their own."""
+    return float(brentq(lambda factor: missing(flat, own_friction(1.0 / factor)), 0.7, 3.0))
+
+
+def slope(flat: float = FLATS[1], angles: tuple[float, float, float] = (20.0, 20.0, 20.0)) -> Model:
+    """Return the base with both blocks; dip and friction angles as for ``missing``."""
+    (back, front), upper, lower = outlines(flat)
     builder = ModelBuilder(title="Active and passive block", gravity=(0.0, -9.8))
     builder.add_rock("rock", young=20e9, poisson=0.2, density=2500.0)
-    builder.add_joint("default", friction_angle=friction_angle)
-    builder.block(name="base", vertices=base, fixed=True)
+    builder.add_joint("default", friction_angle=angles[2])
+    builder.add_joint("steep", friction_angle=angles[0], between=[("back", "upper")])
+    builder.add_joint("flat", friction_angle=angles[1], between=[("front", "lower")])
+    builder.block(name="back", vertices=back, fixed=True)
+    builder.block(name="front", vertices=front, fixed=True)
     builder.block(name="upper", vertices=upper)
     builder.block(name="lower", vertices=lower)
     for name, corners in (("upper", upper), ("lower", lower)):
@@ -81,10 +112,10 @@ def slope(flat: float = FLATS[1], friction_angle: float = 20.0) -> Model:
     return builder.build()
 
 
-def holds(flat: float, friction_angle: float, variant: Variant) -> bool:
+def holds(flat: float, angles: tuple[float, float, float], variant: Variant) -> bool:
     """Return whether both blocks stay."""
     moving = unbalanced(
-        slope(flat, friction_angle),
+        slope(flat, angles),
         variant,
         normal_stiffness=5e8,
         step=STEP,
@@ -102,11 +133,21 @@ def examine(flats: tuple[float, ...], variant: Variant) -> Outcome:
         exact = exact_limit(flat)
 
         def stays(friction_angle: float, flat: float = flat) -> bool:
-            return holds(flat, friction_angle, variant)
+            return holds(flat, (friction_angle,) * 3, variant)
 
         found.append(limit(stays, exact - SPAN, exact + SPAN, BISECTIONS))
         quantity = f"friction angle at the limit, lower plane at {flat:g} degrees"
         rows.append(absolute(quantity, "degrees", found[-1], exact, 0.25, RESOLUTION))
+    flat = flats[-1]
+    factor = exact_factor(flat)
+    share = limit(
+        lambda share: holds(flat, own_friction(share / factor), variant),
+        1.0 - SHARE,
+        1.0 + SHARE,
+        BISECTIONS,
+    )
+    quantity = f"friction by that at the limit, own for each plane, lower plane at {flat:g} degrees"
+    rows.append(relative(quantity, "", share, 1.0, 0.02, FINER))
     fine = np.linspace(-2.0, 12.0, 29)
     chart = Chart(
         title="friction angle at the limit",
@@ -124,9 +165,10 @@ PROBLEM = Problem(
     name="active-passive",
     title="Active and passive block",
     text="A block on a plane of 50 degrees pushes one of 4 m length on a flatter plane; the "
-    "friction angle of all joints is bisected. p = 0.5 GPa, h = 4 ms, static (dynamic_ratio = 0).",
-    formula="W1 sin(a - phi)/cos(a - 2 phi) = W2 sin(phi - b)/cos(2 phi - b)",
-    source="two-wedge limit equilibrium with friction mobilised in all joints",
+    "friction angle of all joints is bisected. Then the planes have 35 and 15 degrees, the joint "
+    "25, and all are multiplied. p = 0.5 GPa, h = 4 ms, static (dynamic_ratio = 0).",
+    formula="W1 sin(a - phi_1)/cos(a - phi_1 - phi_j) = W2 sin(phi_2 - b)/cos(phi_2 + phi_j - b)",
+    source="two-wedge limit equilibrium with friction mobilised in all joints; Sarma (1979)",
     set_up=slope,
     examine=lambda variant: examine(FLATS, variant),
     variants=(LAGGED, OPEN_CLOSE, CONVEX),

@@ -19,7 +19,7 @@ from clast.run.simulate import simulate
 from clast.verification.limits import limit
 from clast.verification.problem import Outcome, Problem, relative
 from clast.verification.problems.slopes import toppling
-from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
 FRICTION = 0.65
 """tan phi of all joints."""
@@ -73,6 +73,6 @@ PROBLEM = Problem(
     source="limit equilibrium of Goodman & Bray (1976), solved here",
     set_up=bolted,
     examine=examine,
-    variants=(OPEN_CLOSE, CONVEX),
+    variants=(OPEN_CLOSE, CONVEX, IMPLICIT),
     quick=(),
 )

@@ -147,7 +147,8 @@ def exact_factor_of_wedges() -> float:
 
 def wedges(divided_by: float = 1.0) -> Model:
     """Return the two wedges with the strength of all joints divided."""
-    base, upper, lower = outlines(FLAT)
+    (back, front), upper, lower = outlines(FLAT)
+    base = np.vstack([back[:1], front[1:], back[3:]])
     builder = ModelBuilder(title="Two wedges with cohesion", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=20e9, poisson=0.2, density=DENSITY)
     angle = float(np.degrees(np.arctan(WEDGE_FRICTION / divided_by)))
