@@ -10,6 +10,7 @@ import pytest
 
 from clast import verification
 from clast.errors import CaseError, RunStopped
+from clast.inputs.method import PROCESSES
 from clast.verification import PROBLEMS, Verdict, cells
 from clast.verification.catalogue import GROUPS
 from clast.verification.problem import Bracket, KnownFailure, Outcome, absolute, relative
@@ -57,7 +58,7 @@ def test_an_unknown_name_is_refused_with_a_suggestion():
 @pytest.mark.parametrize("each", PROBLEMS, ids=lambda each: each.name)
 def test_the_page_has_every_problem_as_it_is(each):
     page = (DOCS / "verification.md").read_text(encoding="utf-8")
-    for text in (each.title, each.text, each.formula, each.source):
+    for text in (each.title, each.text, each.formula, each.source, each.left_out):
         assert text in page, "make verify writes the page anew"
     assert (DOCS / "images" / "verification" / f"{each.name}.png").exists()
 
@@ -68,6 +69,15 @@ def test_problems_are_complete(each):
     assert set(each.quick) <= set(each.variants)
     assert len({variant.name for variant in each.variants}) == len(each.variants)
     assert each.set_up().block_count > 0
+
+
+@pytest.mark.parametrize("each", PROBLEMS, ids=lambda each: each.name)
+def test_problems_say_which_processes_are_left_out_and_why(each):
+    run_with = {variant.process["name"] for variant in each.variants}
+    missing = set() if each in GROUPS["cutting"] else set(PROCESSES) - run_with
+    said = [part.split(": ", 1) for part in each.left_out.split("; ") if ": " in part]
+    assert {name for names, _ in said for name in names.split(" and ")} == missing
+    assert all(why for _, why in said)
 
 
 def test_variants_are_narrowed_by_process_and_law():

@@ -87,8 +87,8 @@ def _length_warnings(model: Model, method: Method) -> Iterator[str]:
                 f"{size:.3g} m: raise it to {0.005 * size:.2g} m, or leave it out"
             )
     # twice the area by the outline: of slabs their thickness, of squares half of their side
-    _, length = edges(model.vertices, model.block_start)
-    thickness = 2.0 * model.area / np.add.reduceat(length, model.block_start[:-1])
+    _, sides = edges(model.vertices, model.block_start)
+    thickness = 2.0 * model.area / np.add.reduceat(sides, model.block_start[:-1])
     thinnest = int(np.argmin(thickness))
     if THROUGH * thickness[thinnest] < method.critdis <= LARGE_SHARE * size:
         yield (

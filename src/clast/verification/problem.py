@@ -221,6 +221,8 @@ class Problem:
     """What it is run with where time is short."""
     examine_briefly: Callable[[Variant], Outcome] | None = None
     """The same with fewer cases, for where time is short; all of them if absent."""
+    left_out: str = ""
+    """Processes that it is not run with, and why; empty where it is run with all."""
     known_failures: tuple[KnownFailure, ...] = ()
     """What is known to miss."""
 

@@ -98,6 +98,7 @@ def markdown(sections: Sequence[Section]) -> str:
         problem = section.problem
         lines += ["", f"## {problem.title}", "", problem.text, ""]
         lines += [f"- Exact: {problem.formula}.", f"- Source: {problem.source}."]
+        lines += [f"- Not run with {problem.left_out}."] if problem.left_out else []
         lines += [f"- Command: `clast verify {problem.name}`.", ""]
         lines += [f"![{problem.title}]({section.figure})", ""]
         lines += _markdown_table(HEADINGS[1:], [cells(row)[1:] for row in section.rows])
@@ -130,6 +131,7 @@ def html(sections: Sequence[Section]) -> str:
         parts += [
             f'<h2 id="{problem.name}">{escape(problem.title)}</h2><p>{escape(problem.text)}</p>',
             f"<ul><li>Exact: {escape(problem.formula)}.<li>Source: {escape(problem.source)}.",
+            f"<li>Not run with {escape(problem.left_out)}." if problem.left_out else "",
             f"<li>Command: <code>clast verify {problem.name}</code>.</ul>",
             f'<img src="{section.figure}" alt="{escape(problem.title)}">',
             _html_table(

@@ -14,7 +14,7 @@ from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.limits import AT_REST, limit, unbalanced
 from clast.verification.problem import Comparison, Outcome, Problem, absolute
-from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 GRAVITY, HEIGHT, FRICTION_ANGLE = 9.8, 1.0, 25.0
 """Height of the block, m, and its friction angle, degrees."""
@@ -87,11 +87,11 @@ PROBLEM = Problem(
     title="Tilt table",
     text="Blocks 1 m high and 0.2 to 1 m wide on a table whose tilt is bisected; the friction "
     "angle is 25 degrees. Gravity turns instead of the table; p = 2 GPa, h = 10 ms, static "
-    "(dynamic_ratio = 0). Beyond one pass: p h2/m is up to 740.",
+    "(dynamic_ratio = 0); p h2/m is up to 740, beyond one pass.",
     formula="the smaller of atan(b/h), by which it topples, and phi, by which it slides",
     source="equilibrium of a rigid block",
     set_up=table,
     examine=examine,
-    variants=(OPEN_CLOSE, CONVEX),
+    variants=(OPEN_CLOSE, CONVEX, PASSES),
     quick=(),
 )

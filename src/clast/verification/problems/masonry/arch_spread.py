@@ -30,7 +30,7 @@ from clast.verification.problems.masonry.arch_push import (
     Arch,
     add_arch,
 )
-from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, Variant
+from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, OPEN_CLOSE, Variant
 
 ARCHES = (
     OPPENHEIM,
@@ -136,7 +136,9 @@ PROBLEM = Problem(
     source="limit analysis by linear programming (scipy); Heyman (1995)",
     set_up=on_moving_support,
     examine=partial(examine, ARCHES, STEPS),
-    variants=(CONVEX, CONVEX_MULTIPLIERS),
+    variants=(OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
+    left_out="modified: in steps this long one pass and four throw the voussoirs, p h2/m being "
+    "far above 6",
     quick=(CONVEX,),
     examine_briefly=partial(examine, ARCHES[:1], STEPS[1:]),
 )

@@ -139,12 +139,14 @@ PROBLEM = Problem(
     title="Bending and rupture of a joint",
     text="A beam of 0.5 m stands out of a wall of one block and of four; the joint has 10 GPa/m, "
     "or a tensile strength of 1 MPa. The load at rupture is bisected; h = 2 ms, static "
-    "(dynamic_ratio = 0). Not modified: one pass bears the stiffness of the joint in steps of "
-    "0.2 ms, with the same results (tests).",
+    "(dynamic_ratio = 0).",
     formula="theta = 12 M/(k b^3), 2 N/(k a^2) with a = 3 (b/2 - e); M = s b^2/6, N = s b",
     source="beam theory; a section without tension",
     set_up=beam,
     examine=partial(examine, SHARES),
     variants=(CONVEX, CONVEX_MULTIPLIERS),
+    left_out="modified: one pass bears the stiffness of the joint in steps of 0.2 ms, with the "
+    "same results (tests); with four passes in steps of 2 ms the rotation at e = 0.45 b "
+    "is 22 % short; open-close: for its time",
     quick=(),
 )

@@ -21,7 +21,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
-from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 WIDTH, HEIGHT = 2.0, 0.5
 """Width b and height of the pier, m."""
@@ -120,7 +120,7 @@ PROBLEM = Problem(
     source="Navier's linear pressure without tension",
     set_up=pier,
     examine=partial(examine, SHARES),
-    variants=(OPEN_CLOSE, CONVEX),
+    variants=(PASSES, OPEN_CLOSE, CONVEX),
     quick=(CONVEX,),
     examine_briefly=partial(examine, SHARES[2:4]),
 )

@@ -166,5 +166,7 @@ PROBLEM = Problem(
     examine_briefly=partial(examine, VIEWS[1:3]),
     # the others decide by rounding in which step a contact is found (see "invariance")
     variants=(CONVEX,),
+    left_out="modified and open-close: round-off decides which contacts at their limit stick in "
+    "their few solves; turned by 37 degrees, displacements differ by 1e-4 of themselves",
     quick=(CONVEX,),
 )

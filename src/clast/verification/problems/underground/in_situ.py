@@ -22,7 +22,7 @@ from clast.rockmass import Domain, Exponential, JointSet, cut
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
-from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
 WIDTH, HEIGHT = 30.0, 20.0
 """Width and height of the rock, m."""
@@ -125,7 +125,7 @@ PROBLEM = Problem(
     source="equilibrium of a uniform stress, and of a stress that grows with depth",
     set_up=rock_mass,
     examine=partial(examine, SEEDS),
-    variants=(OPEN_CLOSE, CONVEX),
+    variants=(IMPLICIT, OPEN_CLOSE, CONVEX),
     quick=(CONVEX,),
     examine_briefly=partial(examine, SEEDS[:1]),
 )

@@ -29,7 +29,7 @@ from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 
 YOUNG, POISSON, PRESSURE, RADIUS = 20e9, 0.25, 10e6, 3.0
 """E, Pa, nu, p, Pa, and a, m."""
@@ -210,6 +210,6 @@ PROBLEM = Problem(
     source="Kirsch (1898), as in Brady & Brown (2004)",
     set_up=partial(tunnel, COARSE),
     examine=partial(examine, FINE, (0.5, 1.0)),
-    variants=(OPEN_CLOSE, CONVEX),
+    variants=(OPEN_CLOSE, CONVEX, IMPLICIT),
     quick=(),
 )

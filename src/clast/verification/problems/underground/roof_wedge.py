@@ -181,6 +181,8 @@ PROBLEM = Problem(
     set_up=roof,
     examine=partial(examine, WEDGES),
     variants=(OPEN_CLOSE, CONVEX),
+    left_out="modified: one pass throws the wedge, p h2/m being far above 6; with four passes P0 "
+    "comes out 10 % too high, for modes still change after them",
     quick=(CONVEX,),
     examine_briefly=partial(examine, FEW),
 )

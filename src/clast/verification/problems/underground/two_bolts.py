@@ -20,7 +20,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
+from clast.verification.variants import CONVEX, OPEN_CLOSE, PASSES, Variant
 
 YIELDING, ELASTIC = 2e7, 1e7
 """Stiffness of both weak bolts together, a, and of the strong one, b, N/m per m."""
@@ -109,6 +109,6 @@ PROBLEM = Problem(
     source="springs in parallel",
     set_up=hung_block,
     examine=examine,
-    variants=(OPEN_CLOSE, CONVEX),
+    variants=(OPEN_CLOSE, CONVEX, PASSES),
     quick=(CONVEX,),
 )

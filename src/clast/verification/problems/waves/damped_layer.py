@@ -24,7 +24,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.verification.problem import Comparison, Outcome, Problem, relative
-from clast.verification.variants import MIDPOINT, Variant
+from clast.verification.variants import MIDPOINT, MIDPOINT_OPEN_CLOSE, MIDPOINT_PASSES, Variant
 
 HEIGHT, BLOCKS, WIDTH = 20.0, 20, 60.0
 """Height of the layer, m, number of blocks in it, and their width, m."""
@@ -134,6 +134,6 @@ PROBLEM = Problem(
     source="damped layer on rigid rock; Kramer (1996)",
     set_up=layer,
     examine=examine,
-    variants=(MIDPOINT,),
+    variants=(MIDPOINT, MIDPOINT_PASSES, MIDPOINT_OPEN_CLOSE),
     quick=(MIDPOINT,),
 )

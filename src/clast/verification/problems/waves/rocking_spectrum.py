@@ -195,5 +195,7 @@ PROBLEM = Problem(
     set_up=standing_block,
     examine=partial(examine, SHAKEN),
     variants=(CONVEX,),
+    left_out="modified and open-close: their runs stop with more energy than the ground gave, "
+    "for springs of 5 GPa throw what lands in steps of 2 ms",
     quick=(),
 )
