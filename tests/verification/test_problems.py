@@ -20,7 +20,7 @@ TRIALS = [
 @pytest.mark.parametrize(("problem", "variant"), TRIALS)
 def test_problem(problem: Problem, variant: Variant):
     found = problem.findings(variant)
-    assert found.rows
+    assert found.rows and all(row.reason for row in found.rows)
     missed = misses(found.rows)
     assert not missed, "\n" + "\n".join(" | ".join(cells(row)) for row in missed)
     if problem.examine_briefly is None:
