@@ -25,8 +25,9 @@ INTRODUCTION = (
 )
 NOT_VERIFIED = (
     "Not verified against a closed answer: the ground reaction curve of an opening whose rock "
-    "slips along many joints (the elastic-plastic ring has no joints of a size; where nothing "
-    "slips see kirsch, where one wedge does roof-wedge); SV waves beyond their critical angle at a "
+    "slips along many joints (the closed forms are of rings without joints, and radial and "
+    "concentric joints bear no shear under even stress; see kirsch where nothing slips, roof-wedge "
+    "where one block does); SV waves from 30 degrees to beyond their critical angle at a "
     "free surface; waves through bonded triangles without weight by the convex process."
 )
 """What users compute and no problem here compares."""
