@@ -1,10 +1,11 @@
 """Write the reference of the case file, docs/reference/case-file.md, from its JSON Schema.
 
-    python tools/case_reference.py            # writes the page
-    python tools/case_reference.py -          # prints it
+    python tools/case_reference.py            # writes the page, and the schema beside it
+    python tools/case_reference.py -          # prints the page
 
-The schema is what ``clast schema`` prints, and that comes from the pydantic models of the case
-file, so the page says what clast reads.  A test compares the page with what this writes.
+The schema is what ``clast schema`` prints, and that comes from the declarations of inputs, so the
+page says what clast reads.  A test compares both files with what this writes: their difference
+shows what a change of an input means to users.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 PAGE = Path(__file__).parents[1] / "docs" / "reference" / "case-file.md"
+SCHEMA = PAGE.with_suffix(".schema.json")
 
 HEAD = """\
 # The case file
@@ -218,6 +220,7 @@ def main() -> None:
         sys.stdout.write(text)
     else:
         PAGE.write_text(text, "utf-8")
+        SCHEMA.write_text(printed.stdout, "utf-8")
 
 
 if __name__ == "__main__":

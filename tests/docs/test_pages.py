@@ -84,6 +84,14 @@ def test_the_reference_of_the_case_file_is_what_its_models_say():
     assert page == written.stdout, "run: make reference"
 
 
+def test_the_schema_beside_it_is_what_clast_prints():
+    printed = subprocess.run(
+        [sys.executable, "-m", "clast", "schema"], capture_output=True, text=True, check=True
+    )
+    kept = (DOCS / "reference" / "case-file.schema.json").read_text("utf-8")
+    assert kept == printed.stdout, "run: make reference"
+
+
 def test_the_api_page_has_every_public_name():
     page = (DOCS / "reference" / "api.md").read_text("utf-8")
     shown = set(re.findall(r"^::: clast\.(\w+)$", page, re.MULTILINE))

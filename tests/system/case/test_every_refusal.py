@@ -13,6 +13,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import clast
 from clast.case import templates
 from clast.errors import CaseError
@@ -163,6 +165,87 @@ loads = ["push"]
 ground_motion = true
 joint = {default = {friction_angle = 20.0, cohesion = 1.0, tensile_strength = 0.5, \
 residual_cohesion = 0.0}}
+"""
+
+ROCK_MASS = """
+plane = "strain"
+time = {step = 1e-3, end = 0.01}
+rock.stone = {young = 1e9, poisson = 0.2, density = 2500.0}
+rock.shale = {young = 1e9, poisson = 0.2, density = 2500.0}
+joint.bedding = {friction_angle = 30.0}
+damping = {mass = 1.0, stiffness = 1e-5}
+repair = {tolerance = 1e-3}
+[method]
+process = {name = "modified", friction = "lagged", passes = 2}
+contact_law = {name = "augmented-lagrangian", normal_stiffness = 1e9, solves = 4, \
+multipliers = "carried"}
+corner_rule = "shi"
+rotation = "exact"
+integrator = "midpoint"
+solver = "pcg"
+critdis = 0.005
+fixed_point_stiffness = 1e11
+[geometry]
+vertices = [[20, 0], [21, 0], [21, 1], [20, 1]]
+blocks = [{loop = [1, 2, 3, 4], name = "far", rock = "stone", fixed = true}]
+[domain]
+boundary = [[0, 0], [8, 0], [8, 6], [0, 6]]
+rock = "stone"
+section_azimuth = 90.0
+tolerance = 1e-6
+smallest_edge = 0.01
+smallest_block = 0.001
+most_blocks = 500
+seed = 3
+fixed_sides = ["bottom"]
+[[joint_set]]
+name = "beds"
+model = "parallel"
+joint = "bedding"
+dip = 10.0
+dip_direction = 90.0
+spacing = {distribution = "normal", mean = 2.0, std = 0.1}
+spacing_is = "true"
+origin = [0.0, 1.0]
+stagger = 0.0
+within = "layer"
+seed = 1
+fisher_kappa = 500.0
+[[joint_set]]
+name = "cross"
+model = "cross-jointed"
+angle = 90.0
+spacing = 2.0
+terminates_at = ["beds"]
+angle_spread = {distribution = "von-mises", kappa = 500.0}
+[[trace]]
+points = [[0, 3], [8, 3.5]]
+joint = "bedding"
+set = "faults"
+[[opening]]
+name = "heading"
+shape = "horseshoe"
+center = [4, 2]
+width = 1.0
+wall_height = 0.5
+chords = 6
+excavated = false
+construction_joint = true
+[[region]]
+name = "layer"
+polygon = [[0, 4], [8, 4], [8, 6], [0, 6]]
+rock = "shale"
+joint = "bedding"
+one_block = false
+[[block_pattern]]
+name = "wall"
+pattern = "running-bond"
+corner = [0.5, 0.5]
+size = [1.0, 1.0]
+brick = [0.5, 0.5]
+joint_offset = 0.5
+joint = "bedding"
+head_joint = "bedding"
 """
 
 WRONG: dict[str, Any] = {
@@ -376,13 +459,65 @@ CALLS: dict[str, dict[str, Any]] = {
 }
 
 
+STAGE: dict[str, Any] = {
+    "name": "rest",
+    "until": "time",
+    "time": 0.01,
+    "damping": "adaptive",
+    "dynamic_ratio": 0.0,
+    "force_ratio": 1e-4,
+    "speed": 1e-6,
+    "hold": 20,
+    "reset_displacement": True,
+    "step": 1e-3,
+    "every": 1e-3,
+    "excavate": ["wall"],
+    "relax": 0.5,
+    "relax_time": 0.001,
+    "install": [],
+    "joints": {"default": {"cohesion": 1.0}},
+    "bonds": "hold",
+    "loads": ["ramp"],
+    "ground_motion": False,
+}
+STRESS: dict[str, Any] = {
+    "stress": (-1e3, -1e3, 0.0),
+    "gradient": (0.0, 0.0, 0.0),
+    "datum": 0.0,
+    "in_contacts": 1.0,
+    "held": (1.0, 0.0),
+    "sides": ("left",),
+}
+WEIGHT: dict[str, Any] = {"k0": 0.5, "datum": 10.0, **{key: STRESS[key] for key in [*STRESS][3:]}}
+RECORD: dict[str, Any] = {"time": [0.0, 1.0], "acceleration": [[0.0, 0.0], [1.0, 0.0]]}
+KEYS: dict[str, Any] = {
+    "step": 1e-3,
+    "end": 0.01,
+    "max_displacement": 0.01,
+    "dynamic_ratio": 1.0,
+    "smallest_step": 1e-6,
+    "process": "modified",
+    "contact_law": {"name": "penalty", "normal_stiffness": 1e9},
+    "corner_rule": "shi",
+    "rotation": "exact",
+    "integrator": "midpoint",
+    "solver": "pcg",
+    "critdis": 0.005,
+    "fixed_point_stiffness": 1e11,
+    "damping": {"mass": 1.0},
+    "every": 1e-3,
+    "contacts": True,
+    "checkpoint_every": 10.0,
+}
+
+
 def said(attempt: Callable[[], object]) -> str:
     """Return place, fault and remedy of a refusal, one line."""
     try:
         attempt()
     except CaseError as error:
         return " | ".join([error.where, error.what, error.remedy]).replace("\n", " // ")
-    except (TypeError, AttributeError) as error:
+    except Exception as error:  # a traceback: none of these should be left
         return f"{type(error).__name__}: {error}".replace("\n", " // ")
     return "is taken"
 
@@ -413,24 +548,33 @@ def keys_in(content: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...
 
 def refusals() -> Iterator[str]:
     """Give all refusals, and what is written of all cases."""
-    content = tomllib.loads(BASE)
-    for path in keys_in(content):
-        for name, value in WRONG.items():
-            case = changed(content, list(path), value)
-            place = ".".join(str(one + 1 if isinstance(one, int) else one) for one in path)
-            yield f"file, {place} = {name}: {said(partial(made_of, case))}"
+    for source, text in {"file": BASE, "rock mass": ROCK_MASS}.items():
+        content = tomllib.loads(text)
+        for path in keys_in(content):
+            for name, value in WRONG.items():
+                case = changed(content, list(path), value)
+                place = ".".join(str(one + 1 if isinstance(one, int) else one) for one in path)
+                yield f"{source}, {place} = {name}: {said(partial(made_of, case))}"
     for name, settings in SETTINGS.items():
         yield f"file, {name}: {said(partial(broken, settings))}"
     for method, keys in CALLS.items():
-        for key in keys:
-            for name, value in WRONG.items():
-                given = {**keys, key: value}
-                yield f"script, {method} {key} = {name}: {said(partial(called, method, given))}"
-        for key in keys:
-            given = {one: value for one, value in keys.items() if one != key}
-            yield f"script, {method} without {key}: {said(partial(called, method, given))}"
-        given = {**keys, "nonsense": 1}
-        yield f"script, {method} nonsense: {said(partial(called, method, given))}"
+        yield from wrongly(method, partial(called, method), keys)
+    for thing, (attempt, keys) in OBJECTS.items():
+        yield from wrongly(thing, attempt, keys)
+
+
+def wrongly(
+    thing: str, attempt: Callable[[dict[str, Any]], object], keys: dict[str, Any]
+) -> Iterator[str]:
+    """Give the refusals of what a script makes by keys, each of them wrong, absent and unknown."""
+    for key in keys:
+        for name, value in WRONG.items():
+            given = {**keys, key: value}
+            yield f"script, {thing} {key} = {name}: {said(partial(attempt, given))}"
+    for key in keys:
+        given = {one: value for one, value in keys.items() if one != key}
+        yield f"script, {thing} without {key}: {said(partial(attempt, given))}"
+    yield f"script, {thing} nonsense: {said(partial(attempt, {**keys, 'nonsense': 1}))}"
 
 
 def made_of(content: dict[str, Any]) -> None:
@@ -449,6 +593,46 @@ def called(method: str, keys: dict[str, Any]) -> None:
     builder.build()
 
 
+def staged(keys: dict[str, Any]) -> None:
+    case = scene().case(stages=[clast.Stage(**keys)], step=1e-3)
+    case.examine()
+
+
+def stressed(keys: dict[str, Any]) -> None:
+    builder = scene()
+    builder.in_situ = clast.InSituStress(**keys)
+    builder.build()
+
+
+def weighed(keys: dict[str, Any]) -> None:
+    builder = scene()
+    builder.in_situ = clast.Overburden(**keys)
+    builder.build()
+
+
+def shaken(keys: dict[str, Any]) -> None:
+    builder = scene()
+    arrays = {key: np.array(value) for key, value in keys.items()}
+    builder.ground_motion = clast.InertialForce(clast.Accelerogram(**arrays))
+    builder.build()
+
+
+def chosen(keys: dict[str, Any]) -> None:
+    case = scene().case(**keys)
+    case.method()
+    case.schedule()
+
+
+OBJECTS: dict[str, tuple[Callable[[dict[str, Any]], None], dict[str, Any]]] = {
+    "Stage": (staged, STAGE),
+    "InSituStress": (stressed, STRESS),
+    "Overburden": (weighed, WEIGHT),
+    "Accelerogram": (shaken, RECORD),
+    "keys": (chosen, KEYS),
+}
+"""What a script makes beside calls of the builder, with all its keys."""
+
+
 def written() -> Iterator[str]:
     """Give digests of what cases and scripts are written as."""
     texts = {path.name: path.read_text() for path in sorted(CASES.glob("*.toml"))}
@@ -458,10 +642,15 @@ def written() -> Iterator[str]:
         case = clast.Case.from_text(text, str(CASES / "x"))
         yield f"written, {name}: {digest(case)}"
     yield f"written, all tables: {digest(clast.Case.from_text(BASE, 'x'))}"
+    yield f"written, rock mass: {digest(clast.Case.from_text(ROCK_MASS, 'x'))}"
     builder = scene()
     for method, keys in CALLS.items():
         getattr(builder, method)(**keys)
-    yield from ("written, script: " + line for line in builder.to_toml(step=1e-3).splitlines())
+    builder.in_situ = clast.Overburden(**WEIGHT)
+    record = (np.array(value) for value in RECORD.values())
+    builder.ground_motion = clast.InertialForce(clast.Accelerogram(*record))
+    text = builder.to_toml(stages=[clast.Stage(**STAGE)], **KEYS)
+    yield from ("written, script: " + line for line in text.splitlines())
 
 
 def digest(case: clast.Case) -> str:
