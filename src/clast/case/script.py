@@ -31,16 +31,14 @@ from clast.inputs import builder as model_builder
 from clast.inputs.blocks import BlockTable
 from clast.inputs.bolts import BoltPattern
 from clast.inputs.declaring.faults import table_in
+from clast.inputs.declaring.giving import singles
 from clast.inputs.declaring.table import Table
 from clast.inputs.declaring.writing import as_plain, table_of
-from clast.inputs.ground_motion import GROUND_MOTIONS, GroundMotionTable
-from clast.inputs.in_situ import in_situ_keys
 from clast.inputs.materials import Joint
 from clast.inputs.method import MethodTable
 from clast.inputs.stages import given_stages, stage_keys
 from clast.inputs.time_and_output import OutputTable, TimeTable
 from clast.model.checks import Outlines
-from clast.model.ground_motion import GroundMotion, Recorded, Still
 from clast.model.model import Model, Plane
 from clast.model.stages.stage import Stage
 from clast.results import Run, RunRecorder
@@ -144,10 +142,20 @@ class ModelBuilder(model_builder.ModelBuilder):
             "block": list(self._blocks()),
             **self._tables_given(),
             "joint": self._placed_joints(),
-            "in_situ": in_situ_keys(self.in_situ),
-            "ground_motion": _ground_motion(self.ground_motion),
+            **self._singles(),
         }
         return {key: value for key, value in content.items() if value}
+
+    def _singles(self) -> dict[str, Any]:
+        """Return the tables of which there is one each."""
+        found = {}
+        for name, one in singles(type(self)):
+            value = getattr(self, name)
+            keys = one.written(value)
+            if keys is None:
+                raise _no_name(one.key, value)
+            found[one.key] = keys
+        return {key: found[key] for key in Case.model_fields if key in found}
 
     def _tables_given(self) -> dict[str, Any]:
         """Return the tables that hold what was given, by their keys in a case file."""
@@ -346,20 +354,6 @@ def _plane_name(plane: Plane) -> str:
         if type(plane) is kind:
             return name
     raise _no_name("plane", plane)
-
-
-def _ground_motion(motion: GroundMotion) -> dict[str, Any]:
-    """Return the table of a ground motion, nothing where the ground is still."""
-    if isinstance(motion, Still):
-        return {}
-    for name, kind in GROUND_MOTIONS.items():
-        if isinstance(motion, Recorded) and type(motion) is kind:
-            record = motion.accelerogram
-            values = {"acts": name, "time": record.time, "acceleration": record.acceleration[:, 0]}
-            if record.acceleration[:, 1].any():
-                values["vertical"] = record.acceleration[:, 1]
-            return table_of(GroundMotionTable, values)
-    raise _no_name("ground_motion", motion)
 
 
 def _no_name(key: str, value: Any) -> CaseError:

@@ -28,9 +28,10 @@ import shapely
 from clast.errors import ModelError
 from clast.inputs import materials
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, with_directions
-from clast.inputs.declaring.giving import gives, gives_named
+from clast.inputs.declaring.giving import gives, gives_named, single
 from clast.inputs.declaring.table import Inputs
-from clast.inputs.in_situ import Overburden, stress_in_situ
+from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
+from clast.inputs.in_situ import InSituTable, stress_in_situ
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.measurements import MeasuredPoint
 from clast.inputs.placing.blocks import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
@@ -49,7 +50,7 @@ from clast.model import checks as model_checks
 from clast.model import ranges, value_checks
 from clast.model.checks import Outlines
 from clast.model.factors import NO_FACTOR
-from clast.model.ground_motion import GroundMotion, Still, ending_note
+from clast.model.ground_motion import Still, ending_note
 from clast.model.in_situ import InSituStress
 from clast.model.mending import Mended, Mending
 from clast.model.model import (
@@ -80,7 +81,10 @@ class ModelBuilder(Inputs):
     yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
     that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
     ``gravity_factor`` names the table by which gravity is multiplied.
-    ``in_situ`` is the stress in the rock before anything is dug.  ``line_joints`` are joints that
+    ``ground_motion`` is what an earthquake or a shaking table does: the keys of ``[ground_motion]``
+    or an object, e.g. ``clast.MovingBase``.
+    ``in_situ`` is the stress in the rock before anything is dug: the keys of ``[in_situ]``,
+    ``clast.InSituStress`` or ``clast.Overburden``.  ``line_joints`` are joints that
     lines have whether or not they become edges of blocks; ``notes`` say what was done to the blocks
     before they came here; ``mending`` puts them together where they are drawn a little apart, e.g.
     ``clast.rockmass.Mender``.
@@ -90,11 +94,10 @@ class ModelBuilder(Inputs):
     plane: Plane = field(default_factory=PlaneStress)
     gravity: Vector = (0.0, -9.8)
     gravity_factor: str | None = None
-    ground_motion: GroundMotion = field(default_factory=Still)
-    in_situ: InSituStress | Overburden | None = None
+    ground_motion: Any = single("ground_motion", GroundMotionTable, Still())
+    in_situ: Any = single("in_situ", InSituTable)
     actions: list[Any] = field(default_factory=list)
     line_joints: list[str] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
     mending: Mending | None = None
     _entries: list[Entry] = field(default_factory=list, init=False)
     opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
@@ -248,7 +251,7 @@ class ModelBuilder(Inputs):
         pressures, uncovered = pressed_edges(
             self.all(Pressure), block_number, factor_number, outlines
         )
-        value_checks.check_ground_motion(self.ground_motion, len(fixed.block))
+        check_ground_motion(self.ground_motion, len(fixed.block))
         held = self._fixed(outlines)
         viscous = viscous_edges(self.all(ViscousBoundary), outlines, polygons, held)
         check_incoming(self.ground_motion, viscous, outlines)

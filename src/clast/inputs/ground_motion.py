@@ -36,6 +36,7 @@ from clast.model.ground_motion import (
     IncomingWave,
     InertialForce,
     MovingBase,
+    Recorded,
 )
 
 GROUND_MOTIONS: dict[str, type[InertialForce] | type[MovingBase] | type[IncomingWave]] = {
@@ -169,9 +170,16 @@ class GroundMotionTable(Table):
             raise refusal(Fault(place=("direction",), what=what, remedy=remedy))
         return self
 
-    def motion(self, folder: Path) -> GroundMotion:
-        """Return the ground motion; a file is looked for in ``folder``."""
-        return GROUND_MOTIONS[self.acts](self._record(folder, _Said()))
+    @classmethod
+    def keys_of(cls, value: Any) -> dict[str, Any] | None:
+        """Return the keys that make the ground motion of a script."""
+        acts = next((name for name, kind in GROUND_MOTIONS.items() if type(value) is kind), None)
+        if acts is None:
+            return None
+        record = value.accelerogram
+        along, upwards = record.acceleration.T
+        keys = {"acts": acts, "time": record.time, "acceleration": along}
+        return {**keys, "vertical": upwards} if upwards.any() else keys
 
     def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Let the ground move, and note what was read."""
@@ -317,3 +325,40 @@ def _placed(key: str) -> Iterator[None]:
             place = f"{key}, {place}"
         where = f"[ground_motion] {place}"
         raise ModelError(error.what, where=where, remedy=error.remedy) from None
+
+
+def check_ground_motion(motion: GroundMotion, fixed_points: int) -> None:
+    """Refuse accelerograms that are none, and a moving base without fixed points."""
+    where = "ground_motion"
+    if isinstance(motion, Recorded):
+        time, acceleration = motion.accelerogram.time, motion.accelerogram.acceleration
+        if time.ndim != 1 or len(time) < 2 or acceleration.shape != (len(time), 2):
+            raise ModelError(
+                f"time has the shape {time.shape} and acceleration {acceleration.shape}",
+                where=where,
+                remedy="give at least 2 instants, and an acceleration (x, y) for each",
+            )
+        if not (np.isfinite(time).all() and np.isfinite(acceleration).all()):
+            raise ModelError(
+                "is not finite", where=where, remedy="give times in s and accelerations in m/s2"
+            )
+        ranges.check_size(float(np.abs(time).max()), ranges.TIME, f"{where}, time", "give s")
+        largest = float(np.abs(acceleration).max())
+        ranges.check_size(largest, ranges.ACCELERATION, f"{where}, acceleration", "give m/s2")
+        # an inner instant may stand twice: the acceleration jumps there
+        interval = np.concatenate([[0.0], np.diff(time), [0.0]])
+        falls = interval[1:-1] < 0.0
+        stays = (interval[1:-1] == 0.0) & ((interval[:-2] == 0.0) | (interval[2:] == 0.0))
+        for k in np.flatnonzero(falls | stays)[:1]:
+            raise ModelError(
+                f"instant {k + 2}, {time[k + 1]:g} s, is not after instant {k + 1}, {time[k]:g} s",
+                where=where,
+                remedy="order the instants by time, each once (twice where the acceleration jumps)",
+            )
+    if isinstance(motion, MovingBase) and fixed_points == 0:
+        raise ModelError(
+            "the base moves, but nothing is held by it",
+            where=where,
+            remedy="hold the base by fixed points (a fixed block does not move), or let the motion "
+            "act as a body force",
+        )

@@ -9,12 +9,13 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from clast.errors import CaseError, ModelError
+from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.choices import Number, within
 from clast.inputs.declaring.faults import Fault, refusal
+from clast.inputs.declaring.giving import record_of
 from clast.inputs.declaring.table import Coordinate, Stresses, Table
 from clast.model import ranges
-from clast.model.in_situ import SIDES, InSituStress
+from clast.model.in_situ import InSituStress
 from clast.model.model import Floats
 
 HELD = {"roller": (1.0, 0.0), "fixed": (1.0, 1.0), "traction": (0.0, 0.0)}
@@ -61,6 +62,39 @@ class InSituTable(Table):
             raise refusal(Fault(place=("gradient",), what=what, remedy="remove gradient"))
         return self
 
+    @classmethod
+    def keys_of(cls, value: Any) -> dict[str, Any] | None:
+        """Return the keys that make the stress of a script; springs may have no name in a file."""
+        names = {springs: name for name, springs in HELD.items()}
+        shares = {share: name for name, share in IN_CONTACTS.items()}
+        if tuple(value.held) not in names or value.in_contacts not in shares:
+            raise CaseError(
+                f"springs {value.held} and a share of {value.in_contacts:g} have no name in a file",
+                where="in_situ",
+                remedy="run the model itself: clast.simulate(builder.build())",
+            )
+        keys = {"contacts": shares[value.in_contacts], "boundary": names[tuple(value.held)]}
+        return {**keys, **_numbers(value)}
+
+    @classmethod
+    def judge(cls, value: Any, key: str) -> None:
+        """Refuse what is no stress, and what the table cannot say but for its springs."""
+        if not isinstance(value, InSituStress | Overburden):
+            raise ModelError(
+                f"{shortened(repr(value))} is no stress in the rock",
+                where=key,
+                remedy="give the keys of [in_situ], clast.InSituStress or clast.Overburden",
+            )
+        record_of(cls, _numbers(value), (key,))
+        if not (_is_within(value.held, 2, np.inf) and _is_within([value.in_contacts], 1, 1.0)):
+            raise ModelError(
+                f"springs {shortened(repr(value.held))} and a share of "
+                f"{shortened(repr(value.in_contacts))} cannot be",
+                where=f"[{key}] held, in_contacts",
+                remedy="give held = (along the normal, along itself), 0 or more, and in_contacts "
+                "from 0 to 1",
+            )
+
     def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Give the builder the stress."""
         in_contacts, held = IN_CONTACTS[self.contacts], HELD[self.boundary]
@@ -83,27 +117,23 @@ class InSituTable(Table):
             )
 
 
-def in_situ_keys(given: InSituStress | Overburden | None) -> dict[str, object]:
-    """Return the keys of the table that makes this stress; none where there is none."""
-    if given is None:
-        return {}
-    names = {value: name for name, value in HELD.items()}
-    shares = {value: name for name, value in IN_CONTACTS.items()}
-    if given.held not in names or given.in_contacts not in shares:
-        raise CaseError(
-            f"springs {given.held} and a share of {given.in_contacts:g} have no name in a file",
-            where="in_situ",
-            remedy="run the model itself: clast.simulate(builder.build())",
-        )
-    keys: dict[str, object] = {
-        "contacts": shares[given.in_contacts],
-        "boundary": names[given.held],
-        "sides": list(given.sides),
-    }
-    if isinstance(given, Overburden):
-        keys |= {"vertical": "overburden", "k0": given.k0}
-        return keys if given.datum is None else keys | {"datum": given.datum}
-    return keys | {"stress": given.stress, "gradient": given.gradient, "datum": given.datum}
+def _is_within(values: Any, count: int, most: float) -> bool:
+    """Return whether these are so many finite numbers from 0 to ``most``."""
+    try:
+        numbers = np.array(values, np.float64)
+    except (TypeError, ValueError, OverflowError):
+        return False
+    within = np.isfinite(numbers) & (numbers >= 0.0) & (numbers <= most)
+    return numbers.shape == (count,) and bool(within.all())
+
+
+def _numbers(value: InSituStress | Overburden) -> dict[str, Any]:
+    """Return the keys of the table that are numbers and sides of a stress of a script."""
+    keys: dict[str, Any] = {"sides": value.sides}
+    if isinstance(value, Overburden):
+        keys = {**keys, "vertical": "overburden", "k0": value.k0}
+        return keys if value.datum is None else {**keys, "datum": value.datum}
+    return {**keys, "stress": value.stress, "gradient": value.gradient, "datum": value.datum}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,38 +177,14 @@ class Overburden:
         )
 
 
-def check_in_situ(given: InSituStress) -> None:
-    """Raise ModelError for a stress that is none."""
-    where = "in_situ"
-    for key in ("stress", "gradient"):
-        values = getattr(given, key)
-        if len(values) != 3 or not np.isfinite(values).all():
-            raise ModelError(
-                f"{values} is no stress",
-                where=f"{where}, {key}",
-                remedy="give three finite numbers (xx, yy, xy), in Pa, or Pa by metre of depth",
-            )
-    if not np.isfinite(given.datum):
-        raise ModelError("is not finite", where=f"{where}, datum", remedy="give a height in m")
-    for side in given.sides:
-        if side not in SIDES:
-            raise ModelError(
-                f"there is no side '{side}'",
-                where=f"{where}, sides",
-                remedy=f"the sides are {', '.join(SIDES)}",
-            )
-
-
 def stress_in_situ(
     given: InSituStress | Overburden | None, mass: Floats, area: Floats, gravity: Floats, top: float
 ) -> InSituStress | None:
-    """Return the stress before anything is dug, checked; that of the weight by the mean density.
+    """Return the stress before anything is dug; that of the weight by the mean density.
 
     ``mass``, kg/m, and ``area``, m2, are those of the blocks (n,), ``gravity`` (2,) in m/s2,
     ``top`` is their highest point, m.
     """
     if isinstance(given, Overburden):
-        given = given.stress(float(mass.sum() / area.sum()), gravity, top)
-    if given is not None:
-        check_in_situ(given)
+        return given.stress(float(mass.sum() / area.sum()), gravity, top)
     return given

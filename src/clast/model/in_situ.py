@@ -9,9 +9,6 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-SIDES = ("left", "right", "bottom", "top")
-"""Sides of the box around all blocks."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class InSituStress:

@@ -1,4 +1,4 @@
-"""What rocks, joints, ground motions, names and lists of numbers cannot be."""
+"""What rocks, joints, names and lists of numbers cannot be."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ import numpy as np
 from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.model import ranges
-from clast.model.ground_motion import GroundMotion, MovingBase, Recorded
 from clast.model.model import Floats, Joint, Plane, PlaneStrain, Rock
 
 SMALL_ANGLE = 1.6
@@ -104,43 +103,6 @@ def check_actions(actions: Sequence[object]) -> None:
                 where=f"actions, number {k}",
                 remedy="give an object with the methods of clast.actions.action.Action",
             )
-
-
-def check_ground_motion(motion: GroundMotion, fixed_points: int) -> None:
-    """Refuse accelerograms that are none, and a moving base without fixed points."""
-    where = "ground_motion"
-    if isinstance(motion, Recorded):
-        time, acceleration = motion.accelerogram.time, motion.accelerogram.acceleration
-        if time.ndim != 1 or len(time) < 2 or acceleration.shape != (len(time), 2):
-            raise ModelError(
-                f"time has the shape {time.shape} and acceleration {acceleration.shape}",
-                where=where,
-                remedy="give at least 2 instants, and an acceleration (x, y) for each",
-            )
-        if not (np.isfinite(time).all() and np.isfinite(acceleration).all()):
-            raise ModelError(
-                "is not finite", where=where, remedy="give times in s and accelerations in m/s2"
-            )
-        ranges.check_size(float(np.abs(time).max()), ranges.TIME, f"{where}, time", "give s")
-        largest = float(np.abs(acceleration).max())
-        ranges.check_size(largest, ranges.ACCELERATION, f"{where}, acceleration", "give m/s2")
-        # an inner instant may stand twice: the acceleration jumps there
-        interval = np.concatenate([[0.0], np.diff(time), [0.0]])
-        falls = interval[1:-1] < 0.0
-        stays = (interval[1:-1] == 0.0) & ((interval[:-2] == 0.0) | (interval[2:] == 0.0))
-        for k in np.flatnonzero(falls | stays)[:1]:
-            raise ModelError(
-                f"instant {k + 2}, {time[k + 1]:g} s, is not after instant {k + 1}, {time[k]:g} s",
-                where=where,
-                remedy="order the instants by time, each once (twice where the acceleration jumps)",
-            )
-    if isinstance(motion, MovingBase) and fixed_points == 0:
-        raise ModelError(
-            "the base moves, but nothing is held by it",
-            where=where,
-            remedy="hold the base by fixed points (a fixed block does not move), or let the motion "
-            "act as a body force",
-        )
 
 
 def check_numbers(

@@ -194,7 +194,7 @@ def set_lines(
         drawn[trace.name] = np.concatenate([drawn.get(trace.name, NONE), trace.ends])
     found: dict[int, SetLines] = {}
     waiting = list(enumerate(sets))
-    known = {one.name for one in sets} | set(drawn)
+    known = tuple(dict.fromkeys([*(one.name for one in sets), *drawn]))
     for _, one in waiting:
         one.check()
         for name in one.terminates_at or ():

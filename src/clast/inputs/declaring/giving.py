@@ -5,11 +5,16 @@
 
 gives the builder the method ``bolt``: it takes the keys of ``[[bolt]]``, those two also by their
 place, and refuses what a case file would be refused for, in the same words.
+
+        in_situ = single("in_situ", InSituTable)
+
+gives it an attribute for a table of which there is one: it takes the keys of the table, or an
+object that has their place in a model.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from inspect import Parameter, Signature
 from keyword import iskeyword
@@ -71,6 +76,51 @@ def gives_named(
     return _described(method, f"add_{key}", kind, [Parameter("name", POSITIONAL, default=default)])
 
 
+class Single:
+    """An attribute of a builder that is a table of which there is one, ``[in_situ]``."""
+
+    def __init__(self, key: str, kind: type[Table], usual: Any) -> None:
+        self.key = key
+        """Key of the table in a case file."""
+        self.kind = kind
+        """Class of the table."""
+        self.usual = usual
+        """What there is without it."""
+
+    def __get__(self, builder: Inputs | None, owner: type | None = None) -> Any:
+        """Return the object that was given or that the table makes, or the usual one."""
+        return self.usual if builder is None else vars(builder).get(self.key, self.usual)
+
+    def __set__(self, builder: Inputs, value: Any) -> None:
+        """Take an object, or the keys of the table; raise ModelError in the words of the file."""
+        ours = f"[{self.key}] "
+        builder.notes[:] = [note for note in builder.notes if not note.startswith(ours)]
+        if isinstance(value, dict):
+            record_of(self.kind, value, (self.key,)).add_to(builder, self.key, HERE)
+            return
+        if value is not self.usual:
+            self.kind.judge(value, self.key)
+        vars(builder)[self.key] = value
+
+    def written(self, value: Any) -> Keys | None:
+        """Return the keys of the table that makes an object; None where no file can hold it."""
+        if value == self.usual:
+            return {}
+        keys = self.kind.keys_of(value)
+        return None if keys is None else as_plain(keys)
+
+
+def single(key: str, kind: type[Table], usual: Any = None) -> Any:
+    """Return the attribute of a builder that is the table ``[key]``."""
+    return Single(key, kind, usual)
+
+
+def singles(builder: type) -> Iterator[tuple[str, Single]]:
+    """Give the attributes of a builder that are tables, with their names."""
+    for base in reversed(builder.__mro__):
+        yield from ((name, one) for name, one in vars(base).items() if isinstance(one, Single))
+
+
 def _by_name(key: str, places: tuple[str, ...], values: tuple[Any, ...], keys: Keys) -> Keys:
     """Return all arguments by their names."""
     if len(values) > len(places) or keys.keys() & set(places[: len(values)]):
@@ -78,10 +128,10 @@ def _by_name(key: str, places: tuple[str, ...], values: tuple[Any, ...], keys: K
     return {**dict(zip(places, values, strict=False)), **keys}
 
 
-def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str, str | int]) -> T:
+def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str | int, ...]) -> T:
     """Return a record; ModelError in the words of a case file that has it at this place.
 
-    ``place`` is the key of its table, and its name or its number from 0.
+    ``place`` is the key of its table, and its name or its number from 0 where there are several.
     """
     try:
         return kind.model_validate({name: as_plain(value) for name, value in keys.items()})
@@ -91,9 +141,10 @@ def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str, str | in
         # a key that is misspelt is the cause of one that is missing
         first = min(faults, key=lambda fault: fault.what != UNKNOWN_KEY)
         first = replace(first, place=(*place, *first.place))
-        key, own = place
-        tables = {own: keys} if isinstance(own, str) else [{}] * own + [dict(keys)]
-        raise error_of([first], content={key: tables}, kind=ModelError) from None
+        tables: Any = dict(keys)
+        for own in place[1:]:
+            tables = {own: tables} if isinstance(own, str) else [*[{}] * own, tables]
+        raise error_of([first], content={str(place[0]): tables}, kind=ModelError) from None
 
 
 def _described(method: Any, name: str, kind: type[Table], first: list[Parameter]) -> Any:

@@ -49,6 +49,15 @@ class Table(BaseModel):
         """
         builder.add(self, key)
 
+    @classmethod
+    def keys_of(cls, value: Any) -> dict[str, Any] | None:
+        """Return the keys of the table that makes an object of a script, None where none does."""
+        return None
+
+    @classmethod
+    def judge(cls, value: Any, key: str) -> None:
+        """Raise ModelError for an object of a script that cannot be; ``key`` is the table's."""
+
     def remarks(self, folder: Path) -> Iterator[str]:
         """Say what seems unsound and only the case file knows."""
         return iter(())
@@ -61,6 +70,8 @@ T = TypeVar("T", bound=Table)
 class Inputs:
     """All that a user gives, each kind of table in the order in which it was given."""
 
+    notes: list[str] = field(default_factory=list)
+    """What was read, assumed and changed, for the user."""
     _listed: dict[type[Table], list[Any]] = field(default_factory=dict, init=False, repr=False)
     _named: dict[type[Table], dict[str, Any]] = field(default_factory=dict, init=False, repr=False)
 
