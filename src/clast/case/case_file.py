@@ -62,8 +62,6 @@ PLANES: dict[str, type[PlaneStress] | type[PlaneStrain]] = {
 }
 SAME_SYSTEM = frozenset({"schema", "title", "time", "method", "damping", "output", "reference"})
 """Tables and keys that leave the system of blocks, and with it what is known of it, as it is."""
-CHOICES = frozenset({"method", "damping"})
-"""Tables that may hold objects of a script."""
 
 
 class Case(BaseModel):
@@ -258,7 +256,9 @@ class Case(BaseModel):
     @property
     def text(self) -> str:
         """The case as a TOML text: the file's own, or written anew; objects appear as texts."""
-        return self._written(repr) if self._text is None else self._text
+        if self._text is not None:
+            return self._text
+        return self._written(lambda value, where: repr(value))
 
     def to_toml(self) -> str:
         """Return the case as a TOML text, with what differs from the defaults.
@@ -267,11 +267,9 @@ class Case(BaseModel):
         """
         return self._written(case_writing.refuse_object)
 
-    def _written(self, instead: Callable[[Any], str]) -> str:
+    def _written(self, instead: case_writing.Instead) -> str:
         content = self.model_dump(by_alias=True, exclude_unset=True)
-        for key in CHOICES & content.keys():
-            content[key] = case_writing.without_objects(content[key], instead)
-        return case_text.to_toml({"schema": 1, **content})
+        return case_text.to_toml({"schema": 1, **case_writing.without_objects(content, instead)})
 
     def model(self) -> Model:
         """Return the system of blocks; raises ModelError naming the place and the remedy."""

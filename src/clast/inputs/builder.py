@@ -30,6 +30,13 @@ from clast.inputs import materials
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, with_directions
 from clast.inputs.declaring.giving import gives, gives_named, single
 from clast.inputs.declaring.table import Inputs
+from clast.inputs.declaring.values import (
+    check_actions,
+    check_numbers,
+    check_point_names,
+    check_title,
+    number_of,
+)
 from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
 from clast.inputs.in_situ import InSituTable, stress_in_situ
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
@@ -47,7 +54,7 @@ from clast.inputs.rock_mass import OpeningTable, of_blocks
 from clast.inputs.viscous_boundaries import ViscousBoundary, with_where
 from clast.inputs.water import Water
 from clast.model import checks as model_checks
-from clast.model import ranges, value_checks
+from clast.model import ranges
 from clast.model.checks import Outlines
 from clast.model.factors import NO_FACTOR
 from clast.model.ground_motion import Still, ending_note
@@ -66,8 +73,8 @@ from clast.model.model import (
     PlaneStress,
     PointLoads,
 )
+from clast.model.names import check_names
 from clast.model.outline import edges_on
-from clast.model.value_checks import check_numbers
 
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""
@@ -222,7 +229,7 @@ class ModelBuilder(Inputs):
         self._check_names()
         rocks = tuple(one.rock(name) for name, one in self.named(materials.Rock).items())
         for rock in rocks:
-            value_checks.check_rock(rock, self.plane)
+            materials.check_rock(rock, self.plane)
         drawn = self._outlines()
         clockwise = drawn.area < 0.0
         edge = drawn.turned_edges(clockwise)
@@ -255,7 +262,7 @@ class ModelBuilder(Inputs):
         held = self._fixed(outlines)
         viscous = viscous_edges(self.all(ViscousBoundary), outlines, polygons, held)
         check_incoming(self.ground_motion, viscous, outlines)
-        value_checks.check_actions(self.actions)
+        check_actions(self.actions)
         area, gravity = (
             outlines.area,
             check_numbers(self.gravity, 2, "gravity", ranges.ACCELERATION),
@@ -332,7 +339,7 @@ class ModelBuilder(Inputs):
         """Return the number of the table by which gravity is multiplied."""
         if self.gravity_factor is None:
             return NO_FACTOR
-        return value_checks.number_of(self.gravity_factor, number, "table", "gravity_factor")
+        return number_of(self.gravity_factor, number, "table", "gravity_factor")
 
     def _mended(self, drawn: Outlines, clockwise: Bools) -> tuple[Mended, model_checks.Geometries]:
         """Return the blocks counter-clockwise, put together if that is asked for, and checked."""
@@ -349,12 +356,12 @@ class ModelBuilder(Inputs):
         return mended, polygons
 
     def _check_names(self) -> None:
-        value_checks.check_title(self.title)
-        value_checks.check_names("rock", list(self.named(materials.Rock)))
-        value_checks.check_names("joint", list(self.named(materials.Joint)))
-        value_checks.check_names("block", self._names())
-        value_checks.check_names("table", list(self.named(FactorOverTime)))
-        value_checks.check_point_names([one.name for one in self.all(MeasuredPoint)])
+        check_title(self.title)
+        check_names("rock", list(self.named(materials.Rock)))
+        check_names("joint", list(self.named(materials.Joint)))
+        check_names("block", self._names())
+        check_names("table", list(self.named(FactorOverTime)))
+        check_point_names([one.name for one in self.all(MeasuredPoint)])
 
     def _names(self) -> list[str]:
         return [name for entry in self._entries for name in entry.names]

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
+from clast.errors import ModelError, shortened
 from clast.inputs.declaring.choices import Number, within
 from clast.inputs.declaring.faults import Fault, refusal
 from clast.inputs.declaring.table import Positive, Strength, Stresses, Table
 from clast.model import model, ranges
-from clast.model.value_checks import SMALL_ANGLE
+from clast.model.stages.strengths import contradiction
 
 
 class Rock(Table):
@@ -61,18 +61,9 @@ class Joint(Table):
 
     @model_validator(mode="after")
     def _does_not_contradict_itself(self) -> Self:
-        angle = self.friction_angle
-        if 0.0 < angle < SMALL_ANGLE and not self.allow_small_friction_angle:
-            what = f"{angle:g} looks like radians, but friction angles are in degrees"
-            remedy = (
-                f"write {math.degrees(angle):.6g}, or 0 for no friction; if {angle:g} degrees "
-                "is meant, add allow_small_friction_angle = true to the joint"
-            )
-            raise refusal(Fault(place=("friction_angle",), what=what, remedy=remedy))
-        if self.residual_cohesion is not None and self.residual_cohesion > self.cohesion:
-            what = f"{self.residual_cohesion:g} Pa are more than the cohesion, {self.cohesion:g} Pa"
-            remedy = "give what slip leaves of the cohesion, or leave it out: then all of it stays"
-            raise refusal(Fault(place=("residual_cohesion",), what=what, remedy=remedy))
+        found = contradiction(self, is_small_meant=self.allow_small_friction_angle)
+        if found is not None:
+            raise refusal(Fault(place=(found.key,), what=found.what, remedy=found.remedy))
         return self
 
     def joint(self, name: str) -> model.Joint:
@@ -82,3 +73,13 @@ class Joint(Table):
 
 PLACES = {"between", "between_rocks", "allow_small_friction_angle"}
 """Keys of a joint that say where it is, and not what it bears."""
+
+
+def check_rock(rock: model.Rock, plane: model.Plane) -> None:
+    """Refuse a Poisson's ratio that is impossible in a plane."""
+    if isinstance(plane, model.PlaneStrain) and rock.poisson == 0.5:
+        raise ModelError(
+            f"{rock.poisson:g} is impossible in plane {plane.name}",
+            where=f"rock '{shortened(rock.name)}', poisson",
+            remedy="Poisson's ratio is above -1 and below 0.5; rocks have 0.1 to 0.4",
+        )

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import fields, replace
+from collections.abc import Iterable
+from dataclasses import fields
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field, StrictBool, StrictInt, StrictStr, ValidationError, model_validator
 
 from clast.errors import CaseError, shortened
-from clast.inputs.damping import DAMPINGS, Damping, chosen_damping
-from clast.inputs.declaring.choices import Number, class_at, within
-from clast.inputs.declaring.faults import Fault, refusal
+from clast.inputs.damping import Damping, chosen_damping
+from clast.inputs.declaring.choices import Number, default_of, within
+from clast.inputs.declaring.faults import Fault, faults_of, keys_text, refusal
+from clast.inputs.declaring.meanings import explain
 from clast.inputs.declaring.table import Interval, Positive, Strength, Table
+from clast.inputs.declaring.writing import as_plain
 from clast.model import ranges
 from clast.model.stages.stage import Stage
 
@@ -99,7 +100,7 @@ class StageTable(Table):
 def given_stages(stages: Any) -> tuple[Stage, ...]:
     """Return the stages that a script gives; their damping may be a name or a table, as in a file.
 
-    Raises CaseError for what are no stages, and for a damping that is none.
+    Raises CaseError for what are no stages, and for what their table refuses.
     """
     if isinstance(stages, str | Stage) or not isinstance(stages, Iterable):
         stages = [stages]
@@ -111,47 +112,27 @@ def given_stages(stages: Any) -> tuple[Stage, ...]:
                 where="stages",
                 remedy='give a list of them: stages=[clast.Stage(name="gravity"), ...]',
             )
-    return tuple(one if one.damping is None else _with_damping(one) for one in found)
+    return tuple(_table(one).stage() for one in found)
 
 
-def _with_damping(stage: Stage) -> Stage:
-    """Return a stage whose damping is an object."""
+def _table(stage: Stage) -> StageTable:
+    """Return the table of a stage of a script; raises CaseError in the words of a case file."""
+    keys = stage_keys(stage)
     try:
-        return replace(stage, damping=chosen_damping(stage.damping).build())
-    except PydanticCustomError as error:
-        fault: Fault = (error.context or {})["faults"][0]
-        where = f"stage '{shortened(str(stage.name))}', damping"
+        return StageTable.model_validate(keys)
+    except ValidationError as error:
+        explain(StageTable)
+        fault = faults_of(error, StageTable)[0]
+        where = f"stage '{shortened(str(stage.name))}', {keys_text(fault.place)}"
         raise CaseError(fault.what, where=where, remedy=fault.remedy) from None
 
 
 def stage_keys(stage: Stage) -> dict[str, Any]:
     """Return the keys of the table that makes a stage; those that are as usual are left out."""
-    usual = Stage(name=stage.name)
-    keys: dict[str, Any] = {"name": stage.name}
-    for entry in fields(Stage):
-        value = getattr(stage, entry.name)
-        if value != getattr(usual, entry.name):
-            keys[entry.name] = list(value) if isinstance(value, tuple) else value
-    if "joints" in keys:
-        joints: Mapping[str, Mapping[str, float]] = keys.pop("joints")
-        keys["joint"] = {name: dict(changes) for name, changes in joints.items()}
-    if "damping" in keys:
-        keys["damping"] = _damping_key(stage)
-    return keys
-
-
-def _damping_key(stage: Stage) -> str | dict[str, Any]:
-    """Return name or table of a stage's damping in case files."""
-    for name, path in DAMPINGS.items():
-        if type(stage.damping) is class_at(path):
-            numbers = {
-                one.name: getattr(stage.damping, one.name)
-                for one in fields(stage.damping)
-                if getattr(stage.damping, one.name) != one.default
-            }
-            return {"name": name, **numbers} if numbers else name
-    raise CaseError(
-        f"{type(stage.damping).__name__} is an object of a script, which no case file can hold",
-        where=f"stage '{stage.name}', damping",
-        remedy="run the model itself: clast.simulate(builder.build(), stages=...)",
-    )
+    keys = {one.name: as_plain(getattr(stage, one.name)) for one in fields(Stage)}
+    usual = {one.name: as_plain(default_of(one)) for one in fields(Stage)}
+    return {
+        "joint" if key == "joints" else key: value
+        for key, value in keys.items()
+        if value != usual[key]
+    }

@@ -14,7 +14,7 @@ import shapely
 from clast import spelling
 from clast.errors import ModelError
 from clast.model.model import Floats, Ints
-from clast.model.value_checks import check_names
+from clast.model.names import check_names
 from clast.rockmass.domain import Domain, Opening, Region, Trace
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern

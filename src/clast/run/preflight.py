@@ -16,10 +16,10 @@ from clast.errors import ModelError, StepRejected, shortened
 from clast.model import ranges
 from clast.model.mending import Repair
 from clast.model.model import Bools, Model
-from clast.model.stages.checks import check_stages
 from clast.model.state import State, initial_state
 from clast.run.method_warnings import check_overlaps, method_warnings
 from clast.run.model_warnings import model_warnings
+from clast.run.stages.checks import check_stages
 from clast.step.method import Workspace
 from clast.step.modified import STABILITY_LIMIT, search_of_modified, stability_number
 

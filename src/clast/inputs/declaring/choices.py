@@ -109,7 +109,7 @@ class Chosen:
         return self.numbers.get(key, AUTO) == AUTO
 
     def as_written(self) -> str | dict[str, Any]:
-        """Return the shortest way to write it in a file."""
+        """Return the shortest way to write it in a file; what has no name there stays as it is."""
         if not self.numbers:
             return self.name
         numbers = {
@@ -120,12 +120,14 @@ class Chosen:
 
 
 class Given:
-    """An object of a script in the place of a name; no file can hold it."""
+    """An object of a script in the place of a name; a file can hold it if its class has a name."""
 
     # no dataclass: pydantic would take it, and the object with it, to pieces when it is written
-    def __init__(self, value: Any) -> None:
+    def __init__(self, value: Any, choice: Choice) -> None:
         self.value = value
         """The object."""
+        self.choice = choice
+        """Where it was given."""
 
     @property
     def name(self) -> str:
@@ -140,9 +142,10 @@ class Given:
         """Return False: nothing is left to clast."""
         return False
 
-    def as_written(self) -> Given:
-        """Return itself: it can be wherever a name can be."""
-        return self
+    def as_written(self) -> str | dict[str, Any] | Given:
+        """Return its name or table in a file; itself where it has none."""
+        written = self.choice.written(self.value)
+        return self if written is None else written
 
 
 PLAIN = (str, bool, int, float, list, tuple, dict, datetime.date, datetime.time, type(None))
@@ -200,6 +203,25 @@ class Choice:
         given = {key: getattr(parsed, key) for key in table if key != "name"}
         return Chosen(name, self.names[name], given)
 
+    def written(self, value: Any) -> str | dict[str, Any] | None:
+        """Return name or table of an object in a file, None where its class has no name there."""
+        path = f"{type(value).__module__}:{type(value).__qualname__}"
+        name = next((name for name, known in self.names.items() if known == path), None)
+        if name is None:
+            return None
+        numbers: dict[str, Any] = {}
+        for one in fields(value):
+            number: Any = getattr(value, one.name)
+            unsaid = one.name not in self.alternatives.automatic and number == default_of(one)
+            if unsaid or not one.init or one.name == "name":
+                continue
+            if one.name in self.alternatives.classes:
+                number = Choice(one.name, self.alternatives).written(number)
+                if number is None:
+                    return None
+            numbers[one.name] = number
+        return {"name": name, **numbers} if numbers else name
+
     def _given(self, value: Any) -> Given:
         """Return an object of a script, if it is one of the kind that is wanted."""
         if isinstance(value, type):
@@ -211,7 +233,7 @@ class Choice:
             what = f"{type(value).__name__} is no {self.key}: it has no {', '.join(missing)}"
             remedy = f"a {self.key} has {', '.join(needed)}; see clast.step.method"
             raise refusal(Fault(what=what, remedy=remedy))
-        return Given(value)
+        return Given(value, self)
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
@@ -270,9 +292,7 @@ def _table_of(choice: Choice, name: str, meanings: Mapping[str, str]) -> type[Ba
 
 def _option(choice: Choice, option: Any, meaning: str | None) -> tuple[Any, Any]:
     """Return type and default of one field of an alternative, as pydantic wants them."""
-    default = option.default
-    if option.default_factory is not MISSING:
-        default = option.default_factory()
+    default = default_of(option)
     if option.name in choice.alternatives.classes:
         inner = Choice(option.name, choice.alternatives)
         written = ... if default is MISSING else _name_of(default, inner)
@@ -285,6 +305,12 @@ def _option(choice: Choice, option: Any, meaning: str | None) -> tuple[Any, Any]
     if option.name in choice.alternatives.automatic:
         return Annotated[number, OrAuto(), Field(description=meaning)], AUTO
     return Annotated[number, Field(description=meaning)], written
+
+
+def default_of(option: Any) -> Any:
+    """Return the default of a field of a dataclass, MISSING where it has none."""
+    made = option.default_factory is not MISSING
+    return option.default_factory() if made else option.default
 
 
 @dataclass(frozen=True)

@@ -108,12 +108,12 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
         key = shortened(str(rest.pop(0)))
         table = f"[{top}.{key}]" if top in NAMED else f"[{top}] {key}"
         if top not in NAMED and rest:
-            return f"{table}.{_keys_text(rest)}"
+            return f"{table}.{keys_text(rest)}"
     elif isinstance(value, dict):
         table = f"[{top}]"
     else:
-        return _keys_text([top, *rest])
-    return f"{table} {_keys_text(rest)}" if rest else table
+        return keys_text([top, *rest])
+    return f"{table} {keys_text(rest)}" if rest else table
 
 
 def _is_table(top: str, value: Any) -> bool:
@@ -121,7 +121,7 @@ def _is_table(top: str, value: Any) -> bool:
     return isinstance(value, dict) or top in NAMED
 
 
-def _keys_text(keys: Sequence[str | int]) -> str:
+def keys_text(keys: Sequence[str | int]) -> str:
     """Return keys and positions below a table: ``vertices 3, number 2``."""
     text = ""
     for depth, key in enumerate(keys):

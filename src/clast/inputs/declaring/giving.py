@@ -28,7 +28,7 @@ from clast.inputs.declaring.faults import UNKNOWN_KEY, error_of, faults_of
 from clast.inputs.declaring.meanings import explain
 from clast.inputs.declaring.table import Inputs, Table
 from clast.inputs.declaring.writing import as_plain
-from clast.model.value_checks import check_names
+from clast.model.names import check_names
 
 T = TypeVar("T", bound=Table)
 Keys = dict[str, Any]

@@ -10,6 +10,8 @@ from pydantic import BaseModel
 
 from clast.errors import CaseError
 from clast.inputs.declaring.choices import Given
+from clast.inputs.declaring.faults import Place, place_text
+from clast.inputs.declaring.text import is_tables
 
 
 def table_of(kind: type[BaseModel], values: Mapping[str, Any]) -> dict[str, Any]:
@@ -33,17 +35,29 @@ def as_plain(value: Any) -> Any:
     return value
 
 
-def without_objects(value: Any, instead: Callable[[Any], str]) -> Any:
-    """Return a value in which texts are ``instead`` of the objects that a script has put in."""
-    if isinstance(value, dict):
-        return {key: without_objects(inner, instead) for key, inner in value.items()}
-    return instead(value.value) if isinstance(value, Given) else value
+Instead = Callable[[Any, str], str]
+"""What makes a text of an object, and of the place that it is in."""
 
 
-def refuse_object(value: Any) -> str:
+def without_objects(content: Mapping[str, Any], instead: Instead) -> dict[str, Any]:
+    """Return a content in which texts are ``instead`` of the objects that a script has put in."""
+
+    def without(value: Any, place: Place) -> Any:
+        if isinstance(value, dict):
+            return {key: without(inner, (*place, key)) for key, inner in value.items()}
+        if is_tables(value):
+            return [without(inner, (*place, number)) for number, inner in enumerate(value)]
+        return (
+            instead(value.value, place_text(place, content)) if isinstance(value, Given) else value
+        )
+
+    return {key: without(value, (key,)) for key, value in content.items()}
+
+
+def refuse_object(value: Any, where: str) -> str:
     """Raise CaseError: no file holds an object of a script."""
     raise CaseError(
         f"{type(value).__name__} is an object of a script, which no case file can hold",
-        where="[method]",
+        where=where,
         remedy="give it a name there (CONTRIBUTING says how), or run the case from the script",
     )

@@ -15,9 +15,9 @@ import numpy as np
 
 from clast import spelling
 from clast.errors import ModelError, shortened
+from clast.inputs.declaring.values import check_numbers, number_of
 from clast.model import ranges
 from clast.model.model import Bools, Floats, Ints
-from clast.model.value_checks import check_numbers, number_of
 
 Vector = Sequence[float] | Floats
 """Two or three numbers."""

@@ -13,7 +13,7 @@ from clast.errors import ModelError, shortened
 from clast.inputs.bolts import Bolt, BoltPattern
 from clast.inputs.placing.bolt_lines import Ground
 from clast.model.model import Floats
-from clast.model.value_checks import check_text
+from clast.model.names import check_text
 
 BESIDE = 1e-3
 """Share of a bolt's length by which its head may lie beside the wall, as outlines are rounded."""

@@ -11,13 +11,14 @@ import shapely
 from clast.errors import ModelError, shortened
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.declaring.table import Inputs
+from clast.inputs.declaring.values import number_of
 from clast.inputs.placing.bolt_lines import Ground, Pieces, joints_between
 from clast.inputs.placing.bolt_patterns import bolts_round
 from clast.model import ranges
 from clast.model.bolts import Bolts
 from clast.model.checks import locate
 from clast.model.model import Floats
-from clast.model.value_checks import check_names, number_of
+from clast.model.names import check_names
 
 
 @dataclass(frozen=True, kw_only=True)

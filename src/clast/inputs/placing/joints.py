@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from clast.errors import ModelError
+from clast.inputs.declaring.values import number_of
 from clast.inputs.materials import Joint
 from clast.inputs.placing.blocks import Names
 from clast.model.model import Ints, JointTable
-from clast.model.value_checks import number_of
 
 
 def joint_table(

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.inputs.rock_mass import OpeningTable
+from clast.model.names import check_text
 from clast.model.openings import Opening
-from clast.model.value_checks import check_text
 
 
 def openings_of(

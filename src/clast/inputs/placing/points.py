@@ -11,12 +11,13 @@ import shapely
 
 from clast.errors import shortened
 from clast.inputs.declaring.table import Inputs, Point, Table
+from clast.inputs.declaring.values import number_of
 from clast.inputs.loads import FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.measurements import MeasuredPoint
 from clast.model.checks import Geometries, Outlines, locate, point_text
 from clast.model.factors import NO_FACTOR
 from clast.model.model import Floats, Ints
-from clast.model.value_checks import check_text, number_of
+from clast.model.names import check_text
 
 
 @dataclass(frozen=True)

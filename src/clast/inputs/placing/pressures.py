@@ -10,12 +10,12 @@ import numpy as np
 import shapely
 
 from clast.errors import ModelError
+from clast.inputs.declaring.values import number_of
 from clast.inputs.loads import Pressure
 from clast.inputs.placing.points import named_loads
 from clast.model.checks import TOUCHING, Outlines, point_text
 from clast.model.factors import NO_FACTOR
 from clast.model.model import EdgePressures, Floats, Ints
-from clast.model.value_checks import number_of
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from clast.inputs.water import SHARE, Water
 from clast.model.checks import Outlines, point_text
 from clast.model.factors import Factor
 from clast.model.model import Floats, Ints, JointTable
-from clast.model.value_checks import check_text
+from clast.model.names import check_text
 from clast.model.water.drainage import distances, lowering, parts_between
 from clast.model.water.faces import Edges, Facing, edges_of, facing_edges, outer_parts
 from clast.model.water.water import Water as WetWater

@@ -2,14 +2,74 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 from clast.model.model import Joint, JointTable, Model
 
+
+class Strengths(Protocol):
+    """A joint as it is given, or as a run has it."""
+
+    @property
+    def friction_angle(self) -> float:
+        """Coulomb friction angle, degrees."""
+        ...
+
+    @property
+    def cohesion(self) -> float:
+        """Cohesion, Pa."""
+        ...
+
+    @property
+    def residual_cohesion(self) -> float | None:
+        """Cohesion that slip leaves, Pa; None: all of it."""
+        ...
+
+
 HELD = 1e9
 """Strength of bonds that nothing breaks, in units of what it is."""
+
+
+SMALL_ANGLE = 1.6
+"""Friction angles up to this many degrees look like radians (pi/2 is 1.57)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contradiction:
+    """Numbers of a joint that are each possible, and not together or not meant."""
+
+    key: str
+    """Which number."""
+    what: str
+    """What is wrong."""
+    remedy: str
+    """What to do."""
+
+
+def contradiction(joint: Strengths, *, is_small_meant: bool) -> Contradiction | None:
+    """Return what the strengths of a joint cannot be, None where all is well.
+
+    ``is_small_meant`` says that a friction angle of less than SMALL_ANGLE is one in degrees.
+    """
+    angle = joint.friction_angle
+    if 0.0 < angle < SMALL_ANGLE and not is_small_meant:
+        return Contradiction(
+            key="friction_angle",
+            what=f"{angle:g} looks like radians, but friction angles are in degrees",
+            remedy=f"write {math.degrees(angle):.6g}, or 0 for no friction; if {angle:g} degrees "
+            "is meant, add allow_small_friction_angle = true to the joint",
+        )
+    if joint.residual_cohesion is not None and joint.residual_cohesion > joint.cohesion:
+        return Contradiction(
+            key="residual_cohesion",
+            what=f"{joint.residual_cohesion:g} Pa are more than the cohesion, "
+            f"{joint.cohesion:g} Pa",
+            remedy="give what slip leaves of the cohesion, or leave it out: then all of it stays",
+        )
+    return None
 
 
 def with_strengths(table: JointTable, changes: Mapping[str, Mapping[str, float]]) -> JointTable:

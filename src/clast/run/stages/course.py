@@ -8,7 +8,6 @@ from functools import cached_property
 
 from clast.actions.damping import Undamped
 from clast.model.model import Floats
-from clast.model.stages.checks import check_stages
 from clast.model.stages.records import (
     BROKEN_OFF,
     FAILS,
@@ -22,6 +21,7 @@ from clast.model.stages.records import (
 from clast.model.stages.reference import here
 from clast.model.stages.stage import TIME, Stage
 from clast.model.state import State
+from clast.run.stages.checks import check_stages
 from clast.run.stages.equilibrium import Judge
 from clast.run.stages.position import Held, Judged, Position
 from clast.run.stages.transition import (

@@ -1,0 +1,99 @@
+"""What numbers, names and titles cannot be that no table has judged."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from clast import spelling
+from clast.errors import ModelError, shortened
+from clast.model import ranges
+from clast.model.model import Floats
+from clast.model.names import check_names
+
+LONGEST_TITLE = 1000
+"""Most characters of a title."""
+ACTION = ("begin", "share", "finish")
+"""Methods of an action."""
+
+
+def check_actions(actions: Sequence[object]) -> None:
+    """Refuse what lacks a method of an action."""
+    for k, action in enumerate(actions, 1):
+        lacking = [name for name in ACTION if not callable(getattr(action, name, None))]
+        if isinstance(action, type) or lacking:
+            raise ModelError(
+                f"{action if isinstance(action, type) else type(action).__name__} is no action"
+                + (f": it has no {', '.join(lacking)}" if lacking else ", but a class"),
+                where=f"actions, number {k}",
+                remedy="give an object with the methods of clast.actions.action.Action",
+            )
+
+
+def check_numbers(
+    values: Any, count: int, where: str, limits: ranges.Range = ranges.COORDINATE
+) -> Floats:
+    """Return ``count`` finite numbers as an array, shape (count,), or say which is none."""
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        array = np.zeros(0)
+    if array.shape != (count,) or not np.isfinite(array).all():
+        raise ModelError(
+            f"{shortened(repr(values))} is no list of {count} finite numbers",
+            where=where,
+            remedy=f"give {count} numbers in SI units",
+        )
+    for value in array:
+        ranges.check_size(float(value), limits, where, "give SI units")
+    return array
+
+
+def check_name(name: Any, kind: str, where: str) -> str:
+    """Return the name of something, or say that it is none."""
+    if isinstance(name, str):
+        return name
+    raise ModelError(
+        f"{shortened(repr(name))} is no name of a {kind}",
+        where=where,
+        remedy=f'name the {kind} by its text, e.g. "1"',
+    )
+
+
+def check_point_names(names: Sequence[str]) -> None:
+    """Refuse names of measured points that cannot be those of tables in the result file."""
+    check_names("measured point", names)
+    for name in names:
+        if name in (".", ".."):
+            raise ModelError(
+                "its history is kept in the result file under its name, where . and .. are none",
+                where=f"measured point '{name}'",
+                remedy="give it another name",
+            )
+
+
+def check_title(title: str) -> None:
+    """Refuse titles that a result file cannot hold."""
+    if not isinstance(title, str):
+        raise ModelError(
+            f"{shortened(repr(title))} is no text", where="title", remedy="give it in quotes"
+        )
+    if "\0" in title or len(title) > LONGEST_TITLE:
+        what = "holds a NUL character" if "\0" in title else f"has {len(title)} characters"
+        raise ModelError(
+            what, where="title", remedy=f"give a text of at most {LONGEST_TITLE} characters"
+        )
+
+
+def number_of(name: str, number: dict[str, int], kind: str, where: str) -> int:
+    """Return the index of a named thing, or suggest the nearest name."""
+    name = check_name(name, kind, where)
+    if name not in number:
+        raise ModelError(
+            f"there is no {kind} '{shortened(name)}'",
+            where=where,
+            remedy=spelling.advice(name, number, kind=kind),
+        )
+    return number[name]
