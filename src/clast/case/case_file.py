@@ -476,10 +476,17 @@ def load(path: str | Path) -> Case:
 @cache
 def explained_case() -> type[Case]:
     """Return Case when all keys of all tables have been given their meanings."""
-    tables: list[type[BaseModel]] = [*Table.__subclasses__(), Case]  # inner tables come first
+    tables: list[type[BaseModel]] = [*_tables_below(Table), Case]  # inner tables come first
     for table in tables:
         explain(table)
     return Case
+
+
+def _tables_below(kind: type[Table]) -> Iterator[type[Table]]:
+    """Give all tables that are made of one, in the order in which they were."""
+    for table in kind.__subclasses__():
+        yield table
+        yield from _tables_below(table)
 
 
 def json_schema() -> dict[str, Any]:

@@ -9,19 +9,33 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import numpy as np
 from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 
-from clast.errors import CaseError, ModelError
+from clast.errors import CaseError, ModelError, shortened
 from clast.inputs.declaring.faults import SHOWN, Fault, refusal
+from clast.inputs.declaring.giving import record_of
 from clast.inputs.declaring.table import Length, Loop, Motion, Stresses, Table
+from clast.model.model import Floats
 
 if TYPE_CHECKING:
     from clast.rockmass.drawings.blocks import Blocks
 
 
-class LoopTable(Table):
-    """A block as a loop of numbered vertices."""
+class Corners(Table):
+    """Where a block is, by coordinates."""
+
+    vertices: Loop
+    """Coordinates [x, y] of its vertices, counter-clockwise, m."""
+
+
+class Numbers(Table):
+    """Where a block is, by numbers of vertices."""
 
     loop: list[StrictInt]
     """Numbers of its vertices, from 1, counter-clockwise."""
+
+
+class Properties(Table):
+    """What a block is, wherever it is."""
+
     name: StrictStr | None = None
     """Name; the block's number if absent."""
     rock: StrictStr | None = None
@@ -34,6 +48,26 @@ class LoopTable(Table):
     """Stress (xx, yy, xy) at the start, Pa, tension positive; the rock's if absent."""
     edge_joint: list[StrictStr] | None = None
     """Joint of the edge from each vertex to the next, one name a vertex; "" for none of its own."""
+
+
+class BlockTable(Properties, Corners):
+    """A block by its coordinates."""
+
+    def add_to(self, builder: Any, key: str, folder: Path) -> str:
+        """Add the block and return its name."""
+        name: str = builder.add_block(self)
+        return name
+
+
+class LoopTable(Properties, Numbers):
+    """A block as a loop of numbered vertices."""
+
+    def block(self, vertices: Floats) -> BlockTable:
+        """Return the block, with the coordinates of its vertices, m, of all (nv, 2)."""
+        corners = vertices[np.array(self.loop, np.int64) - 1]
+        # what the loop and the vertices can be is judged already
+        values: dict[str, Any] = {"vertices": corners.tolist()}
+        return BlockTable.model_construct(**values, **self.model_dump(exclude={"loop"}))
 
 
 class GeometryTable(Table):
@@ -76,9 +110,7 @@ class GeometryTable(Table):
         """Add the blocks."""
         vertices = np.array(self.vertices, np.float64).reshape(-1, 2)
         for block in self.blocks:
-            values = {name: value for name, value in block if name != "loop"}
-            loop = np.array(block.loop, np.int64)
-            builder.block(vertices=vertices[loop - 1], **values)
+            block.block(vertices).add_to(builder, key, folder)
 
 
 class BlockFileTable(Table):
@@ -135,35 +167,32 @@ class BlockFileTable(Table):
             raise ModelError(error.what, where=place, remedy=error.remedy) from None
 
 
-class BlockTable(Table):
-    """A block by its coordinates."""
-
-    vertices: Loop
-    """Coordinates [x, y] of its vertices, counter-clockwise, m."""
-    name: StrictStr | None = None
-    """Name; the block's number if absent."""
-    rock: StrictStr | None = None
-    """Rock; may be left out where there is only one."""
-    fixed: StrictBool = False
-    """True for a block that cannot move at all."""
-    velocity: Motion = (0.0, 0.0, 0.0)
-    """Velocity (u, v, omega) at the start, m/s and rad/s, counter-clockwise."""
-    initial_stress: Stresses | None = None
-    """Stress (xx, yy, xy) at the start, Pa, tension positive; the rock's if absent."""
-    edge_joint: list[StrictStr] | None = None
-    """Joint of the edge from each vertex to the next, one name a vertex; "" for none of its own."""
-
-    def add_to(self, builder: Any, key: str, folder: Path) -> None:
-        """Add the block."""
-        builder.block(**dict(self))
-
-
 class RepairTable(Table):
     """All blocks, whichever table brings them, put together where they are meant to touch."""
 
     tolerance: Length
     """Largest distance by which corners and edges that belong together were drawn apart, m:
     vertices within it become one, or go onto the edge of another block; none moves further."""
+
+    @classmethod
+    def keys_of(cls, value: Any) -> dict[str, Any] | None:
+        """Return the keys that make the mender of a script."""
+        from clast.rockmass.repair.mender import Mender
+
+        return {"tolerance": value.tolerance} if type(value) is Mender else None
+
+    @classmethod
+    def judge(cls, value: Any, key: str) -> None:
+        """Refuse what puts no blocks together, and a tolerance that is none."""
+        keys = cls.keys_of(value)
+        if keys is not None:
+            record_of(cls, keys, (key,))
+        elif not callable(value) or isinstance(value, type):
+            raise ModelError(
+                f"{shortened(repr(value))} puts no blocks together",
+                where=key,
+                remedy="give the keys of [repair], or clast.rockmass.Mender(tolerance=1e-3)",
+            )
 
     def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Have the builder put its blocks together."""

@@ -27,9 +27,10 @@ import shapely
 
 from clast.errors import ModelError
 from clast.inputs import materials
+from clast.inputs.blocks import BlockTable, RepairTable
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, with_directions
 from clast.inputs.declaring.giving import gives, gives_named, single
-from clast.inputs.declaring.table import Inputs
+from clast.inputs.declaring.table import Inputs, Table
 from clast.inputs.declaring.values import (
     check_actions,
     check_numbers,
@@ -59,7 +60,7 @@ from clast.model.checks import Outlines
 from clast.model.factors import NO_FACTOR
 from clast.model.ground_motion import Still, ending_note
 from clast.model.in_situ import InSituStress
-from clast.model.mending import Mended, Mending
+from clast.model.mending import Mended
 from clast.model.model import (
     WELD_STRENGTH,
     Bools,
@@ -93,8 +94,8 @@ class ModelBuilder(Inputs):
     ``in_situ`` is the stress in the rock before anything is dug: the keys of ``[in_situ]``,
     ``clast.InSituStress`` or ``clast.Overburden``.  ``line_joints`` are joints that
     lines have whether or not they become edges of blocks; ``notes`` say what was done to the blocks
-    before they came here; ``mending`` puts them together where they are drawn a little apart, e.g.
-    ``clast.rockmass.Mender``.
+    before they came here; ``mending`` puts them together where they are drawn a little apart: the
+    keys of ``[repair]``, or ``clast.rockmass.Mender``.
     """
 
     title: str = ""
@@ -105,7 +106,7 @@ class ModelBuilder(Inputs):
     in_situ: Any = single("in_situ", InSituTable)
     actions: list[Any] = field(default_factory=list)
     line_joints: list[str] = field(default_factory=list)
-    mending: Mending | None = None
+    mending: Any = single("repair", RepairTable)
     _entries: list[Entry] = field(default_factory=list, init=False)
     opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
     """Outlines of openings by name, counter-clockwise, m, (c, 2) each: for patterns of bolts."""
@@ -123,6 +124,8 @@ class ModelBuilder(Inputs):
     """
     add_bolt_kind = gives_named("bolt_kind", BoltKind)
     """Add a kind of bolt, ``[bolt_kind.NAME]``, and return its name."""
+    block = gives("block", BlockTable)
+    """Add a block by its counter-clockwise vertices, ``[[block]]``, and return its name."""
     bolt = gives("bolt", Bolt, "start", "end")
     """Set a bolt from its head ``start`` to ``end``: ``[[bolt]]``."""
     bolt_pattern = gives("bolt_pattern", BoltPattern, "opening", turned=with_directions)
@@ -150,6 +153,10 @@ class ModelBuilder(Inputs):
     water = gives("water", Water, "level")
     """Let water press on what lies below a level or a phreatic line: ``[[water]]``."""
 
+    def count(self, kind: type[Table]) -> int:
+        """Return how many tables of a kind there are; blocks are counted with those of arrays."""
+        return self._count if kind is BlockTable else super().count(kind)
+
     def add_weld(self, name: str) -> str:
         """Add a joint that no load opens or shears, and return its name.
 
@@ -157,30 +164,12 @@ class ModelBuilder(Inputs):
         """
         return self.add_joint(name, cohesion=WELD_STRENGTH, tensile_strength=WELD_STRENGTH)
 
-    def block(
-        self,
-        *,
-        vertices: Sequence[Vector] | Floats,
-        name: str | None = None,
-        rock: str | None = None,
-        fixed: bool = False,
-        velocity: Vector = (0.0, 0.0, 0.0),
-        initial_stress: Vector | None = None,
-        edge_joint: Sequence[str] | None = None,
-    ) -> str:
-        """Add a block by its counter-clockwise vertices (k, 2), m; return its name.
-
-        The name is its number, from 1, unless one is given.  ``rock`` may be left out where there
-        is only one.  A ``fixed`` block cannot move at all; ``velocity`` (u, v, omega) is that of
-        its centroid at the start; ``initial_stress`` (xx, yy, xy) overrides the rock's.
-        ``edge_joint`` (k,) names the joint of the edge that begins at each vertex, "" for none.
-        """
+    def add_block(self, record: BlockTable) -> str:
+        """Add a block that its table has judged and return its name: its number if it has none."""
         self._count += 1
-        given = str(self._count) if name is None else name
-        self._entries.append(
-            OneBlock(given, rock, vertices, fixed, velocity, initial_stress, edge_joint)
-        )
-        return given
+        name = str(self._count) if record.name is None else record.name
+        self._entries.append(OneBlock(name, record))
+        return name
 
     def blocks(
         self,
@@ -200,7 +189,7 @@ class ModelBuilder(Inputs):
         of each block's first vertex, and nv, in ``start`` (k + 1,).  ``rock`` is one name or
         (k,), ``fixed`` one truth value or (k,); ``velocity`` and ``initial_stress`` are three
         numbers or (k, 3); ``edge_joint`` is (nv,).  Everything else, and every check, is that of
-        ``block``.
+        ``block``: arrays of a million blocks have no table.
 
         A run is gone on from with another load, joint or method by making its last state a model;
         the contact penetration in it is no bad geometry (what contacts of the stiffness that is

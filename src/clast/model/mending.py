@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from clast.model.checks import Outlines
@@ -39,11 +39,3 @@ class Mended:
     """What was done."""
     moved: float = 0.0
     """How far a vertex moved at most, m."""
-
-
-class Mending(Protocol):
-    """Puts blocks together."""
-
-    def __call__(self, outlines: Outlines) -> Mended:
-        """Return counter-clockwise blocks as they are meant; ModelError where they cannot be."""
-        ...

@@ -40,16 +40,16 @@ HERE = Path()
 
 def gives(
     key: str, kind: type[Table], *places: str, turned: Callable[[Keys], Keys] = dict
-) -> Callable[..., None]:
+) -> Callable[..., Any]:
     """Return the method of a builder that adds a record, ``[[key]]`` of a case file.
 
     ``places`` are keys that may be given by their place; ``turned`` makes keys of the file of those
     of a script where these differ.  Raises ModelError for what the record cannot be.
     """
 
-    def method(self: Inputs, *values: Any, **keys: Any) -> None:
+    def method(self: Inputs, *values: Any, **keys: Any) -> str | None:
         keys = turned(_by_name(key, places, values, keys))
-        record_of(kind, keys, (key, len(self.all(kind)))).add_to(self, key, HERE)
+        return record_of(kind, keys, (key, self.count(kind))).add_to(self, key, HERE)
 
     return _described(method, key, kind, [Parameter(one, POSITIONAL) for one in places])
 

@@ -14,7 +14,14 @@ from pydantic import BaseModel
 
 
 def field_docstrings(table: type) -> dict[str, str]:
-    """Return the docstring line below each field of a dataclass, from its source."""
+    """Return the docstring line below each field of a dataclass or a table, from its source."""
+    foreign = ("builtins", "pydantic")
+    bases = [one for one in table.__mro__ if not one.__module__.startswith(foreign)]
+    return {key: meaning for one in reversed(bases) for key, meaning in _docstrings(one).items()}
+
+
+def _docstrings(table: type) -> dict[str, str]:
+    """Return the docstring line below each field of a class, without those of its bases."""
     try:
         tree = ast.parse(textwrap.dedent(inspect.getsource(table))).body[0]
     except (OSError, TypeError):

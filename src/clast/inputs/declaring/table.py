@@ -42,12 +42,13 @@ class Table(BaseModel):
     NAMED: ClassVar[bool] = False
     """True where tables are told apart by their keys: [bolt_kind.NAME]."""
 
-    def add_to(self, builder: Any, key: str, folder: Path) -> None:
-        """Add to the system of blocks what the table says of it.
+    def add_to(self, builder: Any, key: str, folder: Path) -> str | None:
+        """Add to the system of blocks what the table says of it; return the name that it then has.
 
         ``key`` is the table's own name, or its key; ``folder`` is where the case file is.
         """
         builder.add(self, key)
+        return None
 
     @classmethod
     def keys_of(cls, value: Any) -> dict[str, Any] | None:
@@ -82,6 +83,10 @@ class Inputs:
     def named(self, kind: type[T]) -> dict[str, T]:
         """Return the tables of a kind by their names: [bolt_kind.NAME]."""
         return self._named.setdefault(kind, {})
+
+    def count(self, kind: type[Table]) -> int:
+        """Return how many tables of a kind there are."""
+        return len(self._listed.get(kind, ()))
 
     def has(self, kind: type[Table]) -> bool:
         """Return whether there is a table of a kind."""

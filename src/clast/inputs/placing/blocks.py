@@ -14,8 +14,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from clast import spelling
-from clast.errors import ModelError, shortened
-from clast.inputs.declaring.values import check_numbers, number_of
+from clast.errors import ModelError
+from clast.inputs.blocks import BlockTable
+from clast.inputs.declaring.values import number_of
 from clast.model import ranges
 from clast.model.model import Bools, Floats, Ints
 
@@ -63,51 +64,42 @@ class Entry(Protocol):
 
 @dataclass(frozen=True)
 class OneBlock:
-    """One block by its vertices."""
+    """One block by its vertices, which its table has judged."""
 
     name: str
-    rock: str | None
-    vertices: Any
-    fixed: bool
-    velocity: Vector
-    initial_stress: Vector | None
-    joints: Any = None
-    """Name of the joint of each of its edges, or none."""
+    record: BlockTable
 
     @property
     def names(self) -> tuple[str, ...]:
         """Its name."""
         return (self.name,)
 
+    @property
+    def rock(self) -> str | None:
+        """Its rock, None for the only one."""
+        return self.record.rock
+
     def loops(self, label: Label) -> tuple[Ints, Floats]:
         """Return the number of its vertices (1,) and the vertices, m."""
-        loop = _loop(self.vertices, label)
+        loop = np.array(self.record.vertices, np.float64).reshape(-1, 2)
         return np.array([len(loop)], np.int64), loop
 
     def edge_joints(self, label: Label) -> Names:
         """Return the name of the joint of each of its edges, "" for none of its own."""
-        return _names_of_joints(self.joints, len(self.loops(label)[1]), label(0))
+        return _names_of_joints(self.record.edge_joint, len(self.record.vertices), label(0))
 
     def held(self, label: Label) -> Bools:
         """Return whether it is fixed, shape (1,)."""
-        if not isinstance(self.fixed, bool | np.bool_):
-            raise ModelError(
-                f"{shortened(repr(self.fixed))} is neither True nor False",
-                where=f"{label(0)}, fixed",
-                remedy="give True for a block that cannot move",
-            )
-        return np.array([self.fixed], np.bool_)
+        return np.array([self.record.fixed], np.bool_)
 
     def velocities(self, label: Label) -> Floats:
         """Return its velocity, shape (1, 3)."""
-        return check_numbers(self.velocity, 3, f"{label(0)}, velocity", ranges.SPEED)[None]
+        return np.array([self.record.velocity], np.float64)
 
     def stresses(self, label: Label) -> Floats | None:
         """Return its own stress, Pa, shape (1, 3), or None."""
-        if self.initial_stress is None:
-            return None
-        where = f"{label(0)}, initial_stress"
-        return check_numbers(self.initial_stress, 3, where, ranges.STRESS)[None]
+        stress = self.record.initial_stress
+        return None if stress is None else np.array([stress], np.float64)
 
 
 @dataclass(frozen=True)
@@ -207,23 +199,6 @@ class ManyBlocks:
             remedy="give vertices (blocks, corners, 2), or (vertices, 2) with start (blocks + 1,), "
             "and one row for each block of what differs between them",
         )
-
-
-def _loop(vertices: Any, label: Label) -> Floats:
-    """Return the vertices of one block as an array (k, 2)."""
-    try:
-        loop = np.array(vertices, dtype=np.float64)
-        if loop.size == 0:
-            return np.zeros((0, 2))
-        if loop.ndim == 2 and loop.shape[1] == 2:
-            return loop
-    except (TypeError, ValueError, OverflowError):
-        pass
-    raise ModelError(
-        "vertices are no list of (x, y) pairs of numbers",
-        where=label(0),
-        remedy="give them as [(x, y), (x, y), ...], counter-clockwise, in m",
-    )
 
 
 def _names_of_joints(given: Any, edges: int, where: str) -> Names:
