@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from inspect import signature
 from typing import Any
 
 import pytest
@@ -59,6 +60,16 @@ def test_an_object_of_a_script_is_not_written(key: str):
     where = {"process": r"\[method\] process", "damping": "damping"}[key]
     with pytest.raises(CaseError, match=f"{where}: .* is an object of a script"):
         case.to_toml()
+
+
+@pytest.mark.parametrize("taker", [clast.simulate, clast.ModelBuilder.case])
+def test_help_shows_the_keys_that_are_taken(taker: Any):
+    shown = set(signature(taker).parameters)
+    case = box().case(**KEYS)
+    for table in (case.time, case.method_, case.output):
+        assert shown >= set(type(table).model_fields)
+    assert "damping" in shown
+    assert "keys" not in shown
 
 
 def test_every_alternative_without_numbers_is_written_by_its_name_alone():

@@ -17,8 +17,6 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from pydantic import BaseModel, Field, PrivateAttr, StrictStr, ValidationError, model_validator
 
 from clast import spelling
-from clast.case import plausibility
-from clast.case.cutting import CutCase, RockMass
 from clast.errors import ModelError
 from clast.inputs.blocks import BlockFileTable, BlockTable, GeometryTable, RepairTable
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
@@ -36,6 +34,8 @@ from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, 
 from clast.inputs.materials import Joint, Rock
 from clast.inputs.measurements import MeasuredPoint, Reference, point_faults
 from clast.inputs.method import MethodTable
+from clast.inputs.placing import plausibility
+from clast.inputs.placing.rock_mass import CutCase, RockMass
 from clast.inputs.rock_mass import (
     BlockPatternTable,
     DomainTable,

@@ -14,9 +14,9 @@ from typing import Any
 
 from clast import spelling
 from clast.case.comments import TO_BE_GIVEN, comment, listed
-from clast.case.cutting import CutCase, RockMass
 from clast.errors import ModelError
 from clast.inputs.declaring.text import to_toml
+from clast.inputs.placing.rock_mass import CutCase, RockMass
 from clast.inputs.rock_mass import DomainTable, OpeningTable, RegionTable, TraceTable
 from clast.rockmass.drawings.drawing import (
     Analysis,

@@ -20,7 +20,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from clast.inputs import builder as model_builder
 from clast.inputs.blocks import BlockTable
 from clast.inputs.bolts import BoltPattern
 from clast.inputs.declaring.faults import table_in
-from clast.inputs.declaring.giving import singles
+from clast.inputs.declaring.giving import singles, with_keys
 from clast.inputs.declaring.table import Table
 from clast.inputs.declaring.writing import as_plain, table_of
 from clast.inputs.materials import Joint
@@ -56,49 +56,12 @@ STANDARD_GRAVITY = 9.8
 """Acceleration by which a step is chosen where there is no gravity, m/s2."""
 
 
-class Keys(TypedDict, total=False):
-    """Keys of [time], [method] and [output] that a script may give; all have defaults."""
-
-    step: float
-    """Length of a step, s."""
-    end: float
-    """End of the run, s; 1 if absent."""
-    max_displacement: float
-    """Largest vertex movement in a step, m; 5 % of the size of the smallest block if absent."""
-    dynamic_ratio: float
-    """Share of velocity carried to the next step: 0 static, 1 dynamic."""
-    smallest_step: float
-    """The run stops where it would need a smaller step than this, s."""
-    process: Any
-    """Process of a step: a name, a table with its numbers, or an object."""
-    contact_law: Any
-    """Contact law: a name, a table with its numbers, or an object."""
-    corner_rule: Any
-    """Corner rule: a name, a table with its numbers, or an object."""
-    rotation: Any
-    """Rotation rule: a name or an object."""
-    integrator: Any
-    """Time integration: a name or an object."""
-    solver: Any
-    """Solver: a name, a table with its numbers, or an object."""
-    critdis: float
-    """Edges are lengthened by this in contact detection, m."""
-    fixed_point_stiffness: float
-    """Springs of fixed points, N/m per m."""
-    damping: Any
-    """What takes energy from all blocks: a name, the keys of [damping], or an object."""
-    every: float
-    """Time between frames, s; a hundredth of the run if absent."""
-    contacts: bool
-    """True keeps the contact forces of every frame."""
-    checkpoint_every: float
-    """Wall time between checkpoints, s."""
-
-
 TABLES: dict[str, type[Table]] = {"time": TimeTable, "method": MethodTable, "output": OutputTable}
 """Tables whose keys a script gives without saying where they belong."""
 WHOLE = ("damping",)
 """Tables that a script gives as a whole."""
+takes_keys = with_keys(*TABLES.values(), whole=WHOLE)
+"""Decorator of what takes these keys: ``help`` shows them."""
 
 
 class ModelBuilder(model_builder.ModelBuilder):
@@ -110,7 +73,8 @@ class ModelBuilder(model_builder.ModelBuilder):
     ``build``, ``case`` and ``to_toml``.
     """
 
-    def case(self, *, stages: Sequence[Stage] = (), **keys: Unpack[Keys]) -> Case:
+    @takes_keys
+    def case(self, *, stages: Sequence[Stage] = (), **keys: Any) -> Case:
         """Return the case of these blocks; ``keys`` are those of [time], [method] and [output].
 
         ``builder.case(end=2.0, process="modified").run()``.  A step that is not given follows from
@@ -122,7 +86,8 @@ class ModelBuilder(model_builder.ModelBuilder):
         parts = {"stage": [stage_keys(one) for one in given_stages(stages)]} if stages else {}
         return Case.validated({**self._content(), **tables, **parts}, "script")
 
-    def to_toml(self, *, stages: Sequence[Stage] = (), **keys: Unpack[Keys]) -> str:
+    @takes_keys
+    def to_toml(self, *, stages: Sequence[Stage] = (), **keys: Any) -> str:
         """Return these blocks as the text of a case file, which gives the same Model to the bit.
 
         ``stages`` and ``keys`` as in ``case``.  Raises CaseError for what no file can hold: objects
@@ -221,6 +186,7 @@ def _values(entry: Entry, label: Label) -> Iterator[dict[str, Any]]:
         }
 
 
+@takes_keys
 def simulate(
     model: Model | model_builder.ModelBuilder,
     method: Method | None = None,
@@ -230,7 +196,7 @@ def simulate(
     progress: bool | Callable[[Progress], None] = False,
     recorder: RunRecorder | None = None,
     stages: Sequence[Stage] = (),
-    **keys: Unpack[Keys],
+    **keys: Any,
 ) -> Run:
     """Return the run of a model from rest, or its initial velocities, to the end.
 
@@ -321,7 +287,7 @@ def _with_time(tables: dict[str, Any], model: Model) -> dict[str, Any]:
     return {**tables, "time": time}
 
 
-def _tables(keys: Keys) -> dict[str, Any]:
+def _tables(keys: dict[str, Any]) -> dict[str, Any]:
     """Return the keys of a script in the tables of a case file where they belong."""
     tables: dict[str, Any] = {key: as_plain(value) for key, value in keys.items() if key in WHOLE}
     for key, value in keys.items():

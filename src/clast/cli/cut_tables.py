@@ -9,7 +9,7 @@ from clast.cli.tables import two_columns
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from clast.case.cutting import CutCase
+    from clast.inputs.placing.rock_mass import CutCase
     from clast.rockmass.report import Finding, Sizes
 
 FINDINGS = {

@@ -1,6 +1,7 @@
 """[domain], [[trace]], [[opening]], [[region]], [[block_pattern]]: what is cut, and by what.
 
-They add nothing to the system of blocks by themselves: clast.case.cutting cuts them all at once.
+They add nothing to the system of blocks by themselves: ``placing/rock_mass.py`` cuts them all at
+once.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from inspect import Parameter, Signature
+from inspect import Parameter, Signature, signature
 from keyword import iskeyword
 from pathlib import Path
 from typing import Any, TypeVar
@@ -31,6 +31,7 @@ from clast.inputs.declaring.writing import as_plain
 from clast.model.names import check_names
 
 T = TypeVar("T", bound=Table)
+F = TypeVar("F", bound=Callable[..., Any])
 Keys = dict[str, Any]
 
 POSITIONAL = Parameter.POSITIONAL_OR_KEYWORD
@@ -145,6 +146,23 @@ def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str | int, ..
         for own in place[1:]:
             tables = {own: tables} if isinstance(own, str) else [*[{}] * own, tables]
         raise error_of([first], content={str(place[0]): tables}, kind=ModelError) from None
+
+
+def with_keys(*kinds: type[Table], whole: tuple[str, ...] = ()) -> Callable[[F], F]:
+    """Return the decorator of a function that takes the keys of tables, for its signature.
+
+    ``whole`` are keys of tables that are given as a whole.
+    """
+    keys = [one.alias or key for kind in kinds for key, one in kind.model_fields.items()]
+    shown = [Parameter(key, Parameter.KEYWORD_ONLY, default=...) for key in (*keys, *whole)]
+
+    def decorated(function: F) -> F:
+        own = signature(function)
+        first = [one for one in own.parameters.values() if one.kind != Parameter.VAR_KEYWORD]
+        vars(function)["__signature__"] = own.replace(parameters=[*first, *shown])
+        return function
+
+    return decorated
 
 
 def _described(method: Any, name: str, kind: type[Table], first: list[Parameter]) -> Any:

@@ -18,12 +18,12 @@ import numpy as np
 import shapely
 
 from clast import spelling
-from clast.case.plausibility import doubted_sets
 from clast.errors import CaseError, ModelError
 from clast.inputs.blocks import BlockTable
 from clast.inputs.builder import ModelBuilder
 from clast.inputs.declaring.faults import Fault
 from clast.inputs.joint_sets import JointSetTable
+from clast.inputs.placing.plausibility import doubted_sets
 from clast.inputs.rock_mass import (
     SHAPES,
     BlockPatternTable,
