@@ -238,12 +238,9 @@ class ModelBuilder(Inputs):
             located(entries, block_number, factor_number, outlines, polygons, mended.moved)
             for entries in places_of(self).values()
         )
-        bolts = placed_bolts(
-            self,
-            self.opening_outlines,
-            [one.name for one in self.all(OpeningTable)],
-            Ground(outlines=outlines, tree=shapely.STRtree(polygons), moved=mended.moved),
-        )
+        ground = Ground(outlines=outlines, tree=shapely.STRtree(polygons), moved=mended.moved)
+        blocks_of_openings = [one.name for one in self.all(OpeningTable)]
+        bolts = placed_bolts(self, self.opening_outlines, blocks_of_openings, ground)
         pressures, uncovered = pressed_edges(
             self.all(Pressure), block_number, factor_number, outlines
         )
@@ -310,7 +307,7 @@ class ModelBuilder(Inputs):
                 name=tuple(one.name for one in self.all(MeasuredPoint)),
             ),
             ground_motion=self.ground_motion,
-            actions=tuple(self.actions),
+            actions=(*self.actions, *self.acting(ground)),
             openings=openings_of(self.all(OpeningTable), block_number, edge_joint),
             gone=np.zeros(len(area), np.bool_),
             overlaps=overlaps,

@@ -6,7 +6,7 @@ the table in the file.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, TypeVar
@@ -51,6 +51,15 @@ class Table(BaseModel):
         return None
 
     @classmethod
+    def acting(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
+        """Return the actions by which all records of a kind act on the blocks of the ``ground``.
+
+        Most have none: what they become is in arrays of the model.  An action is an object with the
+        methods of ``clast.actions.action.Action``; ModelError says what cannot be placed.
+        """
+        return ()
+
+    @classmethod
     def keys_of(cls, value: Any) -> dict[str, Any] | None:
         """Return the keys of the table that makes an object of a script, None where none does."""
         return None
@@ -83,6 +92,11 @@ class Inputs:
     def named(self, kind: type[T]) -> dict[str, T]:
         """Return the tables of a kind by their names: [bolt_kind.NAME]."""
         return self._named.setdefault(kind, {})
+
+    def acting(self, ground: Any) -> tuple[Any, ...]:
+        """Return the actions by which tables act that have one of their own."""
+        listed = self._listed.items()
+        return tuple(one for kind, records in listed for one in kind.acting(records, ground))
 
     def count(self, kind: type[Table]) -> int:
         """Return how many tables of a kind there are."""

@@ -9,7 +9,8 @@ import numpy as np
 import shapely
 
 from clast.errors import ModelError
-from clast.model.checks import TOUCHING, Outlines, point_text
+from clast.inputs.declaring.values import number_of
+from clast.model.checks import TOUCHING, Outlines, locate, point_text
 from clast.model.model import Floats, Ints
 
 
@@ -28,7 +29,7 @@ class Pieces:
 
 @dataclass(frozen=True, kw_only=True)
 class Ground:
-    """The blocks that bolts are set in, about the origin."""
+    """The blocks that things between blocks are set in, about the origin."""
 
     outlines: Outlines
     tree: Any
@@ -39,6 +40,30 @@ class Ground:
     def text(self, at: Floats) -> str:
         """Return a point (2,) about the origin as messages write it."""
         return point_text(at + self.outlines.origin)
+
+    def blocks_of_ends(self, label: str, line: Floats, blocks: tuple[str, str] | None) -> list[int]:
+        """Return the blocks that carry both ends of a line (2, 2) about the origin, m.
+
+        ``blocks`` are their names where they are given.  Raises ModelError where no block carries
+        an end, or several do, in words that begin with the ``label``.
+        """
+        named = np.full(2, -1, np.int64)
+        if blocks is not None:
+            numbers = {name: number for number, name in enumerate(self.outlines.names)}
+            named[:] = [number_of(one, numbers, "block", f"{label}, blocks") for one in blocks]
+
+        def where(k: int) -> str:
+            return f"{label}, {('start', 'end')[k]} at {self.text(line[k])}"
+
+        shapes = np.array(shapely.points(line))
+        try:
+            found = locate(shapes, named, where, self.outlines, self.tree, self.moved)
+        except ModelError as error:
+            if "common boundary" not in error.what:
+                raise
+            remedy = 'say which ones its ends move with, the head first: blocks = ["1", "2"]'
+            raise ModelError(error.what, where=error.where, remedy=remedy) from None
+        return [int(one) for one in found]
 
     def pieces(self, line: Floats) -> Pieces:
         """Return the parts of a line (2, 2) that lie in blocks."""

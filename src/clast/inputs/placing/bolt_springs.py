@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import shapely
 
 from clast.errors import ModelError, shortened
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
@@ -16,7 +15,6 @@ from clast.inputs.placing.bolt_lines import Ground, Pieces, joints_between
 from clast.inputs.placing.bolt_patterns import bolts_round
 from clast.model import ranges
 from clast.model.bolts import Bolts
-from clast.model.checks import locate
 from clast.model.model import Floats
 from clast.model.names import check_names
 
@@ -139,7 +137,7 @@ def _anchored(label: str, bolt: Bolt, ground: Ground) -> Anchored:
 
 def _at_its_ends(label: str, bolt: Bolt, line: Floats, ground: Ground) -> Anchored:
     """Return one spring between two points."""
-    block = _blocks_of_ends(label, bolt, line, ground)
+    block = ground.blocks_of_ends(label, line, bolt.blocks)
     if block[0] == block[1]:
         raise ModelError(
             f"both ends are in {ground.outlines.label(block[0])}, which it cannot hold",
@@ -147,27 +145,6 @@ def _at_its_ends(label: str, bolt: Bolt, line: Floats, ground: Ground) -> Anchor
             remedy="move one end across a joint, into another block",
         )
     return Anchored(block=block, at=[line[0], line[1]], ends=[(0, 1)])
-
-
-def _blocks_of_ends(label: str, bolt: Bolt, line: Floats, ground: Ground) -> list[int]:
-    """Return the blocks of head and toe."""
-    named = np.full(2, -1, np.int64)
-    if bolt.blocks is not None:
-        numbers = {name: number for number, name in enumerate(ground.outlines.names)}
-        named[:] = [number_of(name, numbers, "block", f"{label}, blocks") for name in bolt.blocks]
-
-    def where(k: int) -> str:
-        return f"{label}, {('start', 'end')[k]} at {ground.text(line[k])}"
-
-    shapes = np.array(shapely.points(line))
-    try:
-        found = locate(shapes, named, where, ground.outlines, ground.tree, ground.moved)
-    except ModelError as error:
-        if "common boundary" not in error.what:
-            raise
-        remedy = 'say which ones its ends move with, the head first: blocks = ["1", "2"]'
-        raise ModelError(error.what, where=error.where, remedy=remedy) from None
-    return [int(one) for one in found]
 
 
 # Grouted -----------------------------------------------------------------------------------------
