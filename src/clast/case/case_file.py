@@ -231,7 +231,7 @@ class Case(BaseModel):
         try:
             case = cls.model_validate(content)
         except ValidationError as error:
-            faults = faults_of(error, explained_case())
+            faults = faults_of(error, explained(cls))
             raise error_of(faults, file=file, content=content) from None
         case._file = file
         return case
@@ -474,12 +474,12 @@ def load(path: str | Path) -> Case:
 
 
 @cache
-def explained_case() -> type[Case]:
-    """Return Case when all keys of all tables have been given their meanings."""
-    tables: list[type[BaseModel]] = [*_tables_below(Table), Case]  # inner tables come first
+def explained(case: type[Case]) -> type[Case]:
+    """Return Case, or a class made of it, with the meanings of all keys of all tables."""
+    tables: list[type[BaseModel]] = [*_tables_below(Table), case]  # inner tables come first
     for table in tables:
         explain(table)
-    return Case
+    return case
 
 
 def _tables_below(kind: type[Table]) -> Iterator[type[Table]]:
@@ -491,5 +491,5 @@ def _tables_below(kind: type[Table]) -> Iterator[type[Table]]:
 
 def json_schema() -> dict[str, Any]:
     """Return the JSON Schema of the case file."""
-    schema = explained_case().model_json_schema(by_alias=True)
+    schema = explained(Case).model_json_schema(by_alias=True)
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
