@@ -30,8 +30,10 @@ def kind_of(value: Any) -> str:
     return TABLE if isinstance(value, dict | BaseModel) else PLAIN
 
 
-NAMED = frozenset({"rock", "joint", "table", "bolt_kind"})
-"""Tables that hold tables by name."""
+class Own(str):
+    """The user's own name of a table, ``granite`` of [rock.granite]: a part of a place."""
+
+
 UNKNOWN_KEY = "there is no such key"
 """Fault of a key that no table has."""
 SHOWN = 10
@@ -60,6 +62,9 @@ def faults_of(error: ValidationError, table: type[BaseModel]) -> list[Fault]:
     found: list[Fault] = []
     for item in error.errors(include_url=False):
         place = tuple(part for part in item["loc"] if part not in (PLAIN, TABLE))
+        top = table.model_fields.get(str(place[0])) if len(place) > 1 else None
+        if top is not None and get_origin(top.annotation) is dict:
+            place = (place[0], Own(place[1]), *place[2:])
         context = item.get("ctx", {})
         if item["type"] == "faults":
             for fault in context["faults"]:
@@ -104,21 +109,17 @@ def place_text(place: Place, content: Mapping[str, Any]) -> str:
     if is_tables(value) and isinstance(number, int):
         rest = rest[1:]
         table = f"[[{top}]] {number + 1}{_name_text(value, number)}"
-    elif isinstance(value, dict) and rest and _is_table(top, value.get(str(rest[0]))):
-        key = shortened(str(rest.pop(0)))
-        table = f"[{top}.{key}]" if top in NAMED else f"[{top}] {key}"
-        if top not in NAMED and rest:
+    elif isinstance(number, Own):
+        table = f"[{top}.{shortened(str(rest.pop(0)))}]"
+    elif isinstance(value, dict) and rest and isinstance(value.get(str(rest[0])), dict):
+        table = f"[{top}] {shortened(str(rest.pop(0)))}"
+        if rest:
             return f"{table}.{keys_text(rest)}"
     elif isinstance(value, dict):
         table = f"[{top}]"
     else:
         return keys_text([top, *rest])
     return f"{table} {keys_text(rest)}" if rest else table
-
-
-def _is_table(top: str, value: Any) -> bool:
-    """Return whether a value within a table is a table of its own, as rocks and joints are."""
-    return isinstance(value, dict) or top in NAMED
 
 
 def keys_text(keys: Sequence[str | int]) -> str:

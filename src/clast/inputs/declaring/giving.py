@@ -24,7 +24,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from clast.errors import ModelError, shortened
-from clast.inputs.declaring.faults import UNKNOWN_KEY, error_of, faults_of
+from clast.inputs.declaring.faults import UNKNOWN_KEY, Own, error_of, faults_of
 from clast.inputs.declaring.meanings import explain
 from clast.inputs.declaring.table import Inputs, Table
 from clast.inputs.declaring.writing import as_plain
@@ -71,7 +71,7 @@ def gives_named(
         if name in known:
             what = f"there are two {said}s of that name"
             raise ModelError(what, where=f"{said} '{shortened(name)}'", remedy="rename one of them")
-        record_of(kind, keys, (key, name)).add_to(self, name, HERE)
+        record_of(kind, keys, (key, Own(name))).add_to(self, name, HERE)
         return str(name)
 
     return _described(method, f"add_{key}", kind, [Parameter("name", POSITIONAL, default=default)])
