@@ -5,29 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 from clast.model.model import Joint, JointTable, Model
-
-
-class Strengths(Protocol):
-    """A joint as it is given, or as a run has it."""
-
-    @property
-    def friction_angle(self) -> float:
-        """Coulomb friction angle, degrees."""
-        ...
-
-    @property
-    def cohesion(self) -> float:
-        """Cohesion, Pa."""
-        ...
-
-    @property
-    def residual_cohesion(self) -> float | None:
-        """Cohesion that slip leaves, Pa; None: all of it."""
-        ...
-
 
 HELD = 1e9
 """Strength of bonds that nothing breaks, in units of what it is."""
@@ -49,8 +29,8 @@ class Contradiction:
     """What to do."""
 
 
-def contradiction(joint: Strengths, *, is_small_meant: bool) -> Contradiction | None:
-    """Return what the strengths of a joint cannot be, None where all is well.
+def contradiction(joint: Any, *, is_small_meant: bool) -> Contradiction | None:
+    """Return what the strengths of a joint, given or of a model, cannot be; None: all is well.
 
     ``is_small_meant`` says that a friction angle of less than SMALL_ANGLE is one in degrees.
     """
