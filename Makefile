@@ -78,10 +78,11 @@ $(VENV)/.stamp-env-docs: pyproject.toml constraints.txt | $(BIN)/pip
 	@touch $@ $(VENV)/.stamp-env
 
 # Compiled once by as many processes as there are cores; a stamp is as old as the kernels' files.
+# Python's own bytecode is kept on this occasion, whatever the environment says of other runs.
 KERNELS := $(shell find src/clast -name '*.py' -not -path '*/cli/*' -not -path '*/verification/*')
 
 $(VENV)/.stamp-warm: $(VENV)/.stamp-env $(KERNELS)
-	@$(BIN)/clast warmup
+	@env -u PYTHONDONTWRITEBYTECODE $(BIN)/clast warmup
 	@touch $@
 
 env: $(VENV)/.stamp-env $(VENV)/.stamp-warm
@@ -96,7 +97,7 @@ env-docs: $(VENV)/.stamp-env-docs
 
 demo: $(VENV)/.stamp-env
 	@mkdir -p build
-	@$(BIN)/clast warmup --first
+	@env -u PYTHONDONTWRITEBYTECODE $(BIN)/clast warmup --first
 	@echo "Running cases/incline.toml"
 	@$(BIN)/clast run cases/incline.toml -o build/incline.vtkhdf
 	@echo "Wrote build/incline.vtkhdf (opens in ParaView)"

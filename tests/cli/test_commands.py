@@ -305,6 +305,28 @@ def test_help_starts_without_loading_anything_heavy():
     assert done.returncode == 0, done.stderr
 
 
+NOT_FOR_CHECK = (
+    *("h5py", "matplotlib", "ezdxf", "PIL", "scipy.linalg", "scipy.signal", "scipy.sparse"),
+    *("scipy.optimize", "scipy.stats", "scipy.spatial", "scipy.interpolate", "numpy.testing"),
+    *("rich.progress", "rich.live", "concurrent.futures", "unittest", "http.client"),
+    *("clast.results", "clast.rockmass", "clast.studies", "clast.verification"),
+    *("clast.pictures.plot", "clast.exports.vtu", "clast.run.simulate"),
+)
+"""What `clast check` of blocks that are given does not need, and would wait for."""
+
+
+@pytest.mark.slow
+def test_a_check_loads_only_what_it_needs(incline):
+    code = (
+        "import atexit, sys; from clast.cli.commands import main;"
+        f" sys.argv = ['clast', 'check', {str(incline)!r}];"
+        f" atexit.register(lambda: print(*(set({NOT_FOR_CHECK!r}) & sys.modules.keys()))); main()"
+    )
+    done = run_python("-c", code)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-2:] == ["nothing to object to", ""]
+
+
 @pytest.mark.slow
 def test_help_is_printed_without_rich():
     code = (

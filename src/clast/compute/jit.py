@@ -34,10 +34,8 @@ from typing import Any
 import numba
 
 from clast.compute.compilation import COMPILATION
-from clast.compute.linking import Kernel
+from clast.compute.linking import SETTINGS, Kernel
 
-SETTINGS: Any = numba.config
-"""numba's settings of this process."""
 BY_THREADS = os.environ.get("NUMBA_NUM_THREADS", "1") != "1"
 """Whether this process has more than one thread: loops that threads share are compiled for it."""
 os.environ.setdefault("GOMP_SPINCOUNT", "30000")  # read when OpenMP is loaded, with the threads
@@ -84,20 +82,29 @@ KERNELS = re.compile(r"^from clast\.compute\b", re.MULTILINE)
 
 
 @cache
+def text_of(file: Path) -> str:
+    """Return the text of a file of the package, as it is when it is first asked for; "" if none."""
+    try:
+        return file.read_text(encoding="utf-8")
+    except (FileNotFoundError, NotADirectoryError):
+        return ""
+
+
+@cache
 def has_kernels(file: Path) -> bool:
     """Return whether a file has kernels of its own, or belongs to what they are compiled with."""
-    return file.parent.name == "compute" or bool(KERNELS.search(file.read_text(encoding="utf-8")))
+    return file.parent.name == "compute" or bool(KERNELS.search(text_of(file)))
 
 
 @cache
 def used_by(file: Path, package: Path = PACKAGE) -> frozenset[Path]:
     """Return the files with kernels of the ``package`` that ``file`` imports from."""
     found: set[Path] = set()
-    for module, imported in USES.findall(file.read_text(encoding="utf-8")):
+    for module, imported in USES.findall(text_of(file)):
         place = package.joinpath(*module.split(".")[1:])
         names = re.findall(r"\w+", re.sub(r"\bas \w+", "", imported))
         found.update([place.with_suffix(".py"), *(place / f"{name}.py" for name in names)])
-    return frozenset(one for one in found if one.exists() and has_kernels(one))
+    return frozenset(one for one in found if text_of(one) and has_kernels(one))
 
 
 def all_used_by(file: Path, package: Path = PACKAGE) -> frozenset[Path]:
@@ -122,7 +129,7 @@ def folder(file: Path, package: Path = PACKAGE) -> str:
         return ""
     text = hashlib.sha256(b"by threads" if BY_THREADS else b"alone")
     for one in sorted(all_used_by(file, package)):
-        text.update(one.read_bytes())
+        text.update(text_of(one).encode())
     kept = file.parent / "__pycache__" / f"{file.stem}-{text.hexdigest()[:16]}"
     try:
         kept.mkdir(parents=True, exist_ok=True)
@@ -140,14 +147,9 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
     def compiled(function: Callable[..., Any]) -> Any:
         COMPILATION.known += 1
-        usual = SETTINGS.CACHE_DIR
-        SETTINGS.CACHE_DIR = folder(Path(function.__code__.co_filename)) or usual
-        try:
-            made = Kernel(function, targetoptions={"nopython": True, **options})
-            made.enable_caching()
-            return made
-        finally:
-            SETTINGS.CACHE_DIR = usual
+        made = Kernel(function, targetoptions={"nopython": True, **options})
+        made.kept_in = folder(Path(function.__code__.co_filename))
+        return made
 
     return compiled
 

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING
 
 from clast.compute.compilation import COMPILATION, working_time
 from clast.errors import RunStopped, RunWarning
-from clast.results import Run
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
+    from clast.results import Run
     from clast.run.schedule import Progress
 
 Watch = Callable[["Progress"], None]
@@ -205,6 +205,8 @@ class Warner:
         try:
             done = run()
         except RunStopped as stopped:
+            from clast.results import Run
+
             if isinstance(stopped.run, Run):
                 self.all_of(stopped.run.report.warnings)
             raise
