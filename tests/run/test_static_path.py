@@ -1,5 +1,6 @@
 """A static run is a path of equilibria: the step plays no part in it, and what fails says so."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,10 @@ import pytest
 import clast
 from clast import Stage
 from clast.model.ground_motion import Accelerogram, MovingBase
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.studies.bench.scenes import SCENES
+from clast.studies.bench.settings import Settings, method_for
 from clast.verification.problems.masonry import arch_spread
 from clast.verification.problems.masonry.arch_push import OPPENHEIM
 from clast.verification.variants import CONVEX
@@ -102,6 +107,17 @@ def test_bonds_that_break_are_counted_and_may_be_held():
         # 1/1.5 of the weight is what they bear, in increments of 1/32
         load = float(event.text.split("under ")[1].split(" %")[0])
         assert load == pytest.approx(100.0) if bonds == "hold" else 66.6 < load < 69.9
+
+
+def test_a_slope_settles_in_few_steps_and_passes():
+    """2,000 blocks: 113 passes and 8 steps, four of them there and back between two lengths."""
+    model = SCENES["slope"].build(2000)
+    method = replace(method_for(model, Settings()), dynamic_ratio=0.0)
+    schedule = Schedule(step=1e-3, end=1.0, every=1.0, stages=(Stage(name="settle"),))
+    run = simulate(model, method, schedule)
+    assert run.stages[0].outcome == "equilibrium"
+    assert run.report.steps <= 5
+    assert run.steps["passes"].sum() <= 75
 
 
 def test_gravity_follows_a_table():

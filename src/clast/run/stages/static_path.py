@@ -44,7 +44,7 @@ from clast.run.stages.transition import WELL_BELOW
 from clast.step.integration import ConstantAcceleration, forces_at
 from clast.step.method import Method, StepResult, bears_any_step
 
-FIRST = 0.1
+FIRST = 0.5
 """Fall of a free block in the first step of a stage, in units of max_displacement."""
 LONGEST = 300.0
 """Longest pseudo time step, in units of that in which a free block falls by max_displacement."""
@@ -291,9 +291,13 @@ class StaticPath:
         if not self._grows:
             return min(self.schedule.step, CAREFUL * taken)
         if now.balanced and now.reached == 1.0:
+            if now.steps > 1 or self.is_under_way(result.state):
+                # confirmed by a step of the same length: in a shorter one the same creep is more of
+                # an acceleration, and steps would go back and forth between long and short
+                return taken
             # longer ones would only let what nothing supports drift, a free body under loads that
             # balance each other, for one
-            return taken if self.is_under_way(result.state) else min(taken, self.first_step)
+            return min(taken, self.first_step)
         growth = now.growth
         if result.approach > 0.0:
             comfort = COMFORT * self.method.max_displacement
