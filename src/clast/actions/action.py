@@ -194,10 +194,10 @@ def energy_of_linear(share: Share, displacement: Floats) -> tuple[float, float]:
     """
     moved = displacement[share.block]
     # no BLAS: its threads would cost more than these sums, and add up in an order of their own
-    pushed = float(np.sum(share.force * moved))
+    pushed = float((share.force * moved).sum())
     if share.stiffness is None:
         return pushed, -pushed
-    stretched = float(np.sum(np.einsum("kij,kj->ki", share.stiffness, moved) * moved))
+    stretched = float((np.add.reduce(share.stiffness * moved[:, None], axis=2) * moved).sum())
     return pushed - stretched, 0.5 / share.forces_at * stretched - pushed
 
 

@@ -33,10 +33,11 @@ class Supports:
         """Return the forces of the springs and their stiffness k T^T T."""
         rows, drift = self._rows(start)
         k = self.stiffness
+        stiffness = np.add.reduce(rows[:, :, :, None] * rows[:, :, None], axis=1)  # T^T T
         return Share(
             block=start.model.fixed_points.block,
-            force=-k * np.einsum("kxi,kx->ki", rows, drift),
-            stiffness=start.forces_at * k * np.einsum("kxi,kxj->kij", rows, rows),
+            force=-k * np.add.reduce(rows * drift[:, :, None], axis=1),
+            stiffness=start.forces_at * k * stiffness,
             forces_at=start.forces_at,
         )
 

@@ -107,5 +107,5 @@ def near_pairs(
     ``gone`` (n,) are near none.
     """
     half = np.empty(len(block_start) - 1)
-    half[:] = 0.5 * distance + np.asarray(travel)
+    half[:] = 0.5 * distance + travel
     return near.near_pairs(vertices, block_start, half, fixed, gone)

@@ -104,10 +104,11 @@ def graph_of(contacts: Contacts | Springs, count: int) -> Graph:
 
 def inverse_of_blocks(diagonal: Floats) -> Floats:
     """Return the inverses of positive definite blocks (n, 6, 6); raises StepRejected for others."""
+    inverse: Floats
     inverse, bad = block_rows.inverse_blocks(diagonal)
     if bad >= 0:
         raise StepRejected(StepOutcome.SINGULAR, f"equations of block {bad + 1}")
-    return np.asarray(inverse)
+    return inverse
 
 
 class Links(Protocol):

@@ -225,6 +225,13 @@ class JointTable:
         )
 
     @kept_property
+    def binds(self) -> bool:
+        """Whether any joint has cohesion, after a slip either, or tensile strength."""
+        _, *strengths = self.strengths
+        left = np.nan_to_num(self.residual_cohesion)
+        return any(bool(one.any()) for one in (*strengths, left))
+
+    @kept_property
     def integrated(self) -> Bools:
         """True for joints whose faces are integrated (contact/joints/faces.py), shape (joints,).
 

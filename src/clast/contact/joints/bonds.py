@@ -39,7 +39,8 @@ class Bonds:
 def torn(contacts: Contacts, response: ContactResponse) -> Bools:
     """Return which bonds end because of tension, shape (m,)."""
     ended = contacts.bonded & ~response.bonded
-    return np.asarray(ended & (response.normal_force < 0.0))
+    in_tension: Bools = ended & (response.normal_force < 0.0)
+    return in_tension
 
 
 def without_bonds(contacts: Contacts, response: ContactResponse) -> Contacts:
@@ -70,6 +71,16 @@ def bonds_of(
     table, joint = model.joint_table, places.joint
     friction, cohesion, tensile_strength = table.strengths
     residual = table.residual_cohesion
+    if not table.binds:
+        none = np.zeros(len(joint))
+        return {
+            "bonded": bonds.bonded,
+            "cohesive": bonds.cohesive,
+            "friction": friction.take(joint),
+            "cohesion": none,
+            "residual_cohesion": residual.take(joint),
+            "tensile_strength": none,
+        }
     if memory.cohesive.any():
         lasts = (cohesion > 0.0) & ~(residual == 0.0)
         new = np.flatnonzero((places.row < 0) & lasts.take(joint) & ~bonds.bonded)
