@@ -227,9 +227,7 @@ class JointTable:
     @kept_property
     def binds(self) -> bool:
         """Whether any joint has cohesion, after a slip either, or tensile strength."""
-        _, *strengths = self.strengths
-        left = np.nan_to_num(self.residual_cohesion)
-        return any(bool(one.any()) for one in (*strengths, left))
+        return bool(np.nan_to_num([*self.strengths[1:], self.residual_cohesion]).any())
 
     @kept_property
     def integrated(self) -> Bools:
@@ -237,11 +235,9 @@ class JointTable:
 
         Those with a stiffness or a strength per area, but no weld, which gives way to nothing.
         """
-        _, cohesion, tensile_strength = self.strengths
-        bonded = (cohesion > 0.0) | (tensile_strength > 0.0)
-        welded = np.minimum(cohesion, tensile_strength) >= WELD_STRENGTH
-        normal, shear = self.stiffnesses
-        return (bonded & ~welded) | ~np.isnan(normal) | ~np.isnan(shear)
+        own = self.strengths[1:]
+        bonded = (np.max(own, axis=0) > 0.0) & (np.min(own, axis=0) < WELD_STRENGTH)
+        return bonded | ~np.isnan(self.stiffnesses).all(axis=0)
 
     @kept_property
     def residual_cohesion(self) -> Floats:
