@@ -102,8 +102,8 @@ def test_law(benchmark, wall):
 def test_assembly(benchmark, wall):
     model, method = wall.model, wall.method
     contacts = replace(wall.contacts, friction_base=wall.contacts.normal_force)
-    begun = begin(model, method, wall.state, STEP, None)
-    base = diagonal_terms(begun, begun.drift, begun.scheme)
+    context = begin(model, method, wall.state, STEP, None)
+    base = diagonal_terms(context, context.drift, context.scheme)
     response = method.contact_law.respond(contacts, contacts.gap, np.zeros(len(contacts)))
     graph = graph_of(contacts, model.block_count)
     system = benchmark(symmetric_system, base, contacts, response, base.force, model.fixed, graph)

@@ -52,8 +52,8 @@ def wall(implicit=False, fixed=(0, 1, 2), seed=0):
     contacts = replace(contacts, shear_force=1e4 * rng.normal(size=len(contacts)))
     how = method(contact_law=Penalty(normal_stiffness=1e8, shear_stiffness=3e7))
     velocity = 0.01 * rng.normal(size=(model.block_count, 6)) * ~model.fixed[:, None]
-    begun = begin(model, how, state, STEP, None)
-    base = diagonal_terms(begun, STEP * velocity, begun.scheme)
+    context = begin(model, how, state, STEP, None)
+    base = diagonal_terms(context, STEP * velocity, context.scheme)
     unknowns = 1e-5 * rng.normal(size=(model.block_count, 6))
     gap, slip = gap_at_end(contacts, unknowns), slip_in_step(contacts, unknowns)
     response = how.contact_law.respond(contacts, gap, slip)

@@ -34,8 +34,8 @@ def base_of(model, how=None, state=None, velocity=None, theta=0.5, step=1e-3):
     """Return the base system of a step."""
     how, state = how or method(), state or at_start(model)
     velocity = still(model) if velocity is None else velocity
-    begun = terms.begin(model, how, state, step, None)
-    return terms.diagonal_terms(begun, step * velocity, Scheme(theta=theta, step=step))
+    context = terms.begin(model, how, state, step, None)
+    return terms.diagonal_terms(context, step * velocity, Scheme(theta=theta, step=step))
 
 
 # --- time ----------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ MAX = 0.05
 def everywhere(monkeypatch):
     """Look for contacts as far as max_displacement lets blocks go; return a list of counts."""
     monkeypatch.setattr(
-        convex, "travel_expected", lambda begun: np.full(begun.model.block_count, MAX)
+        convex, "travel_expected", lambda context: np.full(context.model.block_count, MAX)
     )
 
 

@@ -210,31 +210,30 @@ class Schedule:
         free = np.count_nonzero(~potential.fixed)
         few = potential.law is None and np.count_nonzero(moves) <= self.most * free
         part = subproblem(potential, point, moves) if few else None
-        if part is None:
-            return self.descend(potential, point, tolerance, work)
-        rest = tolerance - float(left[~wanted].sum())
-        moved = self.descend(part.potential, part.point, rest, work)
-        work.stages("law")
-        return part.put_back(potential, point, moved)
-
-    def descend(self, potential: Potential, point: Point, tolerance: float, work: Work) -> Point:
-        """Return a point within ``tolerance``, J/m, of the minimum, of all blocks together."""
+        problem, at, rest = potential, point, tolerance
+        if part is not None:
+            problem, at = part.potential, part.point
+            rest = tolerance - float(left[~wanted].sum())
 
         def before(point: Point) -> Point:
-            return self.elimination.lower(potential, point, tolerance, work)
+            return self.elimination.lower(problem, point, rest, work)
 
-        if self.inside is not None and potential.law is None:
+        ending = Ending.SLOW
+        if self.inside is not None and problem.law is None:
             hasty = replace(self.newton, patience=min(self.patience, self.newton.patience))
-            point, ending = hasty.descend(potential, point, tolerance, work, before)
-            if ending is Ending.DONE:
-                return point
-            work.count("interior")
-            point = self.inside.minimise(potential, point, tolerance, work)
-        point, ending = self.newton.descend(potential, point, tolerance, work, before)
-        if ending is Ending.DONE:
-            return point
-        raise StepRejected(
-            StepOutcome.NOT_CONVERGED,
-            f"{self.newton.iterations} Newton iterations left {potential.distance(point):.3g} "
-            f"of {tolerance:.3g} J/m",
-        )
+            at, ending = hasty.descend(problem, at, rest, work, before)
+            if ending is not Ending.DONE:
+                work.count("interior")
+                at = self.inside.minimise(problem, at, rest, work)
+        if ending is not Ending.DONE:
+            at, ending = self.newton.descend(problem, at, rest, work, before)
+        if ending is not Ending.DONE:
+            raise StepRejected(
+                StepOutcome.NOT_CONVERGED,
+                f"{self.newton.iterations} Newton iterations left {problem.distance(at):.3g} "
+                f"of {rest:.3g} J/m",
+            )
+        if part is None:
+            return at
+        work.stages("law")
+        return part.put_back(potential, point, at)

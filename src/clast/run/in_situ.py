@@ -57,7 +57,7 @@ from clast.model.state import State
 from clast.step.convex import FrictionLoop, Search
 from clast.step.integration import Scheme
 from clast.step.method import Method
-from clast.step.start import Begun, begin, diagonal_terms
+from clast.step.start import StepContext, begin, diagonal_terms
 
 SOLUTIONS = 200
 """Static solutions at most: contacts that slip or open shift their load to others."""
@@ -214,10 +214,10 @@ def _contacts_of(model: Model, method: Method, state: State, step: float) -> Con
     None is farther from its edge than every process looks for, and none a corner that only meets
     the corner of another block: which of its edges it would bear on is a matter of rounding.
     """
-    begun = begin(model, _still(method), state, step, None)
+    context = begin(model, _still(method), state, step, None)
     critdis = method.critdis
     reach = SearchDistance(front=CLOSED * critdis, depth=critdis, critdis=critdis)
-    contacts = begun.contacts(reach, begun.drift)
+    contacts = context.contacts(reach, context.drift)
     return chosen(contacts, (contacts.length > 0.0) | ~_at_corners(model, contacts, state, critdis))
 
 
@@ -279,11 +279,11 @@ def _equations(model: Model, method: Method, balance: Balance, step: float) -> B
 
 def _static_terms(model: Model, method: Method, balance: Balance, step: float) -> DiagonalTerms:
     """Return the static equations without contacts; inertia alone holds what nothing else does."""
-    begun = begin(model, _still(method), balance.state, step, None)
-    base = diagonal_terms(begun, np.zeros_like(begun.velocity), Scheme(theta=1.0, step=np.inf))
+    context = begin(model, _still(method), balance.state, step, None)
+    base = diagonal_terms(context, np.zeros_like(context.velocity), Scheme(theta=1.0, step=np.inf))
     # the same for blocks of any size, by which the equations are as well posed for all
-    inertia = RESTING * model.stiffest / model.mass[:, None, None] * begun.frames.mass_matrix
-    return _with_springs(replace(base, diagonal=base.diagonal + inertia), begun)
+    inertia = RESTING * model.stiffest / model.mass[:, None, None] * context.frames.mass_matrix
+    return _with_springs(replace(base, diagonal=base.diagonal + inertia), context)
 
 
 def _largest(model: Model, balance: Balance) -> float:
@@ -299,12 +299,12 @@ def _unbalanced(model: Model, system: BlockSystem) -> Floats:
     return np.asarray(np.where(model.fixed, 0.0, np.hypot(*system.force[:, :2].T)))
 
 
-def _with_springs(base: DiagonalTerms, begun: Begun) -> DiagonalTerms:
+def _with_springs(base: DiagonalTerms, context: StepContext) -> DiagonalTerms:
     """Return the terms with the forces of springs between blocks, of bolts above all.
 
     Nothing moves in the static solution, so they bear what they were installed with.
     """
-    springs, fixed = begun.springs, begun.model.fixed
+    springs, fixed = context.springs, context.model.fixed
     if springs is None:
         return base
     bear, graph = springs.at(springs.gap, springs.slip), graph_of(springs, len(fixed))

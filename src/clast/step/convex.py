@@ -28,7 +28,6 @@ from typing import ClassVar
 import numpy as np
 
 from clast.compute.reductions import is_any
-from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
 from clast.contact.clipped_spring import Clipped, Rows, Springs, merged, springs_of
 from clast.contact.contacts import ContactResponse, Contacts
@@ -36,36 +35,39 @@ from clast.contact.joints.bonds import without_bonds
 from clast.contact.laws import ContactLaw, SpringLaw, has_limits
 from clast.errors import StepOutcome
 from clast.linear.reuse import FactorOfStep
-from clast.linear.system import Bearing, contact_motions, graph_of, inverse_of_blocks
+from clast.linear.system import (
+    Bearing,
+    DiagonalTerms,
+    Graph,
+    contact_motions,
+    graph_of,
+    inverse_of_blocks,
+)
 from clast.minimise.each_block import TRIES, EachBlock
 from clast.minimise.islands import islands_of
 from clast.minimise.newton import Newton, Work, best_of
 from clast.minimise.potential import Point, Potential
 from clast.minimise.schedule import Schedule, SmallIslands
 from clast.minimise.subproblem import touched
-from clast.model.model import Floats, Model
+from clast.model.model import Floats, Ints, Model
 from clast.model.state import State
 from clast.read_only import changed
 from clast.step.energy_balance import noise_of, round_off
-from clast.step.finish import finish
-from clast.step.impact import Entering, after_impacts, bearing, first_bases, scheme_of
+from clast.step.impact import ImpactResult, after_impacts, bearing, first_bases, scheme_of
 from clast.step.integration import HalfWay, answer, half_way
-from clast.step.method import Method, Solved, StepResult, Workspace
+from clast.step.method import Method, StepSolution
 from clast.step.relief import relieved
-from clast.step.start import Begun, begin, diagonal_terms
-from clast.step.travel import (
-    JUMP,
-    closes_unseen,
-    farther,
-    search_within_step,
-    travel_expected,
-    travel_of,
-)
+from clast.step.start import StepContext, diagonal_terms
+from clast.step.take_step import take_step
+from clast.step.travel import ContactSearch, search_as_far_as, travel_expected
 
 AT_REST = 1.0
 """Slip rate below which a new contact is taken to hold at first, in units of g h."""
 LANDING = 1e-3
 """Closing velocity from which a new contact is one that lands, in units of g h."""
+
+NO_COUNTS = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}
+"""What a step counts, before it has counted anything."""
 
 
 @dataclass(frozen=True)
@@ -89,35 +91,64 @@ class Convex:
         ),
     }
 
-    def step(
-        self,
-        model: Model,
-        method: Method,
-        state: State,
-        step: float,
-        workspace: Workspace | None = None,
-    ) -> StepResult:
-        """Return the state ``step`` seconds later, or raise StepRejected."""
-        stages = Stages(workspace.clock) if workspace else Stages()
-        stages("base system")
-        begun = begin(model, method, state, step, workspace)
+    step = take_step
+
+    def search(self, context: StepContext) -> ContactSearch:
+        """Return the search for contacts: as far as velocities and weight take the blocks."""
+        return search_as_far_as(context, travel_expected(context))
+
+    def solve(
+        self, context: StepContext, contacts: Contacts, before: StepSolution | None = None
+    ) -> StepSolution:
+        """Return the minimum of the potential with these contacts, after their impacts."""
+        model, method, stages = context.model, context.method, context.stages
         stages("contacts")
-        travel = travel_expected(begun)
-        contacts = begun.contacts(search_within_step(method, travel), begun.drift)
-        starts: tuple[Floats, ...] = (np.zeros_like(begun.velocity),)
-        counts = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}
-        while True:
-            solved = self._solved(begun, contacts, starts, counts, stages)
-            stages("contacts")
-            wider = farther(method, travel, travel_of(begun, solved.unknowns))
-            if wider is None:
-                break
-            seen, travel = contacts, wider
-            contacts = begun.contacts(search_within_step(method, travel), begun.drift)
-            if not closes_unseen(seen, contacts, solved.unknowns):
-                break
-            starts = (solved.unknowns,)
-        return finish(begun, solved, stages)
+        contacts = relieved(model, method, context.state, contacts)
+        graph = graph_of(contacts, model.block_count)
+        stages("impacts")
+        impacts = after_impacts(context, contacts, graph, self.restitution)
+        stages("contacts")
+        share = context.at.forces_at
+        taken = half_way(model, method.contact_law, contacts, share, context.step)
+        scheme = scheme_of(context, contacts, graph, impacts, taken)
+        stages("base system")
+        base = diagonal_terms(context, impacts.drift, scheme)
+        potential, rows = potential_of(context, base, contacts, graph)
+        factor = FactorOfStep(context.workspace.inexact(method.solver), context.workspace.patterns)
+        counts = {**NO_COUNTS, **(before.counts if before else {})}
+        search = Search(
+            law=method.contact_law,
+            taken=taken,
+            rows=rows,
+            schedule=self.schedule(factor),
+            friction=self.friction(),
+            tolerance=self.tolerated(context, potential),
+            each=self.each_block(context, len(potential.springs)),
+            work=Work(factor=factor, counts=counts, stages=stages),
+        )
+        largest = potential.sum_of_forces()
+        base_of_friction = first_friction_base(context, contacts, impacts, largest)
+        contacts = changed(contacts, friction_base=base_of_friction)
+        # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
+        at = before.unknowns if before else np.zeros_like(context.velocity)
+        starts = impacts.drift, at, potential.untouched()
+        bonded = contacts.bonded
+        unknowns, contacts, response = search.minimum(potential, contacts, starts)
+        counts["factorisations"] += factor.factorised
+        counts["pcg"] += factor.iterations
+        return StepSolution(
+            velocity=impacts.velocity,
+            drift=impacts.drift,
+            scheme=scheme,
+            unknowns=unknowns,
+            contacts=contacts,
+            response=response,
+            applied=search.applied(contacts, response, unknowns),
+            bearing=bearing(contacts, impacts, response.normal_force),
+            lost=impacts.lost,
+            bonded=bonded,
+            counts=counts,
+        )
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn of carried multipliers; the process itself holds for any stiffness and step."""
@@ -127,75 +158,12 @@ class Convex:
         """Return E of the stiffest rock: stiff enough not to be seen, soft enough to be quick."""
         return model.stiffest, "E of the stiffest rock; the process holds for any"
 
-    def _solved(
-        self,
-        begun: Begun,
-        contacts: Contacts,
-        starts: tuple[Floats, ...],
-        counts: dict[str, int],
-        stages: Stages,
-    ) -> Solved:
-        """Return what the step comes to with these contacts; ``counts`` is added to."""
-        model, method = begun.model, begun.method
-        stages("contacts")
-        contacts = relieved(model, method, begun.state, contacts)
-        graph = graph_of(contacts, model.block_count)
-        stages("impacts")
-        entering = after_impacts(begun, contacts, graph, self.restitution)
-        stages("contacts")
-        share = begun.at.forces_at
-        taken = half_way(model, method.contact_law, contacts, share, begun.step)
-        scheme = scheme_of(begun, contacts, graph, entering, taken)
-        stages("base system")
-        base = diagonal_terms(begun, entering.drift, scheme)
-        others = () if begun.springs is None else (begun.springs,)
-        springs, (rows, *_) = merged(springs_of(contacts), others)
-        potential = Potential(
-            base=base,
-            inverse=inverse_of_blocks(base.diagonal),
-            fixed=model.fixed,
-            springs=springs,
-            graph=graph_of(springs, model.block_count) if others else graph,
-            islands=islands_of(springs, model.fixed),
-        )
-        tolerance = max(
+    def tolerated(self, context: StepContext, potential: Potential) -> float:
+        """Return the distance from the minimum, J/m, at which the step is solved."""
+        links = len(potential.springs)
+        return max(
             self.tolerance**2 * potential.reference_energy(),
-            round_off(model, method, begun.state, len(springs)),
-        )
-        each = self.each_block(begun, len(springs))
-        largest = potential.sum_of_forces()
-        base_of_friction = first_friction_base(begun, contacts, entering, largest)
-        contacts = changed(contacts, friction_base=base_of_friction)
-        # warm starts: it goes on as it moves, or rests as it rested, or nothing touches it
-        starts = (entering.drift, *starts, potential.untouched())
-        factor = FactorOfStep(begun.workspace.inexact(method.solver), begun.workspace.patterns)
-        search = Search(
-            law=method.contact_law,
-            taken=taken,
-            rows=rows,
-            schedule=self.schedule(factor),
-            friction=self.friction(),
-            tolerance=tolerance,
-            each=each,
-            work=Work(factor=factor, counts=counts, stages=stages),
-        )
-        bonded = contacts.bonded
-        unknowns, contacts, response = search.minimum(potential, contacts, starts)
-        counts["factorisations"] += factor.factorised
-        counts["pcg"] += factor.iterations
-        return Solved(
-            velocity=entering.velocity,
-            drift=entering.drift,
-            scheme=scheme,
-            unknowns=unknowns,
-            contacts=contacts,
-            response=response,
-            applied=search.applied(contacts, response, unknowns),
-            bearing=bearing(contacts, entering, response.normal_force),
-            depth=JUMP * method.critdis,
-            lost=entering.lost,
-            bonded=bonded,
-            counts=counts,
+            round_off(context.model, context.method, context.state, links),
         )
 
     def schedule(self, factor: FactorOfStep) -> Schedule:
@@ -211,17 +179,17 @@ class Convex:
     def _all_together(self) -> Schedule:
         return changed(self._schedule, small=SmallIslands(few=0))
 
-    def each_block(self, begun: Begun, links: int) -> EachBlock | None:
+    def each_block(self, context: StepContext, links: int) -> EachBlock | None:
         """Return the balance that is asked of each block, None where that of all is enough."""
-        model, method = begun.model, begun.method
+        model, method = context.model, context.method
         if method.balance is None:
             return None
-        mass = begun.frames.mass_matrix
+        mass = context.frames.mass_matrix
         return EachBlock(
             share=method.balance,
             gyration=np.sqrt(mass[:, 2, 2] / mass[:, 0, 0]),
-            noise=noise_of(model, method, begun.state),
-            floor=round_off(model, method, begun.state, links),
+            noise=noise_of(model, method, context.state),
+            floor=round_off(model, method, context.state, links),
         )
 
     def friction(self) -> FrictionLoop:
@@ -268,35 +236,21 @@ class Search:
         It is searched for from the best of the ``starts``, (n, 6) each, with the friction bounds
         that the contacts have, and where many blocks have no links without these.
         """
-        self.work.stages("law")
-        contacts = multipliers.begin(self.law, contacts)
-        potential = self.bound(potential, contacts)
-        point = best_of(potential, starts)
-        part = touched(potential, point, self.schedule.most)
-        if part is None:
-            point, contacts, response = self.settled(potential, contacts, point)
-            return point.unknowns, contacts, response
-        each = None if self.each is None else self.each.of(part.blocks)
-        within = replace(self, rows=part.rows(self.rows), each=each)
-        moved, contacts, response = within.settled(part.potential, contacts, part.point)
-        unknowns = point.unknowns.copy()
-        unknowns[part.blocks] = moved.unknowns[:-1]
-        return unknowns, contacts, response
-
-    def settled(
-        self, potential: Potential, contacts: Contacts, point: Point
-    ) -> tuple[Point, Contacts, ContactResponse]:
-        """Return the minimum that is found from a point on, the contacts and the law's answer."""
         law, stages = self.law, self.work.stages
+        stages("law")
+        contacts = multipliers.begin(law, contacts)
+        potential = self.bound(potential, contacts)
+        start = best_of(potential, starts)
+        within, potential, point, blocks = self.of_touched(potential, start)
         # new multipliers shift the normal forces: their solve has its own friction to find
         updates = self.friction.updates + int(multipliers.has_multipliers(law))
         solves = 0
         while True:
             for _ in range(updates):
-                potential, contacts, point = self.with_new_bounds(potential, contacts, point)
-            point = self.solved(potential, point)
+                potential, contacts, point = within.with_new_bounds(potential, contacts, point)
+            point = within.solved(potential, point)
             stages("law")
-            gap, slip = point.gap[self.rows], point.slip[self.rows]
+            gap, slip = point.gap[within.rows], point.slip[within.rows]
             response = law.respond(contacts, gap, slip)
             solves += 1
             if not multipliers.enough(law, solves, contacts, gap):
@@ -305,12 +259,31 @@ class Search:
                 # only the last solve has the forces by which bonds are judged
                 broken = contacts.bonded & ~response.bonded
                 if not is_any(broken):
-                    return point, multipliers.renew(law, contacts, response), response
+                    break
                 contacts, solves = without_bonds(contacts, response), solves - 1
             stages("law")
             contacts = changed(contacts, friction_base=response.normal_force)
-            potential = self.bound(potential, contacts)
+            potential = within.bound(potential, contacts)
             point = potential.again(point)
+        unknowns = point.unknowns
+        if blocks is not None:
+            unknowns = start.unknowns.copy()
+            unknowns[blocks] = point.unknowns[:-1]
+        return unknowns, multipliers.renew(law, contacts, response), response
+
+    def of_touched(
+        self, potential: Potential, point: Point
+    ) -> tuple[Search, Potential, Point, Ints | None]:
+        """Return search, potential and point of the blocks that have links, and which these are.
+
+        None of these, and all as it is, where they are most blocks.
+        """
+        part = touched(potential, point, self.schedule.most)
+        if part is None:
+            return self, potential, point, None
+        each = None if self.each is None else self.each.of(part.blocks)
+        within = replace(self, rows=part.rows(self.rows), each=each)
+        return within, part.potential, part.point, part.blocks
 
     def solved(self, potential: Potential, point: Point) -> Point:
         """Return the minimum from a point on, near enough for the step and for each block."""
@@ -406,6 +379,27 @@ class OfContacts:
         return answer(self.law, self.contacts, gap[self.rows], slip[self.rows], self.taken)
 
 
+def potential_of(
+    context: StepContext, base: DiagonalTerms, contacts: Contacts, graph: Graph
+) -> tuple[Potential, Rows]:
+    """Return the potential of a step, and where the contacts are in its table of springs.
+
+    ``graph`` is that of the contacts alone.
+    """
+    model = context.model
+    others = () if context.springs is None else (context.springs,)
+    springs, (rows, *_) = merged(springs_of(contacts), others)
+    potential = Potential(
+        base=base,
+        inverse=inverse_of_blocks(base.diagonal),
+        fixed=model.fixed,
+        springs=springs,
+        graph=graph_of(springs, model.block_count) if others else graph,
+        islands=islands_of(springs, model.fixed),
+    )
+    return potential, rows
+
+
 def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
     """Return the contacts' normal springs, N in [-tension, inf), and shear springs, T in +-b."""
     limits, count = law.limits(contacts), len(contacts.gap)
@@ -427,7 +421,7 @@ def clipped(law: SpringLaw, contacts: Contacts) -> tuple[Clipped, Clipped]:
 
 
 def first_friction_base(
-    begun: Begun, contacts: Contacts, entering: Entering, largest: float
+    context: StepContext, contacts: Contacts, impacts: ImpactResult, largest: float
 ) -> Floats:
     """Return the normal forces, N/m, that bound friction at first, shape (m,).
 
@@ -437,17 +431,17 @@ def first_friction_base(
     open, or only slides in beside another block's face.  Since when it has been known plays no
     part.
     """
-    step = begun.step
-    speed = float(np.hypot(*begun.model.gravity)) * step
+    step = context.step
+    speed = float(np.hypot(*context.model.gravity)) * step
     return np.asarray(
         first_bases(
             contacts.normal_force,
             contacts.gap,
-            entering.before,
+            impacts.before,
             AT_REST * speed,
             LANDING * speed,
             step,
-            begun.state.time == 0.0,
+            context.state.time == 0.0,
             largest,
         )
     )

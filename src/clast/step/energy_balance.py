@@ -26,8 +26,8 @@ from clast.contact.joints.along_joint import range_of_springs
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger, State
 from clast.read_only import changed
-from clast.step.method import Method, Solved
-from clast.step.start import Begun
+from clast.step.method import Method, StepSolution
+from clast.step.start import StepContext
 
 CHUNK, PART = 128, 1024
 """Blocks, and contacts, that are summed up by themselves."""
@@ -95,7 +95,7 @@ def tolerated(model: Model, ledger: Ledger, first: Ledger) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ended:
+class StepEnd:
     """The end of a step, in directions of its start."""
 
     velocity: Floats
@@ -117,24 +117,24 @@ class Ended:
 
 
 def balance(
-    begun: Begun, solved: Solved, ended: Ended, points: Floats
+    context: StepContext, solution: StepSolution, end: StepEnd, points: Floats
 ) -> tuple[Ledger, tuple[Any, ...]]:
     """Return the ledger at the end of a step, and the own state of each action.
 
     ``points`` (np, 2), m, are the material points there.
     """
-    ledger = _with_blocks_and_contacts(begun, solved, ended)
-    solution = Solution(
-        displacement=solved.unknowns,
+    ledger = _with_blocks_and_contacts(context, solution, end)
+    of_actions = Solution(
+        displacement=solution.unknowns,
         points=points,
-        linearised_at=solved.linearised_at,
-        velocity=solved.velocity,
-        gained=ended.velocity - solved.velocity,
+        linearised_at=solution.linearised_at,
+        velocity=solution.velocity,
+        gained=end.velocity - solution.velocity,
     )
     changes: list[Ledger] = []
     own = []
-    for action, mine, share in zip(begun.actions, begun.own, begun.shares, strict=True):
-        done = done_by(action, begun.at, mine, share, solution)
+    for action, mine, share in zip(context.actions, context.own, context.shares, strict=True):
+        done = done_by(action, context.at, mine, share, of_actions)
         own.append(done.own)
         if done is NOTHING:
             continue
@@ -144,23 +144,23 @@ def balance(
     return ledger.plus(*changes), tuple(own)
 
 
-def _with_blocks_and_contacts(begun: Begun, solved: Solved, ended: Ended) -> Ledger:
+def _with_blocks_and_contacts(context: StepContext, solution: StepSolution, end: StepEnd) -> Ledger:
     """Return the ledger with what inertia, elasticity, impacts and contacts have done."""
-    before, model = begun.state.ledger, begun.model
+    before, model = context.state.ledger, context.model
     of_blocks = energies_of_blocks(
-        (solved.unknowns, solved.velocity, ended.velocity),
-        (begun.frames.mass_matrix, begun.step),
-        (begun.state.stress, ended.acted_from(begun.state.stress), ended.stress),
+        (solution.unknowns, solution.velocity, end.velocity),
+        (context.frames.mass_matrix, context.step),
+        (context.state.stress, end.acted_from(context.state.stress), end.stress),
         (model.area, model.compliance),
     )
     entering, kinetic, inertia_work = map(float, of_blocks[:3])
     elastic_before, elastic, elastic_work = map(float, of_blocks[3:])
     removed = inertia_work - (kinetic - entering) - elastic_work - (elastic - elastic_before)
-    contacts, response = solved.contacts, solved.response
+    contacts, response = solution.contacts, solution.response
     of_contacts = energies_of_contacts(
-        solved.applied,
-        (contacts.gap, ended.gap),
-        ended.slip,
+        solution.applied,
+        (contacts.gap, end.gap),
+        end.slip,
         (response.energy, response.dissipation),
     )
     contact_work, contact, friction = map(float, of_contacts)
@@ -171,8 +171,8 @@ def _with_blocks_and_contacts(begun: Begun, solved: Solved, ended: Ended) -> Led
         elastic=elastic,
         contact=contact,
         friction=before.friction + friction,
-        impacts=before.impacts + solved.lost,
-        numerical=before.numerical + removed + (before.kinetic - entering) - solved.lost,
+        impacts=before.impacts + solution.lost,
+        numerical=before.numerical + removed + (before.kinetic - entering) - solution.lost,
         unaccounted=before.unaccounted + inertia_work - elastic_work - contact_work,
     )
 

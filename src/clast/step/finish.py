@@ -11,7 +11,6 @@ from clast.block import elasticity, polygon
 from clast.block.displacement import movements
 from clast.block.rotation import RotationRule
 from clast.compute.reductions import least
-from clast.compute.stopwatch import Stages
 from clast.contact.detection import find_tunnelled
 from clast.contact.memory import renew
 from clast.contact.verlet_list import VerletList, near_pairs
@@ -20,30 +19,33 @@ from clast.linear.system import contact_motions
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import ContactMemory, State
 from clast.read_only import changed
-from clast.step.energy_balance import Ended, balance
+from clast.step.energy_balance import StepEnd, balance
 from clast.step.integration import end_velocity
-from clast.step.method import Solved, StepResult
-from clast.step.start import Begun
+from clast.step.method import StepResult, StepSolution
+from clast.step.start import StepContext
 
 
-def finish(begun: Begun, solved: Solved, stages: Stages) -> StepResult:
-    """Return the result of a solved step, or raise StepRejected where it must not be kept."""
-    model, state = begun.model, begun.state
+def finish(context: StepContext, solution: StepSolution, depth: float) -> StepResult:
+    """Return the result of a solved step, or raise StepRejected where it must not be kept.
+
+    ``depth``, m, is how deep a vertex may have moved into a block (see ContactSearch).
+    """
+    model, state, stages = context.model, context.state, context.stages
     stages("advance")
-    ended = end_of(begun, solved)
-    motion = moved(begun, solved.unknowns, ended)
-    kept = changed(solved.response, normal_force=solved.bearing)
-    memory = renew(solved.contacts, kept, ended.gap, begun.method.critdis)
+    end = end_of(context, solution)
+    motion = moved(context, solution.unknowns, end)
+    kept = changed(solution.response, normal_force=solution.bearing)
+    memory = renew(solution.contacts, kept, end.gap, context.method.critdis)
     stages("tunnelling")
     # no vertex has got deeper into a block than it has moved
-    if motion.travel > solved.depth:
-        near = begun.workspace.near
-        reject_tunnelled(model, state.vertices, motion.vertices, memory, solved.depth, near)
+    if motion.travel > depth:
+        near = context.workspace.near
+        reject_tunnelled(model, state.vertices, motion.vertices, memory, depth, near)
     stages("ledger")
-    ledger, actions = balance(begun, solved, ended, motion.points)
+    ledger, actions = balance(context, solution, end, motion.points)
     return StepResult(
         state=State(
-            time=begun.at.end,
+            time=context.at.end,
             vertices=motion.vertices,
             velocity=motion.velocity,
             stress=motion.stress,
@@ -53,33 +55,33 @@ def finish(begun: Begun, solved: Solved, stages: Stages) -> StepResult:
             ledger=ledger,
             actions=actions,
         ),
-        contacts=solved.contacts,
-        response=solved.response,
-        counts=solved.counts,
+        contacts=solution.contacts,
+        response=solution.response,
+        counts=solution.counts,
         travel=motion.travel,
         approach=motion.approach,
-        broken=broken_in(solved),
-        penetration=abs(least(ended.gap, 0.0)),
+        broken=broken_in(solution),
+        penetration=abs(least(end.gap, 0.0)),
         seconds=stages.ended(),
     )
 
 
-def broken_in(solved: Solved) -> Ints:
+def broken_in(solution: StepSolution) -> Ints:
     """Return which contacts have lost their bonds in a step, shape (b,)."""
-    before = solved.contacts.bonded if solved.bonded is None else solved.bonded
-    return np.asarray((before & ~solved.response.bonded).nonzero()[0])
+    before = solution.contacts.bonded if solution.bonded is None else solution.bonded
+    return np.asarray((before & ~solution.response.bonded).nonzero()[0])
 
 
-def end_of(begun: Begun, solved: Solved) -> Ended:
+def end_of(context: StepContext, solution: StepSolution) -> StepEnd:
     """Return velocities, stresses, gaps and slips at the end of a step."""
-    velocity = end_velocity(solved.scheme, solved.unknowns, solved.drift, solved.velocity)
-    velocity[begun.model.fixed] = 0.0
-    opening, slip = contact_motions(solved.contacts, solved.unknowns)
-    return Ended(
+    velocity = end_velocity(solution.scheme, solution.unknowns, solution.drift, solution.velocity)
+    velocity[context.model.fixed] = 0.0
+    opening, slip = contact_motions(solution.contacts, solution.unknowns)
+    return StepEnd(
         velocity=velocity,
-        stress=end_stress(begun.model, begun.state, solved.unknowns),
-        forces_at=begun.at.forces_at,
-        gap=solved.contacts.gap + opening,
+        stress=end_stress(context.model, context.state, solution.unknowns),
+        forces_at=context.at.forces_at,
+        gap=solution.contacts.gap + opening,
         slip=slip,
     )
 
@@ -153,14 +155,14 @@ def end_stress(model: Model, state: State, unknowns: Floats) -> Floats:
     return elasticity.strained(state.stress, model.elasticity, unknowns)
 
 
-def moved(begun: Begun, unknowns: Floats, ended: Ended) -> Motion:
+def moved(context: StepContext, unknowns: Floats, end: StepEnd) -> Motion:
     """Return where the unknowns d (n, 6) of a step take the system.
 
     Raises StepRejected where a vertex moves further than max_displacement against a block that it
     might touch, or a block turns further than the equations bear.
     """
-    model, method, state = begun.model, begun.method, begun.state
-    centroid, near = begun.frames.centroid, begun.workspace.near
+    model, method, state = context.model, context.method, context.state
+    centroid, near = context.frames.centroid, context.workspace.near
     turn = method.rotation.angle(np.ascontiguousarray(unknowns[:, 2]))
     if not float(np.abs(turn).max(initial=0.0)) <= LARGEST_TURN:
         raise StepRejected(StepOutcome.ROTATED_TOO_FAR)
@@ -181,9 +183,9 @@ def moved(begun: Begun, unknowns: Floats, ended: Ended) -> Motion:
     return Motion(
         vertices=vertices,
         points=points,
-        stress=elasticity.turned(ended.stress, STRESS, turn, 1.0),
+        stress=elasticity.turned(end.stress, STRESS, turn, 1.0),
         # the strain rate turns with the block, so that its kinetic energy stays what it was
-        velocity=elasticity.turned(ended.velocity, STRAIN_RATES, turn, 2.0),
+        velocity=elasticity.turned(end.velocity, STRAIN_RATES, turn, 2.0),
         turn=turn,
         travel=travel,
         approach=approach,

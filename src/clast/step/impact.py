@@ -40,7 +40,7 @@ from clast.model.state import State
 from clast.read_only import changed
 from clast.step import collisions, stopping
 from clast.step.integration import HalfWay, Scheme
-from clast.step.start import Begun
+from clast.step.start import StepContext
 
 IMPACT = 1.0
 """Closing velocity that counts as an impact, in units of the speeds of ``slowest_impact``."""
@@ -62,7 +62,7 @@ of g h, which must not count again.
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entering:
+class ImpactResult:
     """What the impacts of a step leave for its equations."""
 
     velocity: Floats
@@ -79,17 +79,19 @@ class Entering:
     """Closing velocity from which contacts were struck, m/s."""
 
 
-def after_impacts(begun: Begun, contacts: Contacts, graph: Graph, restitution: float) -> Entering:
+def after_impacts(
+    context: StepContext, contacts: Contacts, graph: Graph, restitution: float
+) -> ImpactResult:
     """Return what the impacts of a step that has begun leave for its equations."""
-    model, frames, state = begun.model, begun.frames, begun.state
-    velocity, step = begun.velocity, begun.step
+    model, frames, state = context.model, context.frames, context.state
+    velocity, step = context.velocity, context.step
     before = contact_motions(contacts, velocity)
     rate = before[0]
     fastest = float(-rate.min(initial=0.0))
-    slow = slowest_impact(model, begun.method.contact_law, step)
+    slow = slowest_impact(model, context.method.contact_law, step)
     impact = max(slow, NOISE * fastest)
-    unchanged = Entering(
-        velocity=velocity, drift=begun.drift, lost=0.0, before=before, rate=rate, impact=impact
+    unchanged = ImpactResult(
+        velocity=velocity, drift=context.drift, lost=0.0, before=before, rate=rate, impact=impact
     )
     # gravity may add g h to what a contact closes by
     if fastest <= 0.0:
@@ -99,7 +101,7 @@ def after_impacts(begun: Begun, contacts: Contacts, graph: Graph, restitution: f
     bears = (contacts.normal_force > 0.0) | (contacts.tensile_strength > 0.0)
     # one that gives nothing back passes an impulse on as if it were struck right after
     bears |= (back == 0.0) & (contacts.gap <= even) & (rate >= -impact)
-    acceleration = flying(begun, contacts, graph)
+    acceleration = flying(context, contacts, graph)
     # a face that lands lands on its ends
     some = contacts.corners if contacts.point.any() else slice(None)
     bears = bears[some]
@@ -118,7 +120,7 @@ def after_impacts(begun: Begun, contacts: Contacts, graph: Graph, restitution: f
     after, shift, lost = collisions.strike(
         velocity, acceleration, mobility, frames.mass_matrix, struck, bears, limits
     )
-    return Entering(
+    return ImpactResult(
         velocity=after,
         drift=step * after + shift,
         lost=float(lost),
@@ -147,12 +149,12 @@ def restitutions(model: Model, contacts: Contacts, restitution: float) -> Floats
     return np.where(np.isnan(given), restitution, given).take(contacts.joint)
 
 
-def flying(begun: Begun, contacts: Contacts, graph: Graph) -> Floats:
+def flying(context: StepContext, contacts: Contacts, graph: Graph) -> Floats:
     """Return the acceleration of each block between impacts, m/s2, shape (n, 2).
 
     It is that of weight, as far as contacts did not bear it at the end of the last step.
     """
-    model = begun.model
+    model = context.model
     borne = with_contact_forces(
         np.zeros((model.block_count, 6)),
         contacts,
@@ -161,7 +163,7 @@ def flying(begun: Begun, contacts: Contacts, graph: Graph) -> Floats:
         contacts.normal_force,
         contacts.shear_force,
     )
-    found: Floats = collisions.flying(borne, model.mass, model.fixed, begun.acceleration)
+    found: Floats = collisions.flying(borne, model.mass, model.fixed, context.acceleration)
     found[model.fixed_points.block] = 0.0
     return found
 
@@ -200,26 +202,30 @@ def slowest_of(law: ContactLaw) -> float:
 
 
 def scheme_of(
-    begun: Begun, contacts: Contacts, graph: Graph, entering: Entering, taken: HalfWay | None
+    context: StepContext,
+    contacts: Contacts,
+    graph: Graph,
+    impacts: ImpactResult,
+    taken: HalfWay | None,
 ) -> Scheme:
     """Return how the blocks take a step: where contacts close that stop them with theta = 1.
 
     Contacts whose forces are ``taken`` half way stop nothing.
     """
-    model, scheme = begun.model, begun.scheme
+    model, scheme = context.model, context.scheme
     gravity = float(np.hypot(*model.gravity))
-    threshold = slowest_of(begun.method.contact_law) * gravity * begun.step
-    if scheme.theta == 1.0 or not float(entering.rate.min(initial=0.0)) < -threshold:
+    threshold = slowest_of(context.method.contact_law) * gravity * context.step
+    if scheme.theta == 1.0 or not float(impacts.rate.min(initial=0.0)) < -threshold:
         return scheme
-    moved, _ = contact_motions(contacts, entering.drift)
-    closes = closing(contacts.gap, moved, entering.rate, threshold)
+    moved, _ = contact_motions(contacts, impacts.drift)
+    closes = closing(contacts.gap, moved, impacts.rate, threshold)
     if taken is not None:
         closes &= ~taken.bearing(contacts)
     if not closes.any():
         return scheme
     bears = closes | (contacts.normal_force > 0.0)
     stopped = stopping.stopped_motions(
-        begun.frames.mass_matrix,
+        context.frames.mass_matrix,
         model.fixed,
         graph,
         (contacts.vertex_block, contacts.levers),
@@ -228,13 +234,13 @@ def scheme_of(
     return changed(scheme, stopped=stopped)
 
 
-def bearing(contacts: Contacts, entering: Entering, normal_force: Floats) -> Floats:
+def bearing(contacts: Contacts, impacts: ImpactResult, normal_force: Floats) -> Floats:
     """Return the normal forces (m,), N/m, by which contacts bear in the next step.
 
     None where a contact strikes only then, and has closed by a hair before: the equations know of
     more than the approach does.
     """
-    early = (contacts.normal_force == 0.0) & (entering.rate < -entering.impact)
+    early = (contacts.normal_force == 0.0) & (impacts.rate < -impacts.impact)
     return np.where(early, 0.0, normal_force)
 
 

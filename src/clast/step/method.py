@@ -92,8 +92,8 @@ class StepResult:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Solved:
-    """What a process has found for a step."""
+class StepSolution:
+    """Displacements and contact forces that solve the equations of a step."""
 
     velocity: Floats
     """Velocity that entered the equations, shape (n, 6)."""
@@ -111,8 +111,6 @@ class Solved:
     """Normal and shear forces (m,) that the equations held at the end of the step, N/m."""
     bearing: Floats
     """Normal forces that contacts go on with, N/m, shape (m,)."""
-    depth: float
-    """How deep a vertex may have moved into a block, m (see SearchDistance.depth)."""
     linearised_at: Floats | None = None
     """Displacements about which springs of actions were linearised, (n, 6); None: at the end."""
     lost: float = 0.0

@@ -13,24 +13,31 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from clast.block.inertia import block_frames
-from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
 from clast.contact.candidates import SearchDistance
+from clast.contact.clipped_spring import Rows, Springs, merged, springs_of
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
 from clast.contact.laws import ContactLaw, normal_stiffness_of
 from clast.errors import StepOutcome, shortened
 from clast.linear.reuse import FactorOfStep
-from clast.linear.system import DiagonalTerms, contact_motions, slip_in_step
-from clast.model.model import Floats, Ints, Model
+from clast.linear.system import (
+    BlockSystem,
+    DiagonalTerms,
+    assemble,
+    contact_motions,
+    slip_in_step,
+    stretches,
+)
+from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import State, initial_state
-from clast.step.finish import finish
 from clast.step.impact import advice_without
 from clast.step.integration import HalfWay, answer, half_way
-from clast.step.links import are_settled, coupled_system
-from clast.step.method import Method, Solved, StepResult, Workspace
-from clast.step.start import Begun, begin, diagonal_terms
+from clast.step.method import Method, StepSolution
+from clast.step.start import StepContext, diagonal_terms
+from clast.step.take_step import take_step
+from clast.step.travel import ContactSearch
 
 THROWN = (
     "The contacts throw blocks apart: lower method.contact_law.normal_stiffness or time.step, or "
@@ -83,10 +90,6 @@ class PassResult:
     """The same, or half way where forces are taken there: what equations would hold."""
     applied: tuple[Floats, Floats]
     """Normal and shear forces (m,) that the equations held at the end of the step, N/m."""
-    linearised_at: Floats | None = None
-    """Displacements about which the springs of actions were linearised, shape (n, 6)."""
-    counts: dict[str, int] = field(default_factory=dict)
-    """Passes, solves and factorisations of the step."""
 
 
 @dataclass(frozen=True)
@@ -104,42 +107,55 @@ class Modified:
         StepOutcome.ENERGY_CREATED: f'{THROWN}, or set method.integrator = "backward-euler"',
     }
 
-    def step(
-        self,
-        model: Model,
-        method: Method,
-        state: State,
-        step: float,
-        workspace: Workspace | None = None,
-    ) -> StepResult:
-        """Return the state ``step`` seconds later, or raise StepRejected."""
-        stages = Stages(workspace.clock) if workspace else Stages()
-        stages("base system")
-        # (4) where the blocks are; (5) inertia and elasticity; (6) stress, weight, loads;
-        # (7) fixed points
-        begun = begin(model, method, state, step, workspace)
-        base = diagonal_terms(begun, begun.drift, begun.scheme)
-        stages("contacts")
+    # (4) where the blocks are; (13) the blocks are moved and turned; (14) their velocities and
+    # stresses; (16) what the contacts carry on
+    step = take_step
+
+    def search(self, context: StepContext) -> ContactSearch:
+        """Return the search for contacts: critdis, and twice the travel of a step behind."""
         # (8) blocks near each other; (9) entrance edges by the angle bisector
-        reach = search_of_modified(method)
-        contacts = begun.contacts(reach)
-        found = self._solve(begun, base, contacts, stages)
-        solved = Solved(
-            velocity=begun.velocity,
-            drift=begun.drift,
-            scheme=begun.scheme,
-            unknowns=found.unknowns,
-            contacts=found.contacts,
-            response=found.response,
-            applied=found.applied,
-            bearing=found.response.normal_force,
-            depth=reach.depth,
-            counts=found.counts,
-            linearised_at=found.linearised_at,
-        )
-        # (13) the blocks are moved and turned; (14) their velocities and stresses; (16) what the
-        # contacts carry on
-        return finish(begun, solved, stages)
+        distance = search_of_modified(context.method)
+        return ContactSearch(distance=distance, drift=None, depth=distance.depth)
+
+    def solve(
+        self, context: StepContext, contacts: Contacts, before: StepSolution | None = None
+    ) -> StepSolution:
+        """Return what the passes of the step, with their multiplier solves, have found."""
+        law, factor, stages = context.method.contact_law, factor_of(context), context.stages
+        stages("base system")
+        # (5) inertia and elasticity; (6) stress, weight, loads; (7) fixed points
+        base = diagonal_terms(context, context.drift, context.scheme)
+        taken = half_way(context.model, law, contacts, context.at.forces_at, context.step)
+        contacts = multipliers.begin(law, contacts)
+        # the first pass sees the gaps at the start and the slip that the velocity will bring
+        seen = contacts.gap, slip_in_step(contacts, context.drift)
+        springs, at = context.springs, context.drift
+        passes = 0
+        while True:
+            passes += 1
+            solves = 0
+            while True:
+                stages("law")
+                # (10) springs where a vertex has invaded, friction from spring or as a force
+                entered = self.friction.enter(answer(law, contacts, *seen, taken))
+                stages("assembly")
+                # (11) the equations of all blocks
+                system, bearing = coupled_system(
+                    base, contacts, entered, seen, springs, at, context.model.fixed
+                )
+                stages("solve")
+                # (12) one solve
+                unknowns = factor.solve(system, bearing)
+                found = pass_result(law, contacts, entered, seen, unknowns, taken)
+                solves += 1
+                if multipliers.enough(law, solves, contacts, found.gap):
+                    break
+                contacts = found.contacts
+            settled = np.array_equal(found.acting.mode, entered.mode)
+            settled = settled and are_settled(springs, at, unknowns)
+            if passes >= self.passes or settled:
+                return solution_of(context, found, at, counts_of(passes, factor))
+            contacts, seen, at = found.contacts, (found.gap, found.slip), unknowns
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn where p h2/m is beyond what one pass bears, or carried multipliers swing up."""
@@ -162,44 +178,6 @@ class Modified:
         if stable < model.stiffest:
             return stable, reason
         return model.stiffest, "E of the stiffest rock; p h2/m stays below 1"
-
-    def _solve(
-        self, begun: Begun, base: DiagonalTerms, contacts: Contacts, stages: Stages
-    ) -> PassResult:
-        """Return what the passes of the step, with their multiplier solves, have found."""
-        law, factor = begun.method.contact_law, factor_of(begun)
-        taken = half_way(begun.model, law, contacts, begun.at.forces_at, begun.step)
-        contacts = multipliers.begin(law, contacts)
-        # the first pass sees the gaps at the start and the slip that the velocity will bring
-        seen = contacts.gap, slip_in_step(contacts, begun.drift)
-        springs, at = begun.springs, begun.drift
-        passes = 0
-        while True:
-            passes += 1
-            solves = 0
-            while True:
-                stages("law")
-                # (10) springs where a vertex has invaded, friction from spring or as a force
-                entered = self.friction.enter(answer(law, contacts, *seen, taken))
-                stages("assembly")
-                # (11) the equations of all blocks
-                system, bearing = coupled_system(
-                    base, contacts, entered, seen, springs, at, begun.model.fixed
-                )
-                stages("solve")
-                # (12) one solve
-                unknowns = factor.solve(system, bearing)
-                found = pass_result(law, contacts, entered, seen, unknowns, taken)
-                solves += 1
-                if multipliers.enough(law, solves, contacts, found.gap):
-                    break
-                contacts = found.contacts
-            settled = np.array_equal(found.acting.mode, entered.mode)
-            settled = settled and are_settled(springs, at, unknowns)
-            if passes >= self.passes or settled:
-                counts = counts_of(passes, factor)
-                return replace(found, linearised_at=at, counts=counts)
-            contacts, seen, at = found.contacts, (found.gap, found.slip), unknowns
 
 
 def pass_result(
@@ -225,14 +203,100 @@ def pass_result(
     )
 
 
-def factor_of(begun: Begun) -> FactorOfStep:
+def solution_of(
+    context: StepContext, found: PassResult, linearised_at: Floats, counts: dict[str, int]
+) -> StepSolution:
+    """Return the last solve of a step as its solution.
+
+    ``linearised_at`` (n, 6) are displacements about which springs of actions were linearised.
+    """
+    return StepSolution(
+        velocity=context.velocity,
+        drift=context.drift,
+        scheme=context.scheme,
+        unknowns=found.unknowns,
+        contacts=found.contacts,
+        response=found.response,
+        applied=found.applied,
+        bearing=found.response.normal_force,
+        counts=counts,
+        linearised_at=linearised_at,
+    )
+
+
+def factor_of(context: StepContext) -> FactorOfStep:
     """Return what solves the systems of a step."""
-    return FactorOfStep(begun.method.solver, begun.workspace.patterns)
+    return FactorOfStep(context.method.solver, context.workspace.patterns)
 
 
 def counts_of(passes: int, factor: FactorOfStep) -> dict[str, int]:
     """Return the counts of a step that is solved."""
     return {"passes": passes, "solves": factor.solved, "factorisations": factor.factorised}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bearing:
+    """What all links bear, in the order of their table; see ContactResponse."""
+
+    normal_force: Floats
+    shear_force: Floats
+    normal_stiffness: Floats
+    shear_stiffness: Floats
+    coupling: Floats
+
+
+def coupled_system(
+    base: DiagonalTerms,
+    contacts: Contacts,
+    response: ContactResponse,
+    seen: tuple[Floats, Floats],
+    springs: Springs | None,
+    at: Floats,
+    fixed: Bools,
+) -> tuple[BlockSystem, ContactResponse | Bearing]:
+    """Return the system of a solve, and what it was assembled with.
+
+    The contacts' ``response`` was evaluated at the gaps and slips ``seen`` (m,), m, the springs are
+    at the displacements ``at`` (n, 6).
+    """
+    if springs is None:
+        return assemble(base, contacts, response, *seen, fixed), response
+    table, (of_contacts, of_springs) = merged(springs_of(contacts), (springs,))
+    gap, slip = stretches(springs, at)
+    bear = springs.at(gap, slip)
+
+    def joined(one: Floats, other: Floats) -> Floats:
+        return _joined(len(table), (of_contacts, one), (of_springs, other))
+
+    bearing = Bearing(
+        normal_force=joined(response.normal_force, bear.normal_force),
+        shear_force=joined(response.shear_force, bear.shear_force),
+        normal_stiffness=joined(response.normal_stiffness, bear.normal_stiffness),
+        shear_stiffness=joined(response.shear_stiffness, bear.shear_stiffness),
+        coupling=joined(response.coupling, np.zeros(len(springs))),
+    )
+    # a link's slip in the equations counts from the start of the step, a spring's from its own
+    own = gap, slip - springs.slip
+    gaps, slips = (joined(one, other) for one, other in zip(seen, own, strict=True))
+    return assemble(base, table, bearing, gaps, slips, fixed), bearing
+
+
+def are_settled(springs: Springs | None, before: Floats, after: Floats) -> bool:
+    """Return whether no spring is clipped otherwise at d ``after`` than ``before`` (n, 6)."""
+    if springs is None:
+        return True
+    one, other = (springs.at(*stretches(springs, d)) for d in (before, after))
+    return np.array_equal(one.normal_stiffness, other.normal_stiffness) and np.array_equal(
+        one.shear_stiffness, other.shear_stiffness
+    )
+
+
+def _joined(count: int, *parts: tuple[Rows, Floats]) -> Floats:
+    """Return an array (count,) of the values of parts of its rows."""
+    result = np.empty(count)
+    for rows, values in parts:
+        result[rows] = values
+    return result
 
 
 def forces_in_equations(

@@ -22,29 +22,29 @@ from typing import ClassVar
 
 import numpy as np
 
-from clast.compute.stopwatch import Stages
 from clast.contact import multipliers
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.errors import StepOutcome, StepRejected
-from clast.linear.system import DiagonalTerms, slip_in_step
+from clast.linear.system import slip_in_step
 from clast.model.model import Model
 from clast.model.state import State
-from clast.step.finish import finish
 from clast.step.impact import advice_without
 from clast.step.integration import answer, half_way
-from clast.step.links import are_settled, coupled_system
-from clast.step.method import Method, Solved, StepResult, Workspace
+from clast.step.method import Method, StepSolution
 from clast.step.modified import (
     STABILITY_LIMIT,
-    PassResult,
+    are_settled,
     bearable_stiffness,
     counts_of,
+    coupled_system,
     factor_of,
     pass_result,
+    solution_of,
     stability_number,
 )
-from clast.step.start import Begun, begin, diagonal_terms
-from clast.step.travel import JUMP, search_within_step
+from clast.step.start import StepContext, diagonal_terms
+from clast.step.take_step import take_step
+from clast.step.travel import ContactSearch, search_as_far_as
 
 CUT = 1.0 / 3.0
 """Shi's cut of a step whose modes do not settle."""
@@ -76,37 +76,51 @@ class OpenClose:
         ),
     }
 
-    def step(
-        self,
-        model: Model,
-        method: Method,
-        state: State,
-        step: float,
-        workspace: Workspace | None = None,
-    ) -> StepResult:
-        """Return the state ``step`` seconds later, or raise StepRejected."""
-        stages = Stages(workspace.clock) if workspace else Stages()
+    step = take_step
+
+    def search(self, context: StepContext) -> ContactSearch:
+        """Return the search for contacts: as far as max_displacement lets blocks move."""
+        farthest = np.full(context.model.block_count, context.method.max_displacement)
+        return search_as_far_as(context, farthest)
+
+    def solve(
+        self, context: StepContext, contacts: Contacts, before: StepSolution | None = None
+    ) -> StepSolution:
+        """Return the solve whose modes agree with those that it was assembled with."""
+        law, factor, stages = context.method.contact_law, factor_of(context), context.stages
         stages("base system")
-        begun = begin(model, method, state, step, workspace)
-        base = diagonal_terms(begun, begun.drift, begun.scheme)
-        stages("contacts")
-        farthest = np.full(model.block_count, method.max_displacement)
-        contacts = begun.contacts(search_within_step(method, farthest), begun.drift)
-        found = self._iterate(begun, base, contacts, stages)
-        solved = Solved(
-            velocity=begun.velocity,
-            drift=begun.drift,
-            scheme=begun.scheme,
-            unknowns=found.unknowns,
-            contacts=found.contacts,
-            response=found.response,
-            applied=found.applied,
-            bearing=found.response.normal_force,
-            depth=JUMP * method.critdis,
-            counts=found.counts,
-            linearised_at=found.linearised_at,
+        base = diagonal_terms(context, context.drift, context.scheme)
+        taken = half_way(context.model, law, contacts, context.at.forces_at, context.step)
+        contacts = multipliers.begin(law, contacts)
+        seen = contacts.gap, slip_in_step(contacts, context.drift)
+        springs, at = context.springs, context.drift
+        # sliding friction is that of the solve before: new multipliers need one to find it
+        least = 2 if multipliers.has_multipliers(law) else 1
+        solves, tried, passes = 0, 0, 0
+        while tried < self.iterations:
+            tried, passes = tried + 1, passes + 1
+            stages("law")
+            entered = as_springs_and_forces(answer(law, contacts, *seen, taken))
+            stages("assembly")
+            system, bearing = coupled_system(
+                base, contacts, entered, seen, springs, at, context.model.fixed
+            )
+            stages("solve")
+            unknowns = factor.solve(system, bearing)
+            found = pass_result(law, contacts, entered, seen, unknowns, taken)
+            settled = have_settled(entered, found.acting)
+            if tried >= least and settled and are_settled(springs, at, unknowns):
+                # each set of multipliers has its own open-close iteration
+                solves, tried = solves + 1, 0
+                if multipliers.enough(law, solves, contacts, found.gap):
+                    return solution_of(context, found, at, counts_of(passes, factor))
+                contacts = found.contacts
+            seen, at = (found.gap, found.slip), unknowns
+        raise StepRejected(
+            StepOutcome.NOT_CONVERGED,
+            f"contacts still change their mode after {self.iterations} solves",
+            cut=CUT,
         )
-        return finish(begun, solved, stages)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
         """Warn where p h2/m is beyond what impacts bear, or carried multipliers swing up.
@@ -136,44 +150,6 @@ class OpenClose:
         if stable < stiff:
             return stable, reason
         return stiff, f"{SHI_FACTOR:g} E of the stiffest rock (Shi: 10-100)"
-
-    def _iterate(
-        self, begun: Begun, base: DiagonalTerms, contacts: Contacts, stages: Stages
-    ) -> PassResult:
-        """Return the solve whose modes agree with those that it was assembled with."""
-        law, factor = begun.method.contact_law, factor_of(begun)
-        taken = half_way(begun.model, law, contacts, begun.at.forces_at, begun.step)
-        contacts = multipliers.begin(law, contacts)
-        seen = contacts.gap, slip_in_step(contacts, begun.drift)
-        springs, at = begun.springs, begun.drift
-        # sliding friction is that of the solve before: new multipliers need one to find it
-        least = 2 if multipliers.has_multipliers(law) else 1
-        solves, tried, passes = 0, 0, 0
-        while tried < self.iterations:
-            tried, passes = tried + 1, passes + 1
-            stages("law")
-            entered = as_springs_and_forces(answer(law, contacts, *seen, taken))
-            stages("assembly")
-            system, bearing = coupled_system(
-                base, contacts, entered, seen, springs, at, begun.model.fixed
-            )
-            stages("solve")
-            unknowns = factor.solve(system, bearing)
-            found = pass_result(law, contacts, entered, seen, unknowns, taken)
-            settled = have_settled(entered, found.acting)
-            if tried >= least and settled and are_settled(springs, at, unknowns):
-                # each set of multipliers has its own open-close iteration
-                solves, tried = solves + 1, 0
-                if multipliers.enough(law, solves, contacts, found.gap):
-                    counts = counts_of(passes, factor)
-                    return replace(found, linearised_at=at, counts=counts)
-                contacts = found.contacts
-            seen, at = (found.gap, found.slip), unknowns
-        raise StepRejected(
-            StepOutcome.NOT_CONVERGED,
-            f"contacts still change their mode after {self.iterations} solves",
-            cut=CUT,
-        )
 
 
 def have_settled(before: ContactResponse, after: ContactResponse) -> bool:

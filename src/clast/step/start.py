@@ -10,6 +10,7 @@ rotation.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,8 +18,9 @@ from clast.actions.acting import acceleration_of, add_shares, own_states, shares
 from clast.actions.action import Action, Share, StepStart
 from clast.block import equations
 from clast.block.inertia import BlockFrames, block_frames
+from clast.compute.stopwatch import Stages
 from clast.contact.candidates import SearchDistance
-from clast.contact.clipped_spring import Springs
+from clast.contact.clipped_spring import Springs, merged
 from clast.contact.contacts import Contacts
 from clast.contact.detection import detect
 from clast.linear.system import DiagonalTerms
@@ -26,12 +28,11 @@ from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.step import stopping
 from clast.step.integration import Scheme, forces_at
-from clast.step.links import springs_between
 from clast.step.method import Method, Workspace
 
 
 @dataclass(frozen=True, kw_only=True)
-class Begun:
+class StepContext:
     """A step that has begun: all that its equations are made from."""
 
     at: StepStart
@@ -59,6 +60,8 @@ class Begun:
     """Springs of all actions between blocks, None where there are none."""
     acceleration: Floats
     """Acceleration of every mass by gravity and the ground, m/s2, shape (2,)."""
+    stages: Stages
+    """Adds up the time of the stages of the step."""
 
     @property
     def scheme(self) -> Scheme:
@@ -73,8 +76,11 @@ class Begun:
 
 def begin(
     model: Model, method: Method, state: State, step: float, workspace: Workspace | None
-) -> Begun:
+) -> StepContext:
     """Return the step of length ``step``, s, that begins at ``state``."""
+    workspace = workspace or Workspace()
+    stages = Stages(workspace.clock)
+    stages("base system")
     ahead = (1.0 - method.integrator.theta) * step * method.dynamic_ratio
     at = StepStart(
         model=model,
@@ -86,7 +92,6 @@ def begin(
         forces_at=forces_at(method.integrator),
         clock=method.clock,
     )
-    workspace = workspace or Workspace()
     actions = workspace.acting.actions(model, method.fixed_point_stiffness, method.damping)
     own = own_states(actions, model, state)
     shares = shares_of(actions, at, own)
@@ -96,7 +101,7 @@ def begin(
         at = replace(at, forces_at=1.0)
         shares = shares_of(actions, at, own)
     velocity = carried * state.velocity
-    return Begun(
+    return StepContext(
         at=at,
         model=model,
         state=state,
@@ -111,21 +116,28 @@ def begin(
         drift=step * velocity,
         springs=springs_between(shares),
         acceleration=acceleration_of(shares),
+        stages=stages,
     )
 
 
-def diagonal_terms(begun: Begun, drift: Floats, scheme: Scheme) -> DiagonalTerms:
+def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> DiagonalTerms:
     """Return everything of a step but what couples blocks; ``drift`` (n, 6) is h v, m."""
-    model, frames, share = begun.model, begun.frames, begun.at.forces_at
+    model, frames, share = context.model, context.frames, context.at.forces_at
     matrix, force, momentum = equations.terms(
         (frames.mass_matrix, scheme.inertia, drift),
         (model.area, model.elasticity if share == 1.0 else share * model.elasticity),
-        begun.state.stress,
+        context.state.stress,
         model.mass,
-        begun.acceleration,
+        context.acceleration,
     )
     if scheme.stopped is not None:
         terms = matrix, force, momentum
         stopping.add_inertia(scheme.stopped, scheme.of_stopped, drift, terms)
-    add_shares(begun.shares, matrix, force)
+    add_shares(context.shares, matrix, force)
     return DiagonalTerms(diagonal=matrix, force=force, momentum=momentum, centroid=frames.centroid)
+
+
+def springs_between(shares: Sequence[Share]) -> Springs | None:
+    """Return the springs of all actions as one table, None where there are none."""
+    tables = [one.springs for one in shares if one.springs is not None and len(one.springs)]
+    return merged(tables[0], tables[1:])[0] if tables else None

@@ -10,6 +10,8 @@ blocks remembers: a limit that users lower to be careful must not make contacts 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from clast.block.displacement import farthest_moved
@@ -18,7 +20,7 @@ from clast.contact.contacts import Contacts
 from clast.linear.system import gap_at_end
 from clast.model.model import Floats
 from clast.step.method import Method
-from clast.step.start import Begun
+from clast.step.start import StepContext
 
 SPARE = 0.4
 """Share of critdis that a block may move further than expected; half would be the whole."""
@@ -28,6 +30,53 @@ JUMP = 4.0
 """How deep a vertex may get into a block within a step unseen, in units of critdis."""
 GROWTH = 1.5
 """Where a block went too far it is expected to go so much further than it went."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactSearch:
+    """How far the contacts of a step are looked for."""
+
+    distance: SearchDistance
+    """How far from the edges of a block."""
+    drift: Floats | None
+    """Displacements that the velocities would bring, m, (n, 6): tips that would cross an edge then
+    are contacts, too; None: they are not."""
+    depth: float
+    """How deep a vertex may get into a block within the step, m; else the step is rejected."""
+
+    def contacts(self, context: StepContext) -> Contacts:
+        """Return the contacts that are found."""
+        context.stages("contacts")
+        return context.contacts(self.distance, self.drift)
+
+
+def search_as_far_as(context: StepContext, travel: Floats) -> ContactSearch:
+    """Return the search for blocks whose vertices move by ``travel`` (n,) at most, m."""
+    method = context.method
+    return ContactSearch(
+        distance=search_within_step(method, travel),
+        drift=context.drift,
+        depth=JUMP * method.critdis,
+    )
+
+
+def searched_again(
+    context: StepContext, search: ContactSearch, seen: Contacts, displacement: Floats
+) -> tuple[ContactSearch, Contacts] | None:
+    """Return a wider search and its contacts where d (n, 6) closes some that were not ``seen``.
+
+    None where the ``search`` was wide enough, or was not limited by the travel of the blocks.
+    """
+    context.stages("contacts")
+    expected = search.distance.travel
+    if expected is None:
+        return None
+    travel = farther(context.method, expected, travel_of(context, displacement))
+    if travel is None:
+        return None
+    wider = search_as_far_as(context, travel)
+    contacts = wider.contacts(context)
+    return (wider, contacts) if closes_unseen(seen, contacts, displacement) else None
 
 
 def search_within_step(method: Method, travel: Floats) -> SearchDistance:
@@ -40,19 +89,19 @@ def search_within_step(method: Method, travel: Floats) -> SearchDistance:
     )
 
 
-def travel_of(begun: Begun, displacement: Floats) -> Floats:
+def travel_of(context: StepContext, displacement: Floats) -> Floats:
     """Return the largest movement of a vertex of each block by d (n, 6), m, shape (n,)."""
-    start = begun.model.block_start
-    return farthest_moved(begun.state.vertices, start, begun.frames.centroid, displacement)
+    start = context.model.block_start
+    return farthest_moved(context.state.vertices, start, context.frames.centroid, displacement)
 
 
-def travel_expected(begun: Begun) -> Floats:
+def travel_expected(context: StepContext) -> Floats:
     """Return how far blocks go, m, shape (n,), by their velocities, weight and a push."""
-    fall = float(np.hypot(*begun.model.gravity)) * begun.step**2
-    if begun.method.clock is not None:
+    fall = float(np.hypot(*context.model.gravity)) * context.step**2
+    if context.method.clock is not None:
         # a static step is as long as it is because blocks hardly move
-        fall = min(fall, begun.method.critdis)
-    return travel_of(begun, begun.drift) + fall + PUSH * begun.method.critdis
+        fall = min(fall, context.method.critdis)
+    return travel_of(context, context.drift) + fall + PUSH * context.method.critdis
 
 
 def farther(method: Method, expected: Floats, travel: Floats) -> Floats | None:

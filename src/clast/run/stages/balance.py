@@ -74,10 +74,12 @@ def out_of_balance(model: Model, method: Method, state: State, step: float) -> F
     Contacts bear what they bore at the end of the last step; those that are new bear nothing.
     """
     method = replace(method, clock=0.0)
-    begun = begin(model, method, replace(state, velocity=np.zeros_like(state.velocity)), step, None)
-    base = diagonal_terms(begun, np.zeros_like(begun.velocity), begun.scheme)
-    contacts = begun.contacts(search_within_step(method, travel_expected(begun)))
-    forces, fixed, springs = base.force, model.fixed, begun.springs
+    context = begin(
+        model, method, replace(state, velocity=np.zeros_like(state.velocity)), step, None
+    )
+    base = diagonal_terms(context, np.zeros_like(context.velocity), context.scheme)
+    contacts = context.contacts(search_within_step(method, travel_expected(context)))
+    forces, fixed, springs = base.force, model.fixed, context.springs
     graph = graph_of(contacts, model.block_count)
     borne = contacts.normal_force, contacts.shear_force
     forces = with_contact_forces(forces, contacts, graph, fixed, *borne)
@@ -96,8 +98,8 @@ def forces_of(model: Model, method: Method, result: StepResult, step: float) -> 
     Loads are those of a step of ``step`` s more, so that loads that change are out of balance.
     """
     still = replace(result.state, velocity=np.zeros_like(result.state.velocity))
-    begun = begin(model, method, still, step, None)
-    sums = _Sums(begun.frames)
+    context = begin(model, method, still, step, None)
+    sums = _Sums(context.frames)
     contacts, response = result.contacts, result.response
     sums.add_pairs(
         (contacts.vertex_block, contacts.edge_block),
@@ -105,13 +107,13 @@ def forces_of(model: Model, method: Method, result: StepResult, step: float) -> 
         (response.normal_force, response.shear_force),
     )
     everybody = np.arange(model.block_count)
-    for share in begun.shares:
+    for share in context.shares:
         if share.acceleration is not None:
             sums.add(everybody, sums.mass[:, None] * share.acceleration, np.zeros(len(everybody)))
         if len(share.block):
             sums.add(share.block, share.force[:, :2], share.force[:, 2])
-    if begun.springs is not None:
-        springs = begun.springs
+    if context.springs is not None:
+        springs = context.springs
         bear = springs.at(springs.gap, springs.slip)
         sums.add_pairs(
             (springs.vertex_block, springs.edge_block),
