@@ -29,7 +29,7 @@ help:
 	@echo "make performance  time whole scenes, walls and heaps, and write docs/performance.md (hours)"
 	@echo "make docs       build the documentation site into build/site"
 	@echo "make docs-serve builds it and shows it on http://127.0.0.1:8000, with its search"
-	@echo "make reference  write docs/reference/case-file.md and its schema from the inputs"
+	@echo "make reference  write the references of case file, with its schema, and result file"
 	@echo "make test       run the core tests: each formula, kernel and refusal (minutes)"
 	@echo "make test-system, test-long   run whole runs; killed runs, threads, cold caches"
 	@echo "make test-changed   run core tests of what changed since main, and of what uses it"
@@ -142,7 +142,8 @@ docs-serve: docs
 
 reference: env
 	@$(BIN)/python tools/case_reference.py
-	@echo "Wrote docs/reference/case-file.md"
+	@$(BIN)/python tools/result_reference.py
+	@echo "Wrote docs/reference/case-file.md and docs/reference/result-file.md"
 
 # --- testing and checking ------------------------------------------------------------------
 

@@ -152,7 +152,7 @@ def made(wish: Wanted) -> Figures:
 
     done = systems.finish(model, how, wish.step, wish.end, may_stop=True, watch=watch)
     run = done.run
-    rows = run.step_rows[run.step_rows["time"] > 0.5 * wish.end]
+    rows = run.tables["steps"][run.tables["steps"]["time"] > 0.5 * wish.end]
     total = float(np.sum(rows["penetration"] * rows["step"]))
     areas = [area for *_, area in systems.overlaps(model, run.state.vertices)]
     return Figures(

@@ -267,6 +267,49 @@ def _imported(path: Path) -> Iterator[str]:
             yield node.module
 
 
+def imports_within() -> dict[str, set[str]]:
+    """Every module of the package -> modules of it that it imports, wherever and for whatever."""
+    modules = {
+        ".".join((PACKAGE.name, *path.relative_to(PACKAGE).with_suffix("").parts)): path
+        for path in files()
+    }
+    found: dict[str, set[str]] = {}
+    for module, path in modules.items():
+        named = set(_imported(path))
+        for node in ast.walk(tree(path)):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                named |= {f"{node.module}.{one.name}" for one in node.names}
+        # a package hands on what its modules have: it belongs to none of its own circles
+        found[module] = {one for one in named if one in modules} - {module}
+    return found
+
+
+def circles() -> Offences:
+    """Modules that import each other, directly or through others, also those of one folder."""
+    imports = imports_within()
+
+    def reached(start: str) -> set[str]:
+        seen: set[str] = set()
+        left = list(imports[start])
+        while left:
+            one = left.pop()
+            if one not in seen:
+                seen.add(one)
+                left.extend(imports[one])
+        return seen
+
+    behind = {module: reached(module) for module in imports}
+    return {
+        "/".join(module.split(".")[1:]) + ".py": [
+            f"imports itself through {other}"
+            for other in sorted(imports[module])
+            if module in behind[other]
+        ]
+        for module in imports
+        if module in behind[module]
+    }
+
+
 RULES: dict[str, Callable[[], Offences]] = {
     "files have at most 500 lines": long_files,
     "folders have at most 16 files": full_folders,
@@ -275,6 +318,7 @@ RULES: dict[str, Callable[[], Offences]] = {
     "no module holds what changes": changing_state,
     "plain functions are annotated": untyped_functions,
     "numba, matplotlib and h5py have one home": foreign_imports,
+    "no module imports itself through others": circles,
 }
 
 

@@ -109,7 +109,7 @@ def parts_of(run: clast.Run) -> dict[str, str]:
         "memory": hashed(*memory),
         "contacts": hashed(*(touching[name] for name in CONTACTS)),
         "energy": hashed(*(run.energy[name] for name in (*ENERGIES, *LOSSES))),
-        "steps": hashed(*(run.step_rows[name] for name in STEPS)),
+        "steps": hashed(*(run.steps[name] for name in STEPS)),
     }
 
 

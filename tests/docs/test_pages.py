@@ -73,14 +73,15 @@ def test_the_papers_steps_are_all_there():
     assert marked >= {*range(4, 15), 16}
 
 
-def test_the_reference_of_the_case_file_is_what_its_models_say():
+@pytest.mark.parametrize("kind", ["case", "result"])
+def test_a_reference_is_what_reads_the_file(kind: str):
     written = subprocess.run(
-        [sys.executable, str(ROOT / "tools" / "case_reference.py"), "-"],
+        [sys.executable, str(ROOT / "tools" / f"{kind}_reference.py"), "-"],
         capture_output=True,
         text=True,
         check=True,
     )
-    page = (DOCS / "reference" / "case-file.md").read_text("utf-8")
+    page = (DOCS / "reference" / f"{kind}-file.md").read_text("utf-8")
     assert page == written.stdout, "run: make reference"
 
 

@@ -16,7 +16,7 @@ from clast.pictures.look import Look
 from clast.pictures.plot import plot_results
 from clast.pictures.strokes import CONSTRUCTED, GROUND, JOINT_COLOURS, UNNAMED, WELD, strokes_of
 from clast.results import Results
-from clast.results.structure import EdgeJoints
+from clast.results.recording import EdgeJoints
 from clast.rockmass import CONSTRUCTION, WELDED
 from scenes.drawings import text_of
 

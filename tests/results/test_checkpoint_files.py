@@ -26,7 +26,7 @@ from clast.results.checkpoints.files import (
 )
 from clast.results.checkpoints.fingerprints import digest
 from clast.results.checkpoints.plain import classes_near, name_of
-from clast.results.tables import points_row
+from clast.results.schema import HISTORY
 from clast.step.convex import Convex
 from scenes.recorded_run import record, three_blocks
 
@@ -108,8 +108,8 @@ ARRAYS = {
     "turned": np.arange(6.0).reshape(2, 3).T,
     "texts": np.array(["a", "Tück"]),
     "rows": np.zeros(3, np.dtype([("time", "f8"), ("at", "f8", 2)])),
-    "rows of no points": np.zeros(2, points_row(0)),
-    "rows of two points": np.ones(2, points_row(2)),
+    "rows of no points": np.zeros(2, HISTORY.rows(0)),
+    "rows of two points": np.ones(2, HISTORY.rows(2)),
 }
 
 

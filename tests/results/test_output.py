@@ -17,8 +17,8 @@ import pytest
 from clast.case.templates import INCLINE
 from clast.errors import CaseError
 from clast.results import RunRecorder, read_results
-from clast.results.layout import history_path
 from clast.results.output import claimed, fresh, hidden
+from clast.results.schema import history_path
 from scenes.recorded_run import moved, record, report, step_result, three_blocks
 
 posix = pytest.mark.skipif(os.name != "posix", reason="needs what POSIX systems have")

@@ -16,8 +16,8 @@ import pytest
 from clast.contact.laws import AugmentedLagrangian
 from clast.errors import CaseError
 from clast.results import RunRecorder, read_results, summary
-from clast.results.layout import CELL_ARRAYS, ENERGY_ROW
 from clast.results.provenance import texts
+from clast.results.schema import BLOCK_FIELDS, ENERGY
 from clast.results.writing import _Column
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
@@ -118,7 +118,7 @@ def test_results_read_back(recorded: Recorded):
     assert results.report == recorded.run.report
     np.testing.assert_array_equal(results.block_start, model.block_start)
     np.testing.assert_array_equal(results.fixed, [True, False, False])
-    assert set(results.field_names) >= {name.removeprefix("CellData/") for name in CELL_ARRAYS}
+    assert set(results.field_names) >= {one.name for one in BLOCK_FIELDS}
 
 
 def test_tables_read_back(recorded: Recorded):
@@ -221,7 +221,7 @@ def test_same_run_gives_the_same_file(tmp_path: Path, monkeypatch: pytest.Monkey
 def test_large_frames_and_small_ones_take_little_more_than_their_numbers(tmp_path: Path):
     recorded = record(three_blocks(), tmp_path / "out.vtkhdf", steps=1000)
     # 13 vertices and 3 blocks, two contacts, and 5 steps of histories and energies per frame.
-    numbers = 8 * (13 * 6 + 3 * 14 + 2 * 9 + 5 * (2 * 6 + len(ENERGY_ROW) + 6) + 10)
+    numbers = 8 * (13 * 6 + 3 * 14 + 2 * 9 + 5 * (2 * 6 + len(ENERGY.row) + 6) + 10)
     assert recorded.run.output.stat().st_size / len(recorded.frames) < 1.6 * numbers
 
 

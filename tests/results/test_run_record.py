@@ -12,7 +12,7 @@ import pytest
 from clast.block import polygon
 from clast.errors import CaseError
 from clast.results import RunRecorder
-from clast.results.run import report_from_dict
+from clast.results.report import report_from_dict
 from clast.results.sampling import point_velocity
 from scenes.recorded_run import (
     SPIN,

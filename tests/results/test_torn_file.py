@@ -20,8 +20,8 @@ from clast.model.model import Model
 from clast.model.state import State, initial_state
 from clast.results import Results, RunRecorder, read_results
 from clast.results.journal import JournalledFile, read_journal
-from clast.results.layout import CELL_ARRAYS, POINT_ARRAYS
 from clast.results.pages import PAGE, packed
+from clast.results.schema import MOVING_FIELDS
 from clast.results.writing import MOVING
 from scenes.recorded_run import moved, report, step_result, three_blocks
 
@@ -135,7 +135,7 @@ def check_for_others(path: Path) -> None:
         assert frames - 1 <= len(grid["Steps/Values"]) <= frames
         assert len(grid["Points"]) >= frames * int(grid["NumberOfPoints"][0])
         np.testing.assert_allclose(file["frames"][:frames]["time"], 0.01 * np.arange(frames))
-        for name in [*POINT_ARRAYS, *CELL_ARRAYS, "Steps/PartOffsets", f"Steps/{MOVING}"]:
+        for name in [*(one.place for one in MOVING_FIELDS), "Steps/PartOffsets", f"Steps/{MOVING}"]:
             assert np.isfinite(grid[name][:]).all()
         # The first contacts and steps get an index where something else was: no viewer looks there.
         for name in ("frames", "energy", "history/tip"):

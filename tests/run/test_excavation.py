@@ -11,8 +11,9 @@ from clast.errors import ModelError
 from clast.model.model import Model
 from clast.model.state import Ledger, State
 from clast.run.excavation import as_in, excavated
+from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
-from clast.run.simulate import RunState, simulate
+from clast.run.simulate import simulate
 from clast.step.method import Method
 from scenes.tiers import pairwise
 

@@ -7,8 +7,9 @@ import pytest
 
 from clast.model.model import Model
 from clast.results import Run
+from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
-from clast.run.simulate import RunState, simulate
+from clast.run.simulate import simulate
 from clast.step.method import Method
 from scenes.shaken import LAWS, PROCESSES, shaken_case
 

@@ -7,7 +7,8 @@ import pytest
 
 import clast
 from clast.model.state import LEDGER_ENTRIES, Ledger
-from clast.run.simulate import RunState, simulate
+from clast.run.run_state import RunState
+from clast.run.simulate import simulate
 from scenes.staged_heading import STAGES, prepared
 
 

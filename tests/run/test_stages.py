@@ -10,8 +10,9 @@ import clast
 from clast import Stage
 from clast.errors import CaseError
 from clast.model.stages.motion import InStages
+from clast.run.run_state import RunState
 from clast.run.schedule import Progress, Schedule
-from clast.run.simulate import RunState, simulate
+from clast.run.simulate import simulate
 from clast.step.method import Method
 
 G = 9.81

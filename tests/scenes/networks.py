@@ -376,7 +376,7 @@ def _found(model: Model, run: Run, case: Case) -> Table:
     report, state = run.report, run.state
     p = case.method(model).contact_law.normal_stiffness
     numbers = [state.vertices, state.velocity, state.stress]
-    numbers += [run.energy_rows[name] for name in run.energy_rows.dtype.names or ()]
+    numbers += [*run.energy.values()]
     warned = {tuple(sorted(one.blocks)) for one in report.overlaps}
     unwarned = [one for one in deep_overlaps(model, state) if tuple(sorted(one[:2])) not in warned]
     smallest = float(np.sqrt(model.area.min()))

@@ -51,7 +51,6 @@ from clast.model.model import Model, PlaneStrain, PlaneStress
 
 if TYPE_CHECKING:
     from clast.results import Run
-    from clast.results.checkpoints.checkpoint import Source
     from clast.run.preflight import Sanity
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
@@ -427,33 +426,22 @@ class Case(BaseModel):
         # A bad case is refused before anything slow is loaded and anything is written.
         model = self.model()
         method = self.method(model)
-        from clast.case.resuming import case_source, checkpoints
-        from clast.results import RunRecorder
-        from clast.run.progress import Warner, shown
-        from clast.run.simulate import simulate
+        from clast.case.run_source import case_source
+        from clast.run.launch import Launch, Target, launch
 
-        schedule, say, every = self.schedule(), Warner(warn), self.output.checkpoint_every
-
-        def source() -> Source:
-            return case_source(self, model, method, schedule)
-
-        def made() -> Run:
-            with shown(progress) as watch:
-                warnings = say.all_of(self.foreseen(model, method))
-                recorder = RunRecorder(
-                    model, case_text=self.text, output=output, contacts=self.output.contacts
-                )
-                return simulate(
-                    model,
-                    method,
-                    schedule,
-                    recorder=recorder,
-                    watch=watch,
-                    keep=checkpoints(recorder, source, output=output, every=every, tell=say),
-                    warnings=warnings,
-                )
-
-        return say.with_report(made)
+        schedule, path = self.schedule(), None if output is None else Path(output)
+        what = Launch(
+            model=model,
+            method=method,
+            schedule=schedule,
+            foreseen=lambda: self.foreseen(model, method),
+            source=lambda: case_source(self, model, method, schedule),
+            target=lambda say: Target(output=path),
+            case_text=self.text,
+            contacts=self.output.contacts,
+            checkpoint_every=self.output.checkpoint_every,
+        )
+        return launch(what, progress, warn)
 
     def __repr__(self) -> str:
         numbered = len(self.geometry.blocks) if self.geometry else 0

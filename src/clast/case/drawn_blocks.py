@@ -20,7 +20,7 @@ from clast.case.comments import TO_BE_GIVEN, comment, listed
 from clast.errors import ModelError
 from clast.inputs.declaring.text import to_toml
 from clast.model.checks import Outlines, check_polygons
-from clast.model.mending import Repair
+from clast.model.repairs import Repair
 from clast.rockmass import CONSTRUCTION, WELDED, repaired
 from clast.rockmass.blocks import following
 from clast.rockmass.drawings.blocks import Blocks

@@ -1,4 +1,4 @@
-"""Going on from a checkpoint: what a run came from is made again, and must be what it was.
+"""Resume a run from its checkpoint: rebuild model and method, verify that they are unchanged.
 
 run = clast.resume("wall.checkpoint.h5")
 """
@@ -10,116 +10,34 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from clast.case.case_file import Case
+from clast.case.run_source import LARGEST_NAMED, named_files, named_print
 from clast.case.stage_again import check_fits, not_as_before, stage_before
 from clast.errors import CaseError, shortened
 from clast.inputs.time_and_output import OutputTable
 from clast.model.model import Model
-from clast.results import Run, RunRecorder
+from clast.results import Run
 from clast.results.checkpoints.checkpoint import OBJECTS, SETTINGS, TEXT, Checkpoint, Source
 from clast.results.checkpoints.files import (
-    check_place,
-    checkpoint_path,
     damaged,
     read_checkpoint,
 )
 from clast.results.checkpoints.fingerprints import digest, fingerprints
 from clast.results.checkpoints.plain import classes_near
 from clast.results.checkpoints.record_checks import rows_in_all, wrong_record
-from clast.results.checkpoints.regular_files import print_of, print_of_text, print_of_text_in
+from clast.results.checkpoints.regular_files import print_of_text_in
 from clast.results.checkpoints.taking_over import taken_over
 
 if TYPE_CHECKING:
-    from clast.run.checkpointing import Checkpointing
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 
-NAMING = "file"
-"""Key of all tables of a case that names a file beside it."""
-LARGEST_NAMED = 500_000_000
-"""Files above this size are not read, bytes."""
 LATER = frozenset({"time.end", "output.checkpoint_every"})
 """Keys that change nothing of what a run has done before a checkpoint."""
 NAMED = 6
 """Parts that a message lists, at most."""
-
-
-# where a run comes from ------------------------------------------------------------------------
-
-
-def checkpoints(
-    recorder: RunRecorder,
-    describe: Callable[[], Source],
-    *,
-    output: str | Path | None,
-    every: float | None,
-    tell: Callable[[str], None] | None = None,
-) -> Checkpointing | None:
-    """Return what writes the checkpoints of a run to a file, None for a run without one.
-
-    Raises CaseError where checkpoints are wanted and something else is in their place.
-    """
-    from clast.run.checkpointing import Checkpointing
-
-    if output is None:
-        return None
-    path = Path(output).resolve()
-    if every is not None:
-        check_place(checkpoint_path(path))
-    return Checkpointing(recorder=recorder, output=path, describe=describe, every=every, tell=tell)
-
-
-def case_source(case: Case, model: Model, method: Method, schedule: Schedule) -> Source:
-    """Return where the run of a case comes from."""
-    return Source(
-        text=case.text,
-        gives=TEXT if _is_whole(case) else OBJECTS,
-        file=str(Path(case.file).absolute()),
-        file_text="" if case.origin is None else print_of_text(case.origin),
-        files={name: _print_of(Path(case.file).parent / name) for name in _named_files(case)},
-        schedule=schedule,
-        fingerprints=fingerprints(model=model, method=method),
-    )
-
-
-def script_source(
-    settings: Case | None, model: Model, method: Method, schedule: Schedule
-) -> Source:
-    """Return where the run of a script comes from: its keys, None where it gave objects."""
-    whole = settings is not None and _is_whole(settings)
-    return Source(
-        text=settings.text if settings else "",
-        gives=SETTINGS if whole else OBJECTS,
-        schedule=schedule,
-        fingerprints=fingerprints(model=model, method=method),
-    )
-
-
-def _is_whole(case: Case) -> bool:
-    """Return whether a text can hold all of a case."""
-    try:
-        case.to_toml()
-    except CaseError:
-        return False
-    return True
-
-
-def _named_files(case: Case) -> list[str]:
-    """Return the files that a case names, each once."""
-
-    def named(value: Any, key: str) -> Iterator[str]:
-        if isinstance(value, dict):
-            for name, inner in value.items():
-                yield from named(inner, str(name))
-        elif isinstance(value, list | tuple):
-            for inner in value:
-                yield from named(inner, key)
-        elif isinstance(value, str) and key == NAMING:
-            yield value
-
-    return list(dict.fromkeys(named(case.model_dump(by_alias=True), "")))
 
 
 # going on --------------------------------------------------------------------------------------
@@ -184,42 +102,29 @@ def resume(
         now = _prepared(checkpoint, path, settings, Given(model=model, method=method))
     _check_content(checkpoint, path, now)
 
-    from clast.run.progress import Warner, shown
-    from clast.run.simulate import simulate
+    from clast.run.launch import Launch, Target, launch
 
-    say = Warner(warn)
+    def target(say: Callable[[str], None]) -> Target:
+        found, recorded = taken_over(path, now.model, checkpoint.recorded, output, say)
+        return Target(output=found, recorded=recorded)
 
-    def made() -> Run:
-        with shown(progress) as watch:
-            for text in (
-                *_of_versions(checkpoint),
-                *_of_case_file(checkpoint.source),
-                *now.warnings,
-            ):
-                say(text)
-            target, recorded = taken_over(path, now.model, checkpoint.recorded, output, say)
-            recorder = RunRecorder(
-                now.model,
-                case_text=now.source.text,
-                output=target,
-                contacts=now.output.contacts if now.output else True,
-                recorded=recorded,
-            )
-            every = now.output.checkpoint_every if now.output else None
-            return simulate(
-                now.model,
-                now.method,
-                now.source.schedule,
-                recorder=recorder,
-                watch=watch,
-                keep=checkpoints(
-                    recorder, lambda: now.source, output=target, every=every, tell=say
-                ),
-                begin=checkpoint.run,
-                warnings=now.warnings,
-            )
-
-    return say.with_report(made)
+    return launch(
+        Launch(
+            model=now.model,
+            method=now.method,
+            schedule=now.source.schedule,
+            remarks=(*_of_versions(checkpoint), *_of_case_file(checkpoint.source)),
+            foreseen=lambda: now.warnings,
+            source=lambda: now.source,
+            target=target,
+            case_text=now.source.text,
+            contacts=now.output.contacts if now.output else True,
+            checkpoint_every=now.output.checkpoint_every if now.output else None,
+            begin=checkpoint.run,
+        ),
+        progress,
+        warn,
+    )
 
 
 def _prepared(
@@ -302,7 +207,7 @@ def _warnings(
 
 def _of_versions(checkpoint: Checkpoint) -> Iterator[str]:
     """Say where another clast has written the checkpoint."""
-    from clast.run.checkpointing import own_version
+    from clast.run.launch import own_version
 
     if checkpoint.version != own_version():
         yield (
@@ -326,7 +231,7 @@ def _check_content(checkpoint: Checkpoint, path: Path, now: Prepared) -> None:
 
     Nothing has been written until here, and no kernel has seen it.
     """
-    from clast.run.simulate import RunState
+    from clast.run.run_state import RunState
     from clast.run.stages.restored import wrong_state
 
     run, recorded = checkpoint.run, checkpoint.recorded
@@ -359,7 +264,7 @@ def _as_it_was(source: Source, path: Path) -> Case:
     """Return the case of a checkpoint's text; no file is looked at that it does not name."""
     case = Case.from_text(source.text, source.file)
     if source.gives == TEXT and (
-        set(_named_files(case)) != set(source.files)
+        set(named_files(case)) != set(source.files)
         or digest(case.schedule()) != digest(source.schedule)
     ):
         raise damaged(path, "its case is another than its run's")
@@ -415,7 +320,7 @@ def _folder(source: Source, path: Path) -> Path:
     folders = Path(source.file).parent, path.resolve().parent
     changed: list[str] = []
     for folder in folders:
-        wrong = [name for name, was in source.files.items() if _print_of(folder / name) != was]
+        wrong = [name for name, was in source.files.items() if named_print(folder / name) != was]
         if not wrong:
             return folder
         changed = changed or wrong
@@ -425,11 +330,6 @@ def _folder(source: Source, path: Path) -> Path:
         where=str(folders[0] / changed[0]),
         remedy=f"put it back as it was, there or in {folders[1]}",
     )
-
-
-def _print_of(path: Path) -> str:
-    """Return the fingerprint of a file that a case names, empty where there is none."""
-    return print_of(path, LARGEST_NAMED)
 
 
 def _end(case: Case | None, settings: Sequence[str], checkpoint: Checkpoint, path: Path) -> float:

@@ -220,10 +220,9 @@ def simulate(
     tables = _tables(keys)
     _refuse_both(tables, {"method": method, "damping": method, "time": schedule})
     # a bad model is refused before anything slow is loaded
-    from clast.case.resuming import checkpoints, script_source
+    from clast.case.run_source import script_source
+    from clast.run.launch import Launch, Target, launch
     from clast.run.preflight import examine
-    from clast.run.progress import Warner, shown
-    from clast.run.simulate import simulate as march
 
     # a case that has everything but blocks
     settings = Case.validated({**_with_time(tables, model), "rock": {}}, "script")
@@ -234,36 +233,22 @@ def simulate(
     if stages:
         every = settings.output.interval(schedule.step, schedule.latest)
         schedule = replace(schedule, every=every) if "every" not in keys else schedule
-    recorder = recorder or RunRecorder(
-        model,
-        case_text=text,
-        output=None if output is None else Path(output),
-        contacts=settings.output.contacts,
+    target = Target(output=None if output is None else Path(output), recorder=recorder)
+    made, when = method, schedule
+    return launch(
+        Launch(
+            model=model,
+            method=made,
+            schedule=when,
+            foreseen=lambda: examine(model, made, when).warnings,
+            source=lambda: script_source(settings if text else None, model, made, when),
+            target=lambda say: target,
+            case_text=text,
+            contacts=settings.output.contacts,
+            checkpoint_every=settings.output.checkpoint_every,
+        ),
+        progress,
     )
-    say = Warner(None)
-
-    def made() -> Run:
-        with shown(progress) as watch:
-            warnings = examine(model, method, schedule).warnings
-            for warning in warnings:
-                say(warning)
-            return march(
-                model,
-                method,
-                schedule,
-                recorder=recorder,
-                watch=watch,
-                keep=checkpoints(
-                    recorder,
-                    lambda: script_source(settings if text else None, model, method, schedule),
-                    output=output,
-                    every=settings.output.checkpoint_every,
-                    tell=say,
-                ),
-                warnings=warnings,
-            )
-
-    return say.with_report(made)
 
 
 def usual_step(model: Model) -> float:

@@ -10,7 +10,7 @@ from clast.cli.terminal import print_json, print_table, tell
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from clast.model.mending import Repair
+    from clast.model.repairs import Repair
     from clast.model.stages.records import StageRecord
     from clast.model.state import Ledger
     from clast.results import Report, Run

@@ -15,8 +15,7 @@ from clast.errors import CaseError, shortened
 from clast.exports.choices import edge_joints, frames_in
 from clast.exports.targets import check_free
 from clast.results import Recording
-from clast.results.frames import KIND_FIELDS
-from clast.results.layout import BOLT_STATES
+from clast.results.schema import KIND_FIELDS, OVER_TIME, TableSchema
 from clast.results.tables import PARTS, Columns
 from clast.rockmass.drawings.files import replaced
 
@@ -84,10 +83,9 @@ def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
     """Give the tables of which results hold nothing, and what is to be said of them."""
     if not any(len(results.contacts(frame)) for frame in range(len(results.times))):
         yield "contacts", "no contacts are recorded: none bore a force, or they were left out"
-    if not results.point_name:
-        yield "histories", "no measured points are recorded"
-    if not results.bolt_name:
-        yield "bolts", "there are no bolts"
+    for one in OF_THINGS:
+        if not results.names_of(one):
+            yield one.csv or one.name, one.without
     if not results.stages:
         yield "stages", "it has no stages, or did not come to its end"
     if not results.events:
@@ -141,28 +139,30 @@ def _contacts(results: Recording, frames: Sequence[int]) -> Rows:
         yield from _with(columns.values(), frame, float(results.times[frame]))
 
 
-def _histories(results: Recording, frames: Sequence[int]) -> Rows:
-    for number, name in enumerate(results.point_name):
-        history = results.history(name)
-        if number == 0:
-            yield ("point", *history)
-        yield from _with([values.tolist() for values in history.values()], name)
+def _over_time(table: TableSchema) -> Callable[[Recording, Sequence[int]], Rows]:
+    """Return what gives the rows of a table with a row per instant or step."""
+
+    def given(results: Recording, frames: Sequence[int]) -> Rows:
+        if table.of is None:
+            columns = results.table(table.name)
+            yield tuple(columns)
+            yield from _with(_texts(table, columns))
+            return
+        for number, name in enumerate(results.names_of(table)):
+            columns = results.table(table.name, name)
+            if number == 0:
+                yield (table.of.name, *columns)
+            yield from _with(_texts(table, columns), name)
+
+    return given
 
 
-def _bolts(results: Recording, frames: Sequence[int]) -> Rows:
-    yield ("bolt", "time", "force", "elongation", "state")
-    for name in results.bolt_name:
-        history = dict(results.bolt_history(name))
-        states = [BOLT_STATES[k] for k in history.pop("state")]
-        yield from _with([*(values.tolist() for values in history.values()), states], name)
-
-
-def _energy(results: Recording, frames: Sequence[int]) -> Rows:
-    return _plain(results.energy)
-
-
-def _steps(results: Recording, frames: Sequence[int]) -> Rows:
-    return _plain(results.steps)
+def _texts(table: TableSchema, columns: Columns) -> Iterator[Sequence[Any]]:
+    """Give the columns of a table, those in words that have words."""
+    words = {column.name: column.words for column in table.columns if column.words}
+    for name, values in columns.items():
+        known = words.get(name)
+        yield [known[k] for k in values] if known else values.tolist()
 
 
 def _stages(results: Recording, frames: Sequence[int]) -> Rows:
@@ -181,25 +181,20 @@ def _events(results: Recording, frames: Sequence[int]) -> Rows:
         yield tuple(getattr(one, name) for name in names)
 
 
-def _plain(table: Columns) -> Rows:
-    yield tuple(table)
-    yield from _with([values.tolist() for values in table.values()])
-
-
 def _with(columns: Iterable[Sequence[Any]], *before: Any) -> Rows:
     """Give the rows of columns of equal length, behind something that all of them have."""
     for row in zip(*columns, strict=True):
         yield (*before, *row)
 
 
+OF_THINGS = tuple(one for one in reversed(OVER_TIME) if one.of is not None)
+"""Tables of measured points, of bolts: before those of the whole run."""
 TABLES: dict[str, Callable[[Recording, Sequence[int]], Rows]] = {
     "blocks": _blocks,
     "vertices": _vertices,
     "contacts": _contacts,
-    "histories": _histories,
-    "bolts": _bolts,
-    "energy": _energy,
-    "steps": _steps,
+    **{one.csv or one.name: _over_time(one) for one in OF_THINGS},
+    **{one.csv or one.name: _over_time(one) for one in OVER_TIME if one.of is None},
     "stages": _stages,
     "events": _events,
 }

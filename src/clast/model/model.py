@@ -21,8 +21,8 @@ from clast.model.bolts import Bolts
 from clast.model.factors import NO_FACTOR, Factor
 from clast.model.ground_motion import GroundMotion, Still
 from clast.model.in_situ import InSituStress
-from clast.model.mending import Repair
 from clast.model.openings import Opening, blocks_called
+from clast.model.repairs import Repair
 from clast.model.viscous_edges import ViscousEdges
 from clast.model.water.water import Water
 from clast.read_only import kept_property, seal

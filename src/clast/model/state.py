@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from operator import attrgetter
+from enum import Enum
+from functools import reduce
+from operator import add, attrgetter
 from typing import Any
 
 import numpy as np
@@ -96,66 +99,88 @@ def contact_keys(vertex: Ints, edge: Ints, point: Ints, count: int) -> Ints:
     return np.asarray(((inside * count + vertex) * count + edge) * POINTS + point)
 
 
+class Kind(Enum):
+    """What an entry of the energy ledger is."""
+
+    STORED = "stored"
+    """Energy in the system now."""
+    BROUGHT = "brought in"
+    """Energy that has come in from outside since the start."""
+    LOST = "lost"
+    """Energy that is gone since the start, but for what the time integration removed."""
+    NUMERICAL = "numerical"
+    """Energy that the time integration removed, less what it brought in."""
+    UNEXPLAINED = "unexplained"
+    """What the others fail to explain."""
+
+
+def entry(kind: Kind, since: str = "") -> Any:
+    """Return an entry of the ledger, J/m, of a kind.
+
+    ``since`` is what clast could do when it came, "" where it was there from the beginning.
+    """
+    return field(default=0.0, metadata={"kind": kind, "since": since})
+
+
 @dataclass(frozen=True, kw_only=True)
 class Ledger:
     """The energy of the system and where it went, J per metre of thickness.
 
     Stored energies are those of the instant, all others are sums since the start.  What is stored,
     less what was ``brought`` in, plus what was ``lost``, stays at its first value but for
-    ``unaccounted``, which is measured, not assumed.
+    ``unaccounted``, which is measured, not assumed.  Each entry says what it is (``LEDGER``); sums,
+    warnings, the result file and its reference follow from that.
     """
 
-    kinetic: float = 0.0
+    kinetic: float = entry(Kind.STORED)
     """Kinetic energy 1/2 v.M v."""
-    elastic: float = 0.0
+    elastic: float = entry(Kind.STORED)
     """Strain energy of the blocks."""
-    gravity: float = 0.0
+    gravity: float = entry(Kind.STORED)
     """Potential energy of gravity, zero at the start."""
-    contact: float = 0.0
+    contact: float = entry(Kind.STORED)
     """Energy in the normal and shear contact springs."""
-    fixed_points: float = 0.0
+    fixed_points: float = entry(Kind.STORED)
     """Energy in the springs of the fixed points."""
-    bolts: float = 0.0
+    bolts: float = entry(Kind.STORED, since="rock bolts")
     """Elastic energy in the bolts."""
-    loads: float = 0.0
+    loads: float = entry(Kind.BROUGHT)
     """Work done by loads and pressures and by the ground motion."""
-    water: float = 0.0
+    water: float = entry(Kind.BROUGHT, since="water")
     """Work done by water."""
-    friction: float = 0.0
+    friction: float = entry(Kind.LOST)
     """Work lost in sliding, >= 0 (and in the breaking of bonds)."""
-    impacts: float = 0.0
+    impacts: float = entry(Kind.LOST, since="impacts")
     """Energy lost in impacts: by restitution, and by friction within them."""
-    yielding: float = 0.0
+    yielding: float = entry(Kind.LOST, since="rock bolts")
     """Work lost in bolts that yield or break, >= 0."""
-    damping: float = 0.0
+    damping: float = entry(Kind.LOST, since="damping")
     """Energy taken by damping, >= 0."""
-    boundary: float = 0.0
+    boundary: float = entry(Kind.LOST, since="viscous boundaries")
     """Energy that left through viscous boundaries, less what came in through them."""
-    removed: float = 0.0
+    removed: float = entry(Kind.LOST, since="excavated blocks")
     """Energy that was taken out with blocks, or by resets, when stages began."""
-    actions: float = 0.0
+    actions: float = entry(Kind.STORED, since="actions of one's own")
     """Energy that further actions store, and what they have lost."""
-    numerical: float = 0.0
+    numerical: float = entry(Kind.NUMERICAL)
     """Energy removed by the time integration (positive) or brought in by it (negative)."""
-    unaccounted: float = 0.0
+    unaccounted: float = entry(Kind.UNEXPLAINED)
     """What the entries above fail to explain."""
 
     @property
     def stored(self) -> float:
         """Energy in the system now."""
-        held = self.kinetic + self.elastic + self.gravity + self.contact
-        return held + self.fixed_points + self.bolts + self.actions
+        return reduce(add, _stored(self))
 
     @property
     def brought(self) -> float:
         """Energy that has come in from outside."""
-        return self.loads + self.water
+        return reduce(add, _brought(self))
 
     @property
     def lost(self) -> float:
         """Energy that is gone, but for what the time integration removed."""
-        taken = self.friction + self.impacts + self.yielding + self.damping
-        return taken + self.boundary + self.removed
+        return reduce(add, _lost(self))
 
     def plus(self, *changes: Ledger) -> Ledger:
         """Return the ledger with every entry changed by those of ``changes``, in their order."""
@@ -163,9 +188,21 @@ class Ledger:
         return Ledger(**dict(zip(LEDGER_ENTRIES, sums, strict=True)))
 
 
-LEDGER_ENTRIES = tuple(entry.name for entry in fields(Ledger))
-"""Names of the entries of a ledger."""
+LEDGER: dict[str, Mapping[str, Any]] = {one.name: one.metadata for one in fields(Ledger)}
+"""Entries of a ledger: name -> kind and since."""
+LEDGER_ENTRIES = tuple(LEDGER)
+"""Their names."""
 _entries = attrgetter(*LEDGER_ENTRIES)
+
+
+def entries_of(*kinds: Kind) -> tuple[str, ...]:
+    """Return the names of the entries of some kinds, in their order."""
+    return tuple(name for name, about in LEDGER.items() if about["kind"] in kinds)
+
+
+_stored, _brought, _lost = (
+    attrgetter(*entries_of(kind)) for kind in (Kind.STORED, Kind.BROUGHT, Kind.LOST)
+)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

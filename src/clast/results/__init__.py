@@ -1,7 +1,7 @@
 """What a run leaves behind: histories, energy, a report, and one .vtkhdf file that ParaView opens.
 
 A run writes through ``RunRecorder``, which gives a ``Run``; a file is read again by
-``read_results``.  The layout of the file is described in ``clast.results.layout``.
+``read_results``.  The layout of the file is described in ``clast.results.schema``.
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ from __future__ import annotations
 from clast.results.frames import Frame
 from clast.results.reading import Results, read_results, summary
 from clast.results.recorder import RunRecorder
-from clast.results.run import Report, Run
+from clast.results.recording import Recording, Run
+from clast.results.report import Report
 from clast.results.tables import (
     BlockHistory,
     BoltHistory,
@@ -18,8 +19,6 @@ from clast.results.tables import (
     PointHistory,
 )
 
-Recording = Results | Run
-"""Whatever frames and histories can be read from."""
 read = read_results
 """The public name of ``read_results``: ``clast.read("out.vtkhdf")``."""
 

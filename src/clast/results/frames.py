@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from clast import spelling
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints
+from clast.results.schema import COMPONENTS
 from clast.results.tables import BlockHistory, FrameBolts, FrameContacts
 
 BLOCK_ROW = np.dtype(
@@ -28,18 +29,6 @@ BLOCK_ROW = np.dtype(
     ]
 )
 """One block in one frame."""
-KIND_FIELDS = ("block", "rock", "fixed")
-"""Fields that are the same in all frames."""
-COMPONENTS = {
-    "displacement_x": ("displacement", 0),
-    "displacement_y": ("displacement", 1),
-    "velocity_x": ("velocity", 0),
-    "velocity_y": ("velocity", 1),
-    "sigma_xx": ("stress", 0),
-    "sigma_yy": ("stress", 1),
-    "sigma_xy": ("stress", 2),
-}
-"""Parts of fields that may be asked for by a name of their own."""
 GONE = "gone"
 """Field that is 1 for blocks that have been excavated."""
 VERTICES = "vertices"

@@ -11,8 +11,8 @@ from typing import Any, BinaryIO, TypeVar
 from clast.errors import CaseError
 from clast.results import locks
 from clast.results.journal import read_journal
-from clast.results.layout import FORMAT
 from clast.results.pages import CheckedFile, DamagedPageError
+from clast.results.schema import FORMAT
 
 ATTEMPTS = 20
 """How often a file is read again that has changed meanwhile, where locks do not prevent it."""

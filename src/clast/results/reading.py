@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -12,91 +12,42 @@ import numpy as np
 from numpy.typing import NDArray
 
 from clast.errors import CaseError
-from clast.model.model import Bools, Floats, Ints
-from clast.model.stages.records import Event, StageRecord
-from clast.model.water.water import Water
+from clast.model.model import Floats
 from clast.results import structure
-from clast.results.frames import (
-    KIND_FIELDS,
-    VERTICES,
-    Frame,
-    block_of,
-    bolts_of,
-    contacts_of,
-    field_of,
-    frame_of,
-    gone_in_frame,
-    unknown_name,
-)
-from clast.results.layout import BOLT_STATES, FORMAT, PLANE_VECTORS, history_path
+from clast.results.frames import VERTICES, FrameStore, gone_in_frame
 from clast.results.opening import AGAIN, ask, check_ours
 from clast.results.provenance import main_parameters
-from clast.results.run import Report
-from clast.results.structure import BoltLines, EdgeJoints
-from clast.results.tables import (
-    BlockHistory,
-    BoltHistory,
-    Columns,
-    FrameBolts,
-    FrameContacts,
-    PointHistory,
-    no_joints,
-    rows_of_bolt,
+from clast.results.recording import EdgeJoints, Recording
+from clast.results.schema import (
+    BOLT_STATES,
+    BOLTS,
+    CONTACTS,
+    FORMAT,
+    KIND_FIELDS,
+    PLANE_VECTORS,
+    POINTS,
+    TableSchema,
 )
+from clast.results.tables import no_joints
 
 LARGEST = 1e150
 """No place and no force is that large."""
-SOUND = {
-    "position": "contacts",
-    "normal": "normals",
-    "normal_force": "normal forces",
-    "shear_force": "shear forces",
-}
-"""Columns of the contacts that are looked at, and what they are called."""
 QUICKLY_CHECKED = 2**28
 """Size of a file that is checked from end to end in less than half a second, bytes."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Results:
+class Results(Recording):
     """What a result file holds.  Coordinates are the user's; arrays are read when asked for."""
 
     path: Path
     """The file."""
-    title: str
-    """Title of the case."""
     case_text: str
     """The case file as it was run."""
     about: dict[str, Any]
     """Process, contact law, rocks and their numbers, as clast info prints them."""
     versions: dict[str, str]
     """Version of clast and of what it is built on."""
-    times: Floats
-    """Time of each frame, s, shape (frames,)."""
-    block_name: tuple[str, ...]
-    """Name of each block."""
-    block_start: Ints
-    """Index of each block's first vertex; the last entry is the vertex count, shape (n + 1,)."""
-    block_rock: Ints
-    """Rock index of each block, shape (n,)."""
-    fixed: Bools
-    """True where a block cannot move at all, shape (n,)."""
-    rock_name: tuple[str, ...]
-    """Name of each rock."""
-    point_name: tuple[str, ...]
-    """Name of each measured point."""
-    point_start: Floats
-    """Where each measured point was at the start, m, shape (k, 2)."""
-    report: Report | None
-    """How the run went; None where it never came to write one."""
-    joints: EdgeJoints | None = field(default=None, repr=False)
-    """The joints; None where an earlier clast wrote the file."""
-    bolt_lines: BoltLines = field(default_factory=BoltLines, repr=False)
-    """The bolts."""
-    origin: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
-    """Point that coordinates of the model are relative to, m, shape (2,)."""
-    water: tuple[Water, ...] = field(default=(), repr=False)
-    """Water on outer faces and in joints."""
     layout: int = FORMAT
     """Version of the file's layout."""
     frame_stages: tuple[str, ...] = ()
@@ -110,75 +61,14 @@ class Results:
         return self.path.name
 
     @property
-    def begins(self) -> Mapping[str, str]:
-        """Stage with which each load, water or table that stages name begins."""
-        begins: Mapping[str, str] = self.about.get("begins", {})
-        return begins
-
-    @property
-    def stages(self) -> tuple[StageRecord, ...]:
-        """How each stage went; none where the run has no stages, or did not end."""
-        return self.report.stages if self.report else ()
-
-    @property
-    def events(self) -> tuple[Event, ...]:
-        """What happened in the run; nothing is known where it did not end."""
-        return self.report.events if self.report else ()
-
-    @property
-    def joint_name(self) -> tuple[str, ...]:
-        """Name of each joint.  Raises CaseError where an earlier clast wrote the file."""
-        return self._known_joints.name
-
-    @property
-    def edge_joint(self) -> Ints:
-        """Joint index of the edge from each vertex to the next, shape (nv,).
-
-        -1: none of its own; its contacts take that of their blocks or rocks, or the default.
-        Raises CaseError where an earlier clast wrote the file.
-        """
-        return self._known_joints.edge
+    def _frames(self) -> FrameStore:
+        return self
 
     @property
     def _known_joints(self) -> EdgeJoints:
         if self.joints is None:
             raise no_joints(str(self.path))
         return self.joints
-
-    def field(self, name: str, frame: int | None = None) -> NDArray[Any]:
-        """Return a field of the blocks, of all frames or of one.
-
-        Shape (frames, n), (frames, n, 2) or (frames, n, 3), without the first of them for one
-        frame.  ``field_names`` says which there are; parts of them are called sigma_yy,
-        displacement_x and so on; "vertices" is (frames, nv, 2), m.  Raises CaseError for a field or
-        a frame that does not exist.
-        """
-        return field_of(self, name, frame)
-
-    def vertices(self, frame: int = -1) -> Floats:
-        """Return the vertices of a frame, m, shape (nv, 2); frame -1 is the last."""
-        return field_of(self, VERTICES, frame)
-
-    def contacts(self, frame: int = -1) -> FrameContacts:
-        """Return the contacts of a frame that carry a force, as a table."""
-        return contacts_of(self, frame)
-
-    def frame(
-        self, number: int = -1, *, at: float | None = None, stage: str | None = None
-    ) -> Frame:
-        """Return a frame by its number, the one nearest to the time ``at``, s, or of a stage.
-
-        That is the last one of the stage.  Raises CaseError for a number or a time that lies
-        outside of the run, and for a stage that does not exist.
-        """
-        return frame_of(self, number, at, stage)
-
-    def block(self, name: str) -> BlockHistory:
-        """Return how the block ``name`` moved, a row per frame, as a table.
-
-        Raises CaseError for a block that does not exist.
-        """
-        return block_of(self, name, self.block_name)
 
     @cached_property
     def field_names(self) -> tuple[str, ...]:
@@ -205,8 +95,9 @@ class Results:
         ends = self.frame_rows["contacts"]
         first = ends[frame - 1] if frame else 0
         rows: NDArray[Any] = ask(self.path, lambda file: file["contacts"][first : ends[frame]])
-        for name, what in SOUND.items():
-            self._check_sound(rows[name][None], what, [frame])
+        for column in CONTACTS.columns:
+            if column.checked and column.name in (rows.dtype.names or ()):
+                self._check_sound(rows[column.name][None], column.checked, [frame])
         self._check_joints(rows, frame)
         return rows
 
@@ -221,37 +112,6 @@ class Results:
                 remedy=AGAIN,
             )
 
-    def history(self, name: str) -> PointHistory:
-        """Return the history of the measured point ``name``, a row per instant, as a table.
-
-        Raises CaseError for a point that does not exist.
-        """
-        if name not in self.point_name:
-            raise unknown_name("measured point", name, self.point_name)
-        return PointHistory(self._table(history_path(name, self.layout), "instants"))
-
-    @property
-    def bolt_name(self) -> tuple[str, ...]:
-        """Name of each bolt."""
-        return self.bolt_lines.name
-
-    def bolt_history(self, name: str) -> BoltHistory:
-        """Return what the bolt ``name`` bore, a row per instant, as a table.
-
-        Raises CaseError for a bolt that does not exist.
-        """
-        if name not in self.bolt_name:
-            raise unknown_name("bolt", name, self.bolt_name)
-        return BoltHistory(
-            rows_of_bolt(self._table("bolts", "instants"), self.bolt_name.index(name))
-        )
-
-    def bolts(self, frame: int = -1) -> FrameBolts:
-        """Return the bolts of a frame: where they are, their forces and states."""
-        lines = self.bolt_lines
-        rows = self._table("bolts", "instants") if lines.name else np.zeros(0)
-        return bolts_of(self, frame, lines.name, lines.point, rows)
-
     def bolt_points(self, frame: int) -> Floats:
         """Return the points of the bolts in a frame, m, shape (q, 2)."""
         first = frame * len(self.bolt_lines.point)
@@ -259,16 +119,6 @@ class Results:
         points: Floats = ask(self.path, lambda file: file["bolt_points"][first:past])
         self._check_sound(points[None], "bolts", [frame])
         return points
-
-    @property
-    def energy(self) -> Columns:
-        """Energy ledger over time: ``time``, s, and every entry, J per m, each of shape (t,)."""
-        return Columns(self._table("energy", "instants"))
-
-    @property
-    def steps(self) -> Columns:
-        """Accepted steps: time, step, passes, contacts, penetration, travel, each of shape (t,)."""
-        return Columns(self._table("steps", "steps"))
 
     def _check_sound(self, values: Floats, what: str, frames: Sequence[int]) -> None:
         """Raise CaseError where values (frames, ...) are no numbers, or cannot be squared."""
@@ -280,11 +130,14 @@ class Results:
                 remedy=AGAIN,
             )
 
-    def _table(self, place: str, counter: str) -> NDArray[Any]:
+    def _rows(self, table: TableSchema, index: int | None = None) -> NDArray[Any]:
         # Until the run is finished only what belongs to whole frames is sure to be there.
-        end = None if self.report else self.frame_rows[counter][-1]
+        end = None if self.report else self.frame_rows[table.counter][-1]
+        places = table.places(self.names_of(table), self.layout)
+        apart = index is not None and table.of is not None and bool(table.of.path)
+        place = places[index if index is not None and apart else 0]
         rows: NDArray[Any] = ask(self.path, lambda file: file[place][:end])
-        return rows
+        return rows if index is None or apart else table.one(rows, index)
 
     def __repr__(self) -> str:
         points = ", ".join(self.point_name[:4])
@@ -312,7 +165,8 @@ def _results(path: Path, file: Any) -> Results:
     blocks, frames = structure.blocks_of(file), structure.frames_of(file)
     structure.check_arrays(file, frames, blocks)
     structure.check_grid(file, frames, blocks)
-    points = structure.points_of(file, layout, frames["instants"][-1])
+    points, bolts = structure.points_of(file), structure.bolts_of(file, frames)
+    structure.check_tables(file, frames, {POINTS: points[0], BOLTS: bolts.name}, layout)
     about, prefix = file["model"].attrs, "version of "
     made = structure.about_of(file)
     return Results(
@@ -321,6 +175,7 @@ def _results(path: Path, file: Any) -> Results:
         title=str(about["title"]),
         case_text=structure.text(file, "model/case"),
         about=made,
+        begins=made.get("begins", {}),
         versions={
             key.removeprefix(prefix): str(number)
             for key, number in about.items()
@@ -333,7 +188,7 @@ def _results(path: Path, file: Any) -> Results:
         fixed=blocks.fixed,
         rock_name=blocks.rock_name,
         joints=structure.joints_of(file, blocks),
-        bolt_lines=structure.bolts_of(file, frames),
+        bolt_lines=bolts,
         origin=np.asarray(about["origin"]),
         water=structure.water_of(file, blocks),
         point_name=points[0],

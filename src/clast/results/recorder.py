@@ -4,22 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from operator import attrgetter
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.errors import ResultsLost, RunStopped
-from clast.model.model import Model
+from clast.errors import CaseError, ResultsLost, RunStopped
+from clast.model.model import Floats, Model
 from clast.model.stages.reference import Reference
-from clast.model.state import LEDGER_ENTRIES, State
+from clast.model.state import State
 from clast.results.checkpoints.checkpoint import Recorded
 from clast.results.checkpoints.cutting_back import rows_after
-from clast.results.layout import ENERGY_ROW, FRAME_ROW, STEP_ROW, bolts_row
-from clast.results.run import Report, Run
-from clast.results.tables import Table, no_contacts, points_row
+from clast.results.frames import FrameStore
+from clast.results.recording import Run, parts_of
+from clast.results.report import Report
+from clast.results.schema import FRAME_ROW, OVER_TIME
+from clast.results.tables import Table, no_contacts
 from clast.step.method import StepResult
 
 if TYPE_CHECKING:
@@ -27,8 +29,6 @@ if TYPE_CHECKING:
 
 MEMORY_LIMIT = 2e9
 """Memory for the frames of a run that writes no file, bytes, unless another is given."""
-
-_ledger_entries = attrgetter(*LEDGER_ENTRIES)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,19 +68,15 @@ class RunRecorder:
         recorded: Recorded | None = None,
     ) -> None:
         # Compiled kernels are slow to import; who only reads results does not need them.
-        from clast.results.frames_in_memory import FramesInMemory
-        from clast.results.sampling import BoltTracker, FrameFields, PointTracker
+        from clast.results.sampling import FrameFields, FramesInMemory
 
         self._model = model
         self._case_text = case_text
         self._with_contacts = contacts
-        self._tracker = PointTracker(model)
-        self._bolt_tracker = BoltTracker(model)
         self._fields = FrameFields(model)
-        self._points = Table(points_row(len(model.measured_points.name)))
-        self._bolts = Table(bolts_row(len(model.bolts)))
-        self._energy = Table(ENERGY_ROW)
-        self._steps = Table(STEP_ROW)
+        self._kinds = [one for one in OVER_TIME if one.is_kept(model)]
+        self._tables = {one.name: Table(one.rows(one.count(model))) for one in OVER_TIME}
+        self._follow()
         self._state: State | None = None
         self._result: StepResult | None = None
         self._frame_times: list[float] = []
@@ -99,6 +95,16 @@ class RunRecorder:
             path = Path(output)
             storage = None if recorded is None else reopened(path, model, recorded)
             self._file = ResultFile(path, model, case_text, storage)
+
+    def _follow(self, reference: Reference | None = None) -> None:
+        """Let what follows count from a reference."""
+        from clast.results.sampling import ROWS, STEP_ROWS
+
+        names = [one.name for one in self._kinds]
+        self._trackers = {
+            name: made(self._model, reference) for name, made in ROWS.items() if name in names
+        }
+        self._step_rows = {name: row for name, row in STEP_ROWS.items() if name in names}
 
     @property
     def state(self) -> State:
@@ -130,7 +136,7 @@ class RunRecorder:
             raise RuntimeError("what goes on is a file")
         times, before = self._file.go_on(recorded)
         self._frame_times = times.tolist()
-        for name, table in self._tables().items():
+        for name, table in self._tables.items():
             table.extend(before[name])
             table.extend(recorded.since[name])
         self._framed = Mark(
@@ -144,11 +150,11 @@ class RunRecorder:
 
         Displacements count from ``reference`` on, if there is one.
         """
-        from clast.results.sampling import FrameFields, PointTracker
+        from clast.results.sampling import FrameFields
 
         self._stage = stage
         if reference is not None:
-            self._tracker = PointTracker(self._model, reference)
+            self._follow(reference)
             self._fields = FrameFields(self._model, reference)
             if self._kept is not None:
                 self._kept.count_from(self._fields)
@@ -158,16 +164,8 @@ class RunRecorder:
         state = result.state
         self._record(state)
         self._result = result
-        self._steps.append(
-            (
-                state.time,
-                step,
-                result.passes,
-                len(result.contacts),
-                result.penetration,
-                result.travel,
-            )
-        )
+        for name, row in self._step_rows.items():
+            self._tables[name].append(row(result, step))
 
     def frame(
         self,
@@ -188,14 +186,14 @@ class RunRecorder:
         if self._file is not None:
             points = state.points[self._model.point_slices.bolts] + self._model.origin
             self._file.stage = self._stage
-            self._file.frame(state.time, self._fields.of(state), rows, self._tables(), points)
+            self._file.frame(state.time, self._fields.of(state), rows, self._tables, points)
         self._frame_times.append(state.time)
         self._framed = Mark(
             frames=len(self._frame_times),
             frame=(
                 state.time,
-                len(self._steps),
-                len(self._energy),
+                len(self._tables["steps"]),
+                len(self._tables["energy"]),
                 self._framed.frame[3] + len(rows),
             ),
             counts=self._counts(),
@@ -223,10 +221,10 @@ class RunRecorder:
             lineage=self._file.lineage,
             frames=mark.frames,
             frame=np.array([mark.frame], FRAME_ROW),
-            energy=self._energy.since(at - 1)[:1].copy(),
+            energy=self._tables["energy"].since(at - 1)[:1].copy(),
             since={
                 name: table.since(mark.counts[name])[: mark.now[name] - mark.counts[name]].copy()
-                for name, table in self._tables().items()
+                for name, table in self._tables.items()
             },
             contacts=contacts,
             wall=wall + (0.0 if self._recorded is None else self._recorded.wall),
@@ -243,7 +241,7 @@ class RunRecorder:
         try:
             self._last_frame()
             if self._file is not None:
-                self._file.finish(report, self._tables())
+                self._file.finish(report, self._tables)
         except ResultsLost as lost:
             if report.finished:
                 outcome = f"stopped at t = {self.state.time:.6g} s: {lost}"
@@ -265,27 +263,29 @@ class RunRecorder:
             self._keep(self.state, before.contacts)
 
     def _run(self, report: Report) -> Run:
+        path = self._file.path if self._file else None
+        times = np.array(self._frame_times) if self._kept is None else self._kept.times
+        if self._kept is None:
+            opened = partial(frames_in_file, path or Path(), self._model.title, times)
+        else:
+            opened = partial(frames_at_hand, self._kept)
         return Run(
             model=self._model,
             state=self.state,
-            report=report,
-            output=self._file.path if self._file else None,
+            output=path,
             checkpoint=self.checkpoint,
-            point_rows=self._points.rows,
-            bolt_rows=self._bolts.rows,
-            energy_rows=self._energy.rows,
-            step_rows=self._steps.rows,
-            times=np.array(self._frame_times) if self._kept is None else self._kept.times,
-            kept=self._kept,
+            report=report,
+            times=times,
+            tables={name: table.rows for name, table in self._tables.items()},
+            open_frames=opened,
             begins=self._begins,
+            **parts_of(self._model),
         )
 
     def _record(self, state: State) -> None:
         self._state = state
-        self._energy.append((state.time, *_ledger_entries(state.ledger)))
-        self._points.append(self._tracker.row(state))
-        if len(self._model.bolts):
-            self._bolts.append(self._bolt_tracker.row(state))
+        for name, tracker in self._trackers.items():
+            self._tables[name].append(tracker.row(state))
 
     def _said_of_bolts(self) -> tuple[str, ...]:
         """Return which bolts yielded or broke, and when."""
@@ -298,17 +298,25 @@ class RunRecorder:
 
     def _counts(self) -> dict[str, int]:
         """Return how many rows each table has."""
-        return {name: len(table) for name, table in self._tables().items()}
+        return {name: len(table) for name, table in self._tables.items()}
 
     def _counts_after(self, last: NDArray[Any]) -> dict[str, int]:
         """Return how many rows each table had after the frame with this row, shape (1,)."""
-        counts = rows_after(last)
-        return counts if len(self._model.bolts) else {**counts, "bolts": 0}
+        return rows_after(last, self._model)
 
-    def _tables(self) -> dict[str, Table]:
-        return {
-            "energy": self._energy,
-            "steps": self._steps,
-            "history": self._points,
-            "bolts": self._bolts,
-        }
+
+def frames_at_hand(frames: FrameStore) -> FrameStore:
+    """Return frames that are in memory."""
+    return frames
+
+
+def frames_in_file(path: Path, title: str, times: Floats) -> FrameStore:
+    """Return the frames of a run in its file; raises CaseError where that holds another run now."""
+    from clast.results.reading import read_results
+
+    results = read_results(path)
+    if results.title != title or not np.array_equal(results.times, times):
+        raise CaseError(
+            "holds another run now", where=str(path), remedy="keep the results of each run"
+        )
+    return results

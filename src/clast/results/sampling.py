@@ -1,8 +1,11 @@
-"""What is recorded of a state: outlines, fields of the blocks, contacts, measured points."""
+"""What is recorded of a state: outlines, fields, contacts, rows of tables; frames in memory."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from dataclasses import replace
+from operator import attrgetter
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +17,12 @@ from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.model.model import Floats, Ints, Model
 from clast.model.stages.reference import Reference
-from clast.model.state import State
-from clast.results.layout import CONTACT_ROW
+from clast.model.state import LEDGER_ENTRIES, ContactMemory, State
+from clast.results.frames import VERTICES
+from clast.results.schema import BLOCK_FIELDS, CONTACTS, KIND_FIELDS, PLANE_VECTORS
+from clast.step.method import StepResult
+
+_ledger_entries = attrgetter(*LEDGER_ENTRIES)
 
 
 class FrameFields:
@@ -31,7 +38,7 @@ class FrameFields:
         _, self._start, _ = polygon.moments(self._vertices, model.block_start)
 
     def of(self, state: State) -> dict[str, Floats]:
-        """Return the arrays of a frame by their place in /VTKHDF (``layout.FRAME_ARRAYS``)."""
+        """Return the arrays of a frame by their place in /VTKHDF (``schema.FIELDS``)."""
         model = self._model
         _, centroid, _ = polygon.moments(state.vertices, model.block_start)
         sigma_1, sigma_3 = principal_stresses(state.stress)
@@ -56,7 +63,7 @@ class FrameFields:
     def contacts(self, state: State, contacts: Contacts, response: ContactResponse) -> NDArray[Any]:
         """Return a row for every contact that carries a force."""
         loaded = np.flatnonzero((response.normal_force != 0.0) | (response.shear_force != 0.0))
-        rows = np.zeros(len(loaded), CONTACT_ROW)
+        rows = np.zeros(len(loaded), CONTACTS.row)
         rows["position"] = self._places(state, contacts, loaded) + self._model.origin
         rows["normal"] = contacts.normal[loaded]
         rows["normal_force"] = response.normal_force[loaded]
@@ -100,10 +107,29 @@ def own_of_bolts(model: Model, state: State) -> BoltStates:
     return own[0] if own else Bolting().begin(model)
 
 
+class Tracker(Protocol):
+    """Gives the rows of a table."""
+
+    def row(self, state: State) -> tuple[Any, ...]:
+        """Return the row of an instant, its entries in the order of the columns."""
+        ...
+
+
+class LedgerTracker:
+    """Follows the energy ledger."""
+
+    def __init__(self, model: Model, reference: Reference | None = None) -> None:
+        pass
+
+    def row(self, state: State) -> tuple[float, ...]:
+        """Return time and every entry of the ledger."""
+        return state.time, *_ledger_entries(state.ledger)
+
+
 class BoltTracker:
     """Follows the bolts of a model through its states."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, reference: Reference | None = None) -> None:
         self._model = model
         self._count = len(model.bolts)
 
@@ -151,6 +177,30 @@ class PointTracker:
         return state.time, at - self._start, velocity, rotation
 
 
+ROWS: dict[str, Callable[[Model, Reference | None], Tracker]] = {
+    "energy": LedgerTracker,
+    "history": PointTracker,
+    "bolts": BoltTracker,
+}
+"""Tables with a row per instant -> what gives their rows from a reference on."""
+
+
+def step_row(result: StepResult, step: float) -> tuple[float, ...]:
+    """Return the row of an accepted step of length ``step``, s."""
+    return (
+        result.state.time,
+        step,
+        result.passes,
+        len(result.contacts),
+        result.penetration,
+        result.travel,
+    )
+
+
+STEP_ROWS: dict[str, Callable[[StepResult, float], tuple[float, ...]]] = {"steps": step_row}
+"""Tables with a row per step -> what gives their rows."""
+
+
 def point_velocity(offset: Floats, velocity: Floats) -> Floats:
     """Return the velocity (k, 2), m/s, of points at ``offset`` (k, 2) from their block's centroid.
 
@@ -162,3 +212,84 @@ def point_velocity(offset: Floats, velocity: Floats) -> Floats:
     out[:, 0] = u - y * spin + x * ex + 0.5 * y * gxy
     out[:, 1] = v + x * spin + y * ey + 0.5 * x * gxy
     return out
+
+
+class FramesInMemory:
+    """The frames of a run in memory, as states; their fields are computed when asked for.
+
+    Frames beyond ``limit`` bytes are not kept, but for the last.
+    """
+
+    def __init__(self, model: Model, limit: float) -> None:
+        self._model = model
+        self._fields = FrameFields(model)
+        self._frames: list[tuple[State, NDArray[Any], FrameFields]] = []
+        self._stages: list[str] = []
+        self._bytes = 0
+        self._limit = limit
+        self.left_out_from: float | None = None
+        """Time from which frames found no room, s; the last is kept all the same."""
+
+    def count_from(self, fields: FrameFields) -> None:
+        """Let ``fields`` compute what is asked for of the frames that follow."""
+        self._fields = fields
+
+    def add(self, state: State, contacts: NDArray[Any], stage: str) -> None:
+        """Keep a state, the rows of its contacts and the name of its stage."""
+        state = replace(state, memory=ContactMemory())
+        arrays = (state.vertices, state.velocity, state.stress, state.rotation, contacts)
+        self._bytes += sum(array.nbytes for array in arrays)
+        if self._bytes > self._limit and len(self._frames) > 1:
+            if self.left_out_from is None:
+                self.left_out_from = self._frames[-1][0].time
+            self._frames.pop()
+            self._stages.pop()
+        self._frames.append((state, contacts, self._fields))
+        self._stages.append(stage)
+
+    @property
+    def times(self) -> Floats:
+        """Time of each frame, s, shape (frames,)."""
+        return np.array([state.time for state, *_ in self._frames])
+
+    @property
+    def frame_stages(self) -> tuple[str, ...]:
+        """Name of the stage of each frame; empty where the run has no stages."""
+        return tuple(self._stages) if any(self._stages) else ()
+
+    @property
+    def block_start(self) -> Ints:
+        """Index of each block's first vertex; the last entry is the vertex count, (n + 1,)."""
+        return self._model.block_start
+
+    @property
+    def field_names(self) -> tuple[str, ...]:
+        """Names of the fields of the blocks."""
+        return tuple(sorted((*(one.name for one in BLOCK_FIELDS), *KIND_FIELDS)))
+
+    def series(self, name: str, frames: range, first: int, past: int) -> NDArray[Any]:
+        """Return rows ``first`` to ``past`` - 1 of a field in some frames, (frames, rows, ...)."""
+        return np.stack([self._one(name, frame)[first:past] for frame in frames])
+
+    def contact_rows(self, frame: int) -> NDArray[Any]:
+        """Return a row for every contact of a frame that carries a force."""
+        return self._frames[frame][1]
+
+    def bolt_points(self, frame: int) -> Floats:
+        """Return the points of the bolts in a frame, m, shape (q, 2)."""
+        rows = self._model.point_slices.bolts
+        return np.asarray(self._frames[frame][0].points[rows] + self._model.origin)
+
+    def _one(self, name: str, frame: int) -> NDArray[Any]:
+        """Return a field of one frame, shape (n, ...), or its vertices, (nv, 2)."""
+        model = self._model
+        state, _, fields = self._frames[frame]
+        kinds: dict[str, NDArray[Any]] = {
+            "block": np.arange(model.block_count),
+            "rock": model.block_rock,
+            "fixed": model.fixed.astype(np.uint8),
+        }
+        if name in kinds:
+            return kinds[name]
+        values = fields.of(state)["Points" if name == VERTICES else f"CellData/{name}"]
+        return values[:, :2] if name in (*PLANE_VECTORS, VERTICES) else values

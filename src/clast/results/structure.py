@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, dataclass, fields
 from typing import Any, get_origin, get_type_hints
 
 import numpy as np
@@ -18,24 +18,24 @@ from clast.model.model import Bools, Floats, Ints
 from clast.model.stages.records import Event, Mover, StageRecord
 from clast.model.state import Ledger
 from clast.model.water.water import Water
-from clast.results.layout import (
-    CELL_ARRAYS,
-    CONTACT_ROW,
-    FIRST_CONTACT_ROW,
-    FRAME_ROW,
-    FRAME_STAGE,
-    POINT_ARRAYS,
-    POINT_ROW,
-    POLYGON,
-    SINCE,
-    STEP_ROW,
-    bolts_row,
-    history_path,
-)
 from clast.results.opening import MalformedError
 from clast.results.parts.water import waters_in
 from clast.results.provenance import about_in
-from clast.results.run import Report, report_from_dict
+from clast.results.recording import BoltLines, EdgeJoints
+from clast.results.report import Report, report_from_dict
+from clast.results.schema import (
+    BOLT_POINTS,
+    CONTACTS,
+    ENERGY,
+    FRAME_ROW,
+    FRAME_STAGE,
+    KIND_FIELDS,
+    MOVING_FIELDS,
+    OVER_TIME,
+    POLYGON,
+    TableSchema,
+    Things,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,16 +74,6 @@ def blocks_of(file: Any) -> Blocks:
         name=name,
         rock_name=rock_name,
     )
-
-
-@dataclass(frozen=True, kw_only=True)
-class EdgeJoints:
-    """What a result file says of the joints; nv edges, each from a vertex to the next."""
-
-    name: tuple[str, ...]
-    """Name of each joint."""
-    edge: Ints
-    """Joint index of each edge; -1: by its pair of blocks or rocks, or the default, (nv,)."""
 
 
 def joints_of(file: Any, blocks: Blocks) -> EdgeJoints | None:
@@ -125,28 +115,13 @@ def stages_of(file: Any, stages: Sequence[str], frames: int) -> tuple[str, ...]:
     return tuple(stages[one] for one in number)
 
 
-def points_of(file: Any, layout: int, instants: int) -> tuple[tuple[str, ...], Floats]:
-    """Return names and starts (k, 2) of the measured points; raises MalformedError.
-
-    Each has a history of at least so many ``instants``.
-    """
+def points_of(file: Any) -> tuple[tuple[str, ...], Floats]:
+    """Return names and starts (k, 2) of the measured points; raises MalformedError."""
     name = names(file, "model/point_name")
     start = _whole(file, "model/point_start", "f", (2,))
     if len(start) != len(name) or len(set(name)) < len(name) or not np.isfinite(start).all():
         raise MalformedError("/model/point_start is not a place for each measured point")
-    for one in name:
-        _check_length(_rows_of(file, history_path(one, layout), POINT_ROW), instants)
     return name, start
-
-
-@dataclass(frozen=True, kw_only=True)
-class BoltLines:
-    """What a result file says of the bolts: k of them along q points."""
-
-    name: tuple[str, ...] = ()
-    """Name of each bolt."""
-    point: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
-    """Bolt of each point, shape (q,)."""
 
 
 def bolts_of(file: Any, frames: NDArray[Any]) -> BoltLines:
@@ -160,37 +135,50 @@ def bolts_of(file: Any, frames: NDArray[Any]) -> BoltLines:
         raise MalformedError("/model/bolt_of_point does not fit to the bolts")
     if (np.diff(point) < 0).any():
         raise MalformedError("/model/bolt_of_point is not in the order of the bolts")
-    rows = _dataset(file, "bolts")
-    if rows.dtype != bolts_row(count) or rows.ndim != 1:
-        raise MalformedError("/bolts is no table of the bolts")
-    _check_length(rows, frames["instants"][-1])
-    _check_length(_numbers(file, "bolt_points", "f", (2,)), len(frames) * len(point))
+    _check_length(_numbers(file, BOLT_POINTS, "f", (2,)), len(frames) * len(point))
     return BoltLines(name=name, point=point)
 
 
 def check_arrays(file: Any, frames: NDArray[Any], blocks: Blocks) -> None:
-    """Raise MalformedError unless there are arrays and tables for all frames."""
-    rows = {name: blocks.start[-1] for name in POINT_ARRAYS}
-    rows |= {name: len(blocks.rock) for name in CELL_ARRAYS}
-    known = {**POINT_ARRAYS, **CELL_ARRAYS}
-    for name, tail in known.items():
-        if name in SINCE and name not in _group(file, "VTKHDF"):
+    """Raise MalformedError unless there are arrays of vertices and blocks for all frames."""
+    count = len(blocks.rock)
+    for one in MOVING_FIELDS:
+        if one.since and one.place not in _group(file, "VTKHDF"):
             continue
-        _check_length(_numbers(file, f"VTKHDF/{name}", "f", tail), len(frames) * rows[name])
-    for name in ("block", "rock", "fixed"):
-        _check_length(_numbers(file, f"VTKHDF/CellData/{name}", "iu"), len(blocks.rock))
-    energy = _dataset(file, "energy")
-    ledger = energy.dtype.fields or {}
-    if "time" not in ledger or any(kind.kind != "f" for kind, *_ in ledger.values()):
+        rows = count if one.of_blocks else blocks.start[-1]
+        _check_length(_numbers(file, f"VTKHDF/{one.place}", "f", one.shape), len(frames) * rows)
+    for name in KIND_FIELDS:
+        _check_length(_numbers(file, f"VTKHDF/CellData/{name}", "iu"), count)
+
+
+def check_tables(
+    file: Any, frames: NDArray[Any], names: Mapping[Things, tuple[str, ...]], layout: int
+) -> None:
+    """Raise MalformedError unless all tables have the rows of all frames.
+
+    ``names`` are those of the things that tables tell of.
+    """
+    kinds = (kind.kind for kind, *_ in (_dataset(file, ENERGY.name).dtype.fields or {}).values())
+    if any(kind != "f" for kind in kinds):
         raise MalformedError("/energy is no table of energies")
-    _check_length(energy, frames["instants"][-1])
-    _check_length(_rows_of(file, "steps", STEP_ROW), frames["steps"][-1])
-    row = CONTACT_ROW if _contacts_have_joints(file) else FIRST_CONTACT_ROW
-    _check_length(_rows_of(file, "contacts", row), frames["contacts"][-1])
+    for one in OVER_TIME:
+        whose = names.get(one.of, ()) if one.of else ()
+        if one.since and not (whose if one.of else one.name in file):
+            continue
+        for place in one.places(whose, layout):
+            _check_length(_rows_of(file, place, *_wanted(one, len(whose))), frames[one.counter][-1])
+    _check_length(_rows_of(file, CONTACTS.name, *_wanted(CONTACTS, 0)), frames["contacts"][-1])
+
+
+def _wanted(one: TableSchema, count: int) -> tuple[np.dtype[Any], frozenset[str]]:
+    """Return a row of a table of ``count`` things, and its columns that may be missing."""
+    apart = one.of is None or one.of.path
+    later = frozenset(column.name for column in one.columns if column.since)
+    return one.row if apart else one.rows(count), later
 
 
 def _contacts_have_joints(file: Any) -> bool:
-    return "joint" in (_dataset(file, "contacts").dtype.names or ())
+    return "joint" in (_dataset(file, CONTACTS.name).dtype.names or ())
 
 
 def check_grid(file: Any, frames: NDArray[Any], blocks: Blocks) -> None:
@@ -342,11 +330,13 @@ def _whole(file: Any, place: str, kinds: str, tail: tuple[int, ...] = ()) -> NDA
     return values
 
 
-def _rows_of(file: Any, place: str, row: np.dtype[Any]) -> Any:
-    """Return a table that has the columns of ``row``, and may have more."""
+def _rows_of(file: Any, place: str, row: np.dtype[Any], later: frozenset[str] = frozenset()) -> Any:
+    """Return a table that has the columns of ``row`` but for ``later`` ones, and may have more."""
     found = _dataset(file, place)
     columns = found.dtype.fields or {}
     for name, (kind, *_) in (row.fields or {}).items():
+        if name in later and name not in columns:
+            continue
         same = name in columns and columns[name][0].shape == kind.shape
         if not same or columns[name][0].base.kind != kind.base.kind or found.ndim != 1:
             raise MalformedError(f"/{place} has no column '{name}' as it should be")

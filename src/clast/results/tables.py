@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model.model import Floats, Ints
-from clast.results.layout import BOLT_ROW, BOLT_STATES, CONTACT_ROW, POINT_ROW
+from clast.results.schema import BOLT_STATES, BOLT_TABLE, CONTACTS, PLANE, TENSOR
 
-PARTS = {2: ("x", "y"), 3: ("xx", "yy", "xy")}
-"""What the columns of vectors and of stresses are called: displacement_x, stress_xx."""
+PARTS = {len(parts): parts for parts in (PLANE, TENSOR)}
+"""What the columns of vectors and of stresses are called, by their number."""
 
 
 FIRST_ROWS, MORE_ROWS = 256, 2048
@@ -84,6 +84,14 @@ class Columns(dict[str, NDArray[Any]]):
                 continue
             for part, number in zip(PARTS[values.shape[1]], range(values.shape[1]), strict=True):
                 self[f"{name}_{part}"] = values[:, number]
+
+    def __getattr__(self, name: str) -> NDArray[Any]:
+        """Return a column, or a vector of which there are columns, (rows,) or (rows, parts)."""
+        rows = self.__dict__.get("rows")
+        if rows is None or name not in (rows.dtype.names or ()):
+            raise AttributeError(f"{type(self).__name__} has no column '{name}'")
+        found: NDArray[Any] = rows[name]
+        return found
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -190,7 +198,7 @@ class BoltHistory(Columns):
         return BOLT_STATES[int(self.state[-1])]
 
 
-BOLT_OF_FRAME = np.dtype([("name", "O"), *BOLT_ROW.descr[1:]])
+BOLT_OF_FRAME = np.dtype([("name", "O"), *BOLT_TABLE.row.descr[1:]])
 """One bolt of one frame."""
 
 
@@ -337,36 +345,6 @@ def no_joints(where: str = "") -> CaseError:
     )
 
 
-def points_row(count: int) -> np.dtype[Any]:
-    """Return the row that holds ``count`` measured points at one instant."""
-    return np.dtype(
-        [
-            ("time", "f8"),
-            ("displacement", "f8", (count, 2)),
-            ("velocity", "f8", (count, 2)),
-            ("rotation", "f8", (count,)),
-        ]
-    )
-
-
-def rows_of_point(rows: NDArray[Any], point: int) -> NDArray[Any]:
-    """Return the rows of one measured point, by its index, from the rows of all."""
-    one = np.zeros(len(rows), POINT_ROW)
-    one["time"] = rows["time"]
-    for name in ("displacement", "velocity", "rotation"):
-        one[name] = rows[name][:, point]
-    return one
-
-
-def rows_of_bolt(rows: NDArray[Any], bolt: int) -> NDArray[Any]:
-    """Return the rows of one bolt, by its index, from the rows of all."""
-    one = np.zeros(len(rows), BOLT_ROW)
-    one["time"] = rows["time"]
-    for name in ("force", "elongation", "state"):
-        one[name] = rows[name][:, bolt]
-    return one
-
-
 def no_contacts() -> NDArray[Any]:
     """Return the rows of a frame without contacts."""
-    return np.zeros(0, CONTACT_ROW)
+    return np.zeros(0, CONTACTS.row)

@@ -23,29 +23,31 @@ from clast.results.checkpoints.checkpoint import Recorded
 from clast.results.checkpoints.cutting_back import check_fit, cut_back, rows_after
 from clast.results.checkpoints.lineage import extended, read_lineage, write_lineage
 from clast.results.journal import JournalledFile
-from clast.results.layout import (
-    ABOUT,
-    CELL_ARRAYS,
-    CHUNK_ROWS,
-    CONTACT_ROW,
-    ENERGY_ROW,
-    FORMAT,
-    FRAME_ROW,
-    FRAME_STAGE,
-    MOVING,
-    POINT_ARRAYS,
-    POINT_ROW,
-    POLYGON,
-    STEP_ROW,
-    VTKHDF_VERSION,
-    bolts_row,
-    history_path,
-)
 from clast.results.output import check_output, claimed, hidden, taken_up
 from clast.results.parts.water import write_water
 from clast.results.provenance import about_model
-from clast.results.run import Report
-from clast.results.tables import Table, points_row, rows_of_point
+from clast.results.report import Report
+from clast.results.schema import (
+    BOLT_POINTS,
+    BOLT_TABLE,
+    CHUNK_ROWS,
+    ENERGY,
+    FIELDS,
+    FORMAT,
+    FRAME_ROW,
+    FRAME_STAGE,
+    KIND_FIELDS,
+    MODEL,
+    MOVING,
+    MOVING_FIELDS,
+    OVER_TIME,
+    POLYGON,
+    TABLES,
+    VTKHDF_VERSION,
+    Per,
+    TableSchema,
+)
+from clast.results.tables import Table
 
 # Newer formats mark a file as being written, and nothing opens it after the process was killed.
 FILE_FORMAT = ("v108", "v108")
@@ -80,7 +82,7 @@ class ResultFile:
         self._file: Any = None
         self._columns: dict[str, _Column] = {}
         self._frames = 0
-        self._saved = {"energy": 0, "steps": 0, "history": 0, "bolts": 0}
+        self._saved = {one.name: 0 for one in OVER_TIME}
         self._contacts = 0
         self.lineage = extended((), 0)
         """Which runs have written the file; the last is this one."""
@@ -125,7 +127,7 @@ class ResultFile:
         with self._guarded():
             self._open(h5py.File(self._storage, "r+", libver=FILE_FORMAT))
             self._frames, self._contacts = recorded.frames, int(recorded.frame["contacts"][0])
-            self._saved = rows_after(recorded.frame)
+            self._saved = rows_after(recorded.frame, self._model)
             cut_back(self._file, self._model, self._frames, recorded.frame)
             first = self._frames // CHUNK_ROWS * CHUNK_ROWS
             self._put_offsets(first)
@@ -199,7 +201,7 @@ class ResultFile:
             self._put_offsets(number)
         self._column("contacts").put(self._contacts, contacts)
         if len(bolt_points):
-            self._column("bolt_points").put(number * len(bolt_points), bolt_points)
+            self._column(BOLT_POINTS).put(number * len(bolt_points), bolt_points)
         self._put_tables(new)
         ends = (time, len(tables["steps"]), len(tables["energy"]), contact_end)
         self._column("frames").put(number, np.array([ends], FRAME_ROW))
@@ -228,27 +230,33 @@ class ResultFile:
 
     def _read_tables(self) -> dict[str, NDArray[Any]]:
         """Return all rows of each table in the file: those that ``_put_tables`` has put there."""
-        energy, steps = self._file["energy"][()], self._file["steps"][()]
-        names = self._model.measured_points.name
-        history = np.zeros(len(energy), points_row(len(names)))
-        history["time"] = energy["time"]
-        for index, name in enumerate(names):
-            rows = self._file[history_path(name)][()]
-            for part in ("displacement", "velocity", "rotation"):
-                history[part][:, index] = rows[part]
-        bolts = np.zeros(0, bolts_row(len(self._model.bolts)))
-        if len(self._model.bolts):
-            bolts = self._file["bolts"][()]
-        return {"energy": energy, "steps": steps, "history": history, "bolts": bolts}
+        return {one.name: self._read_table(one) for one in OVER_TIME}
+
+    def _read_table(self, one: TableSchema) -> NDArray[Any]:
+        """Return all rows of a table, none where it is not kept."""
+        rows = one.rows(one.count(self._model))
+        if not one.is_kept(self._model):
+            return np.zeros(0, rows)
+        if one.of is None or not one.of.path:
+            whole: NDArray[Any] = self._file[one.name][()]
+            return whole
+        time = self._file[ENERGY.name]["time"]
+        found = np.zeros(len(time), rows)
+        found["time"] = time
+        for index, place in enumerate(one.places(one.of.names(self._model))):
+            one.put_one(found, index, self._file[place][()])
+        return found
 
     def _put_tables(self, new: Mapping[str, NDArray[Any]]) -> None:
-        self._column("energy").put(self._saved["energy"], new["energy"])
-        self._column("steps").put(self._saved["steps"], new["steps"])
-        if len(self._model.bolts):
-            self._column("bolts").put(self._saved["bolts"], new["bolts"])
-        for index, name in enumerate(self._model.measured_points.name):
-            rows = rows_of_point(new["history"], index)
-            self._column(history_path(name)).put(self._saved["history"], rows)
+        for one in OVER_TIME:
+            if not one.is_kept(self._model):
+                continue
+            first, rows = self._saved[one.name], new[one.name]
+            if one.of is None or not one.of.path:
+                self._column(one.name).put(first, rows)
+                continue
+            for index, place in enumerate(one.places(one.of.names(self._model))):
+                self._column(place).put(first, one.one(rows, index))
 
 
 def reopened(path: Path, model: Model, recorded: Recorded) -> JournalledFile:
@@ -337,19 +345,28 @@ def _write_start(file: Any, model: Model, case_text: str, about: Mapping[str, An
     _growing(file, "frames", dtype=FRAME_ROW)
     if about.get("stages"):
         _growing(file, FRAME_STAGE, dtype="i8")
-    _growing(file, "contacts", dtype=CONTACT_ROW, batch=CHUNK_ROWS)
-    _growing(file, "energy", dtype=ENERGY_ROW)
-    _growing(file, "steps", dtype=STEP_ROW)
-    if len(model.bolts):
-        _growing(file, "bolt_points", (2,), batch=len(model.bolts.block))
-        row = bolts_row(len(model.bolts))
+    for one in TABLES:
+        if one is BOLT_TABLE and len(model.bolts):
+            _growing(file, BOLT_POINTS, (2,), batch=len(model.bolts.block))
+        if one.is_kept(model):
+            _write_table(file, one, model)
+
+
+def _write_table(file: Any, one: TableSchema, model: Model) -> None:
+    """Make room for a table."""
+    if one.of is None:
+        batch = CHUNK_ROWS if one.per is Per.FRAME else 1
+        _growing(file, one.name, dtype=one.row, batch=batch)
+    elif one.of.path:
+        for place in one.places(one.of.names(model)):
+            _growing(file, place, dtype=one.row)
+    else:
+        row = one.rows(one.count(model))
         # a chunk holds as many bytes as one of the other tables, not as many rows
-        rows = int(np.clip(CHUNK_ROWS * ENERGY_ROW.itemsize // row.itemsize, 1, CHUNK_ROWS))
+        rows = int(np.clip(CHUNK_ROWS * ENERGY.row.itemsize // row.itemsize, 1, CHUNK_ROWS))
         file.create_dataset(
-            "bolts", shape=(0,), maxshape=(None,), chunks=(rows,), dtype=row, **CHECKED
+            one.name, shape=(0,), maxshape=(None,), chunks=(rows,), dtype=row, **CHECKED
         )
-    for name in model.measured_points.name:
-        _growing(file, history_path(name), dtype=POINT_ROW)
 
 
 def _write_grid(grid: Any, model: Model) -> None:
@@ -364,15 +381,13 @@ def _write_grid(grid: Any, model: Model) -> None:
     _fixed(grid, "Connectivity", np.arange(vertices))
     _fixed(grid, "Offsets", model.block_start)
     _fixed(grid, "Types", np.full(blocks, POLYGON, np.uint8))
-    for name, shape in POINT_ARRAYS.items():
-        _growing(grid, name, shape, batch=vertices)
-    for name, shape in CELL_ARRAYS.items():
-        _growing(grid, name, shape, batch=blocks)
+    for one in MOVING_FIELDS:
+        _growing(grid, one.place, one.shape, batch=blocks if one.of_blocks else vertices)
     _fixed(grid, "CellData/block", np.arange(blocks))
     _fixed(grid, "CellData/rock", model.block_rock)
     _fixed(grid, "CellData/fixed", model.fixed.astype(np.uint8))
-    for name, about in ABOUT.items():
-        grid[name].attrs["about"] = about
+    for one in FIELDS:
+        grid[one.place].attrs["about"] = one.meaning
     _make_room_for_steps(grid.create_group("Steps"), model)
 
 
@@ -382,11 +397,11 @@ def _make_room_for_steps(steps: Any, model: Model) -> None:
     for name, entry in _step_offsets(model, np.zeros(0, np.int64)).items():
         _growing(steps, name, entry.shape[1:], dtype=entry.dtype)
     steps["ConnectivityIdOffsets"] = steps["CellOffsets"]
-    for name in CELL_ARRAYS:
-        place = name.replace("CellData", "CellDataOffsets")
-        if place != MOVING:
+    for one in MOVING_FIELDS:
+        place = one.place.replace("CellData", "CellDataOffsets")
+        if one.of_blocks and place != MOVING:
             steps[place] = steps[MOVING]
-    for name in ("block", "rock", "fixed"):
+    for name in KIND_FIELDS:
         steps[f"CellDataOffsets/{name}"] = steps["PartOffsets"]
 
 
@@ -399,29 +414,18 @@ def _write_model(group: Any, model: Model, case_text: str, about: Mapping[str, A
     group.attrs["origin"] = model.origin
     for package, number in _versions().items():
         group.attrs[f"version of {package}"] = number
-    text = h5py.string_dtype()
     write_source(group, model, case_text, about)
-    group.create_dataset("block_name", data=list(model.block_name), dtype=text)
-    group.create_dataset("rock_name", data=[rock.name for rock in model.rocks], dtype=text)
-    joints = [joint.name for joint in model.joint_table.joints]
-    group.create_dataset("joint_name", data=joints, dtype=text)
-    group.create_dataset("point_name", data=list(model.measured_points.name), dtype=text)
-    group["point_start"] = model.measured_points.at + model.origin
-    _fixed(group, "block_start", model.block_start)
-    _fixed(group, "block_rock", model.block_rock)
-    _fixed(group, "fixed", model.fixed)
-    _fixed(group, "edge_joint", model.edge_joint)
-    if len(model.bolts):
-        _write_bolts(group, model)
+    for one in MODEL:
+        if one.of is not None and not one.of.names(model):
+            continue
+        value = one.value(model)
+        if one.texts:
+            group.create_dataset(one.name, data=list(value), dtype=h5py.string_dtype())
+        elif one.packed:
+            _fixed(group, one.name, value)
+        else:
+            group[one.name] = value
     write_water(group, model.water)
-
-
-def _write_bolts(group: Any, model: Model) -> None:
-    """Write the names of the bolts, and which of the points that they lie along are whose."""
-    text, bolts = h5py.string_dtype(), model.bolts
-    group.create_dataset("bolt_name", data=list(bolts.name), dtype=text)
-    group.create_dataset("bolt_kind", data=list(bolts.kind), dtype=text)
-    _fixed(group, "bolt_of_point", bolts.bolt)
 
 
 def write_source(group: Any, model: Model, case_text: str, about: Mapping[str, Any]) -> None:

@@ -14,8 +14,8 @@ from clast.compute.compilation import working_time
 from clast.contact.detection import detect
 from clast.errors import ModelError, StepRejected, shortened
 from clast.model import ranges
-from clast.model.mending import Repair
 from clast.model.model import Bools, Model
+from clast.model.repairs import Repair
 from clast.model.state import State, initial_state
 from clast.run.method_warnings import check_overlaps, method_warnings
 from clast.run.model_warnings import model_warnings

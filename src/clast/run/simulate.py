@@ -1,14 +1,14 @@
 """A run: step after step from its start to its end, each accepted, cut or grown (the paper's (15)).
 
-All that a run carries from one step to the next is its ``RunState``.  Whoever has that of any
-step goes on as the run did, to the bit: ``simulate(..., begin=...)``.
+All that a run carries from one step to the next is its ``RunState`` (run_state.py).  Whoever has
+that of any step goes on as the run did, to the bit: ``simulate(..., begin=...)``.
 """
 
 from __future__ import annotations
 
 import signal
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from clast.compute.compilation import COMPILATION, working_time
@@ -16,26 +16,25 @@ from clast.compute.threads import threads_worth
 from clast.contact.contacts import Contacts
 from clast.errors import ActionFault, ResultsLost, RunStopped, StepRejected
 from clast.model.model import Model
-from clast.model.stages.records import Event, StageRecord
+from clast.model.stages.records import StageRecord
 from clast.model.stages.stage import Stage
-from clast.model.state import Ledger, State, initial_state
+from clast.model.state import initial_state
 from clast.read_only import changed
 from clast.results import Report, Run, RunRecorder
 from clast.results.provenance import about_method
 from clast.run import law_check
-from clast.run.checkpointing import last_checkpoint, stage_checkpoint
 from clast.run.events import Listener, bonds_break
 from clast.run.in_situ import in_equilibrium
 from clast.run.interrupts import held_back
 from clast.run.method_warnings import check_overlaps
+from clast.run.run_state import Keeper, RunState
 from clast.run.schedule import Progress, Schedule
 from clast.run.stages.course import Course, fails, failure_warning
 from clast.run.stages.equilibrium import Judge
 from clast.run.stages.position import Held, Position
-from clast.run.stages.static_path import OnPath, StaticPath
+from clast.run.stages.static_path import StaticPath
 from clast.run.stages.transition import Setting
-from clast.run.tally import Tally
-from clast.run.watch import Watch, Watched, reject_created_energy
+from clast.run.watch import Watch, reject_created_energy
 from clast.step import energy_balance
 from clast.step.method import Method, StepResult, Workspace
 from clast.step.remedies import remedy
@@ -49,34 +48,6 @@ SMALLEST_SHARE = 2.0**-12
 """The smallest step tried, as a share of the wanted one, unless the schedule names it."""
 ROUNDING = 1e-9
 """Share of a step by which times may differ and be the same."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RunState:
-    """All that a run carries from one step to the next."""
-
-    state: State
-    """The blocks, their contacts and the energy ledger."""
-    step: float
-    """Length that the next step is tried with, s."""
-    taken: float = 0.0
-    """Length of the last step, s."""
-    frame: int = 1
-    """Number of the next frame; that at the start has the number 0."""
-    first: Ledger
-    """The ledger at the start, with the energy that contacts held there already."""
-    tally: Tally = field(default_factory=Tally)
-    """Counts so far."""
-    seen: Watched
-    """What the run will be warned of."""
-    notes: tuple[str, ...] = ()
-    """What the run says about its start."""
-    events: tuple[Event, ...] = ()
-    """What has happened in it."""
-    position: Position | None = None
-    """Where it is among its stages; None: it has none."""
-    path: OnPath | None = None
-    """Where it is on its path of equilibria; None: it is dynamic."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -308,7 +279,8 @@ def simulate(
         except KeyboardInterrupt as asked:
             ended_by = getattr(asked, "number", signal.SIGINT)
             outcome = f"interrupted{_by(ended_by)} at t = {march.recorder.state.time:.6g} s"
-        warnings += last_checkpoint(keep, outcome, finished=not failure and not ended_by)
+        if isinstance(keep, Keeper):
+            warnings += keep.over(outcome, finished=not failure and not ended_by)
         report = march.report(
             working_time() - start, outcome, finished=not failure and not ended_by, said=warnings
         )
@@ -417,7 +389,8 @@ class _March:
         """End the stage that goes on."""
         now, judge = self.now, self.stepping.judge
         if now.position is not None and judge is not None:
-            stage_checkpoint(self.keep, judge.stage.name, now)
+            if isinstance(self.keep, Keeper):
+                self.keep.stage_ended(judge.stage.name, now)
             failure = now.path.failure if now.path is not None else None
             position, events = self.course.leave(now.position, now.state, judge, failure)
             self.now = replace(now, position=position, events=(*now.events, *events))

@@ -16,7 +16,7 @@ import numpy as np
 from clast.block.polygon import thicknesses
 from clast.errors import StepOutcome, StepRejected
 from clast.model.model import Floats, Model
-from clast.model.state import LEDGER_ENTRIES, Ledger, Overlap, State
+from clast.model.state import Kind, Ledger, Overlap, State, entries_of
 from clast.read_only import changed
 from clast.run.overlap import unseen_overlaps
 from clast.step import energy_balance
@@ -39,7 +39,7 @@ UNBALANCED = 1e-3
 """Unbalanced force at the end of a static run, as a share of the largest force, likewise."""
 RELAXED = 0.05
 """Loss of initial stress, as a share of it, likewise."""
-COUNTED = tuple(name for name in LEDGER_ENTRIES if name != "unaccounted")
+COUNTED = entries_of(Kind.STORED, Kind.BROUGHT, Kind.LOST, Kind.NUMERICAL)
 """Entries of the ledger whose changes are energy turned over."""
 _entries = attrgetter(*COUNTED)
 NAMED = 3

@@ -40,7 +40,7 @@ class BoltStates:
     def state(self) -> Ints:
         """Number of what it is: not installed, intact, yielded, broken, lost, shape (m,).
 
-        The names are ``clast.results.layout.BOLT_STATES``.
+        The names are ``clast.results.schema.BOLT_STATES``.
         """
         found = np.where(np.isnan(self.rest), 0, 1)
         found = np.where(np.isnan(self.yielded_at), found, 2)

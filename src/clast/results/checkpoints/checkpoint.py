@@ -75,4 +75,4 @@ class Checkpoint:
     recorded: Recorded
     """How far it was recorded."""
     run: Any
-    """What it carries from step to step (``clast.run.simulate.RunState``)."""
+    """What it carries from step to step (``clast.run.run_state.RunState``)."""

@@ -13,16 +13,16 @@ from clast.errors import CaseError
 from clast.model.model import Model
 from clast.results.checkpoints.checkpoint import Recorded
 from clast.results.checkpoints.lineage import belongs, read_lineage
-from clast.results.layout import (
-    CELL_ARRAYS,
+from clast.results.opening import ask, check_ours
+from clast.results.schema import (
+    BOLT_POINTS,
     CHUNK_ROWS,
     FORMAT,
     FRAME_STAGE,
+    MOVING_FIELDS,
     OFFSETS,
-    POINT_ARRAYS,
-    history_path,
+    OVER_TIME,
 )
-from clast.results.opening import ask, check_ours
 
 ELSEWHERE = "clast resume CHECKPOINT -o FILE writes a file of what comes from there on"
 CHECKED_WHOLE = 2**28
@@ -85,26 +85,27 @@ def cut_back(file: Any, model: Model, frames: int, last: NDArray[Any]) -> None:
 
 def lengths_after(model: Model, frames: int, last: NDArray[Any]) -> dict[str, int]:
     """Return the rows of each growing dataset of a file after so many frames."""
-    counts = rows_after(last)
-    instants, vertices = counts["energy"], len(model.vertices)
+    counts, vertices = rows_after(last, model), len(model.vertices)
     whole_chunks = -(-frames // CHUNK_ROWS) * CHUNK_ROWS
     return {
-        **{f"VTKHDF/{name}": frames * vertices for name in POINT_ARRAYS},
-        **{f"VTKHDF/{name}": frames * model.block_count for name in CELL_ARRAYS},
+        **{
+            f"VTKHDF/{one.place}": frames * (model.block_count if one.of_blocks else vertices)
+            for one in MOVING_FIELDS
+        },
         **{f"VTKHDF/Steps/{name}": whole_chunks for name in OFFSETS},
         "VTKHDF/Steps/Values": frames,
         "frames": frames,
         FRAME_STAGE: frames,
         "contacts": int(last["contacts"][0]),
-        "bolt_points": frames * len(model.bolts.block),
-        "energy": instants,
-        "steps": counts["steps"],
-        "bolts": instants,
-        **{history_path(name): instants for name in model.measured_points.name},
+        BOLT_POINTS: frames * len(model.bolts.block),
+        **{
+            place: counts[one.name]
+            for one in OVER_TIME
+            for place in one.places(one.of.names(model) if one.of else ())
+        },
     }
 
 
-def rows_after(last: NDArray[Any]) -> dict[str, int]:
+def rows_after(last: NDArray[Any], model: Model) -> dict[str, int]:
     """Return the rows of each table of a run after the frame with this row, shape (1,)."""
-    instants, steps = int(last["instants"][0]), int(last["steps"][0])
-    return {"energy": instants, "steps": steps, "history": instants, "bolts": instants}
+    return {one.name: int(last[one.counter][0]) if one.is_kept(model) else 0 for one in OVER_TIME}

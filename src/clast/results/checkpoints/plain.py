@@ -24,6 +24,11 @@ from clast.results.checkpoints.field_types import wrong_field
 
 Arrays = list[NDArray[Any]]
 """Arrays that a text refers to by their numbers."""
+MOVED = {
+    "clast.run.simulate:RunState": "clast.run.run_state",
+    "clast.run.tally:Tally": "clast.run.run_state",
+}
+"""Where classes are now that older checkpoints name by another module."""
 OURS = re.compile(r"clast\.(actions|contact|model|results|run|step)(\.[a-z][a-z0-9_]*)+")
 """Modules whose classes a run may carry; to import one does nothing else."""
 
@@ -137,6 +142,7 @@ def _class(name: str, known: Mapping[str, type]) -> type:
         raise TypeError("no name of a class")
     module, _, inner = name.partition(":")
     found: Any = known.get(name)
+    module = MOVED.get(name, module)
     if found is None and OURS.fullmatch(module):
         try:
             found = import_module(module)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 
 from clast.model.model import Model
 from clast.results.checkpoints.checkpoint import Recorded
-from clast.results.checkpoints.cutting_back import rows_after
-from clast.results.layout import CONTACT_ROW, ENERGY_ROW, FRAME_ROW, STEP_ROW, bolts_row
-from clast.results.tables import points_row
+from clast.results.schema import CONTACTS, ENERGY, FRAME_ROW, OVER_TIME
 
 MODES = 3
 """Modes of a contact: open, slide, lock."""
@@ -28,7 +26,7 @@ def _faults(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
         yield "it names a result file that does not lie beside it"
     if not recorded.wall >= 0.0:
         yield "its wall time is negative"
-    if not _fits(recorded.frame, FRAME_ROW, 1) or not _fits(recorded.energy, ENERGY_ROW, 1):
+    if not _fits(recorded.frame, FRAME_ROW, 1) or not _fits(recorded.energy, ENERGY.row, 1):
         yield "it has no last frame"
         return
     last = recorded.frame[0]
@@ -38,7 +36,7 @@ def _faults(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
         yield "its last frame is none of a run"
     yield from _of_rows(recorded, model, time)
     contacts = recorded.contacts
-    if not _fits(contacts, CONTACT_ROW):
+    if not _fits(contacts, CONTACTS.row):
         yield "it has no contacts of the last step"
         return
     limits = {
@@ -54,28 +52,23 @@ def _faults(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
 
 def _of_rows(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
     """Give what is wrong with the rows of tables since the last frame."""
-    rows = {
-        "energy": ENERGY_ROW,
-        "steps": STEP_ROW,
-        "history": points_row(len(model.measured_points.name)),
-        "bolts": bolts_row(len(model.bolts)),
-    }
     since = recorded.since
-    if set(since) != set(rows):
+    if set(since) != {one.name for one in OVER_TIME}:
         yield "its tables are not those of a run"
         return
     count = len(since["energy"]) if since["energy"].ndim == 1 else -1
-    counts = {**dict.fromkeys(rows, count), "bolts": count if len(model.bolts) else 0}
-    for name, row in rows.items():
-        if not _fits(since[name], row, counts[name]):
-            yield f"its table '{name}' does not fit to the run"
-        elif counts[name] and not _goes_on(since[name]["time"], recorded.frame["time"][0], time):
-            yield f"the times of its table '{name}' do not go on to {time:.6g} s"
+    for one in OVER_TIME:
+        rows, wanted = since[one.name], count if one.is_kept(model) else 0
+        nan = [column.name for column in one.columns if column.may_be_nan]
+        if not _fits(rows, one.rows(one.count(model)), wanted, nan):
+            yield f"its table '{one.name}' does not fit to the run"
+        elif wanted and not _goes_on(rows["time"], recorded.frame["time"][0], time):
+            yield f"the times of its table '{one.name}' do not go on to {time:.6g} s"
 
 
 def rows_in_all(recorded: Recorded) -> int:
     """Return how many steps a run has taken by what was recorded of it."""
-    return rows_after(recorded.frame)["steps"] + len(recorded.since["steps"])
+    return int(recorded.frame["steps"][0]) + len(recorded.since["steps"])
 
 
 def _goes_on(times: NDArray[Any], after: float, until: float) -> bool:
@@ -84,11 +77,13 @@ def _goes_on(times: NDArray[Any], after: float, until: float) -> bool:
     return bool(forward and times[-1] == until)
 
 
-def _fits(rows: NDArray[Any], row: np.dtype[Any], count: int | None = None) -> bool:
-    """Return whether rows are ``count`` finite ones of a table; of bolts some are not finite."""
+def _fits(
+    rows: NDArray[Any], row: np.dtype[Any], count: int | None = None, nan: Sequence[str] = ()
+) -> bool:
+    """Return whether rows are ``count`` ones of a table, finite but in the columns ``nan``."""
     if rows.dtype != row or rows.ndim != 1 or (count is not None and len(rows) != count):
         return False
-    names = [name for name in row.names or () if name != "elongation"]
+    names = [name for name in row.names or () if name not in nan]
     return all(np.isfinite(rows[name]).all() for name in names)
 
 

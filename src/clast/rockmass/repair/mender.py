@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.model.checks import Outlines
-from clast.model.mending import Mended, Repair
+from clast.model.mending import Mended
+from clast.model.repairs import Repair
 from clast.rockmass.repair.repairing import RepairReport, repaired
 
 

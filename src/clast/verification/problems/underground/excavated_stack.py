@@ -19,8 +19,9 @@ from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.excavation import excavated
+from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
-from clast.run.simulate import RunState, simulate
+from clast.run.simulate import simulate
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, LAGGED, OPEN_CLOSE, Variant
 

@@ -16,8 +16,9 @@ from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.excavation import excavated
+from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
-from clast.run.simulate import RunState, simulate
+from clast.run.simulate import simulate
 from clast.verification.problem import Outcome, Problem, relative
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 

@@ -1,0 +1,101 @@
+"""What a run carries from one step to the next, and who is handed it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol, TypeVar, runtime_checkable
+
+from clast.model.stages.records import Event
+from clast.model.state import Ledger, State
+from clast.run.stages.position import Position
+from clast.run.stages.static_path import OnPath
+from clast.run.watch import Watched
+from clast.step.method import StepResult
+
+Number = TypeVar("Number", int, float)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tally:
+    """Counts of a run so far."""
+
+    steps: int = 0
+    """Accepted steps."""
+    passes: int = 0
+    """Assemblies and solves."""
+    cut_steps: int = 0
+    """Steps that were rejected and tried again with a shorter one."""
+    contacts: int = 0
+    """Largest number of contacts in a step."""
+    penetration: float = 0.0
+    """Largest penetration, m."""
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    """Wall time of each stage of the steps, s."""
+    counts: Mapping[str, int] = field(default_factory=dict)
+    """What the process counted."""
+
+    def with_step(self, result: StepResult, cuts: int = 0) -> Tally:
+        """Return the counts with those of an accepted step, and of the ``cuts`` before it."""
+        return Tally(
+            steps=self.steps + 1,
+            passes=self.passes + result.passes,
+            cut_steps=self.cut_steps + cuts,
+            contacts=max(self.contacts, len(result.contacts)),
+            penetration=max(self.penetration, result.penetration),
+            seconds=_added(self.seconds, result.seconds),
+            counts=_added(self.counts, result.counts),
+        )
+
+
+def _added(before: Mapping[str, Number], new: Mapping[str, Number]) -> dict[str, Number]:
+    """Return the sums of what has the same name."""
+    sums = {**before}
+    for name in new:
+        sums[name] = sums[name] + new[name] if name in sums else new[name]
+    return sums
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunState:
+    """All that a run carries from one step to the next."""
+
+    state: State
+    """The blocks, their contacts and the energy ledger."""
+    step: float
+    """Length that the next step is tried with, s."""
+    taken: float = 0.0
+    """Length of the last step, s."""
+    frame: int = 1
+    """Number of the next frame; that at the start has the number 0."""
+    first: Ledger
+    """The ledger at the start, with the energy that contacts held there already."""
+    tally: Tally = field(default_factory=Tally)
+    """Counts so far."""
+    seen: Watched
+    """What the run will be warned of."""
+    notes: tuple[str, ...] = ()
+    """What the run says about its start."""
+    events: tuple[Event, ...] = ()
+    """What has happened in it."""
+    position: Position | None = None
+    """Where it is among its stages; None: it has none."""
+    path: OnPath | None = None
+    """Where it is on its path of equilibria; None: it is dynamic."""
+
+
+@runtime_checkable
+class Keeper(Protocol):
+    """Keeps what a run carries, and is told of the ends of stages and of the run."""
+
+    def __call__(self, now: RunState) -> None:
+        """Keep what the run carries after a step."""
+        ...
+
+    def stage_ended(self, stage: str, now: RunState) -> None:
+        """Keep what it carries at the end of a stage."""
+        ...
+
+    def over(self, outcome: str, *, finished: bool) -> tuple[str, ...]:
+        """Keep what it carried last; return what went wrong with what was kept."""
+        ...
