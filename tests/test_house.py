@@ -270,7 +270,7 @@ def _imported(path: Path) -> Iterator[str]:
 def imports_within() -> dict[str, set[str]]:
     """Every module of the package -> modules of it that it imports, wherever and for whatever."""
     modules = {
-        ".".join((PACKAGE.name, *path.relative_to(PACKAGE).with_suffix("").parts)): path
+        ".".join(("clast", *path.relative_to(PACKAGE).with_suffix("").parts)): path
         for path in files()
     }
     found: dict[str, set[str]] = {}
@@ -358,6 +358,14 @@ def test_no_test_imports_another_test():
 
 
 SAMPLE = {
+    "run/one.py": """
+if TYPE_CHECKING:
+    from clast.run import two
+""",
+    "run/two.py": """
+def late() -> None:
+    from clast.run.one import something
+""",
     "step/much.py": """
 import numba
 from functools import lru_cache
@@ -406,6 +414,7 @@ def test_the_rules_see_what_offends_them(tmp_path, monkeypatch):
     monkeypatch.setattr(f"{__name__}.PACKAGE", tmp_path)
     changing_classes.cache_clear()
     (tmp_path / "step").mkdir()
+    (tmp_path / "run").mkdir()
     for name, text in SAMPLE.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     (tmp_path / "step" / "long.py").write_text("1\n" * 502, encoding="utf-8")
@@ -424,6 +433,10 @@ def test_the_rules_see_what_offends_them(tmp_path, monkeypatch):
         {"step/much.py": ["remembered changes KEPT", "LAST is a Last, which can change"]},
         {"step/much.py": ["look is not annotated", "plain is not annotated"]},
         {"step/much.py": ["numba is imported; only compute/ may"]},
+        {
+            "run/one.py": ["imports itself through clast.run.two"],
+            "run/two.py": ["imports itself through clast.run.one"],
+        },
     ]
 
 

@@ -83,9 +83,11 @@ def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
     """Give the tables of which results hold nothing, and what is to be said of them."""
     if not any(len(results.contacts(frame)) for frame in range(len(results.times))):
         yield "contacts", "no contacts are recorded: none bore a force, or they were left out"
-    for one in OF_THINGS:
-        if not results.names_of(one):
+    for one in OVER_TIME:
+        if one.of is not None and not results.names_of(one):
             yield one.csv or one.name, one.without
+        elif results.lacks(one):
+            yield one.csv or one.name, f"an earlier clast wrote it, without {one.since}"
     if not results.stages:
         yield "stages", "it has no stages, or did not come to its end"
     if not results.events:

@@ -55,6 +55,9 @@ class Results(Recording):
     frame_rows: NDArray[Any] = field(repr=False)
     """Table of the frames: time, and the rows of the other tables until then."""
 
+    missing: frozenset[str] = field(default=frozenset(), repr=False)
+    """Names of tables that an earlier clast did not write."""
+
     @property
     def name(self) -> str:
         """Name of the file."""
@@ -120,6 +123,10 @@ class Results(Recording):
         self._check_sound(points[None], "bolts", [frame])
         return points
 
+    def lacks(self, table: TableSchema) -> bool:
+        """Return whether an earlier clast wrote the file, without this table."""
+        return table.name in self.missing
+
     def _check_sound(self, values: Floats, what: str, frames: Sequence[int]) -> None:
         """Raise CaseError where values (frames, ...) are no numbers, or cannot be squared."""
         sound = (np.abs(values) < LARGEST).reshape(len(values), -1).all(axis=1)
@@ -131,6 +138,12 @@ class Results(Recording):
             )
 
     def _rows(self, table: TableSchema, index: int | None = None) -> NDArray[Any]:
+        if table.name in self.missing:
+            raise CaseError(
+                f"an earlier clast wrote these results, without {table.since}",
+                where=str(self.path),
+                remedy="run the case again",
+            )
         # Until the run is finished only what belongs to whole frames is sure to be there.
         end = None if self.report else self.frame_rows[table.counter][-1]
         places = table.places(self.names_of(table), self.layout)
@@ -196,6 +209,7 @@ def _results(path: Path, file: Any) -> Results:
         report=structure.report_of(file),
         frame_stages=structure.stages_of(file, made.get("stages", ()), len(frames)),
         frame_rows=frames,
+        missing=structure.missing_tables(file),
     )
 
 

@@ -200,6 +200,10 @@ class Recording:
             raise unknown_name("table", name, tuple(known))
         return Columns(self._rows_called(known[name], of))
 
+    def lacks(self, table: TableSchema) -> bool:
+        """Return whether it was recorded without a table, by an earlier clast."""
+        return False
+
     def names_of(self, table: TableSchema) -> tuple[str, ...]:
         """Return the names of the things that a table tells of; none where it tells of the run."""
         if table.of is None:

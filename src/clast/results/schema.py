@@ -13,10 +13,8 @@ The file is HDF5, with the blocks as VTKHDF so that ParaView opens it:
     /model         the case file's text, how it is simulated (about, JSON), versions, and ``MODEL``
     /report        how the run went; only in a file that was finished
 
-Writer, checker, reader, checkpoints, CSV files and the page docs/reference/result-file.md walk
-this schema.  A new field has a line in ``FIELDS`` and its values in ``sampling.FrameFields.of``; a
-new table a line in ``TABLES`` and its rows in ``sampling.ROWS``; a new column of the contacts one
-in ``CONTACTS`` and its values in ``sampling.FrameFields.contacts``.
+Who records, writes, checks, reads and exports walks it, and so does docs/reference/result-file.md.
+Where a new field, column or table goes is told in docs/decisions/0104-one-schema-of-results.md.
 
 The attribute ``runs`` of the file says which runs have written it (``checkpoints.lineage``).
 
@@ -44,16 +42,12 @@ from clast.model.state import LEDGER
 
 FORMAT = 2
 """Version of the layout outside of /VTKHDF: 1 had no checksums."""
-
 VTKHDF_VERSION = (2, 2)
 """The first version that blesses groups of one's own beside /VTKHDF."""
-
 POLYGON = 7
 """VTK's number for a polygonal cell."""
-
 CHUNK_ROWS = 512
 """Rows that small things share a chunk of the file with."""
-
 PLANE, TENSOR = ("x", "y"), ("xx", "yy", "xy")
 """Components of vectors and of stresses: columns are called displacement_x, stress_xx."""
 
@@ -106,6 +100,8 @@ class Things:
     """What users call it."""
     names: Callable[[Model], tuple[str, ...]]
     """Returns the names of those of a model."""
+    since: str = ""
+    """As for a column: older files have none of them."""
     path: str = ""
     """Group with a dataset for each, named after it; "": one dataset has wide rows of all."""
 
@@ -116,7 +112,9 @@ POINTS = Things(
     names=lambda model: model.measured_points.name,
     path="history",
 )
-BOLTS = Things(name="bolt", meaning="bolt", names=lambda model: model.bolts.name)
+BOLTS = Things(
+    name="bolt", meaning="bolt", since="rock bolts", names=lambda model: model.bolts.name
+)
 
 TIME = Column(name="time", unit="s", meaning="time")
 
@@ -164,6 +162,11 @@ class TableSchema:
     def count(self, model: Model) -> int:
         """Return of how many things of a model it tells."""
         return 1 if self.of is None else len(self.of.names(model))
+
+    @property
+    def may_be_missing(self) -> bool:
+        """Whether files lack it that have what it is of."""
+        return self.since != (self.of.since if self.of else "")
 
     def is_kept(self, model: Model) -> bool:
         """Return whether there is anything to be told of a model."""
@@ -484,8 +487,8 @@ MODEL = (
 """What is written of the model beside its source and its water (``clast.results.parts.water``)."""
 
 
+# a slash would open a group; what stands for it must not be a name of its own
 SPECIAL = str.maketrans({sign: f"%{ord(sign):02X}" for sign in "%/"})
-"""A slash would open a group; what stands for it must not be a name of its own."""
 
 
 def history_path(name: str, layout: int = FORMAT) -> str:
