@@ -1,0 +1,289 @@
+"""Factor of safety and collapse load: trials in a folder or in memory, and what they add up to.
+
+clast.factor_of_safety("slope.toml", joints=["bedding"]).value
+clast.collapse_load("arch.toml", "pga").value
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from clast.case.case_file import Case
+from clast.errors import CaseError
+from clast.inputs.declaring import text as case_text
+from clast.rockmass.drawings.files import replaced
+from clast.study.cases import content_of, given_case
+from clast.study.collapsing.reduction import Reduction
+from clast.study.collapsing.search import Bracket, Trials, bracket_of
+from clast.study.collapsing.trial import (
+    FAILED,
+    STANDS,
+    Settled,
+    Trial,
+    as_plain,
+    standing,
+    trial_content,
+    tried,
+)
+from clast.study.description import COLLAPSE, Description, Factor
+from clast.study.folder import CASE, DONE, StudyFolder, with_files
+from clast.study.work import RUN_FILE, factor_of, search_of
+
+TRIALS = "trials.csv"
+"""Table of the trials."""
+AROUND = 5.0
+"""How far more trials reach on both sides of the bracket, in units of the tolerance."""
+
+Watch = Callable[[int, Trial], None]
+"""Called with the number of a trial and what came of it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Collapse:
+    """The factor with which blocks fail, as a bracket of trials."""
+
+    low: float
+    """Largest factor with which the blocks stand; 0 where they stand with none that was tried."""
+    high: float
+    """Least factor with which they fail; inf where they fail with none that was tried."""
+    undecided: tuple[float, ...]
+    """Factors between the two with which they neither stand nor fail."""
+    trials: tuple[Trial, ...]
+    """All trials, in the order in which they were made."""
+    by: Reduction
+    """What the factor acts on."""
+    tolerance: float
+    """Width of the bracket that was asked for, as a share of its upper end."""
+    folder: Path | None = None
+    """Where the study is kept; None: in memory."""
+
+    @property
+    def value(self) -> float:
+        """The answer: the lower end of the bracket."""
+        return self.low
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the bracket is closed and as narrow as was asked for."""
+        width = self.high - self.low
+        return self.low > 0.0 and width <= self.tolerance * self.high * (1.0 + 1e-9)
+
+    @property
+    def sentence(self) -> str:
+        """The answer in words, with what is to be known of it."""
+        title = self.by.TITLE
+        if math.isinf(self.high):
+            return f"{title} at least {self.low:.6g}: no failure was found up to there"
+        if self.low == 0.0:
+            return f"{title} below {self.high:.6g}: the blocks stand with nothing that was tried"
+        text = f"{title} {self.low:.4g}: stands with {self.low:.6g}, fails with {self.high:.6g}"
+        if self.undecided:
+            listed = ", ".join(f"{one:.6g}" for one in self.undecided)
+            text += f"; undecided with {listed}, also three times as long"
+        return text
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it ready for JSON."""
+        return {
+            "what": self.by.TITLE,
+            "value": self.value,
+            "low": self.low,
+            "high": self.high if math.isfinite(self.high) else None,
+            "undecided": list(self.undecided),
+            "settled": self.is_settled,
+            "sentence": self.sentence,
+            "trials": [one.as_dict() for one in self.trials],
+            "folder": None if self.folder is None else str(self.folder),
+        }
+
+    def __repr__(self) -> str:
+        return f"Collapse({self.sentence}; {len(self.trials)} trials)"
+
+
+def factor_of_safety(
+    case: Any,
+    *,
+    joints: Sequence[str] = (),
+    tolerance: float = 0.01,
+    folder: str | Path | None = None,
+    watch: Watch | None = None,
+    **how: Any,
+) -> Collapse:
+    """Return the factor by which the strengths of joints may be divided until blocks fail.
+
+    Cohesion, tensile strength and tan(phi) of all joints, or of ``joints``.  ``case`` is a file or
+    a Case; ``folder`` keeps all trials, and goes on with those that are there.  ``how`` may have
+    ``start``, ``growth`` and ``refine``.  Raises CaseError for a case that cannot be used, and
+    where its blocks do not come to rest.
+    """
+    given = Factor(joints=_names(joints), tolerance=tolerance, **how)
+    return collapse(given_case(case), given, folder, watch)
+
+
+def collapse_load(
+    case: Any,
+    by: str,
+    *,
+    tolerance: float = 0.01,
+    folder: str | Path | None = None,
+    watch: Watch | None = None,
+    **how: Any,
+) -> Collapse:
+    """Return the factor of gravity, of a load, or of a push on all blocks, with which blocks fail.
+
+    ``by`` is "gravity", "load NAME", "pga" (a push to the right of so much of the weight) or "pga
+    left"; all else as in ``factor_of_safety``.
+    """
+    given = Factor(by=by, tolerance=tolerance, **how)
+    return collapse(given_case(case), given, folder, watch)
+
+
+def collapse(
+    case: Case, how: Factor, folder: str | Path | None = None, watch: Watch | None = None
+) -> Collapse:
+    """Return the factor with which the blocks of a case fail; raises CaseError as above."""
+    by = factor_of(how)
+    by.check(content_of(case))
+    search_of(how, by)  # numbers that are none are refused before anything is made
+    if not (isinstance(how.refine, int) and 0 <= how.refine <= 500):
+        raise CaseError(
+            f"{how.refine!r} is no number of trials", where="refine", remedy="give 0 to 500"
+        )
+    if folder is None:
+        return TrialMaker(case=case, how=how, by=by, watch=watch).all()
+    kept = StudyFolder.made(Path(folder), case, Description(kind=COLLAPSE, factor=how).checked())
+    return go_on(kept, watch)
+
+
+def go_on(folder: StudyFolder, watch: Watch | None = None) -> Collapse:
+    """Go on with the trials in a folder; return what they add up to."""
+    how = folder.study.factor or Factor()
+    with folder.driven():
+        found = TrialMaker(
+            case=folder.base, how=how, by=factor_of(how), watch=watch, folder=folder
+        ).all()
+        write_trials(found, folder.path / TRIALS)
+        _drop_files(folder, found)
+    return found
+
+
+@dataclass(kw_only=True)
+class TrialMaker:
+    """Makes the trials of a study of collapse."""
+
+    case: Case
+    """The case."""
+    how: Factor
+    """How the factor is looked for."""
+    by: Reduction
+    """What it acts on."""
+    watch: Watch | None = None
+    """Told of each trial."""
+    folder: StudyFolder | None = None
+    """Where trials are kept; None: nowhere."""
+    _start: list[Settled] = field(default_factory=list)
+
+    def all(self) -> Collapse:
+        """Return what all trials add up to."""
+        trials = Trials(search_of(self.how, self.by), self.trial)
+        found = trials.all()
+        for factor in self._more(found):
+            trials.done.append(self.trial(len(trials.done) + 1, factor))
+        found = bracket_of(trials.done)
+        return Collapse(
+            low=found.low,
+            high=found.high,
+            undecided=found.undecided,
+            trials=tuple(trials.done),
+            by=self.by,
+            tolerance=self.how.tolerance,
+            folder=None if self.folder is None else self.folder.path,
+        )
+
+    def trial(self, number: int, factor: float) -> Trial:
+        """Return what comes of a trial: what is written of it, or a new one."""
+        trial = self._written(number, factor) or self._made(number, factor)
+        if self.watch is not None:
+            self.watch(number, trial)
+        return trial
+
+    def _more(self, found: Bracket) -> list[float]:
+        """Return the factors of more trials near the bracket."""
+        count = self.how.refine
+        if not count or not found.is_closed:
+            return []
+        reach = AROUND * self.how.tolerance * found.high
+        low, high = max(0.0, found.low - reach), found.high + reach
+        return [low + (high - low) * (k + 1) / (count + 1) for k in range(count)]
+
+    def _written(self, number: int, factor: float) -> Trial | None:
+        """Return a trial that is in the folder."""
+        result = None if self.folder is None else self.folder.result(number)
+        if result is None or result["trial"]["factor"] != factor:
+            return None
+        return as_plain(result["trial"])
+
+    def _made(self, number: int, factor: float) -> Trial:
+        """Return a trial that is made now, and written down."""
+        if not self._start:
+            self._start.append(standing(self.case, self.by))
+        start = self._start[0]
+        if self.folder is None:
+            return tried(start, self.by, factor)[0]
+        with self.folder.making(number) as part:
+            trial, _ = tried(start, self.by, factor, part / RUN_FILE)
+            parts = 3 if trial.longer else 1
+            content = trial_content(start.content, self.by, factor, parts)
+            base = f"../../../{Path(self.folder.study.case).parent.as_posix()}"
+            text = case_text.to_toml(with_files(content, base))
+            (part / CASE).write_text(text, encoding="utf-8")
+            plain = {"run": number, "status": DONE, "parameters": {}, "trial": trial.as_dict()}
+            self.folder.write_result(part, plain)
+        return trial
+
+
+def ends(found: Collapse) -> list[int]:
+    """Return the numbers of the last trial that stands and the first that fails, from 1."""
+    wanted = ((found.low, STANDS), (found.high, FAILED))
+    return [
+        k
+        for factor, verdict in wanted
+        for k, one in enumerate(found.trials, 1)
+        if one.factor == factor and one.verdict == verdict
+    ]
+
+
+def write_trials(found: Collapse, path: Path) -> None:
+    """Write the table of the trials as CSV."""
+    with replaced(path) as file:
+        text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=True)
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(["trial", "factor", "verdict", "displacement", "block", "steps", "reason"])
+        for k, one in enumerate(found.trials, 1):
+            writer.writerow(
+                [k, one.factor, one.verdict, one.displacement, one.mover, one.steps, one.reason]
+            )
+        text.detach()
+
+
+def _drop_files(folder: StudyFolder, found: Collapse) -> None:
+    """Remove the result files of trials but those at the ends of the bracket."""
+    kept = ends(found)
+    for number in range(1, len(found.trials) + 1):
+        if number not in kept and folder.study.keep != "all":
+            for file in folder.place(number).glob("run*"):
+                file.unlink()
+
+
+def _names(joints: Any) -> tuple[str, ...]:
+    if isinstance(joints, str) or not all(isinstance(one, str) for one in joints):
+        raise CaseError(
+            f"{joints!r} are no names of joints", where="joints", remedy='e.g. joints=["bedding"]'
+        )
+    return tuple(joints)

@@ -1,0 +1,304 @@
+"""What a factor acts on: the strengths of joints, gravity, a load, or a push on all blocks.
+
+Each makes of the content of a case that of a trial.  The blocks first come to rest in the stages of
+the case and one of ours, ``settle``; the trial is a stage after it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from clast import spelling
+from clast.errors import CaseError, shortened
+from clast.study.cases import Content
+
+SETTLE, TRIAL = "settle", "trial"
+"""Stages that a study adds to those of a case."""
+STRENGTHS = ("cohesion", "tensile_strength", "residual_cohesion")
+"""Strengths of a joint beside its friction angle."""
+LOADS = {"point_load": "force", "line_load": "traction", "pressure": "value"}
+"""Tables of loads, and the keys of their values."""
+STATIC_STEPS = 300
+"""Steps of a stage, at least, where a process does not bear steps of any length."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Strengths:
+    """The strengths of joints are divided by the factor: cohesion, tension, tan(phi)."""
+
+    DIVIDES: ClassVar[bool] = True
+    SYMBOL: ClassVar[str] = "F"
+    TITLE: ClassVar[str] = "factor of safety"
+    START: ClassVar[float] = 1.0
+    GROWTH: ClassVar[float] = 1.25
+    joints: tuple[str, ...] = ()
+    """Joints by name; none: all of them."""
+
+    def check(self, content: Content) -> None:
+        """Raise CaseError where there is nothing to reduce."""
+        known = content.get("joint", {})
+        for name in self.joints:
+            if name not in known:
+                raise CaseError(
+                    f"there is no joint '{shortened(name)}'",
+                    where="joints",
+                    remedy=spelling.advice(name, known, kind="joint"),
+                )
+        if not any(map(_has_strength, self._last(content).values())):
+            raise CaseError(
+                "no joint has a friction angle or another strength that could be reduced",
+                where="joints",
+                remedy="give [joint.default] with a friction_angle, or name other joints",
+            )
+
+    def base(self, content: Content, factor: float) -> Content:
+        """Return the case in which blocks come to rest, with its strengths divided."""
+        if factor == 1.0:
+            return content
+        joints = {
+            name: {**table, **divided(table, factor)} if self._is_meant(name) else table
+            for name, table in content.get("joint", {}).items()
+        }
+        stages = [
+            {**stage, "joint": self._divided(stage["joint"], factor)} if "joint" in stage else stage
+            for stage in content.get("stage", [])
+        ]
+        return {**content, "joint": joints, **({"stage": stages} if stages else {})}
+
+    def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
+        """Return the case of a trial, and what its stage has beside what all have."""
+        return content, {"joint": self._divided(self._last(content), factor)}
+
+    def _divided(self, joints: Content, factor: float) -> dict[str, Any]:
+        return {
+            name: divided(table, factor) if self._is_meant(name) else dict(table)
+            for name, table in joints.items()
+        }
+
+    def _last(self, content: Content) -> dict[str, dict[str, float]]:
+        """Return the strengths of the joints that are meant after the stages of the case."""
+        keys = ("friction_angle", *STRENGTHS)
+        found: dict[str, dict[str, float]] = {}
+        for name, table in content.get("joint", {}).items():
+            if self._is_meant(name):
+                found[name] = {"friction_angle": 0.0, **{k: table[k] for k in keys if k in table}}
+        for stage in content.get("stage", []):
+            for name, table in stage.get("joint", {}).items():
+                if name in found:
+                    found[name].update(table)
+        return found
+
+    def _is_meant(self, name: str) -> bool:
+        return not self.joints or name in self.joints
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gravity:
+    """Gravity is multiplied by the factor."""
+
+    DIVIDES: ClassVar[bool] = True
+    SYMBOL: ClassVar[str] = "factor of gravity"
+    TITLE: ClassVar[str] = "factor of gravity at collapse"
+    START: ClassVar[float] = 1.0
+    GROWTH: ClassVar[float] = 1.25
+
+    def check(self, content: Content) -> None:
+        """Raise CaseError where there is no gravity."""
+        _weight(content)
+
+    def base(self, content: Content, factor: float) -> Content:
+        """Return the case in which blocks come to rest."""
+        x, y = content.get("gravity", GRAVITY)
+        return {**content, "gravity": [factor * x, factor * y]}
+
+    def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
+        """Return the case of a trial, and what its stage has beside what all have."""
+        return self.base(content, factor), {}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Push:
+    """All blocks are pushed sideways by the factor times their weight: the critical acceleration.
+
+    The push of an earthquake that lasts, as in limit analysis of walls and arches.
+    """
+
+    DIVIDES: ClassVar[bool] = False
+    SYMBOL: ClassVar[str] = "push over weight"
+    TITLE: ClassVar[str] = "push over weight at collapse"
+    START: ClassVar[float] = 0.1
+    GROWTH: ClassVar[float] = 2.0
+    sign: float = 1.0
+    """1: to the right, -1: to the left."""
+
+    def check(self, content: Content) -> None:
+        """Raise CaseError where there is no gravity."""
+        _weight(content)
+
+    def base(self, content: Content, factor: float) -> Content:
+        """Return the case in which blocks come to rest: without any push."""
+        return content
+
+    def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
+        """Return the case of a trial, and what its stage has beside what all have."""
+        x, y = content.get("gravity", GRAVITY)
+        size = math.hypot(x, y)
+        # across gravity: to its left where it points down, which is +x
+        push = self.sign * factor * size
+        return {**content, "gravity": [x - push * y / size, y + push * x / size]}, {}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Load:
+    """Loads of a name are multiplied by the factor; they act in trials only."""
+
+    DIVIDES: ClassVar[bool] = False
+    SYMBOL: ClassVar[str] = "factor of load"
+    TITLE: ClassVar[str] = "factor of load at collapse"
+    START: ClassVar[float] = 1.0
+    GROWTH: ClassVar[float] = 2.0
+    name: str
+    """Name of the loads."""
+
+    def check(self, content: Content) -> None:
+        """Raise CaseError where there is no such load, or where a stage of the case has it."""
+        named = [one.get("name") for key in LOADS for one in content.get(key, [])]
+        if self.name not in named:
+            known = [one for one in named if one is not None]
+            raise CaseError(
+                f"there is no load '{shortened(self.name)}'",
+                where="by",
+                remedy=spelling.advice(self.name, known, kind="load")
+                if known
+                else "give a [[point_load]], [[line_load]] or [[pressure]] a name",
+            )
+        for stage in content.get("stage", []):
+            if self.name in stage.get("loads", []):
+                raise CaseError(
+                    f"load '{self.name}' begins with stage '{stage.get('name')}'",
+                    where="by",
+                    remedy="leave it out of the stages: the study lets it begin",
+                )
+
+    def base(self, content: Content, factor: float) -> Content:
+        """Return the case in which blocks come to rest: without the load."""
+        return self._with(content, 0.0)
+
+    def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
+        """Return the case of a trial, and what its stage has beside what all have."""
+        return self._with(content, factor), {"loads": [self.name]}
+
+    def _with(self, content: Content, factor: float) -> Content:
+        """Return the case with the load multiplied by a factor."""
+        changed = {
+            key: [self._multiplied(one, value, factor) for one in content[key]]
+            for key, value in LOADS.items()
+            if key in content
+        }
+        return {**content, **changed}
+
+    def _multiplied(self, load: Content, key: str, factor: float) -> Content:
+        if load.get("name") != self.name:
+            return load
+        value = load[key]
+        product = [factor * one for one in value] if isinstance(value, list) else factor * value
+        return {**load, key: product}
+
+
+Reduction = Strengths | Gravity | Push | Load
+"""What a factor acts on."""
+GRAVITY = (0.0, -9.8)
+"""Gravity of a case that does not say it, m/s2."""
+
+
+def reduction(by: str, joints: Sequence[str] = ()) -> Reduction:
+    """Return what a factor acts on by its name; raises CaseError for what is none.
+
+    "strength", "gravity", "load NAME", "pga" (to the right), "pga left".
+    """
+    word, _, rest = by.strip().partition(" ")
+    rest = rest.strip()
+    if joints and word != "strength":
+        raise CaseError(
+            "joints are chosen where their strength is reduced",
+            where="joints",
+            remedy=f"leave them out with by = '{shortened(by)}'",
+        )
+    if word == "strength" and not rest:
+        return Strengths(joints=tuple(joints))
+    if word == "gravity" and not rest:
+        return Gravity()
+    if word == "load" and rest:
+        return Load(name=rest)
+    if word == "pga" and rest in ("", "right", "left"):
+        return Push(sign=-1.0 if rest == "left" else 1.0)
+    raise CaseError(
+        f"a factor cannot act on '{shortened(by)}'",
+        where="by",
+        remedy='give strength, gravity, "load NAME", pga or "pga left"',
+    )
+
+
+def written(one: Reduction) -> str:
+    """Return the text by which ``reduction`` makes a reduction again, joints left out."""
+    if isinstance(one, Load):
+        return f"load {one.name}"
+    if isinstance(one, Push):
+        return "pga" if one.sign > 0.0 else "pga left"
+    return "gravity" if isinstance(one, Gravity) else "strength"
+
+
+def staged(
+    content: Content, trial: Mapping[str, Any] | None = None, parts: int = 1
+) -> dict[str, Any]:
+    """Return a case with a stage in which its blocks come to rest, and those of a trial.
+
+    ``trial`` is what the first of its ``parts`` has beside what all have; None: there is none.
+    """
+    own = list(content.get("stage", []))
+    taken = {stage.get("name") for stage in own}
+    step = content["time"]["step"]
+    time = max(float(content["time"]["end"]), STATIC_STEPS * step)
+    usual = {"dynamic_ratio": 0.0, "until": "equilibrium", "step": step, "time": time}
+    settle = {**usual, "name": _free(SETTLE, taken), "reset_displacement": True}
+    if trial is None:
+        return {**content, "stage": [*own, settle]}
+    names = [_free(f"{TRIAL} {k + 1}" if k else TRIAL, taken) for k in range(parts)]
+    trials = [{**usual, "name": name} for name in names]
+    trials[0].update(trial)
+    return {**content, "stage": [*own, settle, *trials]}
+
+
+def _free(name: str, taken: set[Any]) -> str:
+    """Return a name that no stage of the case has."""
+    return name if name not in taken else _free(f"{name} of the study", taken)
+
+
+def divided(table: Mapping[str, float], factor: float) -> dict[str, float]:
+    """Return the strengths of a joint divided by a factor."""
+    found = {key: table[key] / factor for key in STRENGTHS if key in table}
+    if "friction_angle" in table:
+        angle = math.radians(table["friction_angle"])
+        found["friction_angle"] = math.degrees(math.atan(math.tan(angle) / factor))
+    return found
+
+
+def _has_strength(table: Mapping[str, float]) -> bool:
+    return any(table.get(key, 0.0) > 0.0 for key in ("friction_angle", *STRENGTHS))
+
+
+def _weight(content: Content) -> None:
+    """Raise CaseError where blocks have no weight."""
+    if math.hypot(*content.get("gravity", GRAVITY)) == 0.0:
+        raise CaseError(
+            "there is no gravity", where="gravity", remedy="give the case a gravity, or another by"
+        )
+    if "gravity_factor" in content:
+        raise CaseError(
+            "gravity follows a table, and its factor cannot be found as well",
+            where="gravity_factor",
+            remedy="leave gravity_factor out",
+        )

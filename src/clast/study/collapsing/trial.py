@@ -1,0 +1,231 @@
+"""One trial of a study of collapse: whether the blocks stand with a factor.
+
+Each trial is a static stage, a path of equilibria (docs/decisions/0070, 0083), that begins where
+the blocks have come to rest without the factor, with displacements at zero.  Friction that contacts
+remember is capped to their reduced strength as the first step begins: the return mapping of
+Coulomb's law does it.
+
+A trial *stands* where it comes to an equilibrium.  It *fails* where blocks have moved by a
+hundredth of their median size or more and what drives them does not become less.  All else (nothing
+moves far, but no equilibrium is found; the run cannot go on) is tried again, three times as long,
+and is *undecided* if that is no better.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from clast.case.case_file import Case
+from clast.errors import CaseError, RunStopped
+from clast.model.model import Floats, Model
+from clast.model.stages.records import FAILS, REACHED, StageRecord
+from clast.results import Run, RunRecorder
+from clast.run.simulate import simulate
+from clast.run.stages.failing import GOES
+from clast.step.method import Method
+from clast.study.cases import Content, changed, content_of
+from clast.study.collapsing.reduction import Reduction, staged
+
+if TYPE_CHECKING:
+    from clast.run.simulate import RunState
+
+STANDS, FAILED, UNDECIDED = "stands", "fails", "undecided"
+"""Verdicts."""
+LONGER = 3
+"""By how much a trial is longer that was undecided."""
+TOGETHER = 0.5
+"""Movement, in units of the largest, of the blocks that fail."""
+LEAST_BASE = 1.0 / 64.0
+"""Least factor at which blocks are let settle where they do not stand at 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trial:
+    """What came of a trial."""
+
+    factor: float
+    """Its factor."""
+    verdict: str
+    """"stands", "fails" or "undecided"."""
+    displacement: float
+    """Largest movement of a block since the blocks came to rest, m."""
+    mover: str
+    """Block that has moved farthest; "" where none has."""
+    blocks: tuple[str, ...] = ()
+    """Blocks that fail, the one that moves most first."""
+    steps: int = 0
+    """Steps of the trial."""
+    longer: bool = False
+    """True where it was undecided at first, and tried again."""
+    reason: str = ""
+    """What hinders equilibrium, or why the run could not go on; "" where it stands."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it ready for JSON."""
+        return {**vars(self), "blocks": list(self.blocks)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settled:
+    """A case whose blocks have come to rest, from where all trials begin."""
+
+    case: Case
+    """The case, without stages of the study."""
+    content: Content
+    """Its tables."""
+    model: Model
+    """Its blocks."""
+    method: Method
+    """How it is simulated."""
+    run: RunState
+    """What the run carries at the end."""
+    base: float
+    """Factor with which the blocks came to rest."""
+    record: StageRecord
+    """How they did."""
+
+    @property
+    def stands(self) -> bool:
+        """Whether they have come to an equilibrium."""
+        return self.record.outcome == REACHED
+
+
+def settled(case: Case, by: Reduction, base: float) -> Settled:
+    """Return a case after its own stages and one in which its blocks come to rest.
+
+    ``base`` is the factor that acts meanwhile.  Raises CaseError for a case that cannot be used.
+    """
+    content = content_of(case)
+    kept: list[RunState] = []
+
+    def keep(now: RunState) -> None:
+        kept[:] = [now]
+
+    ready = changed(case, staged(by.base(content, base)))
+    model = ready.model()
+    method, schedule = ready.method(model), replace(ready.schedule(), every=FOREVER)
+    run = _simulated(model, method, schedule, RunRecorder(model, contacts=False), keep=keep)
+    if len(run.stages) <= len(content.get("stage", [])) or not run.report.finished:
+        raise CaseError(
+            f"the run stops before its blocks have come to rest: {run.report.outcome}",
+            where=case.file,
+            remedy="see to the case first: clast check, clast run",
+        )
+    return Settled(
+        case=case,
+        content=content,
+        model=model,
+        method=method,
+        run=kept[0],
+        base=base,
+        record=run.stages[-1],
+    )
+
+
+def standing(case: Case, by: Reduction) -> Settled:
+    """Return a case whose blocks have come to rest, with more strength where they need it.
+
+    Raises CaseError where they do not stand with any.
+    """
+    base = 1.0
+    while True:
+        found = settled(case, by, base)
+        if found.stands:
+            return found
+        base *= 0.5
+        if not by.DIVIDES or base < LEAST_BASE:
+            raise CaseError(
+                "the blocks do not come to rest before the factor acts"
+                + (f", nor with the factor {2.0 * base:g}" if by.DIVIDES else "")
+                + f": {found.record.hindrance or found.record.outcome}",
+                where=case.file,
+                remedy="see what moves: clast run",
+            )
+
+
+FOREVER = 1e9
+"""Time between frames of which only the first and the last are wanted, s."""
+
+
+def tried(
+    start: Settled, by: Reduction, factor: float, output: Path | None = None, *, parts: int = 1
+) -> tuple[Trial, Run]:
+    """Return what comes of a trial, and its run.
+
+    Its result file is written to ``output``.  What is undecided is tried again, longer.
+    """
+    case = changed(start.case, trial_content(start.content, by, factor, parts))
+    model = case.model()
+    schedule = replace(case.schedule(), every=FOREVER)
+    recorder = RunRecorder(model, case_text=case.text, output=output, contacts=output is not None)
+    run = _simulated(model, start.method, schedule, recorder, begin=start.run)
+    trial = _judged(start, run, factor, parts)
+    if trial.verdict == UNDECIDED and parts == 1:
+        return tried(start, by, factor, output, parts=LONGER)
+    return trial, run
+
+
+def trial_content(content: Content, by: Reduction, factor: float, parts: int = 1) -> dict[str, Any]:
+    """Return the case of a trial as a whole, the stage in which blocks come to rest included."""
+    tables, extra = by.trial(content, factor)
+    return staged(tables, extra, parts)
+
+
+def _simulated(
+    model: Model, method: Method, schedule: Any, recorder: RunRecorder, **how: Any
+) -> Run:
+    """Return the run of a model, or as much of it as there is."""
+    try:
+        run = simulate(model, method, schedule, recorder=recorder, **how)
+    except RunStopped as stopped:
+        return stopped.run  # type: ignore[return-value]
+    if not run.report.finished:
+        raise KeyboardInterrupt
+    return run
+
+
+def _judged(start: Settled, run: Run, factor: float, parts: int) -> Trial:
+    """Return the verdict on a run."""
+    before = len(start.content.get("stage", [])) + 1
+    records = run.stages[before:]
+    far = moved(start.model, start.run.state.vertices, run.state.vertices)
+    farthest = int(far.argmax())
+    names = start.model.block_name
+    trial = Trial(
+        factor=factor,
+        verdict=UNDECIDED,
+        displacement=float(far[farthest]),
+        mover=names[farthest] if far[farthest] > 0.0 else "",
+        steps=sum(record.steps for record in records),
+        longer=parts > 1,
+    )
+    if not run.report.finished:
+        return replace(trial, reason=run.report.outcome)
+    last = records[-1]
+    if last.outcome == REACHED:
+        return replace(trial, verdict=STANDS)
+    trial = replace(trial, reason=last.hindrance)
+    size = float(np.sqrt(np.median(start.model.area)))
+    if last.outcome == FAILS and far[farthest] > GOES * size:
+        order = np.argsort(-far, kind="stable")
+        together = order[far[order] >= TOGETHER * far[farthest]]
+        blocks = tuple(names[block] for block in together)
+        return replace(trial, verdict=FAILED, blocks=blocks)
+    return trial
+
+
+def moved(model: Model, before: Floats, after: Floats) -> Floats:
+    """Return how far each block has moved, m, shape (n,), between vertices (nv, 2), m."""
+    start = model.block_start
+    way = np.add.reduceat(after - before, start[:-1], axis=0) / np.diff(start)[:, None]
+    return np.where(model.fixed, 0.0, np.hypot(*way.T))
+
+
+def as_plain(trial: Mapping[str, Any]) -> Trial:
+    """Return the trial that ``Trial.as_dict`` gave."""
+    return Trial(**{**trial, "blocks": tuple(trial["blocks"])})

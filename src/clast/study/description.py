@@ -1,0 +1,442 @@
+"""What a study consists of, and its file ``study.toml``: all that its results depend on.
+
+    schema = 1
+    kind = "montecarlo"
+    case = "base/3f2a.../case.toml"
+    n = 500
+    sampling = "latin-hypercube"
+    seed = 1
+    fail = "crest > 0.05"
+
+    [measure]
+    crest = "displacement(A)"
+
+    [[vary]]
+    name = "joint.bedding.friction_angle"
+    paths = ["joint.bedding.friction_angle"]
+    is = "normal(35, 5, low=15, high=70)"
+
+    [[correlate]]
+    of = ["joint.bedding.cohesion", "joint.bedding.friction_angle"]
+    value = -0.4
+
+Its hash is the study: results that name another one are of another study.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+
+from clast import spelling
+from clast.errors import CaseError, shortened
+from clast.inputs.declaring import text as case_text
+from clast.model.model import Floats
+from clast.study.judging.expressions import Expression, read
+from clast.study.judging.measures import ARGUMENTS, FOS
+from clast.study.variables import sampling
+from clast.study.variables.distributions import Distribution, Numbered, Range, Value, Values
+from clast.study.variables.parameters import Parameter
+from clast.study.variables.sampling import LatinHypercube, PointEstimate, Sampling
+from clast.study.variables.texts import parsed
+
+SWEEP, MONTECARLO, COLLAPSE = "sweep", "montecarlo", "fos"
+"""Kinds of studies."""
+KINDS = (SWEEP, MONTECARLO, COLLAPSE)
+KEEPS = ("none", "failed", "all")
+"""Of which runs the result files are kept."""
+MOST_TRIALS = 1000
+"""Most trials of a study of collapse."""
+COLUMNS = ("run", "status", "fails", "reason")
+"""Columns of a table beside parameters and measures."""
+RUNS = 100
+"""Runs of a Monte Carlo study that does not say how many."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Factor:
+    """How a factor of safety, or a load at collapse, is looked for."""
+
+    by: str = "strength"
+    """What the factor acts on: strength, gravity, "load NAME", pga, "pga left"."""
+    joints: tuple[str, ...] = ()
+    """Joints whose strength is reduced; none: all."""
+    start: float | None = None
+    """First factor; None: 1, of pga 0.1."""
+    growth: float | None = None
+    """By how much the next ones grow until one fails; None: 1.25 of strengths, else 2."""
+    tolerance: float = 0.01
+    """Width of the bracket, as a share of its upper end."""
+    refine: int = 0
+    """More trials at equal distances near the bracket, for the curve of displacements."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Description:
+    """A study, but for its case; m parameters."""
+
+    kind: str
+    """"sweep", "montecarlo" or "fos"."""
+    case: str = ""
+    """Case file, beside study.toml."""
+    vary: tuple[Parameter, ...] = ()
+    """What varies from run to run."""
+    correlate: tuple[tuple[str, str, float], ...] = ()
+    """Names of two parameters and the correlation of their normal scores."""
+    sampling: Sampling = field(default_factory=sampling.Random)
+    """How runs are drawn; of no account for a sweep."""
+    n: int = 1
+    """Number of runs."""
+    together: bool = False
+    """Of a sweep: True takes the lists in step, False all combinations."""
+    measure: Mapping[str, str] = field(default_factory=dict)
+    """Name -> expression."""
+    fail: str = ""
+    """Expression that is true where a run fails; "": none is asked for."""
+    factor: Factor | None = None
+    """How factors are looked for where the study, or a measure, asks for one."""
+    keep: str = "none"
+    """Of which runs the result files are kept: "none", "failed" or "all"."""
+
+    # Runs ----------------------------------------------------------------------------------------
+
+    def values(self, run: int) -> tuple[Value, ...]:
+        """Return the parameters of a run, from 1, in their order."""
+        if self.kind == SWEEP:
+            return self._listed(run - 1)
+        if isinstance(self.sampling, PointEstimate):
+            return self._at_signs(self.sampling.signs(run - 1, len(self._drawn)))
+        chances = self.sampling.probabilities(run - 1, self.n, len(self._drawn))
+        chances = sampling.correlated(chances, self._copula[1])
+        drawn = iter(chances.tolist())
+        return tuple(
+            run - 1 + one.drawn.first
+            if isinstance(one.drawn, Numbered)
+            else one.drawn.quantile(next(drawn))
+            for one in self.vary
+        )
+
+    def weight(self, run: int) -> float:
+        """Return the weight of a run in sums over all: 1/n but for point estimates."""
+        if isinstance(self.sampling, PointEstimate):
+            return self.sampling.weight(run - 1, self._copula[0])
+        return 1.0 / self.n
+
+    def replicate(self, run: int) -> int:
+        """Return the number of the Latin hypercube that a run belongs to, from 0."""
+        one = self.sampling
+        return one.replicate(run - 1, self.n) if isinstance(one, LatinHypercube) else 0
+
+    @property
+    def _drawn(self) -> list[Parameter]:
+        """The parameters that are drawn."""
+        return [one for one in self.vary if not isinstance(one.drawn, Numbered)]
+
+    @cached_property
+    def _copula(self) -> tuple[Floats, Floats]:
+        """Correlations of normal scores of what is drawn, and their Cholesky factor, (m, m)."""
+        names = [one.name for one in self._drawn]
+        pairs = [(names.index(a), names.index(b), value) for a, b, value in self.correlate]
+        return sampling.copula(pairs, len(names))
+
+    def _at_signs(self, signs: Floats) -> tuple[Value, ...]:
+        """Return mean plus or minus standard deviation of each parameter."""
+        moments = [one.drawn.moments for one in self.vary]
+        return tuple(
+            mean + sign * sd for sign, (mean, sd) in zip(signs.tolist(), moments, strict=True)
+        )
+
+    def _listed(self, number: int) -> tuple[Value, ...]:
+        """Return the values of a combination of lists, the last one changing fastest."""
+        lists = [_list_of(one) for one in self.vary]
+        if self.together:
+            return tuple(one.at(number) for one in lists)
+        found: list[Value] = []
+        for one in reversed(lists):
+            number, position = divmod(number, len(one))
+            found.append(one.at(position))
+        return tuple(reversed(found))
+
+    # Measures ------------------------------------------------------------------------------------
+
+    @cached_property
+    def measures(self) -> dict[str, Expression]:
+        """The measures by name."""
+        functions = [*ARGUMENTS, FOS]
+        found: dict[str, Expression] = {}
+        for name, text in self.measure.items():
+            found[name] = read(text, f"measure {shortened(name)}", list(found), functions)
+        return found
+
+    @cached_property
+    def condition(self) -> Expression | None:
+        """The failure condition; None where none is asked for."""
+        if not self.fail:
+            return None
+        return read(self.fail, "fail", list(self.measure), [*ARGUMENTS, FOS])
+
+    @property
+    def expressions(self) -> list[Expression]:
+        """All expressions."""
+        own = list(self.measures.values())
+        return own if self.condition is None else [*own, self.condition]
+
+    # Text ----------------------------------------------------------------------------------------
+
+    @cached_property
+    def text(self) -> str:
+        """The file ``study.toml``."""
+        content: dict[str, Any] = {"schema": 1, "kind": self.kind, "case": self.case}
+        if self.kind != COLLAPSE:
+            content["n"] = self.n
+        if self.kind == MONTECARLO:
+            content["sampling"] = type(self.sampling).WORD
+            content.update(vars(self.sampling))
+        if self.kind == SWEEP:
+            content["together"] = self.together
+        content["keep"] = self.keep
+        if self.fail:
+            content["fail"] = self.fail
+        if self.measure:
+            content["measure"] = dict(self.measure)
+        if self.factor is not None:
+            given = {one.name: getattr(self.factor, one.name) for one in fields(Factor)}
+            content["factor"] = {
+                key: list(value) if isinstance(value, tuple) else value
+                for key, value in given.items()
+                if value is not None
+            }
+        if self.vary:
+            content["vary"] = [
+                {"name": one.name, "paths": list(one.paths), "is": str(one.distribution)}
+                for one in self.vary
+            ]
+        if self.correlate:
+            content["correlate"] = [{"of": [a, b], "value": c} for a, b, c in self.correlate]
+        return case_text.to_toml(content)
+
+    @cached_property
+    def hash(self) -> str:
+        """What results name the study by."""
+        return sha256(self.text.encode("utf-8")).hexdigest()[:16]
+
+    # Checks --------------------------------------------------------------------------------------
+
+    def checked(self) -> Description:
+        """Return the study with its number of runs; raises CaseError for what is none."""
+        if self.kind not in KINDS:
+            remedy = spelling.advice(str(self.kind), KINDS, kind="kind")
+            raise CaseError(f"there is no kind '{self.kind}'", where="kind", remedy=remedy)
+        if self.keep not in KEEPS:
+            remedy = spelling.advice(str(self.keep), KEEPS, kind="choice")
+            raise CaseError(f"cannot keep '{self.keep}'", where="keep", remedy=remedy)
+        if self.kind == COLLAPSE:
+            return replace(self, n=MOST_TRIALS)
+        if not self.vary:
+            raise CaseError(
+                "nothing varies", where="vary", remedy='e.g. joint.bedding.friction_angle="..."'
+            )
+        names = [one.name for one in self.vary]
+        for name in names:
+            if names.count(name) > 1:
+                remedy = "give each parameter a name of its own"
+                raise CaseError(f"'{shortened(name)}' varies twice", where="vary", remedy=remedy)
+        for name in (*names, *self.measure):
+            if name in COLUMNS:
+                raise CaseError(
+                    f"'{name}' is a column that every table has",
+                    where="vary, measure",
+                    remedy="choose another name",
+                )
+        if not self.expressions:
+            raise CaseError(
+                "no run would be judged by anything",
+                where="measure",
+                remedy='give a measure, e.g. crest = "displacement(A)", or a failure condition',
+            )
+        self._check_correlations(names)
+        return self._counted_sweep() if self.kind == SWEEP else self._counted()
+
+    def _counted_sweep(self) -> Description:
+        """Return a sweep with its number of runs."""
+        lengths = [len(_list_of(one)) for one in self.vary]
+        if self.together and len(set(lengths)) > 1:
+            raise CaseError(
+                f"lists of {', '.join(map(str, lengths))} values cannot be taken in step",
+                where="together",
+                remedy="let all lists be as long, or run all combinations",
+            )
+        runs = lengths[0] if self.together else int(np.prod(lengths, dtype=object))
+        return replace(self, n=_check_count(runs))
+
+    def _counted(self) -> Description:
+        """Return a study by chance with its number of runs."""
+        for one in self.vary:
+            if one.drawn.LISTED:
+                raise CaseError(
+                    f"'{one.name}' is a list, which is run value by value",
+                    where=f"vary {shortened(one.name)}",
+                    remedy="give a distribution, e.g. discrete([...]), or make it a sweep",
+                )
+            if isinstance(self.sampling, PointEstimate):
+                if isinstance(one.drawn, Numbered):
+                    raise CaseError(
+                        "the number of the run has no mean",
+                        where=f"vary {shortened(one.name)}",
+                        remedy="choose another sampling",
+                    )
+                _ = one.drawn.moments
+        if not self._drawn and not isinstance(self.sampling, sampling.Random):
+            return replace(self, sampling=sampling.Random()).checked()
+        drawn = len(self._drawn)
+        return replace(self, n=self.sampling.checked(_check_count(self.n), drawn))
+
+    def _check_correlations(self, names: Sequence[str]) -> None:
+        """Raise CaseError for correlations of what does not vary, or cannot be correlated."""
+        seen = set()
+        for first, second, value in self.correlate:
+            for name in (first, second):
+                if name not in names:
+                    remedy = spelling.advice(name, names, kind="parameter")
+                    what = f"'{shortened(name)}' does not vary"
+                    raise CaseError(what, where="correlate", remedy=remedy)
+                if not self.vary[names.index(name)].drawn.CONTINUOUS or self.kind == SWEEP:
+                    raise CaseError(
+                        f"'{shortened(name)}' is no continuous variable",
+                        where="correlate",
+                        remedy="correlate what has a continuous distribution",
+                    )
+            pair = frozenset((first, second))
+            if len(pair) < 2 or pair in seen:
+                raise CaseError(
+                    f"'{shortened(first)}' with '{shortened(second)}' is given twice or is one",
+                    where="correlate",
+                    remedy="give each pair of two parameters once",
+                )
+            seen.add(pair)
+            if not (isinstance(value, int | float) and -1.0 < value < 1.0):
+                raise CaseError(
+                    f"{value!r} is no correlation",
+                    where="correlate",
+                    remedy="give a number between -1 and 1",
+                )
+        _ = self._copula
+
+
+def _list_of(one: Parameter) -> Values | Range:
+    """Return the list of a parameter of a sweep; raises CaseError where it has none."""
+    drawn = one.drawn
+    if not isinstance(drawn, Values | Range):
+        raise CaseError(
+            f"'{one.name}' is drawn by chance, not a list of values",
+            where=f"vary {shortened(one.name)}",
+            remedy="give e.g. [20, 30, 40] or range(20, 40, 5), or make it a Monte Carlo study",
+        )
+    return drawn
+
+
+def _check_count(count: Any) -> int:
+    if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count:
+        raise CaseError(f"{count!r} is no number of runs", where="n", remedy="e.g. n = 500")
+    if count > sampling.MOST_RUNS:
+        raise CaseError(
+            f"{count} runs are more than {sampling.MOST_RUNS:,}", where="n", remedy="lower it"
+        )
+    return count
+
+
+# Reading -----------------------------------------------------------------------------------------
+
+
+def described(text: str, file: str) -> Description:
+    """Return the study of the text of a ``study.toml``; raises CaseError naming what is wrong."""
+    content = case_text.parse(text, file)
+    known = {"schema", "kind", "case", "n", "sampling", "seed", "replicates", "together", "keep"}
+    known |= {"fail", "measure", "factor", "vary", "correlate"}
+    for key in content:
+        if key not in known:
+            raise CaseError(
+                f"there is no key '{shortened(key)}'",
+                where=file,
+                remedy=spelling.advice(key, known, kind="key"),
+            )
+    try:
+        factor = content.get("factor")
+        own = {key: content[key] for key in ("n", "together", "keep", "fail") if key in content}
+        numbers = {key: content[key] for key in ("seed", "replicates") if key in content}
+        return Description(
+            kind=content["kind"],
+            case=str(content["case"]),
+            vary=tuple(
+                Parameter(
+                    name=str(one["name"]),
+                    paths=tuple(map(str, one["paths"])),
+                    distribution=parsed(one["is"], f"{file}: {one['name']}"),
+                )
+                for one in content.get("vary", [])
+            ),
+            correlate=tuple((*one["of"], one["value"]) for one in content.get("correlate", [])),
+            sampling=sampling_of(content.get("sampling", "random"), **numbers),
+            measure=dict(content.get("measure", {})),
+            factor=None
+            if factor is None
+            else Factor(**{**factor, "joints": tuple(factor.get("joints", ()))}),
+            **own,
+        ).checked()
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise CaseError(
+            f"is no study: {type(error).__name__} {error}",
+            where=file,
+            remedy="let clast study write it",
+        ) from None
+
+
+def sampling_of(word: str, **numbers: Any) -> Sampling:
+    """Return a sampling by its name; numbers that it does not have are refused."""
+    if word not in sampling.SAMPLINGS:
+        remedy = spelling.advice(str(word), sampling.SAMPLINGS, kind="sampling")
+        what = f"there is no sampling '{shortened(str(word))}'"
+        raise CaseError(what, where="sampling", remedy=remedy)
+    kind = sampling.SAMPLINGS[word]
+    own = {one.name for one in fields(kind)}  # type: ignore[arg-type]
+    for name, value in numbers.items():
+        if name not in own:
+            raise CaseError(
+                f"sampling '{word}' has no {name}", where=name, remedy=f"leave {name} out"
+            )
+        if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**63:
+            remedy = "give a whole number, not negative"
+            raise CaseError(f"{value!r} is no {name}", where=name, remedy=remedy)
+    return kind(**numbers)
+
+
+def parameters_of(vary: Mapping[str, Any]) -> tuple[Parameter, ...]:
+    """Return what varies, from paths -> distribution, list, text or single value.
+
+    A key may be several paths, separated by commas, and begin with a name: "phi: joint.a.x, ...".
+    """
+    found = []
+    for key, value in vary.items():
+        head, colon, tail = key.partition(":")
+        name, paths = (head.strip(), tail) if colon else (key.strip(), key)
+        where = f"vary {shortened(name)}"
+        parts = tuple(part.strip() for part in paths.split(",") if part.strip())
+        if not name or not parts:
+            raise CaseError(f"'{shortened(key)}' is no path", where="vary", remedy="e.g. time.end")
+        found.append(Parameter(name=name, paths=parts, distribution=_distribution(value, where)))
+    return tuple(found)
+
+
+def _distribution(value: Any, where: str) -> Distribution:
+    if isinstance(value, Distribution):
+        return value
+    if isinstance(value, str):
+        return parsed(value, where)
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    return Values(tuple(value) if isinstance(value, list | tuple) else (value,))

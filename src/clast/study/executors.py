@@ -1,0 +1,266 @@
+"""Who makes the runs: processes of this machine, or any ``concurrent.futures.Executor``.
+
+Runs are handed out in portions, which become smaller towards the end.  A worker that dies costs its
+own run a try; after three it is written down as one without a result.  Everything is written by the
+workers themselves, so that nothing is lost with a driver or a scheduler, and whoever goes on with
+the study finds what is done.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from contextlib import suppress
+from dataclasses import dataclass, field
+from itertools import islice
+from multiprocessing import get_context
+from typing import Any, Protocol
+
+from clast.study.folder import NO_RESULT, StudyFolder
+from clast.study.work import make_runs
+
+TRIES = 3
+"""How often a run is tried whose worker dies."""
+PORTION = 50
+"""Runs that a worker makes at most before it is renewed."""
+TELL_EVERY = 0.5
+"""Time between looks at how far a study is, s."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """How far a study is."""
+
+    done: int
+    """Runs with a result."""
+    total: int
+    """All runs."""
+    lost: int
+    """Runs that have no result because of what went wrong."""
+    seconds: float
+    """Time since the driver began, s."""
+    made: int
+    """Runs made since then."""
+
+    @property
+    def left(self) -> float | None:
+        """Time left, s, as the last runs took it; None as long as none is done."""
+        if not self.made:
+            return None
+        return (self.total - self.done) * self.seconds / self.made
+
+
+Watch = Callable[[Progress], None]
+"""Called with how far a study is, again and again."""
+
+
+class Workers(Protocol):
+    """Those who make runs, by places."""
+
+    places: int
+    """Portions that are made at a time."""
+
+    def submit(self, place: int, folder: str, runs: list[int]) -> Future[int]:
+        """Have a portion of runs made by a worker."""
+
+    def renew(self, place: int) -> None:
+        """Have a new worker at a place: the old one has died, or is to be renewed."""
+
+    def close(self, *, now: bool) -> None:
+        """End all workers, ``now`` without waiting for what they do."""
+
+
+def start_worker() -> None:
+    """Have a worker use one thread, before anything is imported, and not hear the key."""
+    os.environ["NUMBA_NUM_THREADS"] = "1"
+    with suppress(ValueError):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+@dataclass
+class Processes:
+    """Processes of this machine, one at each place."""
+
+    places: int
+    """How many."""
+    _pools: dict[int, ProcessPoolExecutor] = field(default_factory=dict)
+    _workers: dict[int, int] = field(default_factory=dict)
+    """Process at each place."""
+    _made: dict[int, int] = field(default_factory=dict)
+
+    def submit(self, place: int, folder: str, runs: list[int]) -> Future[int]:
+        """Have a portion of runs made by a worker."""
+        self._made[place] = self._made.get(place, 0) + len(runs)
+        if place in self._pools and self._made[place] > PORTION:
+            self.renew(place)
+            self._made[place] = len(runs)
+        if place not in self._pools:
+            context = get_context("spawn")
+            pool = ProcessPoolExecutor(1, mp_context=context, initializer=start_worker)
+            self._pools[place] = pool
+        return self._pools[place].submit(make_runs, folder, runs, os.getpid())
+
+    def renew(self, place: int) -> None:
+        """Have a new worker at a place."""
+        pool = self._pools.pop(place, None)
+        if pool is not None:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+    def close(self, *, now: bool) -> None:
+        """End all workers."""
+        for pool in self._pools.values():
+            # a process of the pool ends between two runs where its driver is gone
+            for process in list((getattr(pool, "_processes", None) or {}).values()):
+                if now:
+                    process.terminate()
+            pool.shutdown(wait=not now, cancel_futures=True)
+        self._pools.clear()
+
+
+@dataclass
+class Foreign:
+    """An executor of somebody else: Dask, Parsl, mpi4py.futures; it renews workers itself."""
+
+    executor: Executor
+    """The executor."""
+    places: int
+    """Portions that are made at a time."""
+
+    def submit(self, place: int, folder: str, runs: list[int]) -> Future[int]:
+        """Have a portion of runs made by a worker."""
+        return self.executor.submit(make_runs, folder, runs)
+
+    def renew(self, place: int) -> None:
+        """Leave it to the executor."""
+
+    def close(self, *, now: bool) -> None:
+        """Leave the executor to its owner."""
+
+
+@dataclass
+class Driver:
+    """Has the runs of a study made by workers."""
+
+    folder: StudyFolder
+    """Where the study is kept."""
+    workers: Workers
+    """Who makes them."""
+    watch: Watch | None = None
+    """Told how far the study is."""
+    tries: dict[int, int] = field(default_factory=dict)
+    """Run -> how often its worker has died."""
+
+    def make(self, runs: Iterator[int], total: int) -> None:
+        """Make runs, of ``total`` at most; raises what the executor raises where it is gone."""
+        self._total, self._began = total, time.monotonic()
+        self._before = self.folder.study.n - total
+        self._handed = 0
+        going: dict[Future[int], tuple[int, list[int]]] = {}
+        free = list(range(self.workers.places))
+        again: list[list[int]] = []
+        now = True
+        try:
+            while True:
+                while free and (portion := again.pop() if again else self._portion(runs)):
+                    place = free.pop(0)
+                    future = self.workers.submit(place, str(self.folder.path.absolute()), portion)
+                    going[future] = (place, portion)
+                if not going:
+                    break
+                done, _ = wait(going, TELL_EVERY, FIRST_COMPLETED)
+                for future in done:
+                    place, portion = going.pop(future)
+                    free.append(place)
+                    again += self._ended(future, place, portion)
+                self._tell(going)
+            now = False
+        finally:
+            self.workers.close(now=now)
+
+    def _portion(self, runs: Iterator[int]) -> list[int]:
+        """Return the next runs to hand out: fewer towards the end."""
+        left = self._total - self._handed
+        size = min(PORTION, max(1, left // (3 * self.workers.places)))
+        portion = list(islice(runs, size))
+        self._handed += len(portion)
+        return portion
+
+    def _ended(self, future: Future[int], place: int, portion: list[int]) -> list[list[int]]:
+        """Return what is to be made again of a portion that has come to an end."""
+        error = future.exception()
+        left = [run for run in portion if self.folder.result(run) is None]
+        if error is None and not left:
+            return []
+        if isinstance(error, KeyboardInterrupt):
+            raise error
+        if error is not None and not left:
+            self.workers.renew(place)
+            return []
+        # runs are made in their order: the first without a result is what its worker was at
+        self.workers.renew(place)
+        first, others = left[0], left[1:]
+        self.tries[first] = self.tries.get(first, 0) + 1
+        if self.tries[first] >= TRIES:
+            self._give_up(first, error)
+            del self.tries[first]
+            return [others] if others else []
+        return [part for part in ([first], others) if part]
+
+    def _give_up(self, run: int, error: BaseException | None) -> None:
+        """Write down that a run has no result."""
+        study = self.folder.study
+        names = [one.name for one in study.vary]
+        why = f"{type(error).__name__}: {error}" if error else "it ended without a result"
+        result = {
+            "run": run,
+            "parameters": dict(zip(names, study.values(run), strict=True)),
+            "status": NO_RESULT,
+            "reason": f"its worker ended {TRIES} times: {' '.join(why.split())[:300]}",
+        }
+        with self.folder.making(run) as part:
+            self.folder.write_result(part, result)
+
+    def _tell(self, going: dict[Future[int], tuple[int, list[int]]]) -> None:
+        """Tell how far the study is."""
+        if self.watch is None:
+            return
+        at_work = sum(
+            self.folder.result(run) is None for _, portion in going.values() for run in portion
+        )
+        made = self._handed - at_work
+        self.watch(
+            Progress(
+                done=self._before + made,
+                total=self.folder.study.n,
+                lost=len(self.tries),
+                seconds=time.monotonic() - self._began,
+                made=made,
+            )
+        )
+
+
+def in_this_process(folder: StudyFolder, runs: Iterator[int], watch: Watch | None = None) -> None:
+    """Make runs one after the other, without any other process: those of an array job."""
+    from clast.study.work import Bench
+
+    bench = Bench.of(folder)
+    began, made = time.monotonic(), 0
+    for run in runs:
+        if folder.result(run) is None:
+            bench.make(run)
+        made += 1
+        if watch is not None:
+            seconds = time.monotonic() - began
+            total = folder.study.n
+            watch(Progress(done=made, total=total, lost=0, seconds=seconds, made=made))
+
+
+def workers_of(executor: Any, count: int | None) -> Workers:
+    """Return who makes runs: processes where no executor is given."""
+    if executor is None:
+        return Processes(count or os.cpu_count() or 1)
+    places = count or getattr(executor, "_max_workers", None) or os.cpu_count() or 1
+    return Foreign(executor, 2 * int(places))

@@ -1,0 +1,286 @@
+"""The folder of a study, which holds all that is known of it and survives whatever ends a run.
+
+    out/study.toml                      what the study consists of
+    out/base/HASH/case.toml             the case, with the files that it names
+    out/runs/0012/00123456/case.toml    the case of a run, for clast run
+    out/runs/0012/00123456/result.json  what came of it; it names the study
+    out/results.csv                     all results, in the order of their numbers
+
+A run is made in a folder of its own beside its place, which takes its name when all is written: a
+run is there as a whole or not at all, and a run that is made twice does no harm.  Runs lie by ten
+thousand in a folder, which is listed as one: a study of a million is gone through without holding
+more than that.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import socket
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from clast.case.case_file import Case
+from clast.errors import CaseError
+from clast.inputs.declaring import text as case_text
+from clast.results import locks
+from clast.study.cases import content_of
+from clast.study.description import Description, described
+
+STUDY, BASE, RUNS, RESULT, CASE = "study.toml", "base", "runs", "result.json", "case.toml"
+SHARD = 10_000
+"""Runs in a folder."""
+DONE, NO_RESULT = "done", "no result"
+"""What became of a run: no result is one that could not go on, or had wrong numbers."""
+NAMES_FILE = "file"
+"""Key of all tables of a case that names a file beside it."""
+
+
+@dataclass(frozen=True)
+class StudyFolder:
+    """A folder in which a study is kept."""
+
+    path: Path
+    """The folder."""
+    study: Description
+    """The study."""
+
+    @classmethod
+    def made(cls, path: Path, case: Case, study: Description) -> StudyFolder:
+        """Return the folder of a study, made or found again.
+
+        Raises CaseError where another study, or anything else, is there.
+        """
+        content = content_of(case)
+        named = {name: _bytes_of(case, name) for name in _files_in(content)}
+        places = {name: f"files/{k}-{Path(name).name}" for k, name in enumerate(named, 1)}
+        text = case_text.to_toml(_with_files(content, places))
+        parts = [text.encode("utf-8"), *named.values()]
+        hashed = sha256(b"".join(sha256(part).digest() for part in parts)).hexdigest()[:16]
+        study = replace(study, case=f"{BASE}/{hashed}/{CASE}").checked()
+        _make(path)
+        there = path / STUDY
+        if there.exists():
+            found = cls.opened(path)
+            if found.study.text != study.text:
+                raise CaseError(
+                    "holds another study",
+                    where=str(path),
+                    remedy=f"choose another folder, or go on with it: clast study resume {path}",
+                )
+            return found
+        if any(path.iterdir()):
+            raise CaseError(
+                "is not empty, and holds no study",
+                where=str(path),
+                remedy="choose another folder; it is made if it does not exist",
+            )
+        base = path / BASE / hashed
+        (base / "files").mkdir(parents=True, exist_ok=True)
+        for name, place in places.items():
+            (base / place).write_bytes(named[name])
+        (base / CASE).write_text(text, encoding="utf-8")
+        _write(there, study.text.encode("utf-8"))
+        return cls(path, study)
+
+    @classmethod
+    def opened(cls, path: Path) -> StudyFolder:
+        """Return the folder of a study that is there; raises CaseError where there is none."""
+        file = path / STUDY
+        if not file.is_file():
+            raise CaseError(
+                "is no folder of a study",
+                where=str(path),
+                remedy="name one that clast study has made: it holds study.toml",
+            )
+        return cls(path, described(case_text.read_text(file), str(file)))
+
+    @cached_property
+    def base(self) -> Case:
+        """The case."""
+        file = self.path / self.study.case
+        return Case.from_text(case_text.read_text(file, MOVED), str(file.absolute()))
+
+    @contextmanager
+    def driven(self) -> Iterator[None]:
+        """Keep other drivers out in the block; raises CaseError where one is at work."""
+        with (self.path / STUDY).open("r+b") as file:
+            if not locks.claim(file):
+                raise CaseError(
+                    "is being worked on by another clast study",
+                    where=str(self.path),
+                    remedy="wait for it, or end it; what is done stays",
+                )
+            self._tidy()
+            yield
+
+    # Runs ----------------------------------------------------------------------------------------
+
+    def place(self, run: int) -> Path:
+        """Return the folder of a run."""
+        return self.path / RUNS / f"{run // SHARD:04d}" / f"{run:08d}"
+
+    def result(self, run: int) -> dict[str, Any] | None:
+        """Return what came of a run; None where it is not done, or is of another study."""
+        return _result_in(self.place(run) / RESULT, self.study.hash)
+
+    @contextmanager
+    def making(self, run: int) -> Iterator[Path]:
+        """Give a folder that becomes that of a run when the block ends well."""
+        place = self.place(run)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        part = place.with_name(f".{place.name}.{socket.gethostname()}.{os.getpid()}")
+        shutil.rmtree(part, ignore_errors=True)
+        part.mkdir()
+        try:
+            yield part
+            if place.exists() and _result_in(place / RESULT, self.study.hash) is None:
+                shutil.rmtree(place)
+            with suppress(OSError):  # somebody else has done it meanwhile: the same
+                os.rename(part, place)
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
+
+    def write_result(self, part: Path, result: Mapping[str, Any]) -> None:
+        """Write what came of a run into its folder, last of all."""
+        text = json.dumps({"study": self.study.hash, **result}, ensure_ascii=False, indent=1)
+        _write(part / RESULT, (text + "\n").encode("utf-8"))
+
+    def results(self) -> Iterator[dict[str, Any]]:
+        """Give all results in the order of their numbers."""
+        for numbers in self._shards():
+            there = self._there(numbers)
+            for run in (one for one in numbers if one in there):
+                found = self.result(run)
+                if found is not None:
+                    yield found
+
+    def missing(self, wanted: Callable[[int], bool], *, retry: bool = False) -> Iterator[int]:
+        """Give the runs that are to be made; with ``retry`` those that failed to run as well."""
+        for numbers in self._shards():
+            there = self._there(numbers)
+            for run in numbers:
+                if not wanted(run):
+                    continue
+                if run not in there:
+                    yield run
+                    continue
+                found = self.result(run)
+                if found is None or (retry and found["status"] != DONE):
+                    yield run
+
+    def count(self) -> int:
+        """Return how many runs have a result, of this study or another."""
+        return sum(len(self._there(numbers)) for numbers in self._shards())
+
+    def forget(self, run: int) -> None:
+        """Remove the result of a run."""
+        shutil.rmtree(self.place(run), ignore_errors=True)
+
+    def _shards(self) -> Iterator[range]:
+        """Give the numbers of runs, as many at a time as lie in a folder."""
+        for shard in range(self.study.n // SHARD + 1):
+            first, past = max(1, shard * SHARD), min(self.study.n + 1, (shard + 1) * SHARD)
+            yield range(first, past)
+
+    def _there(self, numbers: range) -> set[int]:
+        """Return which runs of a folder have a place in it."""
+        if not numbers:
+            return set()
+        try:
+            with os.scandir(self.place(numbers[0]).parent) as entries:
+                return {int(entry.name) for entry in entries if entry.name.isdigit()}
+        except FileNotFoundError:
+            return set()
+
+    def _tidy(self) -> None:
+        """Remove what runs have left that were killed on this machine."""
+        for shard in (self.path / RUNS).glob("*"):
+            with os.scandir(shard) as entries:
+                parts = [entry.name for entry in entries if entry.name.startswith(".")]
+            for name in parts:
+                _, _, rest = name[1:].partition(".")
+                host, _, process = rest.rpartition(".")
+                if host == socket.gethostname() and not _lives(int(process or 0)):
+                    shutil.rmtree(shard / name, ignore_errors=True)
+
+
+MOVED = "the folder of the study is not whole: it holds base/ with the case and its files"
+
+
+def with_files(content: Mapping[str, Any], folder: str) -> dict[str, Any]:
+    """Return a case whose files lie beside it, seen from another place: ``folder`` leads there."""
+    return _with_files(content, {name: f"{folder}/{name}" for name in _files_in(content)})
+
+
+def _files_in(value: Any, key: str = "") -> list[str]:
+    """Return the files that a case names, each once."""
+    if isinstance(value, Mapping):
+        found = [one for name, inner in value.items() for one in _files_in(inner, str(name))]
+    elif isinstance(value, list):
+        found = [one for inner in value for one in _files_in(inner, key)]
+    else:
+        found = [value] if isinstance(value, str) and key == NAMES_FILE else []
+    return list(dict.fromkeys(found))
+
+
+def _with_files(value: Any, places: Mapping[str, str], key: str = "") -> Any:
+    """Return a case that names its files by their new places."""
+    if isinstance(value, Mapping):
+        return {name: _with_files(inner, places, str(name)) for name, inner in value.items()}
+    if isinstance(value, list):
+        return [_with_files(inner, places, key) for inner in value]
+    return places.get(value, value) if isinstance(value, str) and key == NAMES_FILE else value
+
+
+def _bytes_of(case: Case, name: str) -> bytes:
+    return case_text.read_bytes(Path(case.file).parent / name, f"it is named by {case.file}")
+
+
+def _make(path: Path) -> None:
+    """Make the folder; raises CaseError where something else is in its place."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CaseError(
+            f"cannot be made: {error.strerror}",
+            where=str(path),
+            remedy="name a folder for the study; it is made if it does not exist",
+        ) from None
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write a file that is there as a whole or not at all."""
+    part = path.with_name(f".{path.name}.{os.getpid()}")
+    with part.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(part, path)
+
+
+def _result_in(path: Path, study: str) -> dict[str, Any] | None:
+    """Return the result in a file; None where there is none of this study."""
+    try:
+        found = json.loads(path.read_bytes())
+    except (OSError, ValueError):
+        return None
+    whole = isinstance(found, dict) and found.get("study") == study
+    return found if whole else None
+
+
+def _lives(process: int) -> bool:
+    """Return whether a process of this machine goes on."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return process > 0

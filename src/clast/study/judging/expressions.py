@@ -1,0 +1,212 @@
+"""The small language of measures and failure conditions: arithmetic, comparisons, and, or, not.
+
+    displacement(A) > 0.05 and not bolt_yields()
+
+Nothing of it is handed to Python: an expression is a tree of a few kinds of nodes.
+"""
+
+from __future__ import annotations
+
+import ast
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from clast import spelling
+from clast.errors import CaseError, shortened
+
+ARITHMETIC: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+}
+OF_NUMBERS: dict[str, Callable[..., Any]] = {
+    "abs": np.abs,
+    "sqrt": np.sqrt,
+    "exp": np.exp,
+    "log": np.log,
+    "sin": lambda x: np.sin(np.radians(x)),
+    "cos": lambda x: np.cos(np.radians(x)),
+    "tan": lambda x: np.tan(np.radians(x)),
+    "largest": np.max,
+    "least": np.min,
+    "first": lambda x: np.atleast_1d(x)[0],
+    "last": lambda x: np.atleast_1d(x)[-1],
+    "min": lambda *x: min(map(number, x)),
+    "max": lambda *x: max(map(number, x)),
+}
+"""Functions of numbers; ``largest`` and its like are of a history, sin and its like of degrees."""
+LONGEST = 1000
+"""Most characters of an expression."""
+DEEPEST = 40
+"""Most levels of brackets and operators."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Expression:
+    """An expression that has been read."""
+
+    text: str
+    """As it was written."""
+    tree: ast.expr
+    """What it consists of."""
+    where: str
+    """What messages call its place."""
+
+    def calls(self) -> Iterator[tuple[str, list[str]]]:
+        """Give the functions that it calls, with those of their arguments that are names."""
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                if node.func.id not in OF_NUMBERS:
+                    yield node.func.id, [_word(one) for one in node.args]
+
+    def value(
+        self, names: Mapping[str, Any], functions: Mapping[str, Callable[..., Any]]
+    ) -> float | bool:
+        """Return its value: of a history the last one.  Raises CaseError where it has none."""
+        try:
+            found = self._value(self.tree, names, functions)
+        except (ArithmeticError, TypeError, ValueError) as error:
+            raise CaseError(
+                f"'{shortened(self.text)}' has no value: {error}",
+                where=self.where,
+                remedy="see to its functions and numbers",
+            ) from None
+        return bool(found) if isinstance(found, bool | np.bool_) else number(found)
+
+    def _value(
+        self,
+        node: ast.expr,
+        names: Mapping[str, Any],
+        functions: Mapping[str, Callable[..., Any]],
+    ) -> Any:
+        """Return the value of a part of it."""
+
+        def of(inner: ast.expr) -> Any:
+            return self._value(inner, names, functions)
+
+        match node:
+            case ast.Constant():
+                return node.value
+            case ast.Name():
+                return names[node.id]
+            case ast.UnaryOp(op=ast.Not()):
+                return not number(of(node.operand))
+            case ast.UnaryOp(op=ast.USub()):
+                return -of(node.operand)
+            case ast.UnaryOp():
+                return of(node.operand)
+            case ast.BinOp():
+                with np.errstate(all="ignore"):
+                    return ARITHMETIC[type(node.op)](of(node.left), of(node.right))
+            case ast.BoolOp(op=ast.And()):
+                return all(bool(number(of(one))) for one in node.values)
+            case ast.BoolOp():
+                return any(bool(number(of(one))) for one in node.values)
+            case ast.Compare():
+                values = [number(of(one)) for one in (node.left, *node.comparators)]
+                pairs = zip(node.ops, values[:-1], values[1:], strict=True)
+                return all(COMPARISONS[type(op)](first, second) for op, first, second in pairs)
+            case ast.Call(func=ast.Name()):
+                called = node.func.id  # type: ignore[attr-defined]
+                if called in OF_NUMBERS:
+                    with np.errstate(all="ignore"):
+                        return OF_NUMBERS[called](*map(of, node.args))
+                return functions[called](*map(_word, node.args))
+        raise TypeError(ast.unparse(node))
+
+
+def read(text: Any, where: str, names: Iterable[str], functions: Iterable[str]) -> Expression:
+    """Return the expression of a text; raises CaseError naming what is wrong in it.
+
+    ``names`` are those of values that it may use, ``functions`` what it may call.
+    """
+    remedy = 'e.g. "displacement(A)", "largest(speed(A))", "crest > 0.05"'
+    if not isinstance(text, str) or not text.strip() or len(text) > LONGEST:
+        raise CaseError(f"{shortened(repr(text))} is no expression", where=where, remedy=remedy)
+    try:
+        tree = ast.parse(text.strip(), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        what = f"'{shortened(text)}' is no expression"
+        raise CaseError(what, where=where, remedy=remedy) from None
+    _check(tree, where, list(names), list(functions), 0)
+    return Expression(text=text.strip(), tree=tree, where=where)
+
+
+def _check(node: ast.expr, where: str, names: list[str], functions: list[str], depth: int) -> None:
+    """Raise CaseError for parts that the language does not have, and for unknown names."""
+    if depth > DEEPEST:
+        raise CaseError("the expression is nested too deeply", where=where, remedy="shorten it")
+    inner: list[ast.expr] = []
+    match node:
+        case ast.Constant(value=int() | float()):
+            return
+        case ast.Name():
+            if node.id not in names:
+                raise CaseError(
+                    f"there is no measure '{shortened(node.id)}'",
+                    where=where,
+                    remedy=spelling.advice(node.id, [*names, *functions], kind="measure"),
+                )
+            return
+        case ast.UnaryOp(op=ast.Not() | ast.USub() | ast.UAdd()):
+            inner = [node.operand]
+        case ast.BinOp() if type(node.op) in ARITHMETIC:
+            inner = [node.left, node.right]
+        case ast.BoolOp():
+            inner = node.values
+        case ast.Compare() if all(type(one) in COMPARISONS for one in node.ops):
+            inner = [node.left, *node.comparators]
+        case ast.Call(func=ast.Name(), keywords=[]):
+            called = node.func.id  # type: ignore[attr-defined]
+            if called in OF_NUMBERS:
+                inner = node.args
+                if not inner:
+                    raise CaseError(f"{called}() is of nothing", where=where, remedy="give a value")
+            elif called not in functions:
+                raise CaseError(
+                    f"there is no function '{shortened(called)}'",
+                    where=where,
+                    remedy=spelling.advice(called, [*functions, *OF_NUMBERS], kind="function"),
+                )
+            elif not all(isinstance(one, ast.Name | ast.Constant) for one in node.args):
+                raise CaseError(
+                    f"'{shortened(ast.unparse(node))}' is not of a name",
+                    where=where,
+                    remedy=f'write {called}(A), or {called}("the name")',
+                )
+        case _:
+            raise CaseError(
+                f"'{shortened(ast.unparse(node))}' is nothing that an expression may have",
+                where=where,
+                remedy="use numbers, measures, + - * / **, < <= > >= == !=, and, or, not",
+            )
+    for one in inner:
+        _check(one, where, names, functions, depth + 1)
+
+
+def number(value: Any) -> Any:
+    """Return a value, or the last one of a history."""
+    values = np.asarray(value)
+    if values.size == 0:
+        raise ValueError("there is no value at all")
+    last = values.ravel()[-1]
+    return bool(last) if values.dtype == np.bool_ else float(last)
+
+
+def _word(node: ast.expr) -> str:
+    """Return a name that is an argument, quoted or not."""
+    return node.id if isinstance(node, ast.Name) else str(getattr(node, "value", ""))

@@ -1,0 +1,195 @@
+"""What a run is judged by: functions of points, blocks, bolts and joints of its results.
+
+Displacements in m, speeds in m/s, rotations in degrees, forces in N/m.  Of a point or a block they
+are histories, of which an expression takes the last value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from clast import spelling
+from clast.contact.contacts import SLIDE
+from clast.errors import CaseError, shortened
+from clast.model.model import Floats, Model
+from clast.model.stages.records import FAILS
+from clast.model.state import LEDGER_ENTRIES
+from clast.results import Run
+from clast.results.layout import BOLT_STATES
+from clast.study.collapsing.trial import TOGETHER, moved
+from clast.study.judging.expressions import Expression
+
+PARTS = ("x", "y")
+"""Parts of a vector; without one its length is meant."""
+FOS = "factor_of_safety"
+"""The measure that is a study of its own."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The results of a run, as measures see them."""
+
+    run: Run
+    """The run."""
+
+    def functions(self) -> dict[str, Callable[..., Any]]:
+        """Return the functions of measures by their names."""
+        return {name: getattr(self, name) for name in ARGUMENTS}
+
+    def displacement(self, name: str, part: str = "") -> Floats:
+        """Displacement of a measured point or a block, m, over time."""
+        return _of_vector(self._history(name).displacement, part)
+
+    def speed(self, name: str, part: str = "") -> Floats:
+        """Speed of a measured point or a block, m/s, over time."""
+        return _of_vector(self._history(name).velocity, part)
+
+    def rotation(self, name: str) -> Floats:
+        """Rotation of the block of a measured point, or of a block, degrees, over time."""
+        return np.degrees(self._history(name).rotation)
+
+    def bolt_force(self, name: str) -> Floats:
+        """Force of a bolt, N/m, tension positive, over time."""
+        return self.run.bolt_history(name).force
+
+    def bolts_failed(self) -> int:
+        """Number of bolts that have yielded, broken or been lost at the end."""
+        if not len(self.run.model.bolts):
+            return 0
+        state = self.run.bolts(-1).state
+        beyond = [BOLT_STATES.index(one) for one in ("yielded", "broken", "lost")]
+        return int(np.isin(state, beyond).sum())
+
+    def normal_force(self, joint: str) -> float:
+        """Sum of the normal forces along a joint at the end, N/m."""
+        return float(self._along(joint, "normal_force").sum())
+
+    def shear_force(self, joint: str) -> float:
+        """Sum of the sizes of shear forces along a joint at the end, N/m."""
+        return float(np.abs(self._along(joint, "shear_force")).sum())
+
+    def sliding(self, joint: str) -> float:
+        """Share of the normal force along a joint that contacts carry which slide at the end."""
+        force, mode = self._along(joint, "normal_force"), self._along(joint, "mode")
+        total = float(force.sum())
+        return float(force[mode == SLIDE].sum()) / total if total > 0.0 else 0.0
+
+    def penetration(self) -> float:
+        """Largest penetration at the end of a step, m."""
+        return self.run.report.largest_penetration
+
+    def energy(self, entry: str) -> Floats:
+        """An entry of the energy ledger, J/m, over time."""
+        return self.run.energy[entry]
+
+    def fails(self) -> bool:
+        """Whether a static run, or a static stage, has no equilibrium."""
+        return any(event.kind == FAILS for event in self.run.events)
+
+    def failing(self) -> int:
+        """Number of blocks that move where it has none."""
+        return len(self.blocks) if self.fails() else 0
+
+    def farthest(self) -> float:
+        """Largest displacement of a block since the start, m."""
+        return float(self._far.max(initial=0.0))
+
+    def end(self) -> float:
+        """Time at the end, s."""
+        return float(self.run.state.time)
+
+    def steps(self) -> int:
+        """Number of accepted steps."""
+        return self.run.report.steps
+
+    @cached_property
+    def blocks(self) -> tuple[str, ...]:
+        """Blocks that fail: those of the first mechanism, else those that have moved most."""
+        named = [record.mechanism for record in self.run.stages if record.mechanism]
+        if named:
+            return named[0]
+        most = float(self._far.max(initial=0.0))
+        order = np.argsort(-self._far, kind="stable")
+        chosen = order[self._far[order] >= TOGETHER * most] if most > 0.0 else order[:0]
+        return tuple(self.run.model.block_name[k] for k in chosen)
+
+    @cached_property
+    def _far(self) -> Floats:
+        """How far each block has moved since the start, m, shape (n,)."""
+        model = self.run.model
+        return moved(model, model.vertices, self.run.state.vertices)
+
+    def _history(self, name: str) -> Any:
+        points = self.run.model.measured_points.name
+        return self.run.history(name) if name in points else self.run.block(name)
+
+    def _along(self, joint: str, column: str) -> Any:
+        """Return a column of the last contacts along a joint."""
+        contacts = self.run.contacts(-1)
+        names = [one.name for one in self.run.model.joint_table.joints]
+        return contacts[column][contacts["joint"] == names.index(joint)]
+
+
+ARGUMENTS: dict[str, tuple[str, ...]] = {
+    "displacement": ("point or block", "part"),
+    "speed": ("point or block", "part"),
+    "rotation": ("point or block",),
+    "bolt_force": ("bolt",),
+    "bolts_failed": (),
+    "normal_force": ("joint",),
+    "shear_force": ("joint",),
+    "sliding": ("joint",),
+    "penetration": (),
+    "energy": ("entry",),
+    "fails": (),
+    "failing": (),
+    "farthest": (),
+    "end": (),
+    "steps": (),
+}
+"""Functions of measures -> what they are of; a part may be left out."""
+
+
+def known_names(model: Model) -> dict[str, Sequence[str]]:
+    """Return what the arguments of measures may be in a model."""
+    return {
+        "point or block": (*model.measured_points.name, *model.block_name),
+        "part": PARTS,
+        "bolt": model.bolts.name,
+        "joint": tuple(one.name for one in model.joint_table.joints),
+        "entry": LEDGER_ENTRIES,
+    }
+
+
+def check(expression: Expression, known: Mapping[str, Sequence[str]]) -> None:
+    """Raise CaseError where an expression asks for what a model does not have."""
+    for name, given in expression.calls():
+        if name == FOS:
+            wanted: tuple[str, ...] = ()
+        else:
+            wanted = ARGUMENTS[name]
+        least = len([one for one in wanted if one != "part"])
+        if not least <= len(given) <= len(wanted):
+            raise CaseError(
+                f"{name} is of {least or 'no'} name{'s' if least != 1 else ''}, not of "
+                f"{len(given)}",
+                where=expression.where,
+                remedy=f"write {name}({', '.join(wanted)})",
+            )
+        for kind, one in zip(wanted, given, strict=False):
+            if one not in known[kind]:
+                raise CaseError(
+                    f"there is no {kind} '{shortened(one)}'",
+                    where=expression.where,
+                    remedy=spelling.advice(one, known[kind], kind=kind),
+                )
+
+
+def _of_vector(values: Floats, part: str) -> Floats:
+    """Return a part of vectors (t, 2), or their lengths, shape (t,)."""
+    return values[:, PARTS.index(part)] if part else np.hypot(*values.T)

@@ -1,0 +1,243 @@
+"""What a study varies: keys of a case by their paths, and what they are in a run.
+
+    joint.bedding.friction_angle      joint.*.cohesion      water.1.level      bolt.A.pretension
+
+A path is that of ``--set``.  Entries of lists are called by their number, from 1, or by their name;
+``*`` stands for all.  Keys with dots are put in quotes.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from clast import spelling
+from clast.errors import CaseError, shortened
+from clast.study.variables.distributions import Discrete, Distribution, Times, Value, Values
+
+PART = re.compile(r'\s*(?:"([^"]*)"|([^."\s,=]+))\s*(\.|$)')
+"""A key of a path, and what follows it."""
+NAMED = ("rock", "joint", "bolt_kind", "table")
+"""Tables whose keys are names: one that is not there would be another rock or joint."""
+
+Keys = tuple[str | int, ...]
+"""Where a value is: keys of tables, positions in lists from 0."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """What varies from run to run."""
+
+    name: str
+    """What tables and figures call it."""
+    paths: tuple[str, ...]
+    """Keys of the case that it sets."""
+    distribution: Distribution
+    """What it is drawn from, or the list of its values."""
+
+    @property
+    def drawn(self) -> Distribution:
+        """What it is drawn from: that of a factor where it is one."""
+        one = self.distribution
+        return one.factor if isinstance(one, Times) else one
+
+    @property
+    def multiplies(self) -> bool:
+        """Whether it is a factor of what the case has."""
+        return isinstance(self.distribution, Times)
+
+
+def keys_of(path: str) -> tuple[str, ...]:
+    """Return the keys of a path; raises CaseError for what is none."""
+    found: list[str] = []
+    at = 0
+    while True:
+        match = PART.match(path, at)
+        if match is None:
+            raise CaseError(
+                f"'{shortened(path)}' is no path of a key",
+                where="vary",
+                remedy="write it as table.key, e.g. joint.bedding.friction_angle",
+            )
+        found.append(match[1] if match[1] is not None else match[2])
+        at = match.end()
+        if not match[3]:
+            return tuple(found)
+
+
+def places(content: Mapping[str, Any], path: str) -> list[Keys]:
+    """Return where a path leads to in a case; raises CaseError where that is nowhere."""
+    keys = keys_of(path)
+    found = list(_found(content, keys, (), path))
+    if not found:
+        raise CaseError(
+            f"'{shortened(path)}' is no key of the case", where="vary", remedy="see to its name"
+        )
+    return found
+
+
+def _found(here: Any, keys: Sequence[str], behind: Keys, path: str) -> Iterator[Keys]:
+    """Give where the keys lead to from a table or a list that ``behind`` has led to."""
+    key, rest = keys[0], keys[1:]
+    if isinstance(here, Mapping):
+        known: list[Any] = list(here)
+        chosen: list[Any] = known if key == "*" else [key]
+        if key != "*" and key not in here and (rest or not behind or _is_named(behind)):
+            chosen = _missing(here, key, behind, path)
+    elif isinstance(here, list):
+        chosen = list(range(len(here))) if key == "*" else [_position(here, key, behind, path)]
+    else:
+        raise CaseError(
+            f"'{_written(behind)}' is a single value",
+            where=f"vary {shortened(path)}",
+            remedy=f"vary {_written(behind)} itself",
+        )
+    for one in chosen:
+        if not rest:
+            yield (*behind, one)
+        else:
+            inner = here[one] if isinstance(here, list) else here.get(one, {})
+            if key == "*" and not isinstance(inner, Mapping | list):
+                continue
+            yield from _found(inner, rest, (*behind, one), path)
+
+
+def _missing(here: Mapping[str, Any], key: str, behind: Keys, path: str) -> list[Any]:
+    """Return a table that a case does not give but may have; raises CaseError for others."""
+    from clast.case.case_file import Case
+
+    usual = {field.alias or name for name, field in Case.model_fields.items()}
+    single = usual - set(NAMED) - {"block", "stage", "water", "bolt", "trace", "opening"}
+    if not behind and key in single:
+        return [key]
+    known = [str(one) for one in (here or usual)]
+    raise CaseError(
+        f"the case has no '{_written((*behind, key))}'",
+        where=f"vary {shortened(path)}",
+        remedy=spelling.advice(key, known, kind="key"),
+    )
+
+
+def _position(here: Sequence[Any], key: str, behind: Keys, path: str) -> int:
+    """Return the position of an entry of a list that is called by its number or its name."""
+    names = [one.get("name") if isinstance(one, Mapping) else None for one in here]
+    if key in names:
+        return names.index(key)
+    if re.fullmatch("[0-9]{1,9}", key) and 1 <= int(key) <= len(here):
+        return int(key) - 1
+    called = [str(one) for one in names if one is not None]
+    remedy = f"give a number from 1 to {len(here)}"
+    if called:
+        remedy += f", or a name: {spelling.advice(key, called, kind='name')}"
+    raise CaseError(
+        f"'{_written(behind)}' has no entry '{shortened(key)}'",
+        where=f"vary {shortened(path)}",
+        remedy=remedy,
+    )
+
+
+def value_at(content: Mapping[str, Any], keys: Keys) -> Any:
+    """Return what stands at a place of a case; None where nothing does."""
+    here: Any = content
+    for key in keys:
+        if isinstance(here, list):
+            here = here[int(key)]
+        else:
+            here = here.get(key) if isinstance(here, Mapping) else None
+    return here
+
+
+def with_value(content: Mapping[str, Any], keys: Keys, value: Any) -> dict[str, Any]:
+    """Return a case with another value at a place; all else is shared with the first."""
+    return _replaced(dict(content), keys, value)
+
+
+def _replaced(here: Any, keys: Keys, value: Any) -> Any:
+    if not keys:
+        return value
+    copied = list(here) if isinstance(here, list) else dict(here or {})
+    first: Any = keys[0]
+    inner = copied[first] if isinstance(copied, list) else copied.get(first)
+    if isinstance(inner, str) and len(keys) > 1:
+        inner = {"name": inner}  # a choice that is given by its name alone gets numbers of its own
+    copied[first] = _replaced(inner, keys[1:], value)
+    return copied
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """The places of all parameters in a case."""
+
+    content: Mapping[str, Any]
+    """The case as its file has it."""
+    parameters: tuple[Parameter, ...]
+    """What varies."""
+    places: tuple[tuple[Keys, ...], ...]
+    """Where each of them is set."""
+
+    @classmethod
+    def of(cls, content: Mapping[str, Any], parameters: Sequence[Parameter]) -> Settings:
+        """Return them; raises CaseError for paths that lead nowhere, or twice to one key."""
+        found: list[tuple[Keys, ...]] = []
+        taken: dict[Keys, str] = {}
+        for one in parameters:
+            own = tuple(keys for path in one.paths for keys in places(content, path))
+            for keys in own:
+                if keys in taken:
+                    raise CaseError(
+                        f"'{_written(keys)}' varies twice: {taken[keys]}, {one.name}",
+                        where="vary",
+                        remedy="let one parameter set it",
+                    )
+                taken[keys] = one.name
+                if one.multiplies:
+                    _check_factor(content, keys, one)
+            found.append(own)
+        return cls(content=content, parameters=tuple(parameters), places=tuple(found))
+
+    def case(self, values: Sequence[Value]) -> dict[str, Any]:
+        """Return the content of a case file with the parameters at ``values``."""
+        content = dict(self.content)
+        for one, own, value in zip(self.parameters, self.places, values, strict=True):
+            for keys in own:
+                product = _times(value_at(content, keys), value) if one.multiplies else value
+                content = with_value(content, keys, product)
+        return content
+
+
+def _times(value: Any, factor: Any) -> Any:
+    """Return a number, or a list of numbers, times a factor."""
+    if isinstance(value, list):
+        return [_times(one, factor) for one in value]
+    return value * factor
+
+
+def _check_factor(content: Mapping[str, Any], keys: Keys, one: Parameter) -> None:
+    """Raise CaseError where there is nothing that a factor could multiply."""
+    value = value_at(content, keys)
+    parts = value if isinstance(value, list) and value else [value]
+    if not all(isinstance(part, int | float) and not isinstance(part, bool) for part in parts):
+        raise CaseError(
+            f"'{_written(keys)}' is no number of the case that could be multiplied",
+            where=f"vary {one.name}",
+            remedy="give it in the case, or draw the value itself: leave out times(...)",
+        )
+    drawn = one.drawn
+    listed = drawn.values if isinstance(drawn, Values | Discrete) else ()
+    if not all(isinstance(part, int | float) and math.isfinite(part) for part in listed):
+        raise CaseError(
+            "a factor has to be a number", where=f"vary {one.name}", remedy="write numbers"
+        )
+
+
+def _written(keys: Sequence[str | int]) -> str:
+    """Return a place as a path."""
+    return ".".join(str(key + 1) if isinstance(key, int) else key for key in keys)
+
+
+def _is_named(behind: Keys) -> bool:
+    """Return whether what follows is the name of a rock, a joint or the like."""
+    return len(behind) == 1 and behind[0] in NAMED

@@ -1,0 +1,233 @@
+"""How runs are drawn: the numbers of run i follow from the study and i alone.
+
+So there is no list of runs to keep: a million runs cost nothing until they are made, each worker
+draws its own, and a study that goes on draws what it would have drawn.
+
+Every sampling gives a probability in (0, 1) for each parameter; a normal copula correlates them:
+with u the probabilities of independent parameters and L L^T the matrix of correlations between
+normal scores,
+
+    p = Phi(L Phi^-1(u)).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from scipy import special
+
+from clast.errors import CaseError
+from clast.model.model import Floats
+
+WORD = 1 << 64
+ROUNDS = 8
+"""Rounds of the permutation that orders a Latin hypercube."""
+REPLICATES = 10
+"""Latin hypercubes that a study consists of where nothing else is said: their scatter gives the
+interval."""
+MOST_RUNS = 100_000_000
+"""Most runs of a study."""
+
+
+class Sampling:
+    """What all samplings have in common."""
+
+    WORD: ClassVar[str] = ""
+    """How it is called."""
+
+    def probabilities(self, run: int, count: int, parameters: int) -> Floats:
+        """Return the probabilities of run ``run`` of ``count``, from 0, shape (parameters,)."""
+        raise NotImplementedError
+
+    def checked(self, count: int, parameters: int) -> int:
+        """Return how many runs there are where ``count`` are asked for; raises CaseError."""
+        return count
+
+
+@dataclass(frozen=True)
+class Random(Sampling):
+    """Independent runs."""
+
+    WORD: ClassVar[str] = "random"
+    seed: int = 1
+    """Seed."""
+
+    def probabilities(self, run: int, count: int, parameters: int) -> Floats:
+        """Return the probabilities of a run."""
+        return np.array([_uniform(self.seed, run, k) for k in range(parameters)])
+
+
+@dataclass(frozen=True)
+class LatinHypercube(Sampling):
+    """Runs of which one lies in each of equal slices of every parameter (McKay et al. 1979).
+
+    They come in replicates of their own, each of which is a hypercube.
+    """
+
+    WORD: ClassVar[str] = "latin-hypercube"
+    seed: int = 1
+    """Seed."""
+    replicates: int = REPLICATES
+    """Hypercubes that the runs are divided among."""
+
+    def probabilities(self, run: int, count: int, parameters: int) -> Floats:
+        """Return the probabilities of a run."""
+        size = count // self.replicates
+        replicate, within = divmod(run, size)
+        return np.array(
+            [
+                (
+                    _permuted(within, size, _mixed(self.seed, replicate, k))
+                    + _uniform(self.seed, run, k)
+                )
+                / size
+                for k in range(parameters)
+            ]
+        )
+
+    def replicate(self, run: int, count: int) -> int:
+        """Return the replicate that a run belongs to, from 0."""
+        return run // (count // self.replicates)
+
+    def checked(self, count: int, parameters: int) -> int:
+        """Return the number of runs; raises CaseError where replicates do not divide it."""
+        if not 1 <= self.replicates <= count or count % self.replicates:
+            raise CaseError(
+                f"{count} runs cannot be divided among {self.replicates} Latin hypercubes",
+                where="replicates",
+                remedy=f"let n be a multiple of {self.replicates}, or give another number of "
+                "replicates",
+            )
+        return count
+
+
+@dataclass(frozen=True)
+class Sobol(Sampling):
+    """Sobol' points with a digital shift: a power of two of them."""
+
+    WORD: ClassVar[str] = "sobol"
+    seed: int = 1
+    """Seed of the shift."""
+    BITS: ClassVar[int] = 30
+
+    def probabilities(self, run: int, count: int, parameters: int) -> Floats:
+        """Return the probabilities of a run."""
+        from scipy.stats import qmc
+
+        points = qmc.Sobol(parameters, scramble=False, bits=self.BITS)
+        if run:
+            points.fast_forward(run)
+        whole = (points.random(1)[0] * 2.0**self.BITS).astype(np.int64)
+        shift = [_mixed(self.seed, 0, k) >> (64 - self.BITS) for k in range(parameters)]
+        return ((whole ^ np.array(shift, np.int64)) + 0.5) / 2.0**self.BITS
+
+    def checked(self, count: int, parameters: int) -> int:
+        """Return the number of runs; raises CaseError where it is no power of two."""
+        if count & (count - 1) or count < 2:
+            near = 1 << max(1, round(math.log2(max(2, count))))
+            raise CaseError(
+                f"{count} is no power of two", where="n", remedy=f"give one, e.g. {near}"
+            )
+        if parameters > 1000:
+            raise CaseError("there are more than 1000 parameters", remedy="vary fewer")
+        return count
+
+
+@dataclass(frozen=True)
+class PointEstimate(Sampling):
+    """All 2^m combinations of mean plus and minus standard deviation (Rosenblueth 1975)."""
+
+    WORD: ClassVar[str] = "point-estimate"
+    MOST: ClassVar[int] = 20
+    """Most parameters."""
+
+    def signs(self, run: int, parameters: int) -> Floats:
+        """Return -1 or 1 for each parameter, shape (parameters,)."""
+        return np.array([1.0 if run >> k & 1 else -1.0 for k in range(parameters)])
+
+    def checked(self, count: int, parameters: int) -> int:
+        """Return the number of runs, 2^parameters."""
+        if parameters > self.MOST:
+            raise CaseError(
+                f"{parameters} parameters have 2^{parameters} combinations",
+                remedy=f"vary {self.MOST} at most, or choose another sampling",
+            )
+        return 1 << parameters
+
+    def weight(self, run: int, correlations: Floats) -> float:
+        """Return the weight of a run: all alike but for correlations (m, m)."""
+        signs = self.signs(run, len(correlations))
+        pairs = 0.5 * (signs @ correlations @ signs - np.trace(correlations))
+        return float(1.0 + pairs) / float(1 << len(signs))
+
+
+SAMPLINGS: dict[str, type[Sampling]] = {
+    one.WORD: one for one in (Random, LatinHypercube, Sobol, PointEstimate)
+}
+"""Word -> class."""
+
+
+def copula(pairs: Sequence[tuple[int, int, float]], parameters: int) -> tuple[Floats, Floats]:
+    """Return the matrix of correlations of normal scores and its Cholesky factor, (m, m) each.
+
+    ``pairs`` are two parameters and their correlation.  Raises CaseError where no variables have
+    such correlations.
+    """
+    matrix = np.eye(parameters)
+    for first, second, value in pairs:
+        matrix[first, second] = matrix[second, first] = value
+    try:
+        return matrix, np.asarray(np.linalg.cholesky(matrix), np.float64)
+    except np.linalg.LinAlgError:
+        raise CaseError(
+            "no variables can be correlated like this: the matrix of correlations is not positive "
+            "definite",
+            where="correlate",
+            remedy="bring the correlations nearer to 0",
+        ) from None
+
+
+def correlated(probabilities: Floats, factor: Floats) -> Floats:
+    """Return correlated probabilities of independent ones, (m,), by a Cholesky factor (m, m)."""
+    scores = special.ndtri(np.clip(probabilities, 1e-15, 1.0 - 1e-15))
+    return np.asarray(special.ndtr(factor @ scores))
+
+
+def _uniform(seed: int, run: int, parameter: int) -> float:
+    """Return a number in (0, 1) of its own for each run and parameter."""
+    return ((_mixed(seed + 1, run, parameter) >> 11) + 0.5) / float(1 << 53)
+
+
+def _mixed(*numbers: int) -> int:
+    """Return 64 bits that look random of whole numbers (splitmix64, Steele et al. 2014)."""
+    state = 0x9E3779B97F4A7C15
+    for number in numbers:
+        state = (state ^ number) * 0xBF58476D1CE4E5B9 % WORD
+        state = (state + 0x9E3779B97F4A7C15) % WORD
+        state = (state ^ (state >> 30)) * 0xBF58476D1CE4E5B9 % WORD
+        state = (state ^ (state >> 27)) * 0x94D049BB133111EB % WORD
+        state ^= state >> 31
+    return state
+
+
+def _permuted(number: int, size: int, key: int) -> int:
+    """Return where a permutation of ``size`` numbers, chosen by a key, sends one of them.
+
+    A Feistel network on the least even number of bits that holds them, walked until it falls
+    within: nothing needs to be kept of the permutation.
+    """
+    if size == 1:
+        return 0
+    half = (max(2, (size - 1).bit_length()) + 1) // 2
+    mask = (1 << half) - 1
+    while True:
+        left, right = number >> half, number & mask
+        for turn in range(ROUNDS):
+            left, right = right, left ^ (_mixed(key, turn, right) & mask)
+        number = left << half | right
+        if number < size:
+            return number

@@ -1,0 +1,189 @@
+"""What a worker does: make runs of a study, and write down what came of each.
+
+All that a run is follows from the folder and its number.  Whatever goes wrong in a run is a result:
+the study goes on with the next.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from clast.case.case_file import Case
+from clast.errors import ClastError, RunStopped, shortened
+from clast.inputs.declaring import text as case_text
+from clast.results import Run
+from clast.study.cases import changed, content_of
+from clast.study.collapsing.reduction import Reduction, reduction
+from clast.study.collapsing.search import Search, Trials
+from clast.study.collapsing.trial import standing, tried
+from clast.study.description import Factor
+from clast.study.folder import CASE, DONE, NO_RESULT, StudyFolder, with_files
+from clast.study.judging.measures import ARGUMENTS, FOS, Measured, check, known_names
+from clast.study.variables.parameters import Settings
+
+RUN_FILE = "run.vtkhdf"
+"""Result file of a run that is kept."""
+LONGEST_REASON = 500
+"""Most characters of why there is no result."""
+
+
+def make_runs(folder: str, runs: Sequence[int], driver: int = 0) -> int:
+    """Make runs of the study in a folder, those that are done left out; return how many were made.
+
+    It stops between runs where the process ``driver`` that asked for them is gone.
+    """
+    bench = Bench.at(Path(folder))
+    made = 0
+    for run in runs:
+        if driver and os.getppid() != driver:
+            break
+        if bench.folder.result(run) is None:
+            bench.make(run)
+            made += 1
+    return made
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bench:
+    """All that the runs of a study have in common."""
+
+    folder: StudyFolder
+    """Where the study is kept."""
+    settings: Settings
+    """Where its parameters are set."""
+
+    @classmethod
+    def at(cls, path: Path) -> Bench:
+        """Return the bench of a folder."""
+        return cls.of(StudyFolder.opened(path))
+
+    @classmethod
+    def of(cls, folder: StudyFolder) -> Bench:
+        """Return the bench of a study; raises CaseError where its parameters lead nowhere."""
+        content = content_of(folder.base)
+        return cls(folder=folder, settings=Settings.of(content, folder.study.vary))
+
+    def check(self) -> None:
+        """Raise CaseError where the first run has wrong numbers or nothing to measure."""
+        study = self.folder.study
+        case = changed(self.folder.base, self.settings.case(study.values(1)))
+        known = known_names(case.model())
+        for expression in study.expressions:
+            check(expression, known)
+        if any(name == FOS for one in study.expressions for name, _ in one.calls()):
+            factor_of(study.factor or Factor()).check(content_of(case))
+
+    def make(self, run: int) -> dict[str, Any]:
+        """Make a run; return what came of it, which is written down."""
+        study, folder = self.folder.study, self.folder
+        values = study.values(run)
+        content = self.settings.case(values)
+        result: dict[str, Any] = {
+            "run": run,
+            "parameters": {one.name: value for one, value in zip(study.vary, values, strict=True)},
+        }
+        with folder.making(run) as part:
+            base = f"../../../{Path(study.case).parent.as_posix()}"
+            text = case_text.to_toml(with_files(content, base))
+            (part / CASE).write_text(text, encoding="utf-8")
+            output = None if study.keep == "none" else part / RUN_FILE
+            result.update(self._result(content, output))
+            if output is not None and study.keep == "failed" and not _is_failure(result):
+                for file in part.glob("run*"):
+                    file.unlink()
+            folder.write_result(part, result)
+        return result
+
+    def _result(self, content: dict[str, Any], output: Path | None) -> dict[str, Any]:
+        """Return what comes of a run; what goes wrong with it is a result as well."""
+        try:
+            return self._measured(One(changed(self.folder.base, content), output))
+        except RunStopped as stopped:
+            return _no_result(str(stopped))
+        except ClastError as error:
+            return _no_result(str(error))
+        except (ArithmeticError, ValueError, LookupError, MemoryError, RuntimeError) as error:
+            return _no_result(f"{type(error).__name__}: {error}")
+
+    def _measured(self, one: One) -> dict[str, Any]:
+        """Return the measures of a run."""
+        study = self.folder.study
+        functions: dict[str, Callable[..., Any]] = {
+            name: partial(_called, one, name) for name in ARGUMENTS
+        }
+        functions[FOS] = lambda: factor_of_safety_of(one.case, study.factor or Factor())
+        found: dict[str, Any] = {}
+        for name, expression in study.measures.items():
+            found[name] = expression.value(found, functions)
+        result: dict[str, Any] = {"status": DONE, "measures": found}
+        if study.condition is not None:
+            result["fails"] = bool(study.condition.value(found, functions))
+            if result["fails"] and one.is_made:
+                result["blocks"] = list(one.measured.blocks)
+        return result
+
+
+@dataclass
+class One:
+    """A run that is made when something is asked of it."""
+
+    case: Case
+    """Its case."""
+    output: Path | None
+    """Its result file."""
+    made: list[Measured] = field(default_factory=list)
+
+    @property
+    def is_made(self) -> bool:
+        """Whether it was made."""
+        return bool(self.made)
+
+    @property
+    def measured(self) -> Measured:
+        """Its results."""
+        if not self.made:
+            run: Run = self.case.run(output=self.output, warn=lambda _text: None)
+            if not run.report.finished:
+                raise KeyboardInterrupt
+            self.made.append(Measured(run))
+        return self.made[0]
+
+
+def factor_of(how: Factor) -> Reduction:
+    """Return what a factor acts on."""
+    return reduction(how.by, how.joints)
+
+
+def search_of(how: Factor, by: Reduction) -> Search:
+    """Return where and how well a factor is looked for; raises CaseError for wrong numbers."""
+    return Search(
+        start=by.START if how.start is None else how.start,
+        growth=by.GROWTH if how.growth is None else how.growth,
+        tolerance=how.tolerance,
+    )
+
+
+def factor_of_safety_of(case: Case, how: Factor) -> float:
+    """Return the factor with which the blocks of a case were last seen to stand."""
+    by = factor_of(how)
+    by.check(content_of(case))
+    start = standing(case, by)
+    trials = Trials(search_of(how, by), lambda _number, factor: tried(start, by, factor)[0])
+    return trials.all().value
+
+
+def _called(one: One, name: str, *given: str) -> Any:
+    return getattr(one.measured, name)(*given)
+
+
+def _is_failure(result: dict[str, Any]) -> bool:
+    return result["status"] != DONE or bool(result.get("fails"))
+
+
+def _no_result(reason: str) -> dict[str, Any]:
+    return {"status": NO_RESULT, "reason": shortened(" ".join(reason.split()), LONGEST_REASON)}

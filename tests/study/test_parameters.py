@@ -1,0 +1,263 @@
+"""Paths of what varies, expressions of measures, and what is refused of both."""
+
+import tomllib
+
+import pytest
+
+from clast.errors import CaseError
+from clast.study.description import Description, described, parameters_of
+from clast.study.judging.expressions import read
+from clast.study.judging.measures import ARGUMENTS
+from clast.study.variables.parameters import Settings, keys_of, places
+from clast.study.variables.sampling import Random
+
+CASE = tomllib.loads(
+    """
+gravity = [0.0, -9.81]
+[time]
+step = 0.01
+end = 1.0
+[rock.rock]
+young = 1e9
+[joint.bedding]
+friction_angle = 30.0
+cohesion = 1e4
+[joint."a.b"]
+cohesion = 2e4
+[[block]]
+name = "one"
+vertices = [[0, 0], [1, 0], [1, 1]]
+[[block]]
+vertices = [[0, 0], [1, 0], [1, 1]]
+[[water]]
+level = 3.0
+[method]
+process = "convex"
+"""
+)
+
+
+@pytest.mark.parametrize(
+    ("path", "keys"),
+    [
+        ("joint.bedding.cohesion", ("joint", "bedding", "cohesion")),
+        ('joint."a.b".cohesion', ("joint", "a.b", "cohesion")),
+        (" time . end ", ("time", "end")),
+    ],
+)
+def test_a_path_has_keys(path: str, keys: tuple[str, ...]) -> None:
+    assert keys_of(path) == keys
+
+
+@pytest.mark.parametrize(
+    ("path", "found"),
+    [
+        ("joint.*.cohesion", [("joint", "bedding", "cohesion"), ("joint", "a.b", "cohesion")]),
+        ("water.1.level", [("water", 0, "level")]),
+        ("block.one.fixed", [("block", 0, "fixed")]),
+        ("block.2.vertices.3.1", [("block", 1, "vertices", 2, 0)]),
+        ("joint.bedding.tensile_strength", [("joint", "bedding", "tensile_strength")]),
+        ("output.every", [("output", "every")]),
+        ("gravity.2", [("gravity", 1)]),
+    ],
+)
+def test_a_path_leads_to_places(path: str, found: list[tuple[object, ...]]) -> None:
+    assert places(CASE, path) == found
+
+
+@pytest.mark.parametrize(
+    ("path", "what"),
+    [
+        ("joint.beding.cohesion", "no 'joint.beding'"),
+        ("joint.beding", "no 'joint.beding'"),
+        ("rok.rock.young", "no 'rok'"),
+        ("water.2.level", "no entry '2'"),
+        ("water.sea.level", "no entry 'sea'"),
+        ("block.0.fixed", "no entry '0'"),
+        ("bolt.1.pretension", "no 'bolt'"),
+        ("time.end.value", "single value"),
+        ("joint..cohesion", "no path"),
+        ("", "no path"),
+        ("time.", "no path"),
+    ],
+)
+def test_a_path_that_leads_nowhere_is_refused(path: str, what: str) -> None:
+    with pytest.raises(CaseError, match=what) as refused:
+        places(CASE, path)
+    assert refused.value.remedy
+
+
+def test_a_run_has_its_values_and_shares_the_rest() -> None:
+    vary = parameters_of(
+        {
+            "phi: joint.bedding.friction_angle, joint.a.b.x": [20.0],
+            "joint.bedding.cohesion": "times([0.5])",
+            "method.process.passes": [3],
+        }
+    )
+    with pytest.raises(CaseError, match=r"no 'joint\.a'"):
+        Settings.of(CASE, vary)
+    vary = parameters_of({"phi: joint.*.friction_angle": 20.0, "joint.*.cohesion": "times(0.5)"})
+    found = Settings.of(CASE, vary).case((20.0, 0.5))
+    assert found["joint"]["bedding"] == {"friction_angle": 20.0, "cohesion": 5e3}
+    assert found["joint"]["a.b"] == {"friction_angle": 20.0, "cohesion": 1e4}
+    assert found["block"] is CASE["block"]
+    assert CASE["joint"]["bedding"]["cohesion"] == 1e4
+
+
+@pytest.mark.parametrize(
+    ("vary", "what"),
+    [
+        ({"joint.bedding.tensile_strength": "times(normal(1, 0.1))"}, "no number of the case"),
+        ({"joint.*.cohesion": [1.0], "joint.bedding.cohesion": [1.0]}, "varies twice"),
+        ({"joint.bedding.cohesion": "times(['a'])"}, "has to be a number"),
+    ],
+)
+def test_parameters_that_contradict_the_case_are_refused(vary: dict, what: str) -> None:
+    with pytest.raises(CaseError, match=what):
+        Settings.of(CASE, parameters_of(vary))
+
+
+# Expressions -------------------------------------------------------------------------------------
+
+FUNCTIONS = {"displacement": lambda name, part="": [0.0, 3.0, 2.0], "steps": lambda: 7}
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("displacement(A)", 2.0),
+        ("largest(displacement(A))", 3.0),
+        ('displacement("block 1", x) > 1', True),
+        ("not (steps() == 7 and u < 1)", True),
+        ("1 < u < 3 or steps() > 100", True),
+        ("-u**2 + 2*3/4", -2.5),
+        ("max(u, steps(), 3)", 7.0),
+        ("sin(30)", 0.5),
+        ("abs(-u)", 2.0),
+    ],
+)
+def test_expressions_have_values(text: str, value: object) -> None:
+    found = read(text, "fail", ["u"], FUNCTIONS).value({"u": 2.0}, FUNCTIONS)
+    assert found == pytest.approx(value) and isinstance(found, type(value))
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("crest > 0", "no measure 'crest'"),
+        ("dispacement(A)", "no function 'dispacement'"),
+        ("displacement(A) >", "no expression"),
+        ("displacement(1 + 2)", "not of a name"),
+        ("__import__('os').system('x')", "nothing that an expression may have"),
+        ("u.real", "nothing that an expression may have"),
+        ("[u for u in u]", "nothing that an expression may have"),
+        ("lambda: u", "nothing that an expression may have"),
+        ("'text'", "nothing that an expression may have"),
+        ("u if u else u", "nothing that an expression may have"),
+        ("u @ u", "nothing that an expression may have"),
+        ("u is u", "nothing that an expression may have"),
+        ("largest()", "of nothing"),
+        ("displacement(name=A)", "nothing that an expression may have"),
+        ("-" * 60 + "u", "nested too deeply"),
+        ("u" * 2000, "no expression"),
+        ("", "no expression"),
+        (3, "no expression"),
+    ],
+)
+def test_what_is_no_expression_is_refused(text: object, what: str) -> None:
+    with pytest.raises(CaseError, match=what) as refused:
+        read(text, "fail", ["u"], FUNCTIONS)
+    assert refused.value.where == "fail" and refused.value.remedy
+
+
+def test_a_division_by_zero_has_no_value() -> None:
+    with pytest.raises(CaseError, match="no value"):
+        read("1/0", "fail", [], []).value({}, {})
+
+
+# The study ---------------------------------------------------------------------------------------
+
+
+def study(**changes: object) -> Description:
+    given: dict[str, object] = {
+        "kind": "montecarlo",
+        "case": "base/case.toml",
+        "vary": parameters_of({"a.b": "normal(1, 2)", "c": "lognormal(3, 1)"}),
+        "correlate": (("a.b", "c", -0.4),),
+        "measure": {"u": "displacement(A)"},
+        "fail": "u > 0.1",
+        "n": 20,
+        "sampling": Random(7),
+    }
+    return Description(**{**given, **changes}).checked()  # type: ignore[arg-type]
+
+
+def test_a_study_is_read_as_it_is_written() -> None:
+    one = study()
+    again = described(one.text, "study.toml")
+    assert again.text == one.text and again.hash == one.hash
+    assert [again.values(k) for k in (1, 20)] == [one.values(k) for k in (1, 20)]
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"n": 21},
+        {"sampling": Random(8)},
+        {"fail": "u > 0.2"},
+        {"correlate": ()},
+        {"measure": {"u": "speed(A)"}},
+        {"case": "base/other.toml"},
+    ],
+)
+def test_all_that_results_depend_on_is_in_the_hash(changes: dict[str, object]) -> None:
+    assert study(**changes).hash != study().hash
+
+
+def test_a_sweep_has_all_combinations_or_takes_lists_in_step() -> None:
+    vary = parameters_of({"a": [1, 2], "b": "range(0, 1, 3)"})
+    one = study(kind="sweep", vary=vary, correlate=())
+    found = [one.values(k) for k in range(1, one.n + 1)]
+    assert found == [(a, b) for a in (1, 2) for b in (0.0, 0.5, 1.0)]
+    step = parameters_of({"a": [1, 2], "b": [5, 6]})
+    one = study(kind="sweep", vary=step, correlate=(), together=True)
+    assert [one.values(k) for k in (1, 2)] == [(1, 5), (2, 6)]
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"kind": "swep"}, "no kind"),
+        ({"keep": "worst"}, "cannot keep"),
+        ({"vary": ()}, "nothing varies"),
+        ({"measure": {}, "fail": ""}, "judged by anything"),
+        ({"measure": {"run": "end()"}}, "every table has"),
+        ({"n": 0}, "no number of runs"),
+        ({"n": 2.5}, "no number of runs"),
+        ({"n": 10**10}, "more than"),
+        ({"correlate": (("a.b", "d", 0.1),)}, "does not vary"),
+        ({"correlate": (("a.b", "a.b", 0.1),)}, "is one"),
+        ({"correlate": (("a.b", "c", 0.1), ("c", "a.b", 0.1))}, "given twice"),
+        ({"correlate": (("a.b", "c", 1.5),)}, "no correlation"),
+        ({"vary": parameters_of({"a.b": [1], "c": "uniform(0, 1)"})}, "no continuous"),
+        ({"vary": parameters_of({"a.b": [1]}), "correlate": ()}, "is a list"),
+        ({"kind": "sweep", "correlate": ()}, "drawn by chance"),
+    ],
+)
+def test_studies_that_cannot_be_made_are_refused(changes: dict[str, object], what: str) -> None:
+    with pytest.raises(CaseError, match=what):
+        study(**changes)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["kind = 3", 'kind = "montecarlo"', "junk = 1", "n = [", 'kind = "fos"\ncase = 1\nvary = 3'],
+)
+def test_files_that_are_no_study_are_refused(text: str) -> None:
+    with pytest.raises(CaseError, match=r"study\.toml"):
+        described(text, "study.toml")
+
+
+def test_every_function_of_measures_says_what_it_is_of() -> None:
+    assert all(isinstance(one, tuple) for one in ARGUMENTS.values())
