@@ -25,7 +25,7 @@ MOST_FILES = 16
 MOST_ARGUMENTS = 8
 """Arguments of a function, self and cls not counted."""
 
-COMMANDS = {"plot", "film", "bench", "import_"}
+COMMANDS = {"bench", "film", "fos", "import_", "montecarlo", "plot", "sweep"}
 """Commands of cli/: every option on the command line is an argument of the function."""
 STARTING_UP = {
     "compute/jit.py": "what is read of the kernels' files does not change while a process runs",

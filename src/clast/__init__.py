@@ -59,6 +59,21 @@ if TYPE_CHECKING:
     from clast.run.excavation import excavated as excavated
     from clast.run.schedule import Schedule as Schedule
     from clast.step.method import Method as Method
+    from clast.study.api import HowMade as HowMade
+    from clast.study.api import Study as Study
+    from clast.study.collapsing.collapse import Collapse as Collapse
+    from clast.study.collapsing.collapse import collapse_load as collapse_load
+    from clast.study.collapsing.collapse import factor_of_safety as factor_of_safety
+    from clast.study.variables.distributions import Beta as Beta
+    from clast.study.variables.distributions import Discrete as Discrete
+    from clast.study.variables.distributions import Lognormal as Lognormal
+    from clast.study.variables.distributions import Normal as Normal
+    from clast.study.variables.distributions import Numbered as Numbered
+    from clast.study.variables.distributions import Range as Range
+    from clast.study.variables.distributions import Times as Times
+    from clast.study.variables.distributions import Triangular as Triangular
+    from clast.study.variables.distributions import Uniform as Uniform
+    from clast.study.variables.distributions import Values as Values
 
     __version__: str
 
@@ -102,6 +117,21 @@ HOME = {
     "Schedule": "clast.run.schedule",
     "Stage": "clast.model.stages.stage",
     "State": "clast.model.state",
+    "HowMade": "clast.study.api",
+    "Study": "clast.study.api",
+    "Collapse": "clast.study.collapsing.collapse",
+    "collapse_load": "clast.study.collapsing.collapse",
+    "factor_of_safety": "clast.study.collapsing.collapse",
+    "Beta": "clast.study.variables.distributions",
+    "Discrete": "clast.study.variables.distributions",
+    "Lognormal": "clast.study.variables.distributions",
+    "Normal": "clast.study.variables.distributions",
+    "Numbered": "clast.study.variables.distributions",
+    "Range": "clast.study.variables.distributions",
+    "Times": "clast.study.variables.distributions",
+    "Triangular": "clast.study.variables.distributions",
+    "Uniform": "clast.study.variables.distributions",
+    "Values": "clast.study.variables.distributions",
 }
 """Public name -> module that defines it."""
 

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from clast.cli import cases, exports, files, films, importing, rock_masses, studies
+from clast.cli import cases, exports, files, films, importing, rock_masses, studies, study
 from clast.cli.exit_codes import BAD_INPUT, STOPPED, interrupted_by
 from clast.cli.terminal import say
 from clast.errors import ClastError, RunStopped, RunWarning, shortened
@@ -113,6 +113,7 @@ COMMANDS = (
 """All commands, in the order in which they are listed."""
 for command in COMMANDS:
     app.command(command.__name__.rstrip("_"))(command)  # import is a word of Python
+app.add_typer(study.app, name="study")
 
 
 def main() -> None:

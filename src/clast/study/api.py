@@ -50,6 +50,8 @@ class HowMade:
     """True makes runs again that have no result."""
     watch: Watch | None = None
     """Called with how far the study is."""
+    scheduler: str = ""
+    """Address of a Dask scheduler, tcp://host:port; "": none."""
 
 
 USUAL = HowMade()
@@ -120,6 +122,14 @@ class Study:
 
 def go_on(folder: StudyFolder, how: HowMade = USUAL) -> Table:
     """Make the runs of a study that are not done; return its table, also written as CSV."""
+    make(folder, how)
+    if how.array is None:
+        table.write_csv(folder, folder.path / table.CSV)
+    return table.table_of(folder)
+
+
+def make(folder: StudyFolder, how: HowMade = USUAL) -> None:
+    """Make the runs of a study that are not done."""
     study = folder.study
     if study.kind == COLLAPSE:
         raise CaseError(
@@ -129,14 +139,11 @@ def go_on(folder: StudyFolder, how: HowMade = USUAL) -> Table:
         first, count = how.array
         mine = folder.missing(lambda run: run % count == first % count, retry=how.retry)
         in_this_process(folder, _again(folder, mine), how.watch)
-        return table.table_of(folder)
-    with folder.driven():
+        return
+    with folder.driven(), workers_of(how.executor, how.workers, how.scheduler) as workers:
         left = study.n - folder.count()
         runs = folder.missing(lambda run: True, retry=how.retry)
-        driver = Driver(folder, workers_of(how.executor, how.workers), how.watch)
-        driver.make(_again(folder, runs), max(1, left))
-        table.write_csv(folder, folder.path / table.CSV)
-    return table.table_of(folder)
+        Driver(folder, workers, how.watch).make(_again(folder, runs), max(1, left))
 
 
 def _again(folder: StudyFolder, runs: Iterator[int]) -> Iterator[int]:

@@ -12,13 +12,21 @@ import os
 import signal
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from contextlib import suppress
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from itertools import islice
 from multiprocessing import get_context
 from typing import Any, Protocol
 
+from clast.errors import CaseError
 from clast.study.folder import NO_RESULT, StudyFolder
 from clast.study.work import make_runs
 
@@ -190,7 +198,14 @@ class Driver:
 
     def _ended(self, future: Future[int], place: int, portion: list[int]) -> list[list[int]]:
         """Return what is to be made again of a portion that has come to an end."""
-        error = future.exception()
+        try:
+            error = future.exception()
+        except CancelledError:
+            raise CaseError(
+                "who made the runs is gone",
+                where=str(self.folder.path),
+                remedy=f"what is done stays; go on: clast study resume {self.folder.path}",
+            ) from None
         left = [run for run in portion if self.folder.result(run) is None]
         if error is None and not left:
             return []
@@ -258,9 +273,41 @@ def in_this_process(folder: StudyFolder, runs: Iterator[int], watch: Watch | Non
             watch(Progress(done=made, total=total, lost=0, seconds=seconds, made=made))
 
 
-def workers_of(executor: Any, count: int | None) -> Workers:
-    """Return who makes runs: processes where no executor is given."""
-    if executor is None:
-        return Processes(count or os.cpu_count() or 1)
-    places = count or getattr(executor, "_max_workers", None) or os.cpu_count() or 1
-    return Foreign(executor, 2 * int(places))
+@contextmanager
+def workers_of(executor: Any, count: int | None, scheduler: str) -> Iterator[Workers]:
+    """Give who makes runs: processes where neither an executor nor a scheduler is given."""
+    if scheduler:
+        with _of_dask(scheduler) as (pool, places):
+            yield Foreign(pool, 2 * (count or places))
+    elif executor is not None:
+        places = count or getattr(executor, "_max_workers", None) or os.cpu_count() or 1
+        yield Foreign(executor, 2 * int(places))
+    else:
+        yield Processes(count or os.cpu_count() or 1)
+
+
+@contextmanager
+def _of_dask(scheduler: str) -> Iterator[tuple[Executor, int]]:
+    """Give the executor of a Dask cluster that is there, and how many runs it makes at a time."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise CaseError(
+            "Dask is not installed",
+            where="scheduler",
+            remedy="install it: pip install 'clast[distributed]'",
+        ) from None
+    try:
+        client = Client(scheduler, timeout=10)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise CaseError(
+            f"does not answer: {' '.join(str(error).split())[:200]}",
+            where=scheduler,
+            remedy="start it: dask scheduler; dask worker tcp://host:port --nthreads 1",
+        ) from None
+    try:
+        threads = sum(client.nthreads().values())
+        # Dask would make tasks again whose results it has lost; ours are on the disk
+        yield client.get_executor(pure=False, retries=0), max(1, threads)
+    finally:
+        client.close()

@@ -1,0 +1,54 @@
+"""What clast study shows on the terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from clast.cli.terminal import print_table, tell
+
+if TYPE_CHECKING:
+    from clast.study.collapsing.collapse import Collapse
+    from clast.study.collapsing.trial import Trial
+    from clast.study.statistics import Columns
+
+NAMED = 3
+"""Blocks that a line of a trial names."""
+
+
+def print_trial(number: int, trial: Trial) -> None:
+    """Print a line for a trial."""
+    more = len(trial.blocks) - NAMED
+    named = ", ".join(trial.blocks[:NAMED]) + (f" and {more} more" if more > 0 else "")
+    tell(
+        f"{number:4d}  {trial.factor:<10.6g} {trial.verdict:<10s} {trial.displacement:>9.3g} m  "
+        f"{trial.steps:5d} steps  {named}"
+    )
+
+
+def print_collapse(found: Collapse) -> None:
+    """Print the answer of a study of collapse."""
+    tell(found.sentence)
+
+
+def print_results(columns: Columns, rows: int) -> None:
+    """Print what a sweep or a Monte Carlo study has found."""
+    from rich.table import Table
+
+    from clast.study import statistics
+
+    table = Table(title=f"{rows} of {columns.study.n} runs")
+    for head in ("measure", "mean", "sd", "least", "5 %", "median", "95 %", "largest"):
+        table.add_column(head, justify="left" if head == "measure" else "right")
+    for name, values in columns.measures.items():
+        found = statistics.spread(columns, values)
+        if found is not None:
+            numbers = (found.mean, found.sd, found.least, *found.quantiles, found.largest)
+            table.add_row(name, *(f"{one:.5g}" for one in numbers))
+    print_table(table)
+    probability = statistics.probability(columns)
+    if probability is not None:
+        tell(f"probability of failure {probability}")
+    elif len(columns.fails):
+        tell(f"{int(columns.fails.sum())} of {len(columns.fails)} runs fail")
+    for reason, count in columns.reasons.items():
+        tell(f"{count} without a result: {reason}")

@@ -1,0 +1,152 @@
+"""Factors of safety and collapse loads against formulas and limit analysis."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import clast
+from clast.errors import CaseError
+from clast.inputs.declaring.text import to_toml
+from clast.study.collapsing import trial
+from clast.verification.problems.masonry import arch_push
+from clast.verification.problems.slopes import wet_slope
+
+
+def written(path: Path, builder: clast.ModelBuilder, **keys: object) -> Path:
+    path.write_text(builder.to_toml(**keys))  # type: ignore[arg-type]
+    return path
+
+
+def wet(path: Path, slope: wet_slope.Slope, water: float, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Write the case of a slope of Hoek and Bray with water in its crack."""
+    monkeypatch.setattr(wet_slope, "ModelBuilder", clast.ModelBuilder)
+    builder = wet_slope.dry_slope(slope)
+    if water > 0.0:
+        level = float(slope.foot[1]) + water
+        builder.water(level, acts_on="joints", drained_at=[(0.0, 0.0)])
+    return written(path, builder, end=2.0)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 0.5, 1.0])
+def test_hoek_and_brays_slope_at_four_water_levels(share, tmp_path, monkeypatch):
+    slope = wet_slope.critical_slope()
+    case = wet(tmp_path / "s1.toml", slope, share * slope.depth, monkeypatch)
+    found = clast.factor_of_safety(case, joints=["plane"], tolerance=0.005)
+    exact = slope.exact_factor(share * slope.depth)
+    assert found.is_settled and not found.undecided
+    assert found.value == pytest.approx(exact, rel=0.01)
+    assert all("slab" in one.blocks for one in found.trials if one.verdict == "fails")
+
+
+def test_a_slope_that_fails_as_it_is(tmp_path, monkeypatch):
+    slope = wet_slope.steep_slope()
+    water = slope.depth - 2.0
+    case = wet(tmp_path / "s2.toml", slope, water, monkeypatch)
+    found = clast.factor_of_safety(case, tolerance=0.005)
+    assert found.value == pytest.approx(slope.exact_factor(water), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"start": 0.4, "growth": 3.0},
+        {"start": 2.5, "growth": 1.1},
+    ],
+)
+def test_a_slab_whatever_the_search(slab, changes):
+    found = clast.factor_of_safety(slab.file, tolerance=0.004, **changes)
+    assert found.low <= slab.factor() <= found.high * 1.001
+    assert found.value == pytest.approx(slab.factor(), rel=0.005)
+
+
+@pytest.mark.parametrize("settings", ["time.step=0.02", "time.max_displacement=0.002"])
+def test_a_slab_whatever_the_step(slab, settings):
+    case = clast.Case.from_toml(slab.file, [settings])
+    found = clast.factor_of_safety(case, tolerance=0.004)
+    assert found.value == pytest.approx(slab.factor(), rel=0.005)
+
+
+def test_a_push_and_a_load_at_collapse(slab, tmp_path):
+    """k (cos a + sin a tan phi) W = P = c L + W cos a tan phi - W sin a."""
+    load = slab.spare()
+    push = load / slab.pushed()
+    assert clast.collapse_load(slab.file, "pga left", tolerance=0.005).value == pytest.approx(
+        push, rel=0.01
+    )
+    content = tomllib.loads(slab.file.read_text())
+    corners = content["block"][1]["vertices"]
+    middle = [0.5 * (a + b) for a, b in zip(corners[1], corners[2], strict=True)]
+    along = [b - a for a, b in zip(corners[0], corners[1], strict=True)]
+    size = sum(one * one for one in along) ** 0.5
+    force = [-1e4 * one / size for one in along]
+    content["point_load"] = [{"at": middle, "force": force, "block": "slab", "name": "jack"}]
+    loaded = tmp_path / "loaded.toml"
+    loaded.write_text(to_toml(content))
+    found = clast.collapse_load(loaded, "load jack", tolerance=0.005)
+    assert 1e4 * found.value == pytest.approx(load, rel=0.01)
+
+
+def test_an_arch_under_push(tmp_path):
+    arch = arch_push.OPPENHEIM
+    builder = clast.ModelBuilder(title="Arch", gravity=(0.0, -9.8))
+    builder.add_rock("stone", young=50e9, poisson=0.2, density=2400.0)
+    builder.add_joint("default", friction_angle=arch.friction_angle)
+    arch_push.add_arch(builder, arch)
+    case = written(tmp_path / "arch.toml", builder, end=4.0, step=0.02)
+    exact = arch_push.exact_factor(arch)
+    for by in ("pga", "pga left"):
+        found = clast.collapse_load(case, by, tolerance=0.01)
+        assert found.value == pytest.approx(exact, rel=0.015)
+
+
+def test_a_study_goes_on_with_the_trials_that_are_there(slab, tmp_path, monkeypatch):
+    module = importlib.import_module("clast.study.collapsing.collapse")
+    whole = clast.factor_of_safety(slab.file, folder=tmp_path / "whole")
+    made = []
+
+    def interrupted(number: int, one: trial.Trial) -> None:
+        made.append(number)
+        if number == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        clast.factor_of_safety(slab.file, folder=tmp_path / "part", watch=interrupted)
+    counted = []
+    real = module.tried
+    monkeypatch.setattr(module, "tried", lambda *given: counted.append(1) or real(*given))
+    found = clast.factor_of_safety(slab.file, folder=tmp_path / "part")
+    assert found.trials == whole.trials
+    assert len(counted) == len(whole.trials) - 4
+    tables = [(tmp_path / name / "trials.csv").read_bytes() for name in ("whole", "part")]
+    assert tables[0] == tables[1]
+    result = json.loads((tmp_path / "part/runs/0000/00000002/result.json").read_text())
+    assert result["trial"]["verdict"] == "fails"
+
+
+def test_what_cannot_be_looked_for_is_refused(slab):
+    for given, what in [
+        ({"joints": ["plan"]}, "no joint 'plan'"),
+        ({"joints": "plane"}, "no names of joints"),
+        ({"tolerance": 0.0}, "no tolerance"),
+        ({"start": -1.0}, "no start"),
+        ({"growth": 1.0}, "no growth"),
+        ({"refine": -3}, "no number of trials"),
+    ]:
+        with pytest.raises(CaseError, match=what):
+            clast.factor_of_safety(slab.file, **given)
+    for by, what in [
+        ("strenght", "cannot act"),
+        ("load", "cannot act"),
+        ("load jack", "no load 'jack'"),
+        ("pga up", "cannot act"),
+    ]:
+        with pytest.raises(CaseError, match=what):
+            clast.collapse_load(slab.file, by)
+    with pytest.raises(CaseError, match="is no case"):
+        clast.factor_of_safety(3)

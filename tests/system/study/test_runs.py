@@ -1,0 +1,158 @@
+"""Sweeps and Monte Carlo studies: against integration, killed and resumed, with runs that fail."""
+
+from __future__ import annotations
+
+import csv
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import clast
+from clast.errors import CaseError
+from clast.study import statistics
+from clast.study.api import HowMade, resume
+from clast.study.folder import StudyFolder
+
+VARY = {
+    "joint.plane.friction_angle": "normal(34, 4, low=5, high=70)",
+    "joint.plane.cohesion": "lognormal(15e3, 6e3)",
+}
+PAIR = ("joint.plane.cohesion", "joint.plane.friction_angle", -0.4)
+HERE = HowMade(array=(1, 1))
+
+
+def study(slab, **changes):
+    given = {"vary": VARY, "correlate": [PAIR], "measure": {"u": "displacement(A)"}}
+    return clast.Study(slab.file, **{**given, "fail": "fails()", **changes})
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+def test_every_run_fails_where_its_formula_says_so(slab, tmp_path):
+    table = study(slab).run(tmp_path / "out", n=60, seed=5, how=HERE)
+    angle, cohesion = (np.array(table[name]) for name in VARY)
+    factor = slab.factor(cohesion, angle)
+    assert set(table["status"]) == {"done"}
+    clear = np.abs(factor - 1.0) > 0.002
+    assert np.array_equal(np.array(table["fails"])[clear], (factor < 1.0)[clear])
+    assert 0 < sum(table["fails"]) < 30
+    found = statistics.probability(statistics.columns_of(StudyFolder.opened(tmp_path / "out")))
+    assert found.low < slab.fails((15e3, 6e3), (34.0, 4.0), -0.4) < found.high
+
+
+def test_all_ways_of_making_runs_give_the_same_table(slab, tmp_path):
+    tables = []
+    for name, hows in {
+        "one": [HERE],
+        "array": [HowMade(array=(k, 3)) for k in (2, 1, 3)],
+        "threads": [HowMade(executor=ThreadPoolExecutor(1), workers=1)],
+    }.items():
+        made = study(slab)
+        for how in hows:
+            made.run(tmp_path / name, n=8, how=how)
+        folder = StudyFolder.opened(tmp_path / name)
+        clast.study.table.write_csv(folder, tmp_path / f"{name}.csv")
+        tables.append((tmp_path / f"{name}.csv").read_bytes())
+    assert tables[0] == tables[1] == tables[2]
+
+
+@pytest.mark.slow
+def test_a_study_that_is_killed_again_and_again_ends_with_the_same_table(slab, tmp_path):
+    whole = study(slab).run(tmp_path / "whole", n=40, how=HERE)
+    resume(tmp_path / "whole", HowMade(workers=1))
+    study(slab).run(tmp_path / "part", n=40, how=HowMade(array=(40, 40)))
+    order = random.Random(3)
+    command = [sys.executable, "-m", "clast", "study", "resume", "part", "--workers", "2", "-q"]
+    for _ in range(5):
+        driver = subprocess.Popen(command, cwd=tmp_path, start_new_session=True)
+        time.sleep(order.uniform(3.0, 9.0))
+        # all of it, or the driver alone
+        victim = -driver.pid if order.random() < 0.5 else driver.pid
+        (os.killpg if victim < 0 else os.kill)(abs(victim), signal.SIGKILL)
+        driver.wait()
+    time.sleep(1.0)
+    subprocess.run(command, cwd=tmp_path, check=True)
+    assert (tmp_path / "part/results.csv").read_bytes() == (
+        tmp_path / "whole/results.csv"
+    ).read_bytes()
+    assert len(whole) == 40
+
+
+def test_a_run_with_wrong_numbers_has_no_result_and_the_others_go_on(slab, tmp_path):
+    one = clast.Study(
+        slab.file,
+        vary={"joint.plane.friction_angle": [30.0, 95.0, 35.0]},
+        measure={"u": "displacement(A)"},
+    )
+    table = one.run(tmp_path / "out", how=HERE)
+    assert table["status"] == ["done", "no result", "done"]
+    assert "friction_angle" in table["reason"][1]
+    assert table["u"][1] is None
+
+
+def test_factors_of_safety_are_measures(slab, tmp_path):
+    one = clast.Study(
+        slab.file,
+        vary={"joint.plane.cohesion": [10e3, 20e3]},
+        measure={"F": "factor_of_safety()"},
+        fail="F < 1.2",
+    )
+    table = one.run(tmp_path / "out", how=HERE)
+    assert table["F"] == pytest.approx(list(slab.factor(np.array([10e3, 20e3]))), rel=0.01)
+    assert table["fails"] == [True, False]
+
+
+def test_a_folder_is_of_one_study(slab, tmp_path):
+    study(slab).run(tmp_path / "out", n=1, how=HERE)
+    with pytest.raises(CaseError, match="another study"):
+        study(slab).run(tmp_path / "out", n=2, how=HERE)
+    with pytest.raises(CaseError, match="not empty"):
+        study(slab).run(tmp_path, n=2, how=HERE)
+    with pytest.raises(CaseError, match="no folder of a study"):
+        resume(tmp_path)
+    there = StudyFolder.opened(tmp_path / "out")
+    with there.driven(), pytest.raises(CaseError, match="worked on"):
+        resume(tmp_path / "out")
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"measure": {"u": "displacement(B)"}}, "no point or block 'B'"),
+        ({"measure": {"u": "displacement(A, z)"}}, "no part 'z'"),
+        ({"measure": {"u": "displacement()"}}, "is of 1 name"),
+        ({"measure": {"u": "bolt_force(A)"}}, "no bolt 'A'"),
+        ({"measure": {"u": "sliding(plan)"}}, "no joint 'plan'"),
+        ({"measure": {"u": "energy(heat)"}}, "no entry 'heat'"),
+        ({"measure": {"u": "fails(A)"}}, "is of no names"),
+        ({"fail": "v > 1"}, "no measure 'v'"),
+        ({"vary": {"joint.plan.cohesion": "normal(1, 2)"}, "correlate": []}, "no 'joint.plan'"),
+    ],
+)
+def test_studies_that_ask_for_what_is_not_there_are_refused(slab, tmp_path, changes, what):
+    with pytest.raises(CaseError, match=what):
+        study(slab, **changes).run(tmp_path / "out", n=2, how=HERE)
+
+
+def test_a_million_runs_are_listed_without_being_held(slab, tmp_path):
+    import tracemalloc
+
+    made = study(slab)
+    folder = StudyFolder.made(tmp_path / "out", made.case, made.described(1_000_000))
+    tracemalloc.start()
+    count = sum(1 for _ in folder.missing(lambda run: True))
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert count == 1_000_000
+    assert most < 5e6
