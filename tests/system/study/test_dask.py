@@ -1,0 +1,103 @@
+"""Studies on a Dask cluster: a scheduler and two workers, each a process of its own."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+import clast
+from clast.errors import CaseError
+from clast.study.api import HowMade, resume
+from clast.study.table import CSV
+
+pytestmark = pytest.mark.slow
+VARY = {
+    "joint.plane.friction_angle": "normal(34, 4, low=5, high=70)",
+    "joint.plane.cohesion": "lognormal(15e3, 6e3)",
+}
+
+
+def free_port() -> int:
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return int(one.getsockname()[1])
+
+
+def started(*words: str, cwd: Path) -> subprocess.Popen[bytes]:
+    quiet = subprocess.DEVNULL
+    command = [sys.executable, "-m", *words]
+    return subprocess.Popen(command, cwd=cwd, stdout=quiet, stderr=quiet)
+
+
+@contextmanager
+def cluster(cwd: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """Give the address of a scheduler, and its process and those of two workers."""
+    address = f"tcp://127.0.0.1:{(port := free_port())}"
+    words = ["--host", "127.0.0.1", "--port", str(port), "--dashboard-address", ":0"]
+    parts = [started("distributed.cli.dask_scheduler", *words, cwd=cwd)]
+    worker = ["distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny"]
+    parts += [started(*worker, "--no-dashboard", cwd=cwd) for _ in range(2)]
+    try:
+        yield address, parts
+    finally:
+        for one in parts:
+            one.kill()
+            one.wait()
+
+
+def test_a_cluster_gives_the_table_of_one_process(slab, tmp_path):
+    pytest.importorskip("distributed")
+    study = clast.Study(slab.file, vary=VARY, measure={"u": "displacement(A)"}, fail="fails()")
+    study.run(tmp_path / "whole", n=24, how=HowMade(array=(1, 1)))
+    resume(tmp_path / "whole", HowMade(workers=1))
+    made = study.described(24)
+    assert made.n == 24
+    with cluster(tmp_path) as (address, _):
+        study.run(tmp_path / "part", n=24, how=HowMade(scheduler=address))
+    tables = [(tmp_path / name / CSV).read_bytes() for name in ("whole", "part")]
+    assert tables[0] == tables[1]
+
+
+@pytest.mark.parametrize("victim", [0, 1], ids=["scheduler", "worker"])
+def test_a_study_goes_on_when_its_cluster_is_gone(slab, tmp_path, victim):
+    pytest.importorskip("distributed")
+    study = clast.Study(slab.file, vary=VARY, measure={"u": "displacement(A)"}, fail="fails()")
+    study.run(tmp_path / "whole", n=40, how=HowMade(array=(1, 1)))
+    resume(tmp_path / "whole", HowMade(workers=1))
+    with cluster(tmp_path) as (address, parts):
+        killed = []
+
+        def kill(at) -> None:
+            if at.made >= 4 and not killed:
+                killed.append(at.made)
+                os.kill(parts[victim].pid, signal.SIGKILL)
+
+        how = HowMade(scheduler=address, watch=kill)
+        start = time.monotonic()
+        if victim == 0:
+            with pytest.raises(CaseError, match="is gone"):
+                study.run(tmp_path / "part", n=40, how=how)
+        else:
+            study.run(tmp_path / "part", n=40, how=how)
+        assert killed and time.monotonic() - start < 120.0
+    resume(tmp_path / "part", HowMade(array=(1, 1)))
+    resume(tmp_path / "part", HowMade(workers=1))
+    tables = [(tmp_path / name / CSV).read_bytes() for name in ("whole", "part")]
+    assert tables[0] == tables[1]
+
+
+def test_a_scheduler_that_does_not_answer_is_said(slab, tmp_path):
+    pytest.importorskip("distributed")
+    study = clast.Study(slab.file, vary=VARY, measure={"u": "displacement(A)"})
+    address = f"tcp://127.0.0.1:{free_port()}"
+    with pytest.raises(CaseError, match="does not answer"):
+        study.run(tmp_path / "part", n=2, how=HowMade(scheduler=address))
