@@ -64,6 +64,8 @@ if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse as Collapse
     from clast.study.collapsing.collapse import collapse_load as collapse_load
     from clast.study.collapsing.collapse import factor_of_safety as factor_of_safety
+    from clast.study.fit import Fit as Fit
+    from clast.study.fit import fit as fit
     from clast.study.variables.distributions import Beta as Beta
     from clast.study.variables.distributions import Discrete as Discrete
     from clast.study.variables.distributions import Lognormal as Lognormal
@@ -119,6 +121,8 @@ HOME = {
     "State": "clast.model.state",
     "HowMade": "clast.study.api",
     "Study": "clast.study.api",
+    "Fit": "clast.study.fit",
+    "fit": "clast.study.fit",
     "Collapse": "clast.study.collapsing.collapse",
     "collapse_load": "clast.study.collapsing.collapse",
     "factor_of_safety": "clast.study.collapsing.collapse",

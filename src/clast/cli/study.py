@@ -1,4 +1,4 @@
-"""The commands of clast study: fos, sweep, montecarlo, resume, collect."""
+"""The commands of clast study: fos, sweep, montecarlo, fit, resume, collect."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import typer
 
 from clast.cli.exit_codes import MISSED
 from clast.cli.options import AsJson, CaseFile, Quiet, Settings, words
-from clast.cli.study_tables import print_collapse, print_results, print_trial
-from clast.cli.terminal import print_json, say, status, tell
+from clast.cli.study_tables import print_collapse, print_fit, print_results, print_trial
+from clast.cli.terminal import json_text, print_json, say, status, tell
 from clast.errors import CaseError, shortened
 from clast.run.interrupts import heard
 
@@ -181,6 +181,45 @@ def montecarlo(
     numbers = {key: value for key, value in given.items() if value is not None}
     drawn = {"n": n, "sampling": sampling, **numbers}
     _make(described, drawn, _folder(case, output), _how(workers, scheduler, array), as_json, quiet)
+
+
+@app.command()
+def fit(
+    case: CaseFile,
+    observe: Annotated[
+        Path, typer.Option(metavar="FILE", help="Table (CSV) with point, time, x, y, sd.")
+    ],
+    vary: Vary = None,
+    settings: Settings = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write JSON there too.")
+    ] = None,
+    workers: Workers = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the parameters with which a case moves as it was measured (back-analysis)."""
+    from clast.case.case_file import Case
+    from clast.study.fit import fit as fitted
+
+    if output is not None and not output.absolute().parent.is_dir():
+        raise CaseError("its folder does not exist", where=str(output), remedy="make it first")
+    loaded = Case.from_toml(case, settings or ())
+    ranges = dict(_pairs("--vary", vary, "joint.bedding.shear_stiffness=uniform(1e8, 1e10)"))
+    with heard(), status() as show:
+        found = fitted(
+            loaded,
+            observe,
+            ranges,
+            workers=workers,
+            watch=lambda runs, error: show(f"{runs} runs, mean error {error:.4g}"),
+        )
+    if output is not None:
+        output.write_text(json_text(found.as_dict()) + "\n", encoding="utf-8")
+    if as_json:
+        print_json(found.as_dict())
+    elif not quiet:
+        print_fit(found)
 
 
 @app.command()

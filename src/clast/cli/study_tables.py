@@ -9,6 +9,7 @@ from clast.cli.terminal import print_table, tell
 if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse
     from clast.study.collapsing.trial import Trial
+    from clast.study.fit import Fit
     from clast.study.statistics import Columns
 
 NAMED = 3
@@ -28,6 +29,20 @@ def print_trial(number: int, trial: Trial) -> None:
 def print_collapse(found: Collapse) -> None:
     """Print the answer of a study of collapse."""
     tell(found.sentence)
+
+
+def print_fit(found: Fit) -> None:
+    """Print what a back-analysis has found."""
+    from rich.table import Table
+
+    table = Table(title=f"{len(found.observed)} observations, {found.runs} runs")
+    for head in ("parameter", "value", "95 %: from", "to"):
+        table.add_column(head, justify="left" if head == "parameter" else "right")
+    for name, *numbers in zip(found.parameter, found.value, found.low, found.high, strict=True):
+        table.add_row(name, *(f"{one:.5g}" for one in numbers))
+    print_table(table)
+    if found.remark:
+        tell(found.remark)
 
 
 def print_results(columns: Columns, rows: int) -> None:

@@ -22,6 +22,7 @@ from clast.pictures.page.document import page_text
 from clast.pictures.page.scene import scene_of
 from clast.pictures.study import figures
 from clast.results import Run, read_results
+from clast.rockmass.drawings.dxf_out import write_blocks_dxf
 from clast.study import statistics
 from clast.study.cases import changed, content_of
 from clast.study.collapsing.collapse import Collapse, ends
@@ -276,12 +277,41 @@ def write_collapse(folder: StudyFolder, found: Collapse) -> Path:
             for k, one in enumerate(found.trials, 1)
         ],
     )
+    _failing(page, folder, found)
     for k in ends(found):
         trial, file = found.trials[k - 1], folder.place(k) / RUN_FILE
         if file.exists():
             page.head(f"Trial {k}, {found.by.SYMBOL} = {trial.factor:.6g}: {trial.verdict}")
             page.run(read_results(file))
     return write_html(page.text(), folder.path / REPORT)
+
+
+def _failing(page: Page, folder: StudyFolder, found: Collapse) -> None:
+    """Draw the blocks that fail in each trial, as pictures and DXF in its folder."""
+    model = folder.base.model()
+    vertices, said = model.vertices + model.origin, ""
+    page.head("Blocks that fail")
+    for k, trial in enumerate(found.trials, 1):
+        if not trial.blocks:
+            continue
+        fails = np.isin(model.block_name, trial.blocks)
+        place = folder.place(k)
+        section = figures.Section(
+            vertices=vertices, block_start=model.block_start, share=fails.astype(np.float64)
+        )
+        try:
+            figures.draw_frequency(section, "1: fails", place / "failing.png")
+            layers = np.where(fails, "FAILS", "STANDS").tolist()
+            write_blocks_dxf(place / "failing.dxf", vertices, model.block_start, layers)
+        except CaseError as error:
+            said = f"{error.what}. {error.remedy}"
+    if said:
+        page.say(said, "remark")
+    first = next((k for k in ends(found)[::-1] if found.trials[k - 1].blocks), None)
+    drawn = None if first is None else folder.place(first) / "failing.png"
+    if drawn is not None and drawn.exists():
+        page.pictures([(drawn, "blocks that fail in the first trial that does")])
+        page.say("Pictures and DXF of all trials are in their folders.", "remark")
 
 
 def _listed(blocks: Sequence[str]) -> str:

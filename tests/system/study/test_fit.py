@@ -1,0 +1,119 @@
+"""Back-analysis of a shear stiffness and a friction angle from displacements with noise.
+
+A block of weight W on a plane is held by a bar of stiffness b and pushed by a force P that grows.
+It moves by u = P/(k A + b) while its joint holds, and by u = (P - W tan phi)/b when that slides.
+"""
+
+from __future__ import annotations
+
+import csv
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import clast
+from clast.errors import CaseError
+from clast.study.fit import read_observations
+
+WEIGHT, BAR, PUSH = 2600.0 * 9.81, 1e7, 4e4
+STIFFNESS, FRICTION, NOISE = 1e8, 30.0, 2e-5
+TIMES = np.linspace(0.1, 1.0, 10)
+RANGES = {
+    "joint.base.shear_stiffness": "uniform(1e7, 1e9)",
+    "joint.base.friction_angle": "uniform(15, 45)",
+}
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    builder = clast.ModelBuilder(title="Pushed block", gravity=(0.0, -9.81))
+    builder.add_rock("rock", young=50e9, poisson=0.0, density=2600.0)
+    builder.add_joint("default", friction_angle=0.0)
+    given = {"normal_stiffness": 1e10, "shear_stiffness": 3e8, "friction_angle": 20.0}
+    builder.add_joint("base", **given)
+    builder.block(name="ground", vertices=[(-1, -1), (3, -1), (3, 0), (-1, 0)], fixed=True)
+    builder.block(name="post", vertices=[(2.5, 0), (3, 0), (3, 1), (2.5, 1)], fixed=True)
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    builder.block(name="block", vertices=corners, edge_joint=["base", "", "", ""])
+    builder.add_bolt_kind("bar", stiffness=BAR, compression=True)
+    builder.bolt((1.0, 0.01), (2.5, 0.01), kind="bar", name="bar")
+    table = builder.add_table("ramp", [0.0, 1.0], [0.0, 1.0])
+    builder.point_load((0.0, 0.01), (PUSH, 0.0), block="block", factor=table)
+    builder.measured_point("A", (0.5, 0.01), block="block")
+    path = tmp_path / "pushed.toml"
+    path.write_text(builder.to_toml(step=0.05, end=1.0, dynamic_ratio=0.0))
+    return path
+
+
+def exact(stiffness: float, friction: float) -> np.ndarray:
+    """Return the displacements at TIMES, m."""
+    push = PUSH * TIMES
+    sliding = (push - WEIGHT * np.tan(np.radians(friction))) / BAR
+    return np.maximum(push / (stiffness + BAR), sliding)
+
+
+def written(path: Path, x: np.ndarray, sd: str = "") -> Path:
+    with path.open("w", newline="") as file:
+        out = csv.writer(file)
+        out.writerow(["point", "time", "x", "y", "sd"])
+        out.writerows(["A", t, value, "", sd] for t, value in zip(TIMES, x, strict=True))
+    return path
+
+
+@pytest.mark.parametrize("sd", ["", str(NOISE)], ids=["noise unknown", "noise known"])
+def test_the_truth_is_within_the_intervals(case, tmp_path, sd):
+    noise = np.random.default_rng(4).normal(0.0, NOISE, len(TIMES))
+    table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION) + noise, sd)
+    with ThreadPoolExecutor(1) as one:
+        found = clast.fit(case, table, RANGES, executor=one)
+    assert not found.remark
+    for value, truth, low, high in zip(
+        found.value, (STIFFNESS, FRICTION), found.low, found.high, strict=True
+    ):
+        assert low < truth < high
+        assert value == pytest.approx(truth, rel=0.15)
+    assert found.high[1] - found.low[1] < 1.0
+    assert np.abs(found.predicted - found.observed).max() < 4.0 * NOISE
+
+
+def test_what_observations_do_not_tell_apart_is_said(case, tmp_path):
+    table = written(tmp_path / "moved.csv", exact(STIFFNESS, 80.0))
+    with ThreadPoolExecutor(1) as one:
+        found = clast.fit(
+            case, table, {**RANGES, "joint.base.friction_angle": "uniform(60, 80)"}, executor=one
+        )
+    assert "do not tell" in found.remark
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("", "lacks the columns"),
+        ("point,z\nA,1", "a column 'z'"),
+        ("point,x\nB,1", "no measured point 'B'"),
+        ("point,x\nA,one", "'one' is no x"),
+        ("point,x\nA,nan", "'nan' is no x"),
+        ("point,x\n", "no observation"),
+        ("point,x,sd\nA,1,0", "no positive sd"),
+        ("point,x,sd\nA,1,1\nA,2,", "some rows only"),
+        ("x,y\n1,2", "lacks the columns"),
+    ],
+)
+def test_tables_that_are_none_are_refused(tmp_path, text, what):
+    (tmp_path / "moved.csv").write_text(text)
+    with pytest.raises(CaseError, match=what) as refused:
+        read_observations(tmp_path / "moved.csv", ["A"])
+    assert "moved.csv" in refused.value.where
+
+
+def test_back_analyses_that_cannot_be_made_are_refused(case, tmp_path):
+    table = written(tmp_path / "moved.csv", exact(STIFFNESS, FRICTION))
+    for vary, what in [
+        ({}, "nothing varies"),
+        ({"joint.base.cohesion": [1.0, 2.0]}, "no range"),
+        ({f"rock.rock.{k}": "uniform(0, 1)" for k in range(11)}, "do not give"),
+    ]:
+        with ThreadPoolExecutor(1) as one, pytest.raises(CaseError, match=what):
+            clast.fit(case, table, vary, executor=one)
