@@ -160,6 +160,8 @@ class Driver:
     """Told how far the study is."""
     tries: dict[int, int] = field(default_factory=dict)
     """Run -> how often its worker has died."""
+    idle: int = 0
+    """Portions in a row of which no run was begun."""
 
     def make(self, runs: Iterator[int], total: int) -> None:
         """Make runs, of ``total`` at most; raises what the executor raises where it is gone."""
@@ -208,6 +210,7 @@ class Driver:
             ) from None
         left = [run for run in portion if self.folder.result(run) is None]
         if error is None and not left:
+            self.idle = 0
             return []
         if isinstance(error, KeyboardInterrupt):
             raise error
@@ -217,12 +220,26 @@ class Driver:
         # runs are made in their order: the first without a result is what its worker was at
         self.workers.renew(place)
         first, others = left[0], left[1:]
+        began = self.folder.has_begun(first) or len(left) < len(portion)
+        self._check_started(error, began=began)
         self.tries[first] = self.tries.get(first, 0) + 1
-        if self.tries[first] >= TRIES:
+        if began and self.tries[first] >= TRIES:
             self._give_up(first, error)
             del self.tries[first]
             return [others] if others else []
         return [part for part in ([first], others) if part]
+
+    def _check_started(self, error: BaseException | None, *, began: bool) -> None:
+        """Raise CaseError where no worker begins a run: that is no fault of the runs."""
+        self.idle = 0 if began else self.idle + 1
+        if self.idle >= TRIES * self.workers.places:
+            why = " ".join(str(error).split())[:300] if error else "they end at once"
+            raise CaseError(
+                f"no worker begins a run: {why}",
+                where=str(self.folder.path),
+                remedy='a script with workers begins with if __name__ == "__main__":; on other '
+                "machines clast and the folder must be there by the same name",
+            )
 
     def _give_up(self, run: int, error: BaseException | None) -> None:
         """Write down that a run has no result."""

@@ -179,6 +179,11 @@ class StudyFolder:
         """Return how many runs have a result, of this study or another."""
         return sum(len(self._there(numbers)) for numbers in self._shards())
 
+    def has_begun(self, run: int) -> bool:
+        """Return whether somebody has begun a run and left it."""
+        place = self.place(run)
+        return any(place.parent.glob(f".{place.name}.*"))
+
     def forget(self, run: int) -> None:
         """Remove the result of a run."""
         shutil.rmtree(self.place(run), ignore_errors=True)

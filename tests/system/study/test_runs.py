@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -111,6 +111,43 @@ def test_factors_of_safety_are_measures(slab, tmp_path):
     table = one.run(tmp_path / "out", how=HERE)
     assert table["F"] == pytest.approx(list(slab.factor(np.array([10e3, 20e3]))), rel=0.01)
     assert table["fails"] == [True, False]
+
+
+class Dying(Executor):
+    """An executor whose workers die, in the middle of a run or before they begin one."""
+
+    def __init__(self, folder: Path, run: int) -> None:
+        self.folder, self.run = folder, run
+
+    def submit(self, call, folder, runs, *more):
+        future = Future()
+        if self.run == 0:
+            future.set_exception(BrokenExecutor("they are not there"))
+        elif self.run in runs:
+            before = [run for run in runs if run < self.run]
+            call(folder, before)
+            place = StudyFolder.opened(self.folder).place(self.run)
+            place.with_name(f".{place.name}.here.1").mkdir(parents=True, exist_ok=True)
+            future.set_exception(BrokenExecutor("out of memory"))
+        else:
+            future.set_result(call(folder, runs))
+        return future
+
+
+def test_a_run_that_kills_its_worker_has_no_result_after_three_tries(slab, tmp_path):
+    how = HowMade(executor=Dying(tmp_path / "out", 4), workers=1)
+    table = study(slab).run(tmp_path / "out", n=7, how=how)
+    assert table["status"] == ["done"] * 3 + ["no result"] + ["done"] * 3
+    assert "ended 3 times" in table["reason"][3] and "out of memory" in table["reason"][3]
+    again = resume(tmp_path / "out", HowMade(array=(1, 1), retry=True))
+    assert again["status"] == ["done"] * 7
+
+
+def test_workers_that_never_begin_are_no_fault_of_the_runs(slab, tmp_path):
+    how = HowMade(executor=Dying(tmp_path / "out", 0), workers=1)
+    with pytest.raises(CaseError, match="no worker begins"):
+        study(slab).run(tmp_path / "out", n=7, how=how)
+    assert StudyFolder.opened(tmp_path / "out").count() == 0
 
 
 def test_a_folder_is_of_one_study(slab, tmp_path):
