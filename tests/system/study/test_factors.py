@@ -72,6 +72,14 @@ def test_a_slab_whatever_the_step(slab, settings):
     assert found.value == pytest.approx(slab.factor(), rel=0.005)
 
 
+@pytest.mark.parametrize("process", ["modified", "open-close"])
+def test_a_slab_whatever_the_process(slab, process):
+    case = clast.Case.from_toml(slab.file, [f"method.process={process}"])
+    found = clast.factor_of_safety(case, tolerance=0.02)
+    assert found.is_settled and not found.undecided
+    assert found.low <= slab.factor() <= found.high * 1.001
+
+
 def test_a_push_and_a_load_at_collapse(slab, tmp_path):
     """k (cos a + sin a tan phi) W = P = c L + W cos a tan phi - W sin a."""
     load = slab.spare()

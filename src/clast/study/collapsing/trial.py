@@ -6,9 +6,10 @@ remember is capped to their reduced strength as the first step begins: the retur
 Coulomb's law does it.
 
 A trial *stands* where it comes to an equilibrium.  It *fails* where blocks have moved by a
-hundredth of their median size or more and what drives them does not become less.  All else (nothing
-moves far, but no equilibrium is found; the run cannot go on) is tried again, three times as long,
-and is *undecided* if that is no better.
+hundredth of their median size or more and what drives them does not become less.  With a process
+that bears no steps of any length it also fails where its time is over and blocks are driven on.
+All else (nothing moves far, but no equilibrium is found; the run cannot go on) is tried again,
+three times as long, and is *undecided* if that is no better.
 """
 
 from __future__ import annotations
@@ -23,9 +24,10 @@ import numpy as np
 from clast.case.case_file import Case
 from clast.errors import CaseError, RunStopped
 from clast.model.model import Floats, Model
-from clast.model.stages.records import FAILS, REACHED, StageRecord
+from clast.model.stages.records import FAILS, MOVING, REACHED, StageRecord
 from clast.results import Run, RunRecorder
 from clast.run.simulate import simulate
+from clast.run.stages.equilibrium import STANDARD_GRAVITY
 from clast.run.stages.failing import GOES
 from clast.step.method import Method
 from clast.study.cases import Content, changed, content_of
@@ -38,6 +40,10 @@ STANDS, FAILED, UNDECIDED = "stands", "fails", "undecided"
 """Verdicts."""
 LONGER = 3
 """By how much a trial is longer that was undecided."""
+AT_REST = 5e-4
+"""Unbalanced acceleration over gravity below which blocks are not driven."""
+STEADY = 0.9
+"""Speed in the last third of a trial, as a share of that before, that has not become less."""
 TOGETHER = 0.5
 """Movement, in units of the largest, of the blocks that fail."""
 LEAST_BASE = 1.0 / 64.0
@@ -161,7 +167,9 @@ def tried(
     """
     case = changed(start.case, trial_content(start.content, by, factor, parts))
     model = case.model()
-    schedule = replace(case.schedule(), every=FOREVER)
+    schedule = case.schedule()
+    third = schedule.stages[-1].time or schedule.end
+    schedule = replace(schedule, every=third / 3.0)
     recorder = RunRecorder(model, case_text=case.text, output=output, contacts=output is not None)
     run = _simulated(model, start.method, schedule, recorder, begin=start.run)
     trial = _judged(start, run, factor, parts)
@@ -211,12 +219,36 @@ def _judged(start: Settled, run: Run, factor: float, parts: int) -> Trial:
         return replace(trial, verdict=STANDS)
     trial = replace(trial, reason=last.hindrance)
     size = float(np.sqrt(np.median(start.model.area)))
-    if last.outcome == FAILS and far[farthest] > GOES * size:
+    fails = last.outcome == FAILS and far[farthest] > GOES * size
+    if fails or (last.outcome == MOVING and is_driven(start, run)):
         order = np.argsort(-far, kind="stable")
         together = order[far[order] >= TOGETHER * far[farthest]]
         blocks = tuple(names[block] for block in together)
         return replace(trial, verdict=FAILED, blocks=blocks)
     return trial
+
+
+def is_driven(start: Settled, run: Run) -> bool:
+    """Return whether a run that its time has ended was driven on at its end.
+
+    For processes that bear no steps of any length.  A static step of length h moves a block by
+    theta a h2, a being the acceleration of its unbalanced force.  It is driven on where a is more
+    than a share of gravity and has not become less in the last third of the time.
+    """
+    model, step = start.model, float(run.step_sizes[-1])
+    instants = [run.times[-1] - share * (run.times[-1] - run.times[0]) for share in (2 / 3, 1 / 3)]
+    frames = [run.frame(at=float(one)).number for one in instants]
+    places = [run.vertices(frame) for frame in (*frames, -1)]
+    times = np.array([*(run.times[frame] for frame in frames), run.times[-1]])
+    if not (np.diff(times) > 0.0).all():
+        return False
+    speeds = [
+        float(moved(model, places[k], places[k + 1]).max()) / float(times[k + 1] - times[k])
+        for k in range(2)
+    ]
+    gravity = float(np.hypot(*model.gravity)) or STANDARD_GRAVITY
+    least = AT_REST * gravity * start.method.integrator.theta * step
+    return speeds[1] > least and speeds[1] >= STEADY * speeds[0]
 
 
 def moved(model: Model, before: Floats, after: Floats) -> Floats:
