@@ -141,7 +141,14 @@ def sweep(
     described = study(
         fail=fail, keep=keep, together=together, factor=_factor(by, joints, tolerance)
     )
-    _make(described, {}, _folder(case, output), _how(workers, scheduler, array), as_json, quiet)
+    _make(
+        described,
+        {"kind": "sweep"},
+        _folder(case, output),
+        _how(workers, scheduler, array),
+        as_json,
+        quiet,
+    )
 
 
 @app.command()
@@ -179,7 +186,7 @@ def montecarlo(
     described = study(fail=fail, keep=keep, factor=_factor(by, joints, tolerance))
     given = {"seed": seed, "replicates": replicates}
     numbers = {key: value for key, value in given.items() if value is not None}
-    drawn = {"n": n, "sampling": sampling, **numbers}
+    drawn = {"kind": "montecarlo", "n": n, "sampling": sampling, **numbers}
     _make(described, drawn, _folder(case, output), _how(workers, scheduler, array), as_json, quiet)
 
 

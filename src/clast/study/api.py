@@ -13,7 +13,7 @@ clast.factor_of_safety("slope.toml", joints=["bedding"]).value
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -92,12 +92,17 @@ class Study:
             together=together,
         )
 
-    def described(self, n: int | None = None, sampling: str = "random", **numbers: int) -> Any:
-        """Return the description of the study with so many runs; raises CaseError for none."""
-        from dataclasses import replace
+    def described(
+        self, n: int | None = None, sampling: str = "random", kind: str = "", **numbers: int
+    ) -> Description:
+        """Return the description of the study with so many runs; raises CaseError for none.
 
+        ``kind`` is "sweep" or "montecarlo" where it is not to follow from what varies.
+        """
         chosen = sampling_of(sampling, **numbers)
-        return replace(self._description, n=RUNS if n is None else n, sampling=chosen).checked()
+        count = RUNS if n is None else n
+        own = self._description
+        return replace(own, n=count, sampling=chosen, kind=kind or own.kind).checked()
 
     def run(
         self,
@@ -114,7 +119,7 @@ class Study:
         "point-estimate", with the ``seed`` and ``replicates`` of it.  ``how`` says who makes the
         runs.  Raises CaseError where the study cannot be made, and where another one is there.
         """
-        study = self.described(n, sampling, **numbers)
+        study = self.described(n, sampling, "", **numbers)
         made = StudyFolder.made(Path(folder), self.case, study)
         Bench.of(made).check()
         return go_on(made, how)

@@ -1,0 +1,111 @@
+"""clast study on the command line: what it prints and writes, and what it refuses."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from scenes.command_line import clast_command, good
+
+PHI = "joint.plane.friction_angle"
+U = "u=displacement(A)"
+
+
+@pytest.fixture(autouse=True)
+def _here(slab, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def refused(*words: str) -> str:
+    done = clast_command(*words)
+    assert done.exit_code == 2, done.output
+    assert "Traceback" not in done.output
+    return done.output
+
+
+def test_a_factor_of_safety_is_printed_and_its_folder_is_whole(slab):
+    out = good("study", "fos", "slab.toml", "--refine", "2", "-o", "fos")
+    assert "factor of safety 1.18" in out
+    report = Path("fos/report.html").read_text(encoding="utf-8")
+    assert "http://" not in re.sub(r"http://www\.w3\.org\S*", "", report)
+    assert report.count("<iframe") == 2 and "data:image/png" in report
+    with Path("fos/trials.csv").open() as file:
+        trials = list(csv.DictReader(file))
+    failed = [int(one["trial"]) for one in trials if one["verdict"] == "fails"]
+    for number in failed:
+        place = Path(f"fos/runs/0000/{number:08d}")
+        assert (place / "failing.png").exists()
+    good("check", f"fos/runs/0000/{failed[0]:08d}/case.toml")
+    found = json.loads(good("study", "resume", "fos", "--json"))
+    assert found["low"] < slab.factor() < found["high"] and found["settled"]
+    assert len(found["trials"]) == len(trials)
+
+
+def test_parts_of_an_array_are_collected():
+    words = ["study", "montecarlo", "slab.toml", "--vary", f"{PHI}=normal(30, 4)", "--measure", U]
+    words += ["--fail", "fails()", "-n", "8", "--seed", "2", "-o", "out"]
+    for part in ("2/2", "1/2"):
+        assert "study collect out" in good(*words, "--array", part)
+    found = json.loads(good("study", "collect", "out", "--json"))
+    assert found["done"] == 8 and found["no_result"] == 0
+    chance = found["probability_of_failure"]
+    assert 0.0 <= chance["low"] <= chance["value"] <= chance["high"] <= 1.0
+    report = Path("out/report.html").read_text(encoding="utf-8")
+    assert "Worst run" in report and "<iframe" in report
+    good("check", "out/runs/0000/00000003/case.toml")
+
+
+def test_results_are_written_as_parquet():
+    parquet = pytest.importorskip("pyarrow.parquet")
+    good("study", "sweep", "slab.toml", "--vary", f"{PHI}=[30, 34]", "--measure", U,
+         "-o", "out", "--array", "1/1")  # fmt: skip
+    good("study", "collect", "out", "--parquet")
+    table = parquet.read_table("out/results.parquet").to_pydict()
+    assert table["run"] == [1, 2] and table[PHI] == [30.0, 34.0]
+
+
+VARY = ["--vary", f"{PHI}=normal(30, 4)"]
+
+
+@pytest.mark.parametrize(
+    ("words", "what"),
+    [
+        (["fos", "slap.toml"], "no such file"),
+        (["fos", "slab.toml", "--by", "wind"], "cannot act on 'wind'"),
+        (["fos", "slab.toml", "--by", "pga", "--joints", "plane"], "joints are chosen"),
+        (["fos", "slab.toml", "--joints", "plan"], "did you mean 'plane'"),
+        (["fos", "slab.toml", "--tolerance", "2"], "no tolerance"),
+        (["fos", "slab.toml", "--set", "joint.plane.friction_angle=-1"], "friction_angle"),
+        (["fos", "slab.toml", "-o", "slab.toml"], "cannot be made"),
+        (["fos", "slab.toml", "-o", "."], "not empty"),
+        (["montecarlo", "slab.toml"], "nothing varies"),
+        (["montecarlo", "slab.toml", *VARY], "judged by anything"),
+        (["montecarlo", "slab.toml", "--vary", PHI, "--measure", U], "says nothing"),
+        (["montecarlo", "slab.toml", *VARY, *VARY, "--measure", U], "given twice"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", "u"], "says nothing"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", "u=displacement(B)"], "'B'"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", U, "--fail", "w > 1"], "measure 'w'"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", U, "-n", "0"], "number of runs"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", U, "--sampling", "lhs"], "sampling"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", U, "--replicates", "3"], "replicates"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", U, "--seed", "-1"], "no seed"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", U, "--correlate", "a,b"], "correlation"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", U, "--keep", "worst"], "cannot keep"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", U, "--array", "3/2"], "no part"),
+        (["montecarlo", "slab.toml", *VARY, "--measure", U, "--array", "x"], "no part"),
+        (["sweep", "slab.toml", *VARY, "--measure", U], "drawn by chance"),
+        (["montecarlo", "slab.toml", "--vary", f"{PHI}=[1, 2]", "--measure", U], "is a list"),
+        (["sweep", "slab.toml", "--vary", "a.b=[1]", "--measure", U], "no 'a'"),
+        (["resume", "nowhere"], "no folder of a study"),
+        (["collect", "."], "no folder of a study"),
+        (["fit", "slab.toml", "--observe", "none.csv", *VARY], "no such file"),
+        (["fit", "slab.toml", "--observe", "slab.toml", *VARY], "column"),
+    ],
+)
+def test_what_cannot_be_done_is_said(words, what):
+    assert what in refused("study", *words)
+    assert not Path("build").exists() or not any(Path("build").rglob("result.json"))
