@@ -29,6 +29,7 @@ def memory_of(rows):
         shear_force=np.arange(len(table)) + 1.0,
         multiplier=zero,
         rest_force=zero,
+        slip=zero,
         mode=zero.astype(np.int64),
         bonded=zero.astype(np.bool_),
         cohesive=zero.astype(np.bool_),

@@ -75,6 +75,8 @@ class Contacts:
     """Remembered Lagrange multiplier, N/m, shape (m,)."""
     rest_force: Floats
     """Normal force at zero gap that was there at the start of the run, N/m, shape (m,)."""
+    slip: Floats
+    """Remembered slip since the contact was made, m, along t, shape (m,)."""
     mode: Ints
     """Remembered mode: 0 open, 1 slide, 2 lock, shape (m,)."""
     friction_base: Floats

@@ -337,11 +337,11 @@ def _carried(
     count = len(row)
     known, bonded, cohesive = np.empty((3, count), np.bool_)
     mode = np.empty(count, np.int64)
-    shear, normal, multiplier, rest, friction_base = np.empty((5, count))
+    shear, normal, multiplier, rest, slip, friction_base = np.empty((6, count))
     friction_base.fill(np.nan)
     forces = memory.shear_force, memory.normal_force, memory.multiplier, memory.rest_force
-    carried = known, bonded, cohesive, mode, shear, normal, multiplier, rest
-    before = memory.bonded, memory.cohesive, memory.mode, *forces
+    carried = known, bonded, cohesive, mode, shear, normal, multiplier, rest, slip
+    before = memory.bonded, memory.cohesive, memory.mode, *forces, memory.slip
     _carry(count, row, gap, bond_reach, before, carried)
     _turn_rest_forces(count, row, memory.edge, ways, (shear, normal, rest))
     return {
@@ -352,6 +352,7 @@ def _carried(
         "normal_force": normal,
         "multiplier": multiplier,
         "rest_force": rest,
+        "slip": slip,
         "mode": mode,
         "friction_base": friction_base,
     }
@@ -360,19 +361,19 @@ def _carried(
 @shared(CONTACTS)
 def _carry(first, last, row, gap, bond_reach, memory, carried):
     """Write what contacts ``first`` to ``last`` - 1 remember."""
-    bonded, cohesive, mode, shear_force, normal_force, multiplier, rest_force = memory
-    known, intact, holding, modes, shear, normal, multipliers, rests = carried
+    bonded, cohesive, mode, shear_force, normal_force, multiplier, rest_force, slip = memory
+    known, intact, holding, modes, shear, normal, multipliers, rests, slips = carried
     for c in range(first, last):
         r = row[c]
         known[c] = r >= 0
         if known[c]:
             intact[c], holding[c], modes[c] = bonded[r], cohesive[r], mode[r]
             shear[c], normal[c], multipliers[c] = shear_force[r], normal_force[r], multiplier[r]
-            rests[c] = rest_force[r]
+            rests[c], slips[c] = rest_force[r], slip[r]
         else:
             intact[c], modes[c] = abs(gap[c]) <= bond_reach, 0
             holding[c] = intact[c]
-            shear[c], normal[c], multipliers[c], rests[c] = 0.0, 0.0, 0.0, 0.0
+            shear[c], normal[c], multipliers[c], rests[c], slips[c] = 0.0, 0.0, 0.0, 0.0, 0.0
 
 
 @shared(CONTACTS)

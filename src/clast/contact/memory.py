@@ -203,10 +203,15 @@ def _deepen(pairs, vertex_block, memory, depth):
 
 
 def renew(
-    contacts: Contacts, response: ContactResponse, gap: Floats, critdis: float
+    contacts: Contacts,
+    response: ContactResponse,
+    gap: Floats,
+    slip: Floats,
+    critdis: float,
 ) -> ContactMemory:
-    """Return the memory after a step; ``gap`` (m,) at its end, m.
+    """Return the memory after a step; ``gap`` (m,) at its end and ``slip`` (m,) in it, m.
 
+    Slip adds up from the step on in which a contact is made, also while it is open for a while.
     A contact that has opened forgets its shear force, and what it bore at the start; one that is
     open further than critdis loses its bond and all cohesion.
     """
@@ -222,6 +227,9 @@ def renew(
         contacts.multiplier,
         contacts.rest_force,
     )
+    made = (contacts.mode != OPEN) | contacts.bonded | (contacts.slip != 0.0)
+    made |= response.mode != OPEN
+    all_slip = np.where(made, contacts.slip + slip, 0.0)
     vertex, block, edge, mode = np.empty((4, count), np.int64)
     new_bonds = np.empty((2, count), np.bool_)
     new_keys = vertex, block, edge, mode, *new_bonds
@@ -240,6 +248,7 @@ def renew(
         shear_force=new_forces[2],
         multiplier=new_forces[3],
         rest_force=new_forces[4],
+        slip=all_slip[order],
     )
 
 

@@ -59,6 +59,9 @@ class ContactMemory:
     """Lagrange multiplier of the normal force, N/m (0 with the penalty law), shape (k,)."""
     rest_force: Floats = field(default_factory=_no_floats)
     """Normal force at zero gap that was there at the start (in-situ stress), N/m, shape (k,)."""
+    slip: Floats = field(default_factory=_no_floats)
+    """Way of the vertex along the edges since the contact was made, m, to the left as seen from
+    the block of the edge; it has the same sign seen from the other block, shape (k,)."""
     mode: Ints = field(default_factory=_no_ints)
     """0 open, 1 slide, 2 lock, shape (k,)."""
     bonded: Bools = field(default_factory=_no_bools)

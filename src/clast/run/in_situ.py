@@ -374,7 +374,7 @@ def _begun(method: Method, balance: Balance) -> State:
     contacts, response = _bearing(springs, balance.contacts)
     return replace(
         state,
-        memory=renew(contacts, response, contacts.gap, method.critdis),
+        memory=renew(contacts, response, contacts.gap, np.zeros(len(contacts)), method.critdis),
         ledger=replace(state.ledger, contact=float(response.energy.sum())),
     )
 

@@ -35,7 +35,7 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
     end = end_of(context, solution)
     motion = moved(context, solution.unknowns, end)
     kept = changed(solution.response, normal_force=solution.bearing)
-    memory = renew(solution.contacts, kept, end.gap, context.method.critdis)
+    memory = renew(solution.contacts, kept, end.gap, end.slip, context.method.critdis)
     stages("tunnelling")
     # no vertex has got deeper into a block than it has moved
     if motion.travel > depth:

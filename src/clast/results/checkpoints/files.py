@@ -35,8 +35,9 @@ from clast.results.checkpoints.stored_arrays import arrays_of, put_array
 from clast.results.opening import is_result_file
 from clast.results.output import fresh, hidden
 
-LAYOUT = 2
-"""Version of the layout of checkpoint files: 1 did not say which run each belongs to."""
+LAYOUT = 3
+"""Version of the layout of checkpoint files: 1 did not say which run each belongs to, 2 did not
+have the slip of contacts."""
 LARGEST = 2**31
 """Checkpoints above this size are not read, bytes."""
 SUMS = struct.Struct("<Q32s8s")
@@ -161,9 +162,10 @@ def _check_layout(attributes: Mapping[str, Any], path: Path) -> str:
             remedy="update clast",
         )
     if layout < LAYOUT:
+        lack = "which run they belong to" if layout < 2 else "how far contacts have slipped"
         raise CaseError(
             f"was written by an older clast ({shortened(version)}), whose checkpoints do not say "
-            "which run they belong to",
+            f"{lack}",
             where=str(path),
             remedy=f"resume with clast {shortened(version)}, or run the case again",
         )
