@@ -84,7 +84,7 @@ def test_copies_of_a_system_remember_the_same(later):
     for copies in (1, COPIES):
         contacts = shaken(copies, 1)
         answer = response_of(contacts, copies, contacts.gap)
-        memory = renew(contacts, answer, contacts.gap, 1e-3)
+        memory = renew(contacts, answer, contacts.gap, 0.0 * contacts.gap, 1e-3)
         gaps.append(len(memory.gap))
         found.append(shaken(copies, later, memory))
     one, all_of_them = found

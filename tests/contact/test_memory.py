@@ -81,7 +81,8 @@ def test_renewed_memory_is_sorted_and_forgets_what_has_opened():
     rng = np.random.default_rng(2)
     gap = rng.uniform(-0.01, 0.01, count)
     mode = np.where(gap < 0.0, 2, 0)
-    memory = renew(contacts, response_for(contacts, gap, np.arange(count) + 1.0, mode), gap, 0.005)
+    answer = response_for(contacts, gap, np.arange(count) + 1.0, mode)
+    memory = renew(contacts, answer, gap, 1e-3 * gap, 0.005)
     keys = list(zip(memory.vertex, memory.block, memory.edge, strict=True))
     assert keys == sorted(keys)
     assert len(set(keys)) == count
@@ -90,6 +91,8 @@ def test_renewed_memory_is_sorted_and_forgets_what_has_opened():
     assert np.array_equal(memory.gap[row], gap)
     assert np.array_equal(memory.shear_force[row], np.where(gap < 0.0, np.arange(count) + 1.0, 0.0))
     assert np.array_equal(memory.bonded[row], gap <= 0.005)
+    # bonded at the start: slip adds up from the first step on
+    assert np.array_equal(memory.slip[row], 1e-3 * gap)
 
 
 def test_detection_hands_the_memory_to_the_same_contacts_whatever_their_order():
@@ -98,7 +101,9 @@ def test_detection_hands_the_memory_to_the_same_contacts_whatever_their_order():
     gap = -1e-6 * (1.0 + np.arange(len(contacts)))
     force = 10.0 * (1.0 + np.arange(len(contacts)))
     response = response_for(contacts, gap, force, np.full(len(contacts), 1))
-    state = replace(at_start(model), memory=renew(contacts, response, gap, 0.005), time=1.0)
+    state = replace(
+        at_start(model), memory=renew(contacts, response, gap, 0.0 * gap, 0.005), time=1.0
+    )
     again = contacts_of(model, state)
     assert again.known.all()
     assert np.array_equal(again.shear_force, force)
