@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from clast.model.ground_motion import InertialForce as InertialForce
     from clast.model.ground_motion import MovingBase as MovingBase
     from clast.model.in_situ import InSituStress as InSituStress
-    from clast.model.model import Joint as Joint
+    from clast.model.joints import Joint as Joint
     from clast.model.model import Model as Model
     from clast.model.model import PlaneStrain as PlaneStrain
     from clast.model.model import PlaneStress as PlaneStress
@@ -101,7 +101,7 @@ HOME = {
     "Method": "clast.step.method",
     "InSituStress": "clast.model.in_situ",
     "Overburden": "clast.inputs.in_situ",
-    "Joint": "clast.model.model",
+    "Joint": "clast.model.joints",
     "Model": "clast.model.model",
     "PlaneStrain": "clast.model.model",
     "PlaneStress": "clast.model.model",

@@ -14,7 +14,8 @@ from clast.case.case_file import Case
 from clast.case.drawn_case import TO_BE_GIVEN, case_text
 from clast.contact.detection import detect
 from clast.errors import CaseError, ModelError
-from clast.model.model import WELD_STRENGTH, Model
+from clast.model.joints import WELD_STRENGTH
+from clast.model.model import Model
 from clast.model.state import initial_state
 from clast.rockmass import Domain, JointSet, Lognormal, cut
 from clast.rockmass.reading import read_drawing

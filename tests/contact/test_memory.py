@@ -30,6 +30,7 @@ def memory_of(rows):
         multiplier=zero,
         rest_force=zero,
         slip=zero,
+        slide_length=zero,
         mode=zero.astype(np.int64),
         bonded=zero.astype(np.bool_),
         cohesive=zero.astype(np.bool_),

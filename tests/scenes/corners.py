@@ -20,6 +20,7 @@ def remembering(edge, gap=0.0, vertex=4, block=0, shear_force=7.0):
         multiplier=np.array([0.0]),
         rest_force=np.array([0.0]),
         slip=np.array([0.0]),
+        slide_length=np.array([0.0]),
         mode=np.array([2]),
         bonded=np.array([True]),
         cohesive=np.array([True]),

@@ -9,7 +9,7 @@ import pytest
 import clast
 from clast.errors import ModelError
 from clast.inputs.builder import ModelBuilder
-from clast.model.model import Joint
+from clast.model.joints import Joint
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.verification.problems.slopes.cohesive_slab import slab

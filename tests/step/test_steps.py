@@ -317,6 +317,7 @@ def remembered(depth, vertex=4):
         multiplier=np.zeros(1),
         rest_force=np.zeros(1),
         slip=np.zeros(1),
+        slide_length=np.zeros(1),
         mode=np.ones(1, np.int64),
         bonded=np.zeros(1, np.bool_),
         cohesive=np.zeros(1, np.bool_),

@@ -77,6 +77,8 @@ class Contacts:
     """Normal force at zero gap that was there at the start of the run, N/m, shape (m,)."""
     slip: Floats
     """Remembered slip since the contact was made, m, along t, shape (m,)."""
+    slide_length: Floats
+    """Length of the way that the contact has slid, m; inf where it must have, shape (m,)."""
     mode: Ints
     """Remembered mode: 0 open, 1 slide, 2 lock, shape (m,)."""
     friction_base: Floats

@@ -219,7 +219,8 @@ def _contacts(
     bond_reach = critdis if state.time == 0.0 else -1.0
     carried = _carried(places.row, places.gap, bond_reach, state.memory, (places.edge, direction))
     bonds = Bonds(bonded=carried.pop("bonded"), cohesive=carried.pop("cohesive"))
-    strengths = bonds_of(bonds, places, state.memory, direction, model)
+    slid = carried.pop("slide_length")
+    strengths = bonds_of(bonds, slid, places, state.memory, direction, model)
     springs = springs_of_joints(model, places.joint, places.of_springs)
     return Contacts(
         joint=places.joint,
@@ -337,11 +338,12 @@ def _carried(
     count = len(row)
     known, bonded, cohesive = np.empty((3, count), np.bool_)
     mode = np.empty(count, np.int64)
-    shear, normal, multiplier, rest, slip, friction_base = np.empty((6, count))
+    shear, normal, multiplier, rest, slip, slid, friction_base = np.empty((7, count))
     friction_base.fill(np.nan)
     forces = memory.shear_force, memory.normal_force, memory.multiplier, memory.rest_force
-    carried = known, bonded, cohesive, mode, shear, normal, multiplier, rest, slip
-    before = memory.bonded, memory.cohesive, memory.mode, *forces, memory.slip
+    carried = known, bonded, cohesive, mode, shear, normal, multiplier, rest, slip, slid
+    ways_gone = memory.slip, memory.slide_length
+    before = memory.bonded, memory.cohesive, memory.mode, *forces, *ways_gone
     _carry(count, row, gap, bond_reach, before, carried)
     _turn_rest_forces(count, row, memory.edge, ways, (shear, normal, rest))
     return {
@@ -353,6 +355,7 @@ def _carried(
         "multiplier": multiplier,
         "rest_force": rest,
         "slip": slip,
+        "slide_length": slid,
         "mode": mode,
         "friction_base": friction_base,
     }
@@ -361,19 +364,20 @@ def _carried(
 @shared(CONTACTS)
 def _carry(first, last, row, gap, bond_reach, memory, carried):
     """Write what contacts ``first`` to ``last`` - 1 remember."""
-    bonded, cohesive, mode, shear_force, normal_force, multiplier, rest_force, slip = memory
-    known, intact, holding, modes, shear, normal, multipliers, rests, slips = carried
+    bonded, cohesive, mode, shear_force, normal_force, multiplier, rest_force, slip, way = memory
+    known, intact, holding, modes, shear, normal, multipliers, rests, slips, ways = carried
     for c in range(first, last):
         r = row[c]
         known[c] = r >= 0
         if known[c]:
             intact[c], holding[c], modes[c] = bonded[r], cohesive[r], mode[r]
             shear[c], normal[c], multipliers[c] = shear_force[r], normal_force[r], multiplier[r]
-            rests[c], slips[c] = rest_force[r], slip[r]
+            rests[c], slips[c], ways[c] = rest_force[r], slip[r], way[r]
         else:
             intact[c], modes[c] = abs(gap[c]) <= bond_reach, 0
             holding[c] = intact[c]
-            shear[c], normal[c], multipliers[c], rests[c], slips[c] = 0.0, 0.0, 0.0, 0.0, 0.0
+            shear[c], normal[c], multipliers[c], rests[c] = 0.0, 0.0, 0.0, 0.0
+            slips[c], ways[c] = 0.0, 0.0
 
 
 @shared(CONTACTS)

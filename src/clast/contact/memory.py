@@ -10,7 +10,7 @@ import numpy as np
 
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
-from clast.contact.contacts import OPEN, ContactResponse, Contacts
+from clast.contact.contacts import OPEN, SLIDE, ContactResponse, Contacts
 from clast.contact.joints.bonds import torn
 from clast.model.model import Bools, Floats, Ints
 from clast.model.state import ContactMemory
@@ -211,7 +211,8 @@ def renew(
 ) -> ContactMemory:
     """Return the memory after a step; ``gap`` (m,) at its end and ``slip`` (m,) in it, m.
 
-    Slip adds up from the step on in which a contact is made, also while it is open for a while.
+    Slip adds up from the step on in which a contact is made, also while it is open for a while;
+    the length of sliding only while it slides, without what its shear spring will give back.
     A contact that has opened forgets its shear force, and what it bore at the start; one that is
     open further than critdis loses its bond and all cohesion.
     """
@@ -227,14 +228,15 @@ def renew(
         contacts.multiplier,
         contacts.rest_force,
     )
-    made = (contacts.mode != OPEN) | contacts.bonded | (contacts.slip != 0.0)
-    made |= response.mode != OPEN
-    all_slip = np.where(made, contacts.slip + slip, 0.0)
     vertex, block, edge, mode = np.empty((4, count), np.int64)
     new_bonds = np.empty((2, count), np.bool_)
     new_keys = vertex, block, edge, mode, *new_bonds
     new_forces = tuple(np.empty((5, count)))
     _renew(count, order, keys, forces, critdis, new_keys, new_forces)
+    before = contacts.slip, contacts.slide_length, contacts.mode, contacts.bonded
+    step = slip, response.mode, response.shear_force, response.dissipation
+    slips, slides = np.empty((2, count))
+    _add_ways(count, order, before, step, slips, slides)
     return ContactMemory(
         vertex=vertex,
         block=block,
@@ -248,8 +250,25 @@ def renew(
         shear_force=new_forces[2],
         multiplier=new_forces[3],
         rest_force=new_forces[4],
-        slip=all_slip[order],
+        slip=slips,
+        slide_length=slides,
     )
+
+
+@shared(CONTACTS)
+def _add_ways(first, last, order, before, step, slips, slides):
+    """Write slip and length of sliding of rows ``first`` to ``last`` - 1 of the new memory, m."""
+    slip_before, slide_before, mode_before, bonded = before
+    slip, mode, shear, loss = step
+    for row in range(first, last):
+        c = order[row]
+        made = mode[c] != OPEN or mode_before[c] != OPEN or bonded[c] or slip_before[c] != 0.0
+        slips[row] = slip_before[c] + slip[c] if made else 0.0
+        slides[row] = slide_before[c]
+        if mode[c] == SLIDE:
+            # of the slip, what the shear force has worked on
+            force = abs(shear[c])
+            slides[row] += loss[c] / force if force > 0.0 else abs(slip[c])
 
 
 def _order_of(contacts: Contacts) -> Ints:

@@ -56,13 +56,12 @@ from clast.inputs.viscous_boundaries import ViscousBoundary, with_where
 from clast.inputs.water import Water
 from clast.model import checks as model_checks
 from clast.model import ranges
-from clast.model.checks import Outlines
+from clast.model.checks import Mended, Outlines
 from clast.model.factors import NO_FACTOR
 from clast.model.ground_motion import Still, ending_note
 from clast.model.in_situ import InSituStress
-from clast.model.mending import Mended
+from clast.model.joints import WELD_STRENGTH
 from clast.model.model import (
-    WELD_STRENGTH,
     Bools,
     Floats,
     Ints,

@@ -10,7 +10,7 @@ from clast.errors import ModelError, shortened
 from clast.inputs.declaring.choices import Number, within
 from clast.inputs.declaring.faults import Fault, refusal
 from clast.inputs.declaring.table import Positive, Strength, Stresses, Table
-from clast.model import model, ranges
+from clast.model import joints, model, ranges
 from clast.model.stages.strengths import contradiction
 
 
@@ -46,6 +46,10 @@ class Joint(Table):
     """Tension cut-off, Pa; tension beyond it ends it and the cohesion."""
     residual_cohesion: Strength | None = None
     """Cohesion left after slip, Pa; 0: brittle, as mortar; else all of it: ideally plastic."""
+    residual_friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
+    """Friction angle left after sliding, degrees; else friction stays what it was."""
+    slip_weakening: Annotated[Number, Field(ge=0.0), within(ranges.LENGTH)] = 0.0
+    """Way of sliding over which strengths fall from peak to residual, m; 0: at once."""
     restitution: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
     """Share of the closing velocity with which impacts rebound, 0 to 1; else the process' own."""
     normal_stiffness: Annotated[Positive, within(ranges.JOINT_STIFFNESS)] | None = None
@@ -66,9 +70,9 @@ class Joint(Table):
             raise refusal(Fault(place=(found.key,), what=found.what, remedy=found.remedy))
         return self
 
-    def joint(self, name: str) -> model.Joint:
+    def joint(self, name: str) -> joints.Joint:
         """Return what it is in a model."""
-        return model.Joint(name=name, **self.model_dump(exclude=PLACES))
+        return joints.Joint(name=name, **self.model_dump(exclude=PLACES))
 
 
 PLACES = {"between", "between_rocks", "allow_small_friction_angle"}

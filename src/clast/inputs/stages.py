@@ -30,6 +30,8 @@ class StrengthTable(Table):
     """Tension cut-off of bonds that are whole, Pa."""
     residual_cohesion: Strength | None = None
     """Cohesion of bonds that have slipped, Pa."""
+    residual_friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
+    """Friction angle of what has slid, degrees."""
 
     @model_validator(mode="after")
     def _changes_something(self) -> Self:

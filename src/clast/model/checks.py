@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from clast.errors import ModelError, shortened
 from clast.model import overlaps, ranges
 from clast.model.model import Bools, Floats, Ints, StartOverlaps
+from clast.model.repairs import Repair
 
 Geometries = NDArray[Any]
 """Array of shapely geometries."""
@@ -122,6 +123,20 @@ class Outlines:
         """Return the blocks as shapely polygons, shape (n,)."""
         rings = shapely.linearrings(self.vertices, indices=self.owner)
         return np.asarray(shapely.polygons(rings))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mended:
+    """The same blocks with other vertices."""
+
+    outlines: Outlines
+    """The blocks, counter-clockwise."""
+    edge: Ints
+    """Edge as given that the edge from each vertex to the next is, or is part of, shape (nv,)."""
+    repairs: tuple[Repair, ...] = ()
+    """What was done."""
+    moved: float = 0.0
+    """How far a vertex moved at most, m."""
 
 
 def point_text(at: Sequence[float] | Floats) -> str:

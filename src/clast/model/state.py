@@ -62,6 +62,9 @@ class ContactMemory:
     slip: Floats = field(default_factory=_no_floats)
     """Way of the vertex along the edges since the contact was made, m, to the left as seen from
     the block of the edge; it has the same sign seen from the other block, shape (k,)."""
+    slide_length: Floats = field(default_factory=_no_floats)
+    """Length of the way that the contact has slid to and fro, without what its shear spring gives
+    back, m, >= 0, shape (k,)."""
     mode: Ints = field(default_factory=_no_ints)
     """0 open, 1 slide, 2 lock, shape (k,)."""
     bonded: Bools = field(default_factory=_no_bools)

@@ -9,7 +9,8 @@ import numpy as np
 from clast.block.polygon import edges
 from clast.errors import shortened
 from clast.model.ground_motion import IncomingWave, MovingBase, Recorded
-from clast.model.model import WELD_STRENGTH, Floats, Ints, Model
+from clast.model.joints import WELD_STRENGTH
+from clast.model.model import Floats, Ints, Model
 from clast.model.water.water import Water
 from clast.run.slide_warnings import slide_warnings
 

@@ -30,6 +30,7 @@ from clast.verification.problems.friction import (
     ladder,
     plane_of_weakness,
     seams,
+    slip_weakening,
     submerged_block,
     tilt_table,
 )
@@ -117,6 +118,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         incline.PROBLEM,
         friction_lag.PROBLEM,
         decelerating_block.PROBLEM,
+        slip_weakening.PROBLEM,
         seams.PROBLEM,
         direct_shear.PROBLEM,
         plane_of_weakness.PROBLEM,

@@ -6,7 +6,8 @@ A bond has the cohesion c and the tensile strength sigma_t of its joint.
 - Tension beyond sigma_t, or a gap beyond critdis, ends both for good.
 - Slip ends nothing where the joint is ideally plastic: |T| <= N tan(phi) + c L however far it
   slips, as limit equilibrium has it.  A joint with a residual cohesion is brittle: the first slip
-  ends the bond, and leaves that cohesion until the contact opens.
+  ends the bond, and leaves that cohesion until the contact opens; or it goes with the way of
+  sliding (contact/joints/weakening.py), and the bond ends when all of that is gone.
 
 Cohesion belongs to the plane, not to the corner that was there first.  A face that slides on takes
 its bonds along: a contact that comes up where faces lie on each other is bonded as they are.
@@ -22,6 +23,7 @@ import numpy as np
 from clast.block.polygon import SMALL_ANGLE
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.joints.faces import Places
+from clast.contact.joints.weakening import share_lost, slide_lengths, weakened_friction
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory
 
@@ -61,22 +63,30 @@ def without_bonds(contacts: Contacts, response: ContactResponse) -> Contacts:
 
 
 def bonds_of(
-    bonds: Bonds, places: Places, memory: ContactMemory, direction: Floats, model: Model
+    bonds: Bonds,
+    slid: Floats,
+    places: Places,
+    memory: ContactMemory,
+    direction: Floats,
+    model: Model,
 ) -> dict[str, Any]:
     """Return friction, bonds and the strengths that they have left, (m,) each by its name.
 
-    ``bonds`` are those that the contacts at ``places`` have of themselves; ``direction`` (nv, 2)
-    are the unit vectors of edges.
+    ``bonds`` are those that the contacts at ``places`` have of themselves, ``slid`` (m,) is how far
+    they remember to have slid, m; ``direction`` (nv, 2) are the unit vectors of edges.
     """
     table, joint = model.joint_table, places.joint
-    friction, cohesion, tensile_strength = table.strengths
+    _, cohesion, tensile_strength = table.strengths
+    if table.weakens:
+        slid = slide_lengths(slid, bonds.bonded, places, memory, model)
     residual = table.residual_cohesion
     if not table.binds:
         none = np.zeros(len(joint))
         return {
             "bonded": bonds.bonded,
             "cohesive": bonds.cohesive,
-            "friction": friction.take(joint),
+            "slide_length": slid,
+            "friction": weakened_friction(table, places, slid),
             "cohesion": none,
             "residual_cohesion": residual.take(joint),
             "tensile_strength": none,
@@ -87,15 +97,21 @@ def bonds_of(
         if len(new):
             bonds = _taken_along(bonds, new, places, memory, direction, model.block_start)
     bonded, left = bonds.bonded, np.where(np.isnan(residual), cohesion, residual)
+    whole, ended, tension = (one.take(joint) for one in (cohesion, left, tensile_strength))
+    slips = residual.take(joint)
+    gradual = (table.slip_weakening > 0.0).take(joint) & ~np.isnan(slips)
+    if gradual.any():
+        lost = np.where(gradual, share_lost(table, places, slid), 0.0)
+        whole, tension = whole + lost * (ended - whole), (1.0 - lost) * tension
+        slips = np.where(gradual & (lost < 1.0), np.nan, slips)
     return {
         "bonded": bonded,
         "cohesive": bonds.cohesive,
-        "friction": friction.take(joint),
-        "cohesion": np.where(
-            bonded, cohesion.take(joint), np.where(bonds.cohesive, left.take(joint), 0.0)
-        ),
-        "residual_cohesion": residual.take(joint),
-        "tensile_strength": np.where(bonded, tensile_strength.take(joint), 0.0),
+        "slide_length": slid,
+        "friction": weakened_friction(table, places, slid),
+        "cohesion": np.where(bonded, whole, np.where(bonds.cohesive, ended, 0.0)),
+        "residual_cohesion": slips,
+        "tensile_strength": np.where(bonded, tension, 0.0),
     }
 
 

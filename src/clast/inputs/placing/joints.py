@@ -10,7 +10,8 @@ from clast.errors import ModelError
 from clast.inputs.declaring.values import number_of
 from clast.inputs.materials import Joint
 from clast.inputs.placing.blocks import Names
-from clast.model.model import Ints, JointTable
+from clast.model.joints import JointTable
+from clast.model.model import Ints
 
 
 def joint_table(

@@ -13,7 +13,8 @@ from clast.errors import ModelError, shortened
 from clast.inputs.water import SHARE, Water
 from clast.model.checks import Outlines, point_text
 from clast.model.factors import Factor
-from clast.model.model import Floats, Ints, JointTable
+from clast.model.joints import JointTable
+from clast.model.model import Floats, Ints
 from clast.model.names import check_text
 from clast.model.water.drainage import distances, lowering, parts_between
 from clast.model.water.faces import Edges, Facing, edges_of, facing_edges, outer_parts

@@ -10,7 +10,13 @@ EQUILIBRIUM, TIME = "equilibrium", "time"
 """What a stage may last until."""
 BREAK, HOLD = "break", "hold"
 """What the bonds of joints do in a stage."""
-STRENGTHS = ("friction_angle", "cohesion", "tensile_strength", "residual_cohesion")
+STRENGTHS = (
+    "friction_angle",
+    "cohesion",
+    "tensile_strength",
+    "residual_cohesion",
+    "residual_friction_angle",
+)
 """Numbers of a joint that a stage may change."""
 
 

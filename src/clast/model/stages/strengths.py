@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from clast.model.model import Joint, JointTable, Model
+from clast.model.joints import Joint, JointTable
+from clast.model.model import Model
 
 HELD = 1e9
 """Strength of bonds that nothing breaks, in units of what it is."""
@@ -34,20 +35,38 @@ def contradiction(joint: Any, *, is_small_meant: bool) -> Contradiction | None:
 
     ``is_small_meant`` says that a friction angle of less than SMALL_ANGLE is one in degrees.
     """
-    angle = joint.friction_angle
-    if 0.0 < angle < SMALL_ANGLE and not is_small_meant:
-        return Contradiction(
-            key="friction_angle",
-            what=f"{angle:g} looks like radians, but friction angles are in degrees",
-            remedy=f"write {math.degrees(angle):.6g}, or 0 for no friction; if {angle:g} degrees "
-            "is meant, add allow_small_friction_angle = true to the joint",
-        )
-    if joint.residual_cohesion is not None and joint.residual_cohesion > joint.cohesion:
+    for key in ("friction_angle", "residual_friction_angle"):
+        angle = getattr(joint, key)
+        if angle is not None and 0.0 < angle < SMALL_ANGLE and not is_small_meant:
+            return Contradiction(
+                key=key,
+                what=f"{angle:g} looks like radians, but friction angles are in degrees",
+                remedy=f"write {math.degrees(angle):.6g}, or 0 for no friction; if {angle:g} "
+                "degrees is meant, add allow_small_friction_angle = true to the joint",
+            )
+    return _of_residual(joint)
+
+
+def _of_residual(joint: Any) -> Contradiction | None:
+    """Return what is wrong with residual strengths: above the peak, or not there to fall to."""
+    cohesion, angle = joint.residual_cohesion, joint.residual_friction_angle
+    if cohesion is not None and cohesion > joint.cohesion:
         return Contradiction(
             key="residual_cohesion",
-            what=f"{joint.residual_cohesion:g} Pa are more than the cohesion, "
-            f"{joint.cohesion:g} Pa",
+            what=f"{cohesion:g} Pa are more than the cohesion, {joint.cohesion:g} Pa",
             remedy="give what slip leaves of the cohesion, or leave it out: then all of it stays",
+        )
+    if angle is not None and angle > joint.friction_angle:
+        return Contradiction(
+            key="residual_friction_angle",
+            what=f"{angle:g} degrees are more than the friction angle, {joint.friction_angle:g}",
+            remedy="give what sliding leaves of it, or leave it out: then all of it stays",
+        )
+    if joint.slip_weakening > 0.0 and cohesion is None and angle is None:
+        return Contradiction(
+            key="slip_weakening",
+            what="there is no residual strength for the peak strength to fall to",
+            remedy="give residual_friction_angle or residual_cohesion, or leave this out",
         )
     return None
 

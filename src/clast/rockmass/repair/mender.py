@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.model.checks import Outlines
-from clast.model.mending import Mended
+from clast.model.checks import Mended, Outlines
 from clast.model.repairs import Repair
 from clast.rockmass.repair.repairing import RepairReport, repaired
 

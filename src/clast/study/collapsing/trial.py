@@ -34,7 +34,7 @@ from clast.study.cases import Content, changed, content_of
 from clast.study.collapsing.reduction import Reduction, staged
 
 if TYPE_CHECKING:
-    from clast.run.simulate import RunState
+    from clast.run.run_state import RunState
 
 STANDS, FAILED, UNDECIDED = "stands", "fails", "undecided"
 """Verdicts."""

@@ -20,7 +20,7 @@ from clast.model.model import Floats, Model
 from clast.model.stages.records import FAILS
 from clast.model.state import LEDGER_ENTRIES
 from clast.results import Run
-from clast.results.layout import BOLT_STATES
+from clast.results.schema import BOLT_STATES
 from clast.study.collapsing.trial import TOGETHER, moved
 from clast.study.judging.expressions import Expression
 
