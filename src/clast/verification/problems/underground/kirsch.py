@@ -43,6 +43,9 @@ ANGLES = (0.0, 45.0, 90.0)
 """Where wall and rock are looked at, degrees."""
 AT = 1.5 * RADIUS
 """In which ring stresses are compared, m."""
+HELD = 1e-6
+"""Springs of the outline, in units of those of fixed points: they bear 2e-4 of the stress, and keep
+the rock from turning, which pressure that keeps its direction would make it do."""
 MESH = "triangles of one stress each; the rock ends at 14 radii"
 
 
@@ -108,7 +111,7 @@ def tunnel(rings: Rings = FINE, ratio: float = 0.5) -> Model:
         normal_stiffness=stiffness,
         shear_stiffness=stiffness,
     )
-    builder.in_situ = InSituStress(stress=(-ratio * PRESSURE, -PRESSURE, 0.0), held=(0.0, 0.0))
+    builder.in_situ = InSituStress(stress=(-ratio * PRESSURE, -PRESSURE, 0.0), held=(HELD, HELD))
     # the first step is part of the equilibrium that the run begins with
     instants = (0.0, STEP, STEP * (1 + FADING))
     fades = builder.add_table("fades", instants, (1.0, 1.0, 0.0))
