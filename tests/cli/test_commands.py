@@ -83,7 +83,7 @@ def test_an_interrupted_run_keeps_its_results(incline, monkeypatch):
 
         yield watch
 
-    monkeypatch.setattr("clast.run.progress.shown", impatient)
+    monkeypatch.setattr("clast.run.launch.shown", impatient)
     result = clast_command("run", incline, *SHORT)
     assert result.exit_code == 130
     assert "interrupted" in result.stderr
@@ -99,7 +99,7 @@ def test_the_interrupt_key_while_a_kernel_is_loaded(incline, monkeypatch, cause,
         raise SystemError("returned a result with an exception set") from cause
         yield
 
-    monkeypatch.setattr("clast.run.progress.shown", loading)
+    monkeypatch.setattr("clast.run.launch.shown", loading)
     result = clast_command("run", incline, *SHORT)
     assert ("interrupted" in result.stderr) == said
     assert (result.exit_code == 130) == said

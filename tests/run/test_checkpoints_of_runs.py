@@ -118,7 +118,7 @@ def test_signals_to_the_command_line(case: clast.Case, whole: Path, tmp_path: Pa
     (tmp_path / "a.toml").write_text(case.to_toml(), "utf-8")
     text = f"""
 import os, sys
-import clast.run.progress
+import clast.run.launch
 from clast.cli.commands import main
 from contextlib import contextmanager
 
@@ -130,7 +130,7 @@ def watch(at):
 def shown(progress):
     yield watch
 
-clast.run.progress.shown = shown
+clast.run.launch.shown = shown
 sys.argv = ["clast", "run", "a.toml", "-o", "a.vtkhdf"]
 main()
 """

@@ -210,7 +210,7 @@ def test_a_record_in_other_units_than_its_scale(heading, scale, unit, tmp_path):
 def test_a_run_gives_its_warnings_before_its_first_step(tmp_path, monkeypatch):
     case = tmp_path / "case.toml"
     case.write_text(INCLINE, encoding="utf-8")
-    monkeypatch.setattr(import_module("clast.run.simulate"), "simulate", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr(import_module("clast.run.launch"), "simulate", lambda *_, **__: 1 / 0)
     options = ["--set", "gravity=[0,9.8]", "-o", str(tmp_path / "out.vtkhdf")]
     result = CliRunner().invoke(app, ["run", str(case), *options])
     assert isinstance(result.exception, ZeroDivisionError)
