@@ -17,7 +17,7 @@ from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.model.model import Floats, Ints, Model
 from clast.model.stages.reference import Reference
-from clast.model.state import LEDGER_ENTRIES, ContactMemory, State
+from clast.model.state import LEDGER_ENTRIES, ContactMemory, State, contact_keys
 from clast.results.frames import VERTICES
 from clast.results.schema import BLOCK_FIELDS, CONTACTS, KIND_FIELDS, PLANE_VECTORS
 from clast.step.method import StepResult
@@ -72,7 +72,23 @@ class FrameFields:
         rows["edge"] = contacts.edge[loaded]
         rows["mode"] = response.mode[loaded]
         rows["joint"] = contacts.joint[loaded]
+        rows["opening"], rows["slip"] = self._ways(state, contacts, loaded)
         return rows
+
+    def _ways(self, state: State, contacts: Contacts, rows: Ints) -> tuple[Floats, Floats]:
+        """Return gap and slip of some contacts at the end of the step, m, (k,) each.
+
+        The memory has them; contacts that it does not know have those of the start of the step.
+        """
+        memory, count = state.memory, len(self._model.vertices)
+        own = contacts.vertex[rows], contacts.edge[rows], contacts.point[rows]
+        key, known = contact_keys(*own, count), memory.keys(count)
+        at = np.minimum(np.searchsorted(known, key), max(0, len(known) - 1))
+        found = known[at] == key if len(known) else np.zeros(len(key), np.bool_)
+        ways = []
+        for kept, begun in ((memory.gap, contacts.gap), (memory.slip, contacts.slip)):
+            ways.append(np.where(found, kept[at] if len(known) else 0.0, begun[rows]))
+        return ways[0], ways[1]
 
     def _places(self, state: State, contacts: Contacts, rows: Ints) -> Floats:
         """Return where the points P of some contacts are, m, (k, 2)."""

@@ -46,6 +46,7 @@ VTKHDF_VERSION = (2, 2)
 """The first version that blesses groups of one's own beside /VTKHDF."""
 POLYGON = 7
 """VTK's number for a polygonal cell."""
+SLIP = "opening and slip of contacts"
 CHUNK_ROWS = 512
 """Rows that small things share a chunk of the file with."""
 PLANE, TENSOR = ("x", "y"), ("xx", "yy", "xy")
@@ -223,11 +224,7 @@ HISTORY = TableSchema(
     columns=(
         Column(name="displacement", parts=PLANE, unit="m", meaning="since the start, or a reset"),
         Column(name="velocity", parts=PLANE, unit="m/s", meaning="velocity"),
-        Column(
-            name="rotation",
-            unit="rad",
-            meaning="of its block since then, counter-clockwise",
-        ),
+        Column(name="rotation", unit="rad", meaning="of its block since then, counter-clockwise"),
     ),
 )
 BOLT_STATES = ("not installed", "intact", "yielded", "broken", "lost")
@@ -259,10 +256,7 @@ CONTACTS = TableSchema(
             name="position", parts=PLANE, unit="m", meaning="invading vertex", checked="contacts"
         ),
         Column(
-            name="normal",
-            parts=PLANE,
-            meaning="outward unit normal of the edge",
-            checked="normals",
+            name="normal", parts=PLANE, meaning="outward unit normal of the edge", checked="normals"
         ),
         Column(
             name="normal_force",
@@ -284,6 +278,10 @@ CONTACTS = TableSchema(
             kind="i8",
             meaning="joint that it lies along: index into joint_name",
             since="the joints of edges and contacts",
+        ),
+        Column(name="opening", unit="m", meaning="gap, negative where pressed", since=SLIP),
+        Column(
+            name="slip", unit="m", meaning="along the edge since the contact was made", since=SLIP
         ),
     ),
 )

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model.model import Floats, Ints
-from clast.results.schema import BOLT_STATES, BOLT_TABLE, CONTACTS, PLANE, TENSOR
+from clast.results.schema import BOLT_STATES, BOLT_TABLE, CONTACTS, PLANE, SLIP, TENSOR
 
 PARTS = {len(parts): parts for parts in (PLANE, TENSOR)}
 """What the columns of vectors and of stresses are called, by their number."""
@@ -258,7 +258,7 @@ class FrameContacts(Columns):
     """The contacts of one frame that carry a force, a row each; m rows.
 
     Columns: position_x, position_y, normal_x, normal_y, normal_force, shear_force, vertex, edge,
-    mode, joint, vertex_block, edge_block.
+    mode, joint, opening, slip, vertex_block, edge_block.
     """
 
     def __init__(self, rows: NDArray[Any], block_start: Ints) -> None:
@@ -310,6 +310,30 @@ class FrameContacts(Columns):
         if "joint" not in self:
             raise no_joints()
         return self.rows["joint"]
+
+    @property
+    def opening(self) -> Floats:
+        """Gap, m, negative where the contact is pressed, shape (m,).
+
+        Raises CaseError where an earlier clast recorded the contacts, which did not keep it.
+        """
+        return self._way("opening")
+
+    @property
+    def slip(self) -> Floats:
+        """Slip since the contact was made, m, shape (m,).
+
+        Positive where the vertex's block has moved to the left as seen from the block of the edge;
+        it has the same sign seen from the other block.  Raises CaseError as ``opening`` does.
+        """
+        return self._way("slip")
+
+    def _way(self, name: str) -> Floats:
+        if name not in self:
+            raise CaseError(
+                f"an earlier clast wrote these results, without {SLIP}", remedy="run the case again"
+            )
+        return self.rows[name]
 
     @property
     def vertex_block(self) -> Ints:

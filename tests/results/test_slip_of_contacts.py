@@ -1,0 +1,59 @@
+"""Opening and slip of contacts in frames: as the blocks have moved, in memory and in files."""
+
+import numpy as np
+import pytest
+from numpy.lib.recfunctions import drop_fields
+
+import clast
+from clast.errors import CaseError
+from clast.results import read_results
+from clast.results.tables import FrameContacts
+
+
+def pushed(tmp_path, name="a.vtkhdf", **keys):
+    """Return the run of a brick that slides to the left on a table, recorded in a file."""
+    builder = clast.ModelBuilder(gravity=(0.0, -9.8))
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.add_joint("default", friction_angle=20.0)
+    builder.block(name="table", vertices=[(-4, -1), (4, -1), (4, 0), (-4, 0)], fixed=True)
+    builder.block(
+        name="brick", vertices=[(0, 0), (1, 0), (1, 0.5), (0, 0.5)], velocity=(-2.0, 0.0, 0.0)
+    )
+    builder.measured_point("foot", (0.0, 0.0), block="brick")
+    model = builder.build()
+    schedule = {"step": 2e-3, "end": 0.04, "every": 0.01, "output": tmp_path / name, **keys}
+    return clast.simulate(model, **schedule)
+
+
+def test_slip_is_that_of_the_blocks(tmp_path):
+    run = pushed(tmp_path)
+    file = read_results(tmp_path / "a.vtkhdf")
+    history = run.history("foot")
+    for frame, time in enumerate(run.times):
+        moved = history.displacement[np.abs(history.time - time).argmin(), 0]
+        for results in (run, file):
+            contacts = results.contacts(frame)
+            # to the left as seen from the table; the other corner strains away from this one
+            assert contacts.slip[contacts.vertex == 4] == pytest.approx(-moved, abs=1e-9)
+            assert contacts.slip == pytest.approx(-moved, abs=1e-6)
+    assert -moved > 0.05
+    depth = run.contacts(-1).opening
+    assert (depth < 0.0).all()
+    assert depth.sum() == pytest.approx(-run.contacts(-1).normal_force.sum() / 5e9, rel=1e-6)
+    assert np.array_equal(run.contacts(-1).slip, file.contacts(-1).slip)
+
+
+def test_slip_does_not_depend_on_steps_that_are_cut(tmp_path):
+    whole = pushed(tmp_path)
+    cut = pushed(tmp_path, "b.vtkhdf", max_displacement=1.5e-3)
+    assert cut.report.steps > 1.5 * whole.report.steps
+    assert cut.contacts(-1).slip == pytest.approx(whole.contacts(-1).slip, rel=2e-3)
+
+
+def test_older_results_do_not_have_it(tmp_path):
+    contacts = pushed(tmp_path).contacts(-1)
+    older = FrameContacts(drop_fields(contacts.rows, ["opening", "slip"]), np.array([0, 4, 8]))
+    for name in ("opening", "slip"):
+        with pytest.raises(CaseError, match="without opening and slip of contacts"):
+            getattr(older, name)
+    assert len(older.normal_force)
