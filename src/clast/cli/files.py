@@ -72,7 +72,10 @@ def plot(
     time: FrameTime = None,
     stage: StageName = None,
     field: Annotated[
-        str, typer.Option(help="What colours the blocks; joint: their edges.")
+        str,
+        typer.Option(
+            help="What colours the blocks; joint: their edges; slip, opening: what joints did."
+        ),
     ] = "displacement",
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
     limits: Annotated[

@@ -16,7 +16,7 @@ from clast.results.frames import gone_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.collections import PolyCollection
+    from matplotlib.collections import Collection, PolyCollection
     from matplotlib.figure import Figure
 
 MOST_NAMES = 40
@@ -181,12 +181,12 @@ def paint(blocks: PolyCollection, values: Floats, scale: Scale, quantity: Pictur
 
 
 def draw_colour_bar(
-    figure: Figure, sheet: Sheet, blocks: PolyCollection, label: str, extend: str
+    figure: Figure, sheet: Sheet, coloured: Collection, label: str, extend: str
 ) -> None:
-    """Explain the colours of blocks on a sheet; ``extend`` as matplotlib has it."""
+    """Explain on a sheet how blocks or lines are coloured; ``extend`` as matplotlib has it."""
     place = figure.add_axes(sheet.share(sheet.bar))
     bar = figure.colorbar(
-        blocks,
+        coloured,
         cax=place,
         orientation="vertical" if sheet.upright else "horizontal",
         extend=extend,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -66,9 +66,9 @@ KINDS = {
 """Fields that tell kinds apart."""
 
 
-def check_field(name: str) -> None:
-    """Raise CaseError for a field that no picture knows."""
-    known = (*SCALARS, *KINDS)
+def check_field(name: str, more: Iterable[str] = ()) -> None:
+    """Raise CaseError for a field that no picture knows; ``more`` are those of joints."""
+    known = (*SCALARS, *KINDS, *more)
     if name not in known:
         raise CaseError(
             f"there is no field '{name}'", remedy=spelling.advice(name, known, kind="field")

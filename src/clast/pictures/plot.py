@@ -16,9 +16,10 @@ from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.fields import KINDS, SCALARS, check_field
 from clast.pictures.forces import HEAD, arrows_of, draw_arrows
 from clast.pictures.history import plot_bolt_history, plot_history
-from clast.pictures.joints import edges_by_joint
+from clast.pictures.joints.edges import edges_by_joint
+from clast.pictures.joints.values import JOINT_FIELDS, Faces, draw_faces, scale_of_faces
 from clast.pictures.look import NO_WISHES, Look
-from clast.pictures.strokes import Edges, draw_edges, handles_of
+from clast.pictures.strokes import GROUND, Edges, draw_edges, handles_of
 from clast.pictures.water import (
     draw_water,
     handles_of_water,
@@ -31,6 +32,7 @@ from clast.results.frames import gone_in_frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["Look", "plot_bolt_history", "plot_history", "plot_results"]
 
@@ -57,17 +59,18 @@ def plot_results(
 
     ``results`` are a run, or what a result file holds: ``clast.plot_results(run, "run.png")``.
     The start is outlined behind; ``contacts`` draws the contact forces as arrows, on both blocks
-    of each contact, the largest in each place where they are many.  Water is drawn with its level
+    of each contact, the largest in each place where they are many.  "slip" and "opening" colour
+    the joints between blocks.  Water is drawn with its level
     and its pressures: outside faces, and across joints.  ``look`` has limits of the
     colours, size, resolution and the part that is shown.  The format follows from the ending of
     ``path``.  Raises CaseError for what is not there or cannot be drawn or written.
     """
-    check_field(field)
+    check_field(field, JOINT_FIELDS)
     number = results.frame(frame).number
     here, start = results.vertices(number), results.vertices(0)
     waters = waters_of(results, number)
     part = _part(results, here, start, look, waters)
-    bars = int(field in SCALARS)
+    bars = int(field in SCALARS or field in JOINT_FIELDS)
     title = results.title or results.name
     gone = gone_in_frame(results, number)
     edges = _edges(results, field, here, start, part, gone)
@@ -97,7 +100,12 @@ def plot_results(
     blocks.draw_start(axes, results, start, gone)
     free = blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0, gone)
     shown = blocks.within(results, here, *whole)
-    blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
+    if field in JOINT_FIELDS:
+        free.set_facecolor(GROUND)
+        faces = JOINT_FIELDS[field].faces(results, number)
+        _draw_joints(figure, sheet, axes, faces, field, whole, look)
+    else:
+        blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
     draw_water(axes, results, waters, water, whole)
     draw_edges(axes, edges, whole, size[0], int(shown.sum()))
     bolts.draw_bolts(axes, bolted)
@@ -122,6 +130,22 @@ def _part(
     if not blocks.within(results, here, *part).any():
         raise canvas.empty_part(low, high)
     return part
+
+
+def _draw_joints(
+    figure: Figure,
+    sheet: canvas.Sheet,
+    axes: Axes,
+    faces: Faces,
+    field: str,
+    whole: canvas.Part,
+    look: Look,
+) -> None:
+    """Draw the joints with slip or opening, and explain their colours."""
+    scale = scale_of_faces(faces, faces.within(*whole), look.limits)
+    lines, unit = draw_faces(axes, faces, scale, field)
+    label = f"{JOINT_FIELDS[field].label} ({unit})"
+    blocks.draw_colour_bar(figure, sheet, lines, label, scale.extend)
 
 
 def _edges(
@@ -161,6 +185,8 @@ def _below(results: Recording, number: int, field: str, sheet: canvas.Sheet) -> 
 
 
 def _label(field: str) -> str:
+    if field in JOINT_FIELDS:
+        return JOINT_FIELDS[field].label
     return SCALARS[field].label if field in SCALARS else KINDS[field]
 
 

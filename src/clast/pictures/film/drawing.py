@@ -15,7 +15,7 @@ from clast.errors import CaseError
 from clast.model.model import Bools, Floats
 from clast.pictures import blocks, bolts, canvas
 from clast.pictures.fields import SCALARS, check_field, prefixed, round_below
-from clast.pictures.joints import edges_by_joint
+from clast.pictures.joints.edges import edges_by_joint
 from clast.pictures.look import CM, Look
 from clast.pictures.plot import TOGETHER, draw_points, legend_handles, places_of_points
 from clast.pictures.scale import Scale, scale_of

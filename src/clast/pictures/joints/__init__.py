@@ -1,0 +1,1 @@
+"""Joints on pictures: edges by joint, slip and opening."""

@@ -1,0 +1,75 @@
+"""Slip and opening of joints on pictures: which lines, with which numbers."""
+
+import numpy as np
+import pytest
+
+import clast
+from clast.errors import CaseError
+from clast.pictures.film.drawing import FilmLook
+from clast.pictures.joints.values import faces_opened, faces_slipped
+from clast.pictures.plot import plot_results
+
+
+@pytest.fixture(scope="module")
+def parted():
+    """Return the run of two bricks on a table: one stands, the other slides away from it."""
+    builder = clast.ModelBuilder(title="Parted", gravity=(0.0, -9.8))
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.add_joint("default", friction_angle=20.0)
+    table = [(-4, -1), (4, -1), (4, 0), (2, 0), (1, 0), (0, 0), (-4, 0)]
+    builder.block(name="table", vertices=table, fixed=True)
+    builder.block(name="still", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
+    builder.block(name="moved", vertices=[(1, 0), (2, 0), (2, 1), (1, 1)], velocity=(1.0, 0.0, 0.0))
+    builder.measured_point("A", (1.0, 0.0), block="moved")
+    return clast.simulate(builder.build(), step=2e-3, end=0.04, every=0.02)
+
+
+def test_opening_is_how_far_edges_are_apart(parted):
+    moved = parted.history("A").displacement[-1, 0]
+    faces = faces_opened(parted, -1)
+    assert moved > 0.02
+    # between the bricks upright; between bricks and table closed
+    upright = np.abs(np.diff(faces.ends[:, :, 0], axis=1)).ravel() < 0.01
+    assert upright.sum() == 1
+    assert faces.value[upright] == pytest.approx(moved, rel=1e-2)
+    assert faces.value[~upright] == pytest.approx(0.0, abs=1e-5)
+    middle = faces.ends[upright].mean(axis=(0, 1))
+    assert middle == pytest.approx([1.0 + 0.5 * moved, 0.5], abs=1e-3)
+
+
+def test_nothing_is_open_at_the_start(parted):
+    assert faces_opened(parted, 0).value == pytest.approx(0.0, abs=1e-12)
+
+
+def test_slip_is_drawn_along_the_faces(parted):
+    moved = parted.history("A").displacement[-1, 0]
+    faces = faces_slipped(parted, -1)
+    assert len(faces.value) == 2
+    still, slid = np.argsort(np.abs(faces.value))
+    # to the right as seen from the table
+    assert faces.value[slid] == pytest.approx(-moved, rel=1e-4)
+    assert abs(faces.value[still]) < 1e-4
+    assert faces.length[slid] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_neighbours_that_are_far_from_each_other_are_no_joint_any_more():
+    builder = clast.ModelBuilder(gravity=(0.0, 0.0))
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.block(vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
+    builder.block(vertices=[(1, 0), (2, 0), (2, 1), (1, 1)], velocity=(10.0, 0.0, 0.0))
+    run = clast.simulate(builder.build(), step=1e-3, end=0.1, every=0.02)
+    assert [len(faces_opened(run, frame).value) for frame in (0, 2, -1)] == [1, 1, 0]
+
+
+@pytest.mark.parametrize("field", ["slip", "opening"])
+@pytest.mark.parametrize("ending", ["png", "svg"])
+def test_joints_are_plotted(parted, tmp_path, field, ending):
+    path = plot_results(parted, tmp_path / f"joints.{ending}", field=field, contacts=False)
+    assert path.stat().st_size > 5000
+    if ending == "svg":
+        assert f"{field.capitalize()} of joints" in path.read_text("utf-8")
+
+
+def test_a_film_says_that_it_does_not_know_them():
+    with pytest.raises(CaseError, match="no field 'slip'"):
+        FilmLook(field="slip")
