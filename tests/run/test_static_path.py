@@ -110,7 +110,7 @@ def test_bonds_that_break_are_counted_and_may_be_held():
 
 
 def test_a_slope_settles_in_few_steps_and_passes():
-    """2,000 blocks: once 113 passes and 8 steps, four of them there and back between two lengths."""
+    """2,000 blocks; it once took 8 steps, four of them there and back between two lengths."""
     model = SCENES["slope"].build(2000)
     method = replace(method_for(model, Settings()), dynamic_ratio=0.0)
     schedule = Schedule(step=1e-3, end=1.0, every=1.0, stages=(Stage(name="settle"),))
