@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from clast.block.polygon import SMALL_ANGLE
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.joints.faces import Places
+from clast.contact.joints.flush import flush_edges
 from clast.contact.joints.weakening import share_lost, slide_lengths, weakened_friction
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory
@@ -78,7 +78,7 @@ def bonds_of(
     table, joint = model.joint_table, places.joint
     _, cohesion, tensile_strength = table.strengths
     if table.weakens:
-        slid = slide_lengths(slid, bonds.bonded, places, memory, model)
+        slid = slide_lengths(slid, bonds.bonded, places, memory, direction, model)
     residual = table.residual_cohesion
     if not table.binds:
         none = np.zeros(len(joint))
@@ -127,11 +127,9 @@ def _taken_along(
 
     A face has those of the contacts that it lay on another face with.
     """
-    before = np.arange(-1, len(direction) - 1)
-    before[block_start[:-1]] = block_start[1:] - 1
-    along = _flush_edges(memory.vertex, memory.edge, before, direction)
+    along = flush_edges(memory.vertex, memory.edge, direction, block_start)
     vertex, edge = places.vertex[new], places.edge[new]
-    mine = _flush_edges(vertex, edge, before, direction)
+    mine = flush_edges(vertex, edge, direction, block_start)
     result = []
     for kept, had in ((bonds.bonded, memory.bonded), (bonds.cohesive, memory.cohesive)):
         # of every edge, and of -1, which is none
@@ -145,18 +143,3 @@ def _taken_along(
         kept[new] |= found[0] | found[1]
         result.append(kept)
     return Bonds(*result)
-
-
-def _flush_edges(vertex: Ints, edge: Ints, before: Ints, direction: Floats) -> tuple[Ints, Ints]:
-    """Return which of its two edges each vertex (k,) has along an edge (k,), else -1, (k,) each.
-
-    Along it means within 3 degrees, the blocks on either side; ``before`` (nv,) is the vertex
-    before each.
-    """
-    found = []
-    for own in (before[vertex], vertex):
-        one, other = direction[own], direction[edge]
-        sine = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
-        opposite = np.einsum("kx,kx->k", one, other) < 0.0
-        found.append(np.where((np.abs(sine) <= SMALL_ANGLE) & opposite, own, -1))
-    return found[0], found[1]

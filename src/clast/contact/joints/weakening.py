@@ -6,9 +6,10 @@ and likewise cohesion, from all of it to the residual one, and tensile strength,
 ``slid`` is how far a contact has slid, to and fro, by the start of the step: within a step
 strengths are constant, so that the equations of a step stay those of Coulomb's law.
 
-Contacts that are closed at the start of the run have their peak strength.  One that comes up
-between two blocks that touch already has slid as far as these have; between blocks that meet anew
-there is the residual strength: their faces have never fitted each other.
+Contacts that are closed at the start of the run have their peak strength.  How far they have slid
+belongs to their faces, as bonds do (contact/joints/bonds.py): a contact that comes up where a face
+slides on, to the next piece of its plane as well, has slid as far as the face has.  Where neither
+face has borne there is the residual strength: they have never fitted each other.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from __future__ import annotations
 import numpy as np
 
 from clast.contact.joints.faces import Places
+from clast.contact.joints.flush import flush_edges
 from clast.model.joints import JointTable
-from clast.model.model import Bools, Floats, Ints, Model
+from clast.model.model import Bools, Floats, Model
 from clast.model.state import ContactMemory
 
 LEAST = 1e-12
@@ -25,33 +27,35 @@ LEAST = 1e-12
 
 
 def slide_lengths(
-    carried: Floats, bonded: Bools, places: Places, memory: ContactMemory, model: Model
+    carried: Floats,
+    bonded: Bools,
+    places: Places,
+    memory: ContactMemory,
+    direction: Floats,
+    model: Model,
 ) -> Floats:
     """Return how far contacts have slid, m, (m,), given what they remember of themselves.
 
-    ``carried`` (m,) is 0 and ``bonded`` (m,) False for contacts that come up after the start.
+    ``carried`` (m,) is 0 and ``bonded`` (m,) False for contacts that come up after the start;
+    ``direction`` (nv, 2) are the unit vectors of edges.
     """
-    table = model.joint_table
     new = np.flatnonzero((places.row < 0) & ~bonded)
     if not len(new):
         return carried
-    count, before = model.block_count, model.vertex_block.take(memory.vertex)
-    known = _pair(before, memory.block, count)
-    pairs, of_pair = np.unique(known, return_inverse=True)
-    longest = np.zeros(len(pairs) + 1)
-    np.maximum.at(longest, of_pair, memory.slide_length)
-    wanted = _pair(places.vertex_block[new], places.edge_block[new], count)
-    at = np.minimum(np.searchsorted(pairs, wanted), max(0, len(pairs) - 1))
-    found = pairs[at] == wanted if len(pairs) else np.zeros(len(new), np.bool_)
-    worn = np.maximum(table.slip_weakening, LEAST).take(places.joint[new])
+    # of every edge, and of -1, which is none; negative where nothing is known of it
+    way = np.full(len(direction) + 1, -1.0)
+    for own in flush_edges(memory.vertex, memory.edge, direction, model.block_start):
+        flush = own >= 0
+        np.maximum.at(way, own[flush], memory.slide_length[flush])
+        np.maximum.at(way, memory.edge[flush], memory.slide_length[flush])
+    vertex, edge = places.vertex[new], places.edge[new]
+    known = np.full(len(new), -1.0)
+    for own in flush_edges(vertex, edge, direction, model.block_start):
+        known = np.maximum(known, np.where(own >= 0, np.maximum(way[own], way[edge]), -1.0))
+    worn = np.maximum(model.joint_table.slip_weakening, LEAST).take(places.joint[new])
     slid = carried.copy()
-    slid[new] = np.where(found, longest[at], worn)
+    slid[new] = np.where(known >= 0.0, known, worn)
     return slid
-
-
-def _pair(one: Ints, other: Ints, count: int) -> Ints:
-    """Return a number for each pair of blocks (k,), whichever comes first."""
-    return np.minimum(one, other) * count + np.maximum(one, other)
 
 
 def weakened_friction(table: JointTable, places: Places, slid: Floats) -> Floats:

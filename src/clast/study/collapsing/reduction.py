@@ -18,7 +18,9 @@ from clast.study.cases import Content
 SETTLE, TRIAL = "settle", "trial"
 """Stages that a study adds to those of a case."""
 STRENGTHS = ("cohesion", "tensile_strength", "residual_cohesion")
-"""Strengths of a joint beside its friction angle."""
+"""Strengths of a joint beside its friction angles."""
+ANGLES = ("friction_angle", "residual_friction_angle")
+"""Friction angles of a joint, whose tangents are divided."""
 LOADS = {"point_load": "force", "line_load": "traction", "pressure": "value"}
 """Tables of loads, and the keys of their values."""
 STATIC_STEPS = 300
@@ -80,7 +82,7 @@ class Strengths:
 
     def _last(self, content: Content) -> dict[str, dict[str, float]]:
         """Return the strengths of the joints that are meant after the stages of the case."""
-        keys = ("friction_angle", *STRENGTHS)
+        keys = (*ANGLES, *STRENGTHS)
         found: dict[str, dict[str, float]] = {}
         for name, table in content.get("joint", {}).items():
             if self._is_meant(name):
@@ -280,9 +282,10 @@ def _free(name: str, taken: set[Any]) -> str:
 def divided(table: Mapping[str, float], factor: float) -> dict[str, float]:
     """Return the strengths of a joint divided by a factor."""
     found = {key: table[key] / factor for key in STRENGTHS if key in table}
-    if "friction_angle" in table:
-        angle = math.radians(table["friction_angle"])
-        found["friction_angle"] = math.degrees(math.atan(math.tan(angle) / factor))
+    for key in ANGLES:
+        if key in table:
+            tangent = math.tan(math.radians(table[key]))
+            found[key] = math.degrees(math.atan(tangent / factor))
     return found
 
 
