@@ -13,8 +13,10 @@ from clast.cli.options import (
     AsJson,
     FrameNumber,
     FrameTime,
+    Limits,
     ResultFile,
     StageName,
+    Zoom,
     frame_asked,
     numbers,
 )
@@ -78,11 +80,8 @@ def plot(
         ),
     ] = "displacement",
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
-    limits: Annotated[
-        str,
-        typer.Option(metavar="LOW,HIGH", help="Ends of the colours, in m, m/s, degrees or Pa."),
-    ] = "",
-    zoom: Annotated[str, typer.Option(metavar="X0,Y0,X1,Y1", help="Draw this part alone, m.")] = "",
+    limits: Limits = "",
+    zoom: Zoom = "",
     size: Annotated[
         str, typer.Option(metavar="W[,H]", help="Width and height of the picture, cm.")
     ] = "",

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from clast.cli.options import ResultFile, numbers
+from clast.cli.options import Limits, ResultFile, Zoom, numbers
 from clast.cli.terminal import counting, tell
 
 
@@ -32,11 +32,8 @@ def film(
             "absent every frame is one picture.",
         ),
     ] = None,
-    limits: Annotated[
-        str,
-        typer.Option(metavar="LOW,HIGH", help="Ends of the colours, in m, m/s, degrees or Pa."),
-    ] = "",
-    zoom: Annotated[str, typer.Option(metavar="X0,Y0,X1,Y1", help="Show this part alone, m.")] = "",
+    limits: Limits = "",
+    zoom: Zoom = "",
     size: Annotated[
         str, typer.Option(metavar="W[,H]", help="Width and height, pixels; about 1280 if absent.")
     ] = "",

@@ -30,6 +30,10 @@ FrameTime = Annotated[
 StageName = Annotated[
     str | None, typer.Option("--stage", metavar="NAME", help="Stage: its last frame.")
 ]
+Limits = Annotated[
+    str, typer.Option(metavar="LOW,HIGH", help="Ends of the colours, in m, m/s, degrees or Pa.")
+]
+Zoom = Annotated[str, typer.Option(metavar="X0,Y0,X1,Y1", help="Show this part alone, m.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for a program to read.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
 

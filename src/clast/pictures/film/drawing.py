@@ -1,7 +1,4 @@
-"""The pictures of a film: axes, legend and colour bar are drawn once, blocks over them each time.
-
-A whole figure of 1,000 blocks takes some four times as long as what moves in it.
-"""
+"""The pictures of a film: axes, legend and colour bar are drawn once, blocks anew each time."""
 
 from __future__ import annotations
 
