@@ -19,9 +19,6 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "clast"
 TESTS = ROOT / "tests"
 
-MOST_LINES = 500
-MOST_FILES = 16
-"""Files of a folder, __init__.py not counted."""
 MOST_ARGUMENTS = 8
 """Arguments of a function, self and cls not counted."""
 
@@ -49,11 +46,10 @@ Offences = dict[str, list[str]]
 """File or folder of the package -> what offends the rule there."""
 
 EXCEPTIONS: dict[str, dict[str, int]] = {
-    "files have at most 500 lines": {},
     "functions have at most 8 arguments": {"contact/jacobian.py": 1},
     "plain functions are annotated": {},
 }
-"""Rule -> file -> how much offends it; lines over the limit, folders by files over it."""
+"""Rule -> file -> how many offences it has."""
 
 
 @cache
@@ -92,25 +88,6 @@ def decorators(node: ast.FunctionDef | ast.ClassDef) -> set[str]:
 
 
 # Rules -------------------------------------------------------------------------------------------
-
-
-def long_files() -> Offences:
-    """Files of more than 500 lines; every line over counts."""
-    found = {}
-    for path in files():
-        lines = path.read_text(encoding="utf-8").splitlines()
-        if len(lines) > MOST_LINES:
-            found[name_of(path)] = [f"line {n + 1}" for n in range(MOST_LINES, len(lines))]
-    return found
-
-
-def full_folders() -> Offences:
-    """Folders of more than 16 files."""
-    found = defaultdict(list)
-    for path in files():
-        if path.name != "__init__.py":
-            found[path.parent.relative_to(PACKAGE).as_posix()].append(path.name)
-    return {folder: names[MOST_FILES:] for folder, names in found.items()}
 
 
 def many_arguments() -> Offences:
@@ -311,8 +288,6 @@ def circles() -> Offences:
 
 
 RULES: dict[str, Callable[[], Offences]] = {
-    "files have at most 500 lines": long_files,
-    "folders have at most 16 files": full_folders,
     "functions have at most 8 arguments": many_arguments,
     "nothing is remembered between runs": remembering_functions,
     "no module holds what changes": changing_state,
@@ -417,17 +392,12 @@ def test_the_rules_see_what_offends_them(tmp_path, monkeypatch):
     (tmp_path / "run").mkdir()
     for name, text in SAMPLE.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    (tmp_path / "step" / "long.py").write_text("1\n" * 502, encoding="utf-8")
-    for number in range(14):
-        (tmp_path / "step" / f"z{number:02}.py").touch()
     found = {
         rule: {where: texts for where, texts in check().items() if texts}
         for rule, check in RULES.items()
     }
     changing_classes.cache_clear()
     assert list(found.values()) == [
-        {"step/long.py": ["line 501", "line 502"]},
-        {"step": ["z13.py"]},
         {"step/much.py": ["fast has 9 arguments"]},
         {"step/much.py": ["remembered remembers its answers"]},
         {"step/much.py": ["remembered changes KEPT", "LAST is a Last, which can change"]},

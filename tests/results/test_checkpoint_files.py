@@ -15,17 +15,17 @@ import pytest
 
 from clast.errors import CaseError
 from clast.model.state import Ledger
-from clast.results.checkpoints import files
+from clast.results.checkpoints import checkpoint_files
 from clast.results.checkpoints.checkpoint import Checkpoint, Recorded, Source
-from clast.results.checkpoints.files import (
+from clast.results.checkpoints.checkpoint_files import (
     check_place,
     checkpoint_path,
     is_checkpoint,
     read_checkpoint,
     write_checkpoint,
 )
+from clast.results.checkpoints.encode import classes_near, name_of
 from clast.results.checkpoints.fingerprints import digest
-from clast.results.checkpoints.plain import classes_near, name_of
 from clast.results.schema import HISTORY
 from clast.step.convex import Convex
 from scenes.recorded_run import record, three_blocks
@@ -146,7 +146,7 @@ def test_classes_of_scripts_must_be_handed_in(tmp_path: Path):
 
 @pytest.mark.parametrize("name", ["os:system", "clast.errors:CaseError", "clast.none:A", "clast.x"])
 def test_a_file_makes_nothing_but_dataclasses(name: str, tmp_path: Path, monkeypatch):
-    monkeypatch.setattr("clast.results.checkpoints.plain.name_of", lambda kind: name)
+    monkeypatch.setattr("clast.results.checkpoints.encode.name_of", lambda kind: name)
     path = tmp_path / "a.checkpoint.h5"
     write_checkpoint(path, holding(Ledger()))
     with pytest.raises(CaseError, match="what this clast does not know"):
@@ -203,9 +203,9 @@ def test_other_things_are_no_checkpoints(tmp_path: Path):
 
 
 def test_a_newer_layout_is_named(whole: Path, monkeypatch):
-    monkeypatch.setattr(files, "LAYOUT", 2)
+    monkeypatch.setattr(checkpoint_files, "LAYOUT", 2)
     write_checkpoint(whole, holding(1))
-    monkeypatch.setattr(files, "LAYOUT", 1)
+    monkeypatch.setattr(checkpoint_files, "LAYOUT", 1)
     with pytest.raises(CaseError, match=r"(?s)was written by a newer clast \(1\).*update clast"):
         read_checkpoint(whole, {})
 
@@ -218,7 +218,7 @@ def test_a_full_disk_leaves_the_checkpoint_before(whole: Path, monkeypatch, fail
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     with monkeypatch.context() as context:
-        context.setattr(files.os, failing, full)
+        context.setattr(checkpoint_files.os, failing, full)
         with pytest.raises(OSError, match="No space left"):
             write_checkpoint(whole, holding(2))
     assert whole.read_bytes() == before
@@ -245,7 +245,7 @@ def test_names_of_files_and_stages_make_names_of_checkpoints():
 
 
 def test_no_two_files_and_stages_share_a_checkpoint():
-    files = [
+    checkpoint_files = [
         "n.vtkhdf",
         "n.rest.vtkhdf",
         "n.h5",
@@ -255,7 +255,7 @@ def test_no_two_files_and_stages_share_a_checkpoint():
         "n.%.vtkhdf",
         "n%.vtkhdf",
     ]
-    files += [
+    checkpoint_files += [
         "n%2Eh5.vtkhdf",
         "n%2Erest.vtkhdf",
         "n.vtkhdf.vtkhdf",
@@ -264,8 +264,8 @@ def test_no_two_files_and_stages_share_a_checkpoint():
         ".vtkhdf",
     ]
     stages = ["", "rest", "h5", "vtkhdf", "%", ".", "rest.rest", "checkpoint", "2E"]
-    names = [checkpoint_path(Path(one), stage).name for one in files for stage in stages]
-    assert len(set(names)) == len(files) * len(stages)
+    names = [checkpoint_path(Path(one), stage).name for one in checkpoint_files for stage in stages]
+    assert len(set(names)) == len(checkpoint_files) * len(stages)
 
 
 def test_fingerprints_tell_what_differs():

@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 from clast.cli.commands import app
 from clast.errors import CaseError
-from clast.results import opening, read_results, summary
+from clast.results import open_file, read_results, summary
 from clast.results.provenance import texts
 from scenes.first_version import crafted, of_the_first_version, replaced
 from scenes.recorded_run import record, three_blocks
@@ -320,5 +320,5 @@ def test_a_file_that_changes_while_it_is_read_is_read_again(good: Path, monkeypa
             raise given
         return given
 
-    monkeypatch.setattr(opening, "_answer", answer)
-    assert opening.ask(good, lambda _: None) == "whole"
+    monkeypatch.setattr(open_file, "_answer", answer)
+    assert open_file.ask(good, lambda _: None) == "whole"

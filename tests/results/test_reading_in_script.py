@@ -11,7 +11,7 @@ import pytest
 import clast
 from clast.errors import CaseError
 from clast.results import Run
-from clast.results.tables import Columns
+from clast.results.result_tables import Columns
 from scenes.recorded_run import moved, record, three_blocks
 
 

@@ -17,8 +17,8 @@ from clast.contact.laws import AugmentedLagrangian
 from clast.errors import CaseError
 from clast.results import RunRecorder, read_results, summary
 from clast.results.provenance import texts
+from clast.results.result_writer import _Column
 from clast.results.schema import BLOCK_FIELDS, ENERGY
-from clast.results.writing import _Column
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.step.modified import Modified
@@ -285,7 +285,7 @@ def test_an_earlier_result_stays_where_the_first_frame_fails(recorded: Recorded,
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("clast.results.writing._Column.put", full)
+    monkeypatch.setattr("clast.results.result_writer._Column.put", full)
     with pytest.raises(CaseError, match="No space left"):
         recorder.start(moved(model, 0.0))
     assert path.read_bytes() == before

@@ -12,8 +12,8 @@ import pytest
 from clast.block import polygon
 from clast.errors import CaseError
 from clast.results import RunRecorder
-from clast.results.report import report_from_dict
-from clast.results.sampling import point_velocity
+from clast.results.frame_samples import point_velocity
+from clast.results.run_report import report_from_dict
 from scenes.recorded_run import (
     SPIN,
     STEP,

@@ -10,7 +10,7 @@ import pytest
 import clast
 from clast.model.state import LEDGER, LEDGER_ENTRIES, Kind, Ledger, entries_of
 from clast.results import schema
-from clast.results.sampling import ROWS, STEP_ROWS
+from clast.results.frame_samples import ROWS, STEP_ROWS
 from clast.results.schema import Per
 from clast.run.watch import COUNTED
 

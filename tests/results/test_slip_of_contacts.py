@@ -7,7 +7,7 @@ from numpy.lib.recfunctions import drop_fields
 import clast
 from clast.errors import CaseError
 from clast.results import read_results
-from clast.results.tables import FrameContacts
+from clast.results.result_tables import FrameContacts
 
 
 def pushed(tmp_path, name="a.vtkhdf", **keys):

@@ -20,9 +20,9 @@ from clast.model.model import Model
 from clast.model.state import State, initial_state
 from clast.results import Results, RunRecorder, read_results
 from clast.results.journal import JournalledFile, read_journal
-from clast.results.pages import PAGE, packed
+from clast.results.page_checksums import PAGE, packed
+from clast.results.result_writer import MOVING
 from clast.results.schema import MOVING_FIELDS
-from clast.results.writing import MOVING
 from scenes.recorded_run import moved, report, step_result, three_blocks
 
 KEPT = 4096

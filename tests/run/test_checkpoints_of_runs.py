@@ -19,8 +19,8 @@ import clast
 from clast.contact.laws import Penalty
 from clast.errors import CaseError, RunStopped
 from clast.results import read_results
-from clast.results.checkpoints import files
-from clast.results.checkpoints.files import checkpoint_path, read_checkpoint
+from clast.results.checkpoints import checkpoint_files
+from clast.results.checkpoints.checkpoint_files import checkpoint_path, read_checkpoint
 from clast.results.output import claimed, hidden, taken_up
 from scenes.command_line import clast_command, good
 from scenes.own_state import Closer, Forgetful
@@ -186,7 +186,7 @@ def test_a_run_goes_on_when_there_is_room_again(case: clast.Case, tmp_path: Path
 def test_a_run_goes_on_without_checkpoints(
     case: clast.Case, whole: Path, tmp_path: Path, monkeypatch, number: int
 ):
-    usual, told = files._as_bytes, []
+    usual, told = checkpoint_files._as_bytes, []
     path = checkpoint_path(tmp_path / "a.vtkhdf")
 
     def full_later(checkpoint: Any) -> bytes:
@@ -194,7 +194,7 @@ def test_a_run_goes_on_without_checkpoints(
             raise OSError(number, os.strerror(number))
         return usual(checkpoint)
 
-    monkeypatch.setattr(files, "_as_bytes", full_later)
+    monkeypatch.setattr(checkpoint_files, "_as_bytes", full_later)
     often = with_settings(case, "output.checkpoint_every=1e-9")
     run = often.run(output=tmp_path / "a.vtkhdf", warn=told.append)
     assert run.report.finished

@@ -18,7 +18,7 @@ import pytest
 import clast
 from clast.errors import CaseError, RunStopped
 from clast.results import read_results
-from clast.results.checkpoints.files import SUMS, checkpoint_path, read_checkpoint
+from clast.results.checkpoints.checkpoint_files import SUMS, checkpoint_path, read_checkpoint
 from scenes.command_line import clast_command
 from scenes.forged_checkpoints import forge, mutations, parts, signed
 from scenes.restarts import differences, pressed_at

@@ -13,7 +13,7 @@ from clast.actions.damping import Rayleigh, Undamped
 from clast.compute.reductions import is_any, least
 from clast.compute.stopwatch import Stages
 from clast.read_only import changed
-from clast.results.tables import FIRST_ROWS, MORE_ROWS, Table
+from clast.results.result_tables import FIRST_ROWS, MORE_ROWS, Table
 from clast.studies.bench import SCENES
 
 

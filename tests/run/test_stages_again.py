@@ -9,7 +9,7 @@ import pytest
 import clast
 from clast.errors import CaseError
 from clast.results import Run, read_results
-from clast.results.checkpoints.files import checkpoint_path, read_checkpoint
+from clast.results.checkpoints.checkpoint_files import checkpoint_path, read_checkpoint
 from scenes.command_line import clast_command, good
 from scenes.restarts import differences, pressed_at
 from scenes.shaken import shaken

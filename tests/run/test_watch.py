@@ -11,7 +11,7 @@ from clast.case.case_file import Case
 from clast.case.templates import TEMPLATES
 from clast.errors import RunStopped, StepOutcome
 from clast.model.state import LEDGER_ENTRIES, Ledger
-from clast.results.report import report_from_dict
+from clast.results.run_report import report_from_dict
 from clast.run.overlap import unseen_overlaps
 from clast.run.watch import COUNTED, Watch
 from clast.step.convex import Convex

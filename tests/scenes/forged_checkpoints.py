@@ -13,7 +13,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from clast.results.checkpoints.files import MARK, SUMS
+from clast.results.checkpoints.checkpoint_files import MARK, SUMS
 
 Change = Callable[[dict[str, Any], dict[str, Any]], None]
 """Changes what a checkpoint says, as JSON, and its arrays by their names."""

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import clast
 from clast.results import read_results
-from clast.results.checkpoints.files import checkpoint_path, read_checkpoint
+from clast.results.checkpoints.checkpoint_files import checkpoint_path, read_checkpoint
 from clast.results.output import hidden
 from scenes.restarts import differences
 from scenes.shaken import shaken_case

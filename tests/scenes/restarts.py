@@ -19,7 +19,7 @@ import numpy as np
 import clast
 from clast.model.model import Model
 from clast.results import Run
-from clast.results.opening import ask
+from clast.results.open_file import ask
 from scenes.own_state import Closer
 from scenes.shaken import STEP, STEPS, shaken
 

@@ -20,15 +20,15 @@ from clast.inputs.time_and_output import OutputTable
 from clast.model.model import Model
 from clast.results import Run
 from clast.results.checkpoints.checkpoint import OBJECTS, SETTINGS, TEXT, Checkpoint, Source
-from clast.results.checkpoints.files import (
+from clast.results.checkpoints.checkpoint_files import (
     damaged,
     read_checkpoint,
 )
+from clast.results.checkpoints.encode import classes_near
 from clast.results.checkpoints.fingerprints import digest, fingerprints
-from clast.results.checkpoints.plain import classes_near
 from clast.results.checkpoints.record_checks import rows_in_all, wrong_record
 from clast.results.checkpoints.regular_files import print_of_text_in
-from clast.results.checkpoints.taking_over import taken_over
+from clast.results.checkpoints.reopen import taken_over
 
 if TYPE_CHECKING:
     from clast.run.schedule import Progress, Schedule

@@ -15,8 +15,8 @@ from clast.errors import CaseError, shortened
 from clast.exports.choices import edge_joints, frames_in
 from clast.exports.targets import check_free
 from clast.results import Recording
+from clast.results.result_tables import PARTS, Columns
 from clast.results.schema import KIND_FIELDS, OVER_TIME, TableSchema
-from clast.results.tables import PARTS, Columns
 from clast.rockmass.drawings.files import replaced
 
 Rows = Iterator[Sequence[Any]]

@@ -7,17 +7,17 @@ A run writes through ``RunRecorder``, which gives a ``Run``; a file is read agai
 from __future__ import annotations
 
 from clast.results.frames import Frame
-from clast.results.reading import Results, read_results, summary
 from clast.results.recorder import RunRecorder
 from clast.results.recording import Recording, Run
-from clast.results.report import Report
-from clast.results.tables import (
+from clast.results.result_reader import Results, read_results, summary
+from clast.results.result_tables import (
     BlockHistory,
     BoltHistory,
     FrameBolts,
     FrameContacts,
     PointHistory,
 )
+from clast.results.run_report import Report
 
 read = read_results
 """The public name of ``read_results``: ``clast.read("out.vtkhdf")``."""

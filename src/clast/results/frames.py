@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from clast import spelling
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints
+from clast.results.result_tables import BlockHistory, FrameBolts, FrameContacts
 from clast.results.schema import COMPONENTS
-from clast.results.tables import BlockHistory, FrameBolts, FrameContacts
 
 BLOCK_ROW = np.dtype(
     [

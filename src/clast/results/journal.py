@@ -11,7 +11,8 @@ nothing refers to it yet.  What it overwrites is kept in memory until ``Journall
 
 Killed before the journal is whole, the file is as it was, with unused bytes behind its end, which
 HDF5 passes over.  Killed later, readers of clast look at the journal in place of the old bytes;
-they never write.  The checksums behind the end (``clast.results.pages``) change with the rest.
+they never write.  The checksums behind the end (``clast.results.page_checksums``) change with the
+rest.
 
     journal:  record, record, ..., trailer
     record:   place and length of the bytes (2 x u64, little-endian), the bytes
@@ -32,7 +33,7 @@ from typing import BinaryIO
 import numpy as np
 
 from clast.results import locks
-from clast.results.pages import (
+from clast.results.page_checksums import (
     END_PLACE,
     PAGE,
     FileObject,

@@ -10,7 +10,7 @@ from typing import BinaryIO
 
 from clast.errors import CaseError
 from clast.results import locks
-from clast.results.opening import is_result_file
+from clast.results.open_file import is_result_file
 
 ELSEWHERE = "choose another name for the results"
 

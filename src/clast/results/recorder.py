@@ -16,12 +16,12 @@ from clast.model.model import Floats, Model
 from clast.model.stages.reference import Reference
 from clast.model.state import State
 from clast.results.checkpoints.checkpoint import Recorded
-from clast.results.checkpoints.cutting_back import rows_after
+from clast.results.checkpoints.reopen import rows_after
 from clast.results.frames import FrameStore
 from clast.results.recording import Run, parts_of
-from clast.results.report import Report
+from clast.results.result_tables import Table, no_contacts
+from clast.results.run_report import Report
 from clast.results.schema import FRAME_ROW, OVER_TIME
-from clast.results.tables import Table, no_contacts
 from clast.step.method import StepResult
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class RunRecorder:
         recorded: Recorded | None = None,
     ) -> None:
         # Compiled kernels are slow to import; who only reads results does not need them.
-        from clast.results.sampling import FrameFields, FramesInMemory
+        from clast.results.frame_samples import FrameFields, FramesInMemory
 
         self._model = model
         self._case_text = case_text
@@ -90,7 +90,7 @@ class RunRecorder:
         self._kept = FramesInMemory(model, memory_limit) if output is None else None
         self._file = None
         if output is not None:
-            from clast.results.writing import ResultFile, reopened
+            from clast.results.result_writer import ResultFile, reopened
 
             path = Path(output)
             storage = None if recorded is None else reopened(path, model, recorded)
@@ -98,7 +98,7 @@ class RunRecorder:
 
     def _follow(self, reference: Reference | None = None) -> None:
         """Let what follows count from a reference."""
-        from clast.results.sampling import ROWS, STEP_ROWS
+        from clast.results.frame_samples import ROWS, STEP_ROWS
 
         names = [one.name for one in self._kinds]
         self._trackers = {
@@ -150,7 +150,7 @@ class RunRecorder:
 
         Displacements count from ``reference`` on, if there is one.
         """
-        from clast.results.sampling import FrameFields
+        from clast.results.frame_samples import FrameFields
 
         self._stage = stage
         if reference is not None:
@@ -292,7 +292,7 @@ class RunRecorder:
         if not len(self._model.bolts) or self._state is None:
             return ()
         from clast.actions.bolts.bolt_events import story_of
-        from clast.results.sampling import own_of_bolts
+        from clast.results.frame_samples import own_of_bolts
 
         return story_of(own_of_bolts(self._model, self._state), self._model)
 
@@ -312,7 +312,7 @@ def frames_at_hand(frames: FrameStore) -> FrameStore:
 
 def frames_in_file(path: Path, title: str, times: Floats) -> FrameStore:
     """Return the frames of a run in its file; raises CaseError where that holds another run now."""
-    from clast.results.reading import read_results
+    from clast.results.result_reader import read_results
 
     results = read_results(path)
     if results.title != title or not np.array_equal(results.times, times):

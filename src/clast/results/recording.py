@@ -28,9 +28,7 @@ from clast.results.frames import (
     frame_of,
     unknown_name,
 )
-from clast.results.report import Report
-from clast.results.schema import BOLT_TABLE, ENERGY, HISTORY, OVER_TIME, STEPS, TableSchema
-from clast.results.tables import (
+from clast.results.result_tables import (
     BlockHistory,
     BoltHistory,
     Columns,
@@ -39,6 +37,8 @@ from clast.results.tables import (
     PointHistory,
     no_joints,
 )
+from clast.results.run_report import Report
+from clast.results.schema import BOLT_TABLE, ENERGY, HISTORY, OVER_TIME, STEPS, TableSchema
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,8 +20,8 @@ The attribute ``runs`` of the file says which runs have written it (``checkpoint
 
 A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after its data have
 reached the file; a process killed at any moment leaves all frames before readable.  Behind the
-end of HDF5's part there are checksums of it (``clast.results.pages``), and after a kill there
-may be a journal (``clast.results.journal``), which clast reads in place of what it changes.
+end of HDF5's part there are checksums of it (``clast.results.page_checksums``), and after a kill
+there may be a journal (``clast.results.journal``), which clast reads in place of what it changes.
 Arrays and tables are compressed and have HDF5's own checksums for viewers.  In names of points that
 name a dataset "%" and "/" stand as %25 and %2F.
 Tables are HDF5 compound datasets: ``file["energy"]["kinetic"]``.
@@ -482,7 +482,7 @@ MODEL = (
         since="rock bolts",
     ),
 )
-"""What is written of the model beside its source and its water (``clast.results.parts.water``)."""
+"""What is written of the model beside its source and its water (``clast.results.water_record``)."""
 
 
 # a slash would open a group; what stands for it must not be a name of its own

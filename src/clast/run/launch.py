@@ -21,7 +21,11 @@ from clast.errors import CaseError
 from clast.model.model import Model
 from clast.results import Run, RunRecorder
 from clast.results.checkpoints.checkpoint import Checkpoint, Recorded, Source
-from clast.results.checkpoints.files import check_place, checkpoint_path, write_checkpoint
+from clast.results.checkpoints.checkpoint_files import (
+    check_place,
+    checkpoint_path,
+    write_checkpoint,
+)
 from clast.results.recorder import Mark
 from clast.run.progress import Warner, Watch, shown
 from clast.run.run_state import RunState

@@ -14,8 +14,8 @@ import pytest
 import clast
 from clast.compute.jit import BY_THREADS
 from clast.results import read_results
-from clast.results.checkpoints.files import checkpoint_path, read_checkpoint
-from clast.results.checkpoints.plain import classes_near
+from clast.results.checkpoints.checkpoint_files import checkpoint_path, read_checkpoint
+from clast.results.checkpoints.encode import classes_near
 from scenes.own_state import Closer
 from scenes.places import TESTS
 from scenes.restarts import differences, pressed_at, run_with_closer

@@ -18,11 +18,10 @@ from clast.model.model import Bools, Floats, Ints
 from clast.model.stages.records import Event, Mover, StageRecord
 from clast.model.state import Ledger
 from clast.model.water.water import Water
-from clast.results.opening import MalformedError
-from clast.results.parts.water import waters_in
+from clast.results.open_file import MalformedError
 from clast.results.provenance import about_in
 from clast.results.recording import BoltLines, EdgeJoints
-from clast.results.report import Report, report_from_dict
+from clast.results.run_report import Report, report_from_dict
 from clast.results.schema import (
     BOLT_POINTS,
     CONTACTS,
@@ -36,6 +35,7 @@ from clast.results.schema import (
     TableSchema,
     Things,
 )
+from clast.results.water_record import waters_in
 
 
 @dataclass(frozen=True, kw_only=True)

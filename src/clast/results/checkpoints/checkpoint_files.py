@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError, shortened
 from clast.results.checkpoints.checkpoint import Checkpoint
-from clast.results.checkpoints.plain import (
+from clast.results.checkpoints.encode import (
     NotPlainError,
     UnknownClassError,
     put_together,
@@ -32,7 +32,7 @@ from clast.results.checkpoints.plain import (
 )
 from clast.results.checkpoints.regular_files import content_of
 from clast.results.checkpoints.stored_arrays import arrays_of, put_array
-from clast.results.opening import is_result_file
+from clast.results.open_file import is_result_file
 from clast.results.output import fresh, hidden
 
 LAYOUT = 3

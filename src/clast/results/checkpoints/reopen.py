@@ -1,8 +1,12 @@
-"""A result file that is to go on from a checkpoint: whether it fits, and cut back to it."""
+"""Reopen a result file at a checkpoint: check that it fits, cut it back, or copy it."""
 
 from __future__ import annotations
 
+import os
+import shutil
 import stat
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +17,8 @@ from clast.errors import CaseError
 from clast.model.model import Model
 from clast.results.checkpoints.checkpoint import Recorded
 from clast.results.checkpoints.lineage import belongs, read_lineage
-from clast.results.opening import ask, check_ours
+from clast.results.open_file import ask, check_ours
+from clast.results.output import check_output, claimed, hidden
 from clast.results.schema import (
     BOLT_POINTS,
     CHUNK_ROWS,
@@ -109,3 +114,50 @@ def lengths_after(model: Model, frames: int, last: NDArray[Any]) -> dict[str, in
 def rows_after(last: NDArray[Any], model: Model) -> dict[str, int]:
     """Return the rows of each table of a run after the frame with this row, shape (1,)."""
     return {one.name: int(last[one.counter][0]) if one.is_kept(model) else 0 for one in OVER_TIME}
+
+
+def taken_over(
+    checkpoint: Path,
+    model: Model,
+    recorded: Recorded,
+    output: str | Path | None,
+    warn: Callable[[str], None] | None,
+) -> tuple[Path, Recorded | None]:
+    """Return the file to go on in, and how far it is recorded there: None for a new file.
+
+    Without ``output`` it is the result file beside the checkpoint.  Else it is a copy of that;
+    where that is missing or does not fit, ``warn`` is told, and the file is a new one.
+    """
+    old = checkpoint.resolve().parent / recorded.file
+    if output is None or (old.exists() and Path(output).resolve() == old.resolve()):
+        return old, recorded
+    target = Path(output)
+    try:
+        check_fit(old, model, recorded)
+    except CaseError as error:
+        if warn:
+            what = " ".join(error.what.split())
+            warn(f"{old}: {what}. {target} begins where the checkpoint was written")
+        return target, None
+    _copy(old, target)
+    return target, recorded
+
+
+def _copy(old: Path, target: Path) -> None:
+    """Copy a result file; what is there stays until the copy is whole."""
+    path = check_output(target)
+    part = hidden(path)
+    with claimed(path) as new:
+        try:
+            with open(old, "rb") as source:
+                shutil.copyfileobj(source, new)
+            os.fsync(new.fileno())
+            os.replace(part, path)
+        except OSError as error:
+            with suppress(OSError):
+                part.unlink()
+            raise CaseError(
+                f"cannot be written: {os.strerror(error.errno or 0)}",
+                where=str(target),
+                remedy="make room, or choose another place",
+            ) from error

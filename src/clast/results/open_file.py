@@ -11,7 +11,7 @@ from typing import Any, BinaryIO, TypeVar
 from clast.errors import CaseError
 from clast.results import locks
 from clast.results.journal import read_journal
-from clast.results.pages import CheckedFile, DamagedPageError
+from clast.results.page_checksums import CheckedFile, DamagedPageError
 from clast.results.schema import FORMAT
 
 ATTEMPTS = 20

@@ -27,6 +27,7 @@ Arrays = list[NDArray[Any]]
 MOVED = {
     "clast.run.simulate:RunState": "clast.run.run_state",
     "clast.run.tally:Tally": "clast.run.run_state",
+    "clast.results.report:Report": "clast.results.run_report",
 }
 """Where classes are now that older checkpoints name by another module."""
 OURS = re.compile(r"clast\.(actions|contact|model|results|run|step)(\.[a-z][a-z0-9_]*)+")

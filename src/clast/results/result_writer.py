@@ -20,13 +20,13 @@ from numpy.typing import DTypeLike, NDArray
 from clast.errors import CaseError, ResultsLost
 from clast.model.model import Floats, Ints, Model
 from clast.results.checkpoints.checkpoint import Recorded
-from clast.results.checkpoints.cutting_back import check_fit, cut_back, rows_after
 from clast.results.checkpoints.lineage import extended, read_lineage, write_lineage
+from clast.results.checkpoints.reopen import check_fit, cut_back, rows_after
 from clast.results.journal import JournalledFile
 from clast.results.output import check_output, claimed, hidden, taken_up
-from clast.results.parts.water import write_water
 from clast.results.provenance import about_model
-from clast.results.report import Report
+from clast.results.result_tables import Table
+from clast.results.run_report import Report
 from clast.results.schema import (
     BOLT_POINTS,
     BOLT_TABLE,
@@ -47,7 +47,7 @@ from clast.results.schema import (
     Per,
     TableSchema,
 )
-from clast.results.tables import Table
+from clast.results.water_record import write_water
 
 # Newer formats mark a file as being written, and nothing opens it after the process was killed.
 FILE_FORMAT = ("v108", "v108")

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError
 from clast.model.model import Floats
-from clast.results import structure
+from clast.results import validate
 from clast.results.frames import VERTICES, FrameStore, gone_in_frame
-from clast.results.opening import AGAIN, ask, check_ours
+from clast.results.open_file import AGAIN, ask, check_ours
 from clast.results.provenance import main_parameters
 from clast.results.recording import EdgeJoints, Recording
+from clast.results.result_tables import no_joints
 from clast.results.schema import (
     BOLT_STATES,
     BOLTS,
@@ -28,7 +29,6 @@ from clast.results.schema import (
     POINTS,
     TableSchema,
 )
-from clast.results.tables import no_joints
 
 LARGEST = 1e150
 """No place and no force is that large."""
@@ -175,18 +175,18 @@ def read_results(path: Path | str, *, whole: int = QUICKLY_CHECKED) -> Results:
 
 def _results(path: Path, file: Any) -> Results:
     layout = check_ours(file)
-    blocks, frames = structure.blocks_of(file), structure.frames_of(file)
-    structure.check_arrays(file, frames, blocks)
-    structure.check_grid(file, frames, blocks)
-    points, bolts = structure.points_of(file), structure.bolts_of(file, frames)
-    structure.check_tables(file, frames, {POINTS: points[0], BOLTS: bolts.name}, layout)
+    blocks, frames = validate.blocks_of(file), validate.frames_of(file)
+    validate.check_arrays(file, frames, blocks)
+    validate.check_grid(file, frames, blocks)
+    points, bolts = validate.points_of(file), validate.bolts_of(file, frames)
+    validate.check_tables(file, frames, {POINTS: points[0], BOLTS: bolts.name}, layout)
     about, prefix = file["model"].attrs, "version of "
-    made = structure.about_of(file)
+    made = validate.about_of(file)
     return Results(
         path=path,
         layout=layout,
         title=str(about["title"]),
-        case_text=structure.text(file, "model/case"),
+        case_text=validate.text(file, "model/case"),
         about=made,
         begins=made.get("begins", {}),
         versions={
@@ -200,16 +200,16 @@ def _results(path: Path, file: Any) -> Results:
         block_rock=blocks.rock,
         fixed=blocks.fixed,
         rock_name=blocks.rock_name,
-        joints=structure.joints_of(file, blocks),
+        joints=validate.joints_of(file, blocks),
         bolt_lines=bolts,
         origin=np.asarray(about["origin"]),
-        water=structure.water_of(file, blocks),
+        water=validate.water_of(file, blocks),
         point_name=points[0],
         point_start=points[1],
-        report=structure.report_of(file),
-        frame_stages=structure.stages_of(file, made.get("stages", ()), len(frames)),
+        report=validate.report_of(file),
+        frame_stages=validate.stages_of(file, made.get("stages", ()), len(frames)),
         frame_rows=frames,
-        missing=structure.missing_tables(file),
+        missing=validate.missing_tables(file),
     )
 
 
