@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import clast
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
@@ -113,3 +114,17 @@ def wall(tmp_path: Path) -> Callable[..., Results]:
         return recorded(grid_model(rows, columns, title), tmp_path / "wall.vtkhdf")
 
     return make
+
+
+@pytest.fixture(scope="session")
+def parted() -> clast.Run:
+    """Return the run of two bricks on a table: one stands, the other slides away from it."""
+    builder = clast.ModelBuilder(title="Parted", gravity=(0.0, -9.8))
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.add_joint("default", friction_angle=20.0)
+    table = [(-4, -1), (4, -1), (4, 0), (2, 0), (1, 0), (0, 0), (-4, 0)]
+    builder.block(name="table", vertices=table, fixed=True)
+    builder.block(name="still", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
+    builder.block(name="moved", vertices=[(1, 0), (2, 0), (2, 1), (1, 1)], velocity=(1.0, 0.0, 0.0))
+    builder.measured_point("A", (1.0, 0.0), block="moved")
+    return clast.simulate(builder.build(), step=2e-3, end=0.04, every=0.02)

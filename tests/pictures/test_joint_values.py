@@ -5,23 +5,9 @@ import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.pictures.film.drawing import FilmLook
+from clast.pictures.film.drawing import Drawing, FilmLook
 from clast.pictures.joints.values import faces_opened, faces_slipped
 from clast.pictures.plot import plot_results
-
-
-@pytest.fixture(scope="module")
-def parted():
-    """Return the run of two bricks on a table: one stands, the other slides away from it."""
-    builder = clast.ModelBuilder(title="Parted", gravity=(0.0, -9.8))
-    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
-    builder.add_joint("default", friction_angle=20.0)
-    table = [(-4, -1), (4, -1), (4, 0), (2, 0), (1, 0), (0, 0), (-4, 0)]
-    builder.block(name="table", vertices=table, fixed=True)
-    builder.block(name="still", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
-    builder.block(name="moved", vertices=[(1, 0), (2, 0), (2, 1), (1, 1)], velocity=(1.0, 0.0, 0.0))
-    builder.measured_point("A", (1.0, 0.0), block="moved")
-    return clast.simulate(builder.build(), step=2e-3, end=0.04, every=0.02)
 
 
 def test_opening_is_how_far_edges_are_apart(parted):
@@ -70,6 +56,18 @@ def test_joints_are_plotted(parted, tmp_path, field, ending):
         assert f"{field.capitalize()} of joints" in path.read_text("utf-8")
 
 
-def test_a_film_says_that_it_does_not_know_them():
-    with pytest.raises(CaseError, match="no field 'slip'"):
-        FilmLook(field="slip")
+@pytest.mark.parametrize("field", ["slip", "opening"])
+def test_a_film_has_one_scale_for_joints(parted, field):
+    drawing = Drawing(parted, range(len(parted.times)), FilmLook(field=field), 640)
+    first, last = drawing.picture(0), drawing.picture(len(parted.times) - 1)
+    moved = parted.history("A").displacement[-1, 0]
+    ends = drawing._scale.low, drawing._scale.high
+    assert np.abs(ends).max() == pytest.approx(moved, rel=1e-2)
+    assert (first != last).any()
+    strip = slice(None), slice(-130, None)  # the colour bar stays as it is
+    assert (first[strip] == last[strip]).all()
+
+
+def test_a_film_refuses_what_is_no_field():
+    with pytest.raises(CaseError, match="no field 'slipp'"):
+        FilmLook(field="slipp")

@@ -88,7 +88,15 @@ def test_a_page_places_vertices_within_its_levels(wall):
 
 def test_the_largest_contacts_are_kept_and_counted(wall):
     results = wall(6, 6)
-    every, few = (scene_of(results, budget)["contacts"] for budget in (1e6, 14.0 * 6 * 10))
+    scene = scene_of(results, 1e6)
+    wanted = sum(
+        width * table["of"]
+        for width, table in (
+            (14.0, scene["contacts"]),
+            *((12.0, one) for one in scene["faces"].values()),
+        )
+    )
+    every, few = (scene_of(results, budget)["contacts"] for budget in (1e6, 0.41 * wanted))
     assert every["shown"] == every["of"] == 5 * 30
     assert few["of"] == every["of"] and few["count"] == [0, *[10] * 5]
     kept, all_of = (

@@ -5,8 +5,11 @@ import time
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
+from clast.pictures.joints.values import JOINT_FIELDS, scale_of_faces
 from clast.pictures.page.document import write_page
+from clast.pictures.scale import scale_of
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -66,11 +69,15 @@ def until(page, condition, seconds=60.0):
         page.wait_for_timeout(100)
 
 
-def colour_at(page, x, y):
-    """Return red, green and blue of the drawing at a point of the world, m about its origin."""
+def colour_at(page, x, y, above=False):
+    """Return red, green and blue of the drawing at a point of the world, m about its origin.
+
+    It is that of the blocks, or of what is drawn ``above`` them.
+    """
     return page.evaluate(
-        """([x, y]) => {
-          const { view, canvas } = clastPage;
+        """([x, y, above]) => {
+          const { view } = clastPage;
+          const canvas = above ? clastPage.above : clastPage.canvas;
           const copy = document.createElement("canvas");
           [copy.width, copy.height] = [canvas.width, canvas.height];
           const context = copy.getContext("2d");
@@ -80,7 +87,7 @@ def colour_at(page, x, y):
           const at = [view.screenX(x) * dots, view.screenY(y) * dots].map(Math.round);
           return [...context.getImageData(at[0], at[1], 1, 1).data].slice(0, 3);
         }""",
-        [x, y],
+        [x, y, above],
     )
 
 
@@ -136,6 +143,42 @@ def test_blocks_have_the_colour_of_their_field_and_their_name_is_told(opened, wa
     assert f"Block {results.block_name[17]}" in page.inner_text("[data-part=chosen]")
     assert page.evaluate("clastPage.state.chosen") == 17
     assert page.faults == []
+
+
+@pytest.mark.parametrize("field", ["slip", "opening"])
+def test_joints_have_the_scale_and_the_colours_of_still_pictures(opened, parted, field):
+    page = opened(parted, address=f"#field={field}&layers=")
+    faces = JOINT_FIELDS[field].faces(parted, -1)
+    scale = scale_of_faces(faces, np.ones(len(faces.value), bool), None)
+    low, high = page.evaluate("['low', 'high'].map((end) => clastPage.$(end).value).map(Number)")
+    assert [low, high] == pytest.approx([scale.low, scale.high], rel=1e-3)
+    most = int(np.abs(faces.value).argmax())
+    place = faces.ends[most].mean(axis=0) - page.evaluate("clastPage.run.scene.origin")
+    wanted = np.multiply(to_rgb(scale.colours(0.0 if faces.value[most] < 0 else 1.0)), 255)
+    drawn = colour_at(page, *place, above=True)
+    assert np.abs(np.subtract(drawn, wanted)).max() < 12
+    label = JOINT_FIELDS[field].label
+    assert label in page.inner_text("[data-part=legend]")
+    # a layer above other fields is as wide, in one colour
+    page.evaluate(f"clastPage.set({{ field: 'rock', layers: new Set(['{field}']) }})")
+    settled(page)
+    assert colour_at(page, *place, above=True) in ([0x8E, 0x24, 0xAA], [0x00, 0x69, 0x5C])
+    assert page.faults == []
+
+
+def test_scales_end_where_those_of_still_pictures_do(opened, parted):
+    page = opened(parted)
+    rng = np.random.default_rng(4)
+    usual, weight = rng.standard_normal(300), rng.uniform(0.5, 2.0, 300)
+    for values in (usual, np.r_[usual[:-1], 50.0], np.abs(usual), -np.abs(usual), 0.0 * usual):
+        single = np.float32(values).astype(float)
+        scale = scale_of(single, weight)
+        found = page.evaluate(
+            "([values, weights]) => modules.colours.endsOf("
+            "Float32Array.from(values), Float32Array.from(weights), null)",
+            [single.tolist(), weight.tolist()],
+        )
+        assert found == pytest.approx([scale.low, scale.high])
 
 
 def test_an_address_shows_the_same_again(opened, wall):

@@ -128,7 +128,9 @@ def page(
     ] = None,
     budget: Annotated[
         str,
-        typer.Option(metavar="SIZE", help="Room for contact forces before they are compressed."),
+        typer.Option(
+            metavar="SIZE", help="Room for contacts and joints before they are compressed."
+        ),
     ] = "12MB",
 ) -> None:
     """Write a page that plays a run in a browser, complete in one file, without a network."""

@@ -18,7 +18,10 @@ def film(
         typer.Argument(metavar="OUT.mp4", help=".mp4, .webp or .gif; FILE with .mp4 if absent."),
     ] = None,
     field: Annotated[
-        str, typer.Option(help="What colours the blocks; joint: their edges.")
+        str,
+        typer.Option(
+            help="What colours the blocks; joint: their edges; slip, opening: what joints did."
+        ),
     ] = "displacement",
     stage: Annotated[
         str | None, typer.Option(metavar="NAME", help="Show this stage alone.")

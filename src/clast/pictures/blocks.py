@@ -8,7 +8,7 @@ import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE, TEXT_SIZE, Sheet, literal
-from clast.pictures.fields import SCALARS, PictureField, prefixed
+from clast.pictures.fields import SCALARS, prefixed
 from clast.pictures.scale import Scale, scale_of
 from clast.pictures.strokes import GROUND
 from clast.results import Recording
@@ -152,7 +152,7 @@ def colour(
     area = areas_of(results, results.vertices(frame))
     counted = free & shown if (free & shown).any() else free
     scale = scale_of(values[counted], area[counted], limits)
-    unit = paint(blocks, values[free], scale, quantity)
+    unit = paint(blocks, values[free], scale, quantity.unit)
     label = f"{quantity.label} ({unit})"
     if scale.beyond:
         label += "\n" if sheet.upright else "; "
@@ -171,9 +171,9 @@ def paint_kinds(
     blocks.set_facecolor([kind_colour(kind) for kind in kinds])
 
 
-def paint(blocks: PolyCollection, values: Floats, scale: Scale, quantity: PictureField) -> str:
-    """Colour blocks by their values (k,) on a scale; return the unit, with its prefix."""
-    factor, unit = prefixed(max(abs(scale.low), abs(scale.high)), quantity.unit)
+def paint(blocks: Collection, values: Floats, scale: Scale, unit: str) -> str:
+    """Colour blocks or lines by their values (k,) on a scale; return the unit, with its prefix."""
+    factor, unit = prefixed(max(abs(scale.low), abs(scale.high)), unit)
     blocks.set_array(factor * values)
     blocks.set_cmap(scale.colours)
     blocks.set_clim(factor * scale.low, factor * scale.high)

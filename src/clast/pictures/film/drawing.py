@@ -13,10 +13,11 @@ from clast.model.model import Bools, Floats
 from clast.pictures import blocks, bolts, canvas
 from clast.pictures.fields import SCALARS, check_field, prefixed, round_below
 from clast.pictures.joints.edges import edges_by_joint
+from clast.pictures.joints.values import JOINT_FIELDS, draw_faces, scale_of_faces, together
 from clast.pictures.look import CM, Look
 from clast.pictures.plot import TOGETHER, draw_points, legend_handles, places_of_points
 from clast.pictures.scale import Scale, scale_of
-from clast.pictures.strokes import draw_edges, handles_of
+from clast.pictures.strokes import GROUND, draw_edges, handles_of
 from clast.pictures.water import draw_water, handles_of_water, pressures_of, waters_of, with_levels
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
@@ -44,7 +45,7 @@ class FilmLook:
     """What of a run a film shows, how large and in which colours."""
 
     field: str = "displacement"
-    """What colours the blocks; "joint": their edges."""
+    """What colours the blocks; "joint": their edges, "slip" and "opening": their joints."""
     size: tuple[float, ...] | None = None
     """Width and height, or the width alone, pixels."""
     zoom: tuple[float, float, float, float] | None = None
@@ -53,7 +54,7 @@ class FilmLook:
     """Values at the ends of the colours, in m, m/s, degrees or Pa; None for those of all frames."""
 
     def __post_init__(self) -> None:
-        check_field(self.field)
+        check_field(self.field, JOINT_FIELDS)
         for length in self.size or ():
             if not LEAST <= length <= MOST:
                 raise CaseError(
@@ -84,7 +85,7 @@ class Drawing:
         every = -(-len(frames) // LOOKED_AT)
         some = [*frames[:-1:every], frames[-1]]
         self._part = _part(results, frames, look)
-        bars = int(look.field in SCALARS)
+        bars = int(look.field in SCALARS or look.field in JOINT_FIELDS)
         handles = self._handles(some)
         sheet, self._box, keys = self._sheet(handles, bars, width)
         self._seen = canvas.seen(*self._part, self._box)
@@ -130,11 +131,16 @@ class Drawing:
         joints = field == "joint"
         free = blocks.draw_blocks(axes, results, here, 0.0 if joints else 1.0, gone)
         drawn = ~(results.fixed | gone)
-        if self._scale is None:
+        if field in JOINT_FIELDS:
+            free.set_facecolor(GROUND)
+            if self._scale is not None:
+                faces = JOINT_FIELDS[field].faces(results, frame)
+                draw_faces(axes, faces, self._scale, field)
+        elif self._scale is None:
             blocks.paint_kinds(free, results, field, frame, drawn)
         else:
             quantity = SCALARS[field]
-            blocks.paint(free, quantity.values(results, frame)[drawn], self._scale, quantity)
+            blocks.paint(free, quantity.values(results, frame)[drawn], self._scale, quantity.unit)
         waters = waters_of(results, frame)
         draw_water(axes, results, waters, pressures_of(results, waters, frame, here), self._seen)
         if joints:
@@ -209,7 +215,10 @@ def _part(results: Recording, frames: Sequence[int], look: FilmLook) -> canvas.P
 def _scale(
     results: Recording, frames: Sequence[int], seen: canvas.Part, look: FilmLook
 ) -> Scale | None:
-    """Return one scale for all frames, from the free blocks that are seen in some of them."""
+    """Return one scale for all frames, from the free blocks or joints seen in some of them."""
+    if look.field in JOINT_FIELDS:
+        faces = together([JOINT_FIELDS[look.field].faces(results, frame) for frame in frames])
+        return scale_of_faces(faces, faces.within(*seen), look.limits)
     quantity = SCALARS[look.field]
     values, areas = [], []
     for frame in frames:
@@ -227,8 +236,9 @@ def _explain(figure: Figure, sheet: canvas.Sheet, scale: Scale, field: str) -> N
     """Draw the colour bar of a scale."""
     from matplotlib.collections import PolyCollection
 
-    quantity, sample = SCALARS[field], PolyCollection([])
-    unit = blocks.paint(sample, np.zeros(0), scale, quantity)
+    quantity = JOINT_FIELDS[field] if field in JOINT_FIELDS else SCALARS[field]
+    sample = PolyCollection([])
+    unit = blocks.paint(sample, np.zeros(0), scale, quantity.unit)
     blocks.draw_colour_bar(figure, sheet, sample, f"{quantity.label} ({unit})", scale.extend)
 
 

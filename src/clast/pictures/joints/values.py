@@ -7,14 +7,14 @@ other at the start, whether they touch or not.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from clast.model.model import Bools, Floats
-from clast.pictures.fields import prefixed
+from clast.pictures.blocks import paint
 from clast.pictures.scale import Scale, scale_of
 from clast.pictures.strokes import following, partners
 from clast.results import Recording
@@ -99,6 +99,14 @@ def faces_slipped(results: Recording, frame: int) -> Faces:
     return Faces(ends=ends, value=np.add.reduceat(values[order], starts) / count)
 
 
+def together(some: Sequence[Faces]) -> Faces:
+    """Return the faces of some frames as one."""
+    return Faces(
+        ends=np.concatenate([one.ends for one in some]),
+        value=np.concatenate([one.value for one in some]),
+    )
+
+
 @dataclass(frozen=True)
 class JointField:
     """A number of joints."""
@@ -131,7 +139,6 @@ def draw_faces(axes: Axes, faces: Faces, scale: Scale, field: str) -> tuple[Line
     from matplotlib.collections import LineCollection
 
     largest = max(abs(scale.low), abs(scale.high))
-    factor, unit = prefixed(largest, JOINT_FIELDS[field].unit)
     share = np.minimum(1.0, np.abs(faces.value) / largest) if largest > 0.0 else 0.0 * faces.value
     lines = LineCollection(
         list(faces.ends),
@@ -139,8 +146,6 @@ def draw_faces(axes: Axes, faces: Faces, scale: Scale, field: str) -> tuple[Line
         capstyle="round",
         zorder=4.5,
     )
-    lines.set_array(factor * faces.value)
-    lines.set_cmap(scale.colours)
-    lines.set_clim(factor * scale.low, factor * scale.high)
+    unit = paint(lines, faces.value, scale, JOINT_FIELDS[field].unit)
     axes.add_collection(lines)
     return lines, unit

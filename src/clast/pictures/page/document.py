@@ -20,8 +20,11 @@ from clast.pictures.page.scene import scene_of
 from clast.results import Recording
 
 SCRIPTS = (
+    "packing",
+    "moving",
     "data",
     "colours",
+    "colouring",
     "pens",
     "view",
     "draw_canvas",
@@ -32,7 +35,7 @@ SCRIPTS = (
 )
 """Modules of the page, each after those that it imports."""
 BUDGET = 12e6
-"""Bytes that contacts take before they are compressed, unless another number is asked for."""
+"""Bytes of contacts and joints before they are compressed, unless another number is asked for."""
 IMPORT = re.compile(r"^import (\{[^}]*\}) from \"\./(\w+)\.js\";$", re.MULTILINE)
 EXPORT = re.compile(r"^export ((?:const|function|class|async function) (\w+))", re.MULTILINE)
 
@@ -40,8 +43,9 @@ EXPORT = re.compile(r"^export ((?:const|function|class|async function) (\w+))", 
 def write_page(results: Recording, path: Path | str, *, budget: float = BUDGET) -> Path:
     """Write the page of a run, complete in one file; return its path.
 
-    ``budget`` is what contacts may take, bytes; the page says how many of how many it shows.
-    Raises CaseError where the page cannot be written; no part of a page is left then.
+    ``budget`` is what contacts and joints may take, bytes, uncompressed; the page says how many of
+    how many it shows.  Raises CaseError where the page cannot be written; no part of a page is left
+    then.
     """
     path = html_path(path)
     return write_html(page_text(scene_of(results, budget)), path)

@@ -1,11 +1,12 @@
 // The page: reads its data, draws, plays, and answers to hands, keys and the address.
 
 import { Charts } from "./charts.js";
-import { FIXED, PLAIN, Scale, endsOf, kindColour, withUnit } from "./colours.js";
+import { coloursOf, fieldsOf, labelOf } from "./colouring.js";
+import { kindColour, withUnit } from "./colours.js";
 import { RunData } from "./data.js";
 import { CanvasDrawing, drawBlocks } from "./draw_canvas.js";
 import { WebglDrawing, isSoftware } from "./draw_webgl.js";
-import { LAYERS, drawChosen, drawScaleBar, layersOf } from "./layers.js";
+import { LAYERS, drawChosen, drawFaces, drawScaleBar, layersOf } from "./layers.js";
 import { CanvasPen, SvgPen } from "./pens.js";
 import { View, followPointers } from "./view.js";
 
@@ -15,7 +16,6 @@ const LIGHT = {
 const DARK = {
   paper: "#16181b", ink: "#e8e6e1", faint: "#7c7c7c", grid: "#33373c", chosen: "#ff6fa3", bolt: "#0f9d3a", line: "#0b0c0d",
 };
-const KINDS = { rock: "Rock", block: "Blocks", none: "Nothing" };
 const SLOW = 250;
 /** Milliseconds of a first frame above which a software renderer is given up. */
 
@@ -26,7 +26,7 @@ export class Page {
     this.root = root;
     this.run = new RunData(scene);
     this.view = new View();
-    this.state = { frame: 0, field: "displacement", share: 1, limits: null, layers: new Set(), chosen: -1 };
+    this.state = { frame: 0, field: "displacement", share: null, limits: null, layers: new Set(), chosen: -1 };
     this.state.follow = false;
     this.playing = false;
     this.speed = 1;
@@ -90,8 +90,7 @@ export class Page {
   fillControls() {
     const { run } = this;
     const fields = this.$("field");
-    for (const [name, [label]] of Object.entries(run.scene.labels)) fields.append(new Option(label, name));
-    for (const [name, label] of Object.entries(KINDS)) fields.append(new Option(label, name));
+    for (const [name, label] of Object.entries(fieldsOf(run))) fields.append(new Option(label, name));
     for (const name of layersOf(run)) {
       const label = document.createElement("label");
       const box = document.createElement("input");
@@ -104,23 +103,28 @@ export class Page {
     time.max = String(run.frameCount - 1);
     this.$("title").textContent = run.scene.title;
     document.title = `${run.scene.title} - clast`;
-    const { shown, of } = run.scene.frames;
-    const contacts = run.scene.contacts;
-    const said = [`${run.blockCount} blocks`, shown < of ? `${shown} of ${of} frames` : `${of} frames`];
-    if (contacts.of) {
-      said.push(
-        contacts.shown < contacts.of
-          ? `the largest ${contacts.shown} of ${contacts.of} contact forces`
-          : `${contacts.of} contact forces`,
-      );
+    this.fillCounts();
+    this.fillTicks();
+  }
+
+  /** Say how many blocks, frames, contacts and joints of how many are shown. */
+  fillCounts() {
+    const { run } = this;
+    const { of } = run.scene.frames;
+    const part = (what, { shown, of: all }) =>
+      shown < all ? `the largest ${shown} of ${all} ${what}` : `${all} ${what}`;
+    const said = [`${run.blockCount} blocks`, run.frameCount < of ? `${run.frameCount} of ${of} frames` : `${of} frames`];
+    if (run.contacts.of) said.push(part("contact forces", run.contacts));
+    for (const [name, faces] of Object.entries(run.faces)) {
+      if (faces.shown < faces.of) said.push(part(name === "slip" ? "slips of joints" : "openings of joints", faces));
     }
     this.$("counts").textContent = said.join(", ");
-    this.fillTicks();
   }
 
   /** Mark stages and events on the time line. */
   fillTicks() {
     const { run } = this;
+    this.$("ticks").replaceChildren();
     const [first, last] = [run.times[0], run.times[run.frameCount - 1]];
     const place = (frame) => (100 * frame) / Math.max(1, run.frameCount - 1);
     const mark = (kind, frame, text) => {
@@ -133,7 +137,7 @@ export class Page {
       tick.addEventListener("click", () => this.goTo(frame));
       this.$("ticks").append(tick);
     };
-    run.scene.stages.forEach((stage, k, all) => {
+    run.stages.forEach((stage, k, all) => {
       if (k === 0 || stage !== all[k - 1]) mark("stage-tick", k, `Stage ${stage} begins`);
     });
     for (const event of run.scene.events.slice(0, 200)) {
@@ -194,7 +198,7 @@ export class Page {
     on("speed", "change", () => (this.speed = Number(this.$("speed").value)));
     on("loop", "change", () => (this.loop = this.$("loop").checked));
     on("field", "change", () => this.set({ field: this.$("field").value, limits: null }));
-    on("share", "change", () => this.set({ share: Number(this.$("share").value), limits: null }));
+    on("share", "change", () => this.set({ share: Number(this.$("share").value) || null, limits: null }));
     for (const end of ["low", "high"]) on(end, "change", () => this.setLimits());
     on("layers", "change", (event) => this.toggle(event.target.value, event.target.checked));
     on("fit", "click", () => (this.fitAll(), this.changed()));
@@ -339,25 +343,6 @@ export class Page {
     });
   }
 
-  /** Return the colour of every block in the frame, and their scale where there is one. */
-  colours() {
-    const { run, state } = this;
-    if (state.field === "rock") {
-      return [this.kinds((block) => run.scene.rock[block]), null];
-    }
-    if (state.field === "block") return [this.kinds((block) => block), null];
-    if (state.field === "none") return [run.scene.blocks.map(() => PLAIN), null];
-    const values = run.values(state.field, state.frame);
-    const counted = values.filter((_, block) => !run.fixed[block] && !run.isGone(state.frame, block));
-    const [low, high] = state.limits ?? endsOf(counted, state.share);
-    const scale = new Scale(run.scene.colours, low, high);
-    return [Array.from(values, (value, block) => (run.fixed[block] ? FIXED : scale.colour(value))), scale];
-  }
-
-  kinds(kindOf) {
-    return this.run.scene.blocks.map((_, block) => (this.run.fixed[block] ? FIXED : kindColour(kindOf(block))));
-  }
-
   draw() {
     const { run, view, state, theme } = this;
     if (!theme || !this.drawing) return;
@@ -367,13 +352,13 @@ export class Page {
       view.y = run.middle[2 * state.chosen + 1] + run.motion.y[at];
     }
     const begun = performance.now();
-    const [colours, scale] = this.colours();
+    const [colours, scale] = coloursOf(run, state);
     this.drawing.draw(view, state.frame, colours, theme);
     const context = this.above.getContext("2d");
     const dots = this.above.width / view.width;
     context.setTransform(dots, 0, 0, dots, 0, 0);
     context.clearRect(0, 0, view.width, view.height);
-    this.drawLayers(new CanvasPen(context));
+    this.drawLayers(new CanvasPen(context), scale);
     this.frameTime = performance.now() - begun;
     this.root.dataset.drawn = String(state.frame);
     this.root.dataset.milliseconds = this.frameTime.toFixed(1);
@@ -393,10 +378,13 @@ export class Page {
     this.resize();
   }
 
-  drawLayers(pen) {
+  drawLayers(pen, scale) {
     const { run, view, state, theme } = this;
-    const scene = { run, view, theme, frame: state.frame };
-    for (const name of layersOf(run)) if (state.layers.has(name)) LAYERS[name].draw(pen, scene);
+    const scene = { run, view, theme, state, scale, frame: state.frame };
+    if (scale && state.field in run.faces) drawFaces(pen, scene, state.field);
+    for (const name of layersOf(run)) {
+      if (state.layers.has(name) && name !== state.field) LAYERS[name].draw(pen, scene);
+    }
     if (state.chosen >= 0 && !run.isGone(state.frame, state.chosen)) drawChosen(pen, scene, state.chosen);
     drawScaleBar(pen, scene);
   }
@@ -407,10 +395,10 @@ export class Page {
     const time = run.times[state.frame];
     this.$("time").value = String(state.frame);
     this.$("time").setAttribute("aria-valuetext", withUnit(time, "s", 5));
-    const stage = run.scene.stages[state.frame];
+    const stage = run.stages[state.frame];
     this.$("clock").textContent = `t = ${withUnit(time, "s", 5)}${stage ? `, stage ${stage}` : ""}`;
     this.$("field").value = state.field;
-    this.$("share").value = String(state.share);
+    this.$("share").value = String(state.share ?? "");
     for (const box of this.$("layers").querySelectorAll("input")) box.checked = state.layers.has(box.value);
     this.$("follow").checked = state.follow;
     this.showLegend(scale);
@@ -423,7 +411,7 @@ export class Page {
     legend.replaceChildren();
     const { scene } = this.run;
     if (scale) {
-      const [label, unit] = scene.labels[this.state.field];
+      const [label, unit] = labelOf(this.run, this.state.field);
       const head = document.createElement("div");
       head.textContent = label;
       const bar = document.createElement("div");
@@ -525,7 +513,7 @@ export class Page {
     const time = Number(said.get("t"));
     if (said.has("t") && Number.isFinite(time)) state.frame = run.frameAt(time);
     const field = said.get("field");
-    if (field in run.scene.labels || field in KINDS) state.field = field;
+    if (field in fieldsOf(run)) state.field = field;
     const seen = (said.get("view") ?? "").split(",").map(Number);
     if (seen.length === 3 && seen.every(Number.isFinite) && seen[2] > 0) [view.x, view.y, view.scale] = seen;
     if (said.has("layers")) {
@@ -561,8 +549,9 @@ export class Page {
   svg() {
     const { run, view, state, theme } = this;
     const pen = new SvgPen(view.width, view.height, theme.paper);
-    drawBlocks(pen, run, view, state.frame, this.colours()[0], theme);
-    this.drawLayers(pen);
+    const [colours, scale] = coloursOf(run, state);
+    drawBlocks(pen, run, view, state.frame, colours, theme);
+    this.drawLayers(pen, scale);
     return pen.finish();
   }
 

@@ -3,55 +3,84 @@
 const KINDS = ["#e0c9a0", "#a9b88f", "#d9a384", "#c3b9c9", "#c9c07a", "#b59a7a", "#e3b7b7", "#9c9c8e"];
 export const JOINTS = ["#332288", "#cc6677", "#117733", "#aa4499", "#88ccee", "#999933", "#882255", "#44aa99"];
 export const FIXED = "#dcdcdc";
-export const PLAIN = "#efece4";
+/** Fill of blocks where their joints have the colours. */
+export const PLAIN = "#f3efe6";
 
 /** Return the colour of a rock or block by its number; rows of eight do not line up. */
 export function kindColour(kind) {
   return KINDS[(kind + Math.floor(kind / KINDS.length)) % KINDS.length];
 }
 
+// these are those of scale.py
+const FEW = 0.01;
+const SPOILT = 3;
+const NOISE = 1e-6;
+const ONE_SIDED = 0.02;
+
 /**
  * Return the ends of a scale of values (n,): 0 is one of them, or the middle.
- * @param {Float32Array | number[]} values
- * @param {number} share of the values that the scale holds, 0 to 1
+ * @param {Float32Array} values
+ * @param {Float32Array} weights area or length of each (n,)
+ * @param {number | null} share of the values that the scale holds, 0 to 1; null for all but a few
+ *   that would spoil it, as in still pictures
  */
-export function endsOf(values, share) {
-  const sizes = Float32Array.from(values, Math.abs).sort();
-  const size = sizes.length ? sizes[Math.min(sizes.length - 1, Math.ceil(share * sizes.length) - 1)] : 0;
+export function endsOf(values, weights, share) {
+  const size = share === null ? largestButFew(values, weights) : quantile(values, share);
   if (!(size > 0)) return [0, 1];
-  let low = 0;
-  let high = 0;
+  let low = Infinity;
+  let high = -Infinity;
   for (const value of values) {
     low = Math.min(low, value);
     high = Math.max(high, value);
   }
-  if (low >= -0.02 * size) return [0, size];
-  if (high <= 0.02 * size) return [-size, 0];
+  if (Math.max(-size, low) >= -ONE_SIDED * size) return [0, size];
+  if (Math.min(size, high) <= ONE_SIDED * size) return [-size, 0];
   return [-size, size];
+}
+
+function quantile(values, share) {
+  const sizes = Float32Array.from(values, Math.abs).sort();
+  return sizes.length ? sizes[Math.min(sizes.length - 1, Math.ceil(share * sizes.length) - 1)] : 0;
+}
+
+/** Return the largest size of values (n,), but for those of a hundredth of the weight that stand out. */
+export function largestButFew(values, weights) {
+  const sizes = Float32Array.from(values, Math.abs);
+  const order = Array.from(sizes.keys()).sort((a, b) => sizes[b] - sizes[a]);
+  if (!order.length) return 0;
+  const total = weights.reduce((sum, one) => sum + one, 0);
+  let before = 0;
+  const usual = order.find((k) => (before += weights[k]) > FEW * total);
+  const largest = sizes[order[0]];
+  if (usual === undefined || sizes[usual] <= NOISE * largest) return largest;
+  return sizes[order.find((k) => sizes[k] <= SPOILT * sizes[usual])];
 }
 
 /** Colours between two values. */
 export class Scale {
-  /** @param {Record<string, string[]>} colours by kind @param {number} low @param {number} high */
+  /** @param {any} colours by kind @param {number} low @param {number} high */
   constructor(colours, low, high) {
     this.low = low;
     this.high = high;
     const kind = low >= 0 ? "rising" : high <= 0 ? "falling" : "both";
     this.colours = colours[kind];
+    [this.under, this.over] = colours.beyond[kind];
     // a scale on both sides is drawn about zero: its colours are those of the larger side
     const half = Math.max(-low, high);
     [this.first, this.last] = kind === "both" ? [-half, half] : [low, high];
   }
 
-  /** Return the number of a value's colour. */
-  number(value) {
-    const share = (value - this.first) / (this.last - this.first || 1);
-    return Math.max(0, Math.min(this.colours.length - 1, Math.floor(share * this.colours.length)));
-  }
-
   /** Return a value's colour. */
   colour(value) {
-    return this.colours[this.number(Math.max(this.low, Math.min(this.high, value)))];
+    if (value < this.low) return this.under;
+    if (value > this.high) return this.over;
+    const share = (value - this.first) / (this.last - this.first || 1);
+    return this.colours[Math.max(0, Math.min(this.colours.length - 1, Math.floor(share * this.colours.length)))];
+  }
+
+  /** Return how large a value is beside the largest of the scale, 0 to 1. */
+  share(value) {
+    return Math.min(1, Math.abs(value) / Math.max(-this.low, this.high));
   }
 }
 

@@ -1,55 +1,14 @@
 // Numbers of the page: decoded once, then asked for by frame.  Lengths in m about scene.origin.
 
-/**
- * Return the bytes of a text that Python packed: base64, deflated.
- * @param {string} text
- * @returns {Promise<Uint8Array>}
- */
-export async function inflated(text) {
-  const packed = Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
-}
-
-/**
- * Return an array of floats or integers of 32 bits.
- * @param {string} text
- * @param {Float32ArrayConstructor | Int32ArrayConstructor} Kind
- */
-export async function rawArray(text, Kind) {
-  return new Kind((await inflated(text)).buffer);
-}
-
-/**
- * Return the numbers (frames x width) of a packed table: see packing.py.
- * @param {{low: number, high: number, data: string}} table
- * @param {number} width numbers a frame
- * @returns {Promise<Float32Array>}
- */
-export async function unpacked(table, width) {
-  const bytes = await inflated(table.data);
-  const count = bytes.length / 2;
-  const found = new Float32Array(count);
-  const step = (table.high - table.low) / 65535;
-  const level = new Uint16Array(width);
-  for (let k = 0; k < count; k++) {
-    const coded = bytes[k] | (bytes[count + k] << 8);
-    const change = coded & 1 ? -((coded + 1) >> 1) : coded >> 1;
-    const block = k % width;
-    level[block] = (level[block] + change) & 0xffff;
-    found[k] = table.low + step * level[block];
-  }
-  return found;
-}
+import { decodeMoving, joined } from "./moving.js";
+import { rawArray } from "./packing.js";
 
 /** What the page knows of a run. */
 export class RunData {
   /** @param {any} scene what scene.py made */
   constructor(scene) {
     this.scene = scene;
-    this.times = scene.times;
     this.blockCount = scene.blocks.length;
-    this.frameCount = scene.times.length;
     this.fixed = new Uint8Array(this.blockCount);
     for (const block of scene.fixed) this.fixed[block] = 1;
   }
@@ -57,48 +16,25 @@ export class RunData {
   /** Decode everything; the page can draw afterwards. */
   async decode() {
     const { scene } = this;
-    const wide = this.blockCount;
     this.start = await rawArray(scene.vertices, Float32Array);
     this.blockStart = await rawArray(scene.block_start, Int32Array);
     this.edgeJoint = await rawArray(scene.edge_joint, Int32Array);
-    this.motion = {};
-    for (const name of ["x", "y", "angle", "xx", "yy", "xy"]) {
-      this.motion[name] = await unpacked(scene.motion[name], wide);
-    }
-    this.fields = {};
-    for (const name of Object.keys(scene.fields)) {
-      this.fields[name] = await unpacked(scene.fields[name], wide);
-    }
     this.middle = this.middles();
     this.area = this.areas();
-    await this.decodeContacts();
-    if (scene.bolts) await this.decodeBolts();
+    this.take(await decodeMoving(scene, this.blockCount));
   }
 
-  async decodeContacts() {
-    const from = this.scene.contacts;
-    this.contacts = { first: new Int32Array(this.frameCount + 1) };
-    from.count.forEach((count, k) => {
-      this.contacts.first[k + 1] = this.contacts.first[k] + count;
-    });
-    for (const name of ["x", "y", "fx", "fy"]) {
-      this.contacts[name] = await rawArray(from[name], Float32Array);
-    }
-    for (const name of ["on", "by", "mode"]) {
-      this.contacts[name] = await rawArray(from[name], Int32Array);
-    }
-    let largest = 0;
-    for (let k = 0; k < this.contacts.fx.length; k++) {
-      largest = Math.max(largest, Math.hypot(this.contacts.fx[k], this.contacts.fy[k]));
-    }
-    this.contacts.largest = largest;
+  /** Put frames behind that the run has made since. */
+  async append(part) {
+    this.take(joined(this.moving, await decodeMoving(part, this.blockCount), this.blockCount));
   }
 
-  async decodeBolts() {
-    const from = this.scene.bolts;
-    this.bolts = { bolt: from.bolt, names: from.names };
-    for (const name of ["x", "y", "force"]) this.bolts[name] = await rawArray(from[name], Float32Array);
-    this.bolts.state = await rawArray(from.state, Int32Array);
+  take(moving) {
+    this.moving = moving;
+    this.frameCount = moving.times.length;
+    for (const name of ["times", "stages", "gone", "motion", "fields", "contacts", "faces", "bolts", "points"]) {
+      this[name] = moving[name];
+    }
   }
 
   /** Return the mean of the start vertices of each block, m, x and y by turns. */
@@ -172,7 +108,7 @@ export class RunData {
 
   /** Return whether a block has been excavated in a frame. */
   isGone(frame, block) {
-    return frame >= this.scene.gone[block];
+    return frame >= this.gone[block];
   }
 
   /**
@@ -182,15 +118,17 @@ export class RunData {
   value(field, frame, block) {
     const at = frame * this.blockCount + block;
     const { motion, fields } = this;
+    // where a stage has reset displacements they are fields of their own
+    const { displacement_x: x = motion.x, displacement_y: y = motion.y, rotation = motion.angle } = fields;
     switch (field) {
       case "displacement":
-        return Math.hypot(motion.x[at], motion.y[at]);
+        return Math.hypot(x[at], y[at]);
       case "displacement_x":
-        return motion.x[at];
+        return x[at];
       case "displacement_y":
-        return motion.y[at];
+        return y[at];
       case "rotation":
-        return (motion.angle[at] * 180) / Math.PI;
+        return (rotation[at] * 180) / Math.PI;
       case "velocity":
         return Math.hypot(fields.velocity_x[at], fields.velocity_y[at]);
       case "sigma_1":
@@ -256,5 +194,15 @@ export class RunData {
       if (inside) return block;
     }
     return -1;
+  }
+  /**
+   * Call back with every face of the joints in a frame: its number, value and length.
+   * @param {string} name slip or opening
+   */
+  eachFace(name, frame, call) {
+    const faces = this.faces[name];
+    for (let k = faces.first[frame]; k < faces.first[frame + 1]; k++) {
+      call(k, faces.value[k], Math.hypot(faces.x1[k] - faces.x0[k], faces.y1[k] - faces.y0[k]));
+    }
   }
 }

@@ -1,17 +1,23 @@
 // What is drawn above the blocks, with a pen: contacts, chains, bolts, stresses, points, what is chosen.
 
 import { outline } from "./draw_canvas.js";
+import { scaleOfFaces } from "./colouring.js";
 import { JOINTS } from "./colours.js";
 
 const PULLED = "#b2182b";
 const PRESSED = "#2166ac";
 const FORCE = "#5b2a86";
 const MOST_CROSSES = 4000;
+/** Slip and opening beside the colours of blocks: as wide as they are large. */
+const FACES = { slip: "#8e24aa", opening: "#00695c" };
+const WIDTHS = 8;
 
 /** Name of a layer -> its label and what draws it. */
 export const LAYERS = {
   before: { label: "Outlines at the start", draw: drawBefore },
   joints: { label: "Edges by joint", draw: drawJoints },
+  slip: { label: "Slip of joints, as line width", draw: (pen, seen) => drawFaces(pen, seen, "slip") },
+  opening: { label: "Opening of joints, as line width", draw: (pen, seen) => drawFaces(pen, seen, "opening") },
   contacts: { label: "Contact forces", draw: drawContacts },
   chains: { label: "Force chains", draw: drawChains },
   crosses: { label: "Principal stresses", draw: drawCrosses },
@@ -26,12 +32,14 @@ export function layersOf(run) {
   const has = {
     before: true,
     joints: scene.joints.length > 1,
-    contacts: scene.contacts.shown > 0,
-    chains: scene.contacts.shown > 0,
+    slip: run.faces.slip?.shown > 0,
+    opening: run.faces.opening?.shown > 0,
+    contacts: run.contacts.shown > 0,
+    chains: run.contacts.shown > 0,
     crosses: true,
-    excavated: scene.gone.some((frame) => frame < run.frameCount),
-    bolts: Boolean(scene.bolts),
-    points: scene.points.length > 0,
+    excavated: run.gone.some((frame) => frame < run.frameCount),
+    bolts: Boolean(run.bolts),
+    points: run.points.length > 0,
   };
   return Object.keys(LAYERS).filter((name) => has[name]);
 }
@@ -73,6 +81,39 @@ function drawJoints(pen, { run, view, frame }) {
   for (const [joint, paths] of byJoint) pen.lines(paths, JOINTS[joint % JOINTS.length], 1.6);
 }
 
+/**
+ * Draw slip or opening: in the colours of a scale where it is the field, else by width alone.
+ * @param {any} pen @param {any} seen @param {string} field
+ */
+export function drawFaces(pen, seen, field) {
+  const { run, view, frame, state } = seen;
+  const own = state.field === field;
+  const scale = own ? seen.scale : scaleOfFaces(run, { field, frame, share: null, limits: null });
+  const faces = run.faces[field];
+  // points are 4/3 pixels
+  const [thin, thick] = run.scene.line_widths.map((width) => (4 / 3) * width);
+  const groups = new Map();
+  run.eachFace(field, frame, (k, value) => {
+    const x0 = view.screenX(faces.x0[k]);
+    const y0 = view.screenY(faces.y0[k]);
+    const x1 = view.screenX(faces.x1[k]);
+    const y1 = view.screenY(faces.y1[k]);
+    if (Math.max(x0, x1) < 0 || Math.min(x0, x1) > view.width) return;
+    if (Math.max(y0, y1) < 0 || Math.min(y0, y1) > view.height) return;
+    const step = Math.min(WIDTHS - 1, Math.floor(WIDTHS * scale.share(value)));
+    if (!own && step === 0 && scale.share(value) < 0.02) return;
+    const colour = own ? scale.colour(value) : FACES[field];
+    const key = `${colour} ${step}`;
+    if (!groups.has(key)) groups.set(key, { colour, step, paths: [] });
+    // one contact alone is a dot: no length would not be drawn
+    groups.get(key).paths.push([x0, y0, x1 === x0 && y1 === y0 ? x1 + 0.01 : x1, y1]);
+  });
+  const order = [...groups.values()].sort((a, b) => a.step - b.step);
+  for (const { colour, step, paths } of order) {
+    pen.lines(paths, colour, thin + ((thick - thin) * (step + 0.5)) / WIDTHS);
+  }
+}
+
 /** Call back with every contact of a frame: its number and the size of its force. */
 function eachContact(run, frame, call) {
   const { contacts } = run;
@@ -104,7 +145,6 @@ function drawContacts(pen, { run, view, frame }) {
 
 function drawChains(pen, { run, view, frame }) {
   const { contacts, motion, middle, blockCount } = run;
-  const WIDTHS = 8;
   const byWidth = Array.from({ length: WIDTHS }, () => []);
   const at = (block) => [
     view.screenX(middle[2 * block] + motion.x[frame * blockCount + block]),
@@ -169,7 +209,7 @@ function drawBolts(pen, { run, view, frame, theme }) {
 }
 
 function drawPoints(pen, { run, view, frame, theme }) {
-  run.scene.points.forEach(({ name, x: xs, y: ys }) => {
+  run.points.forEach(({ name, x: xs, y: ys }) => {
     const [x, y] = [xs[frame], ys[frame]];
     pen.circle(view.screenX(x), view.screenY(y), 4, theme.paper, theme.ink);
     pen.text(view.screenX(x) + 8, view.screenY(y) - 8, name, theme.ink, theme.paper);

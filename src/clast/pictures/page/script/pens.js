@@ -19,6 +19,7 @@ export class CanvasPen {
     context.strokeStyle = colour;
     context.lineWidth = width;
     context.lineJoin = "round";
+    context.lineCap = dash.length ? "butt" : "round";
     context.stroke();
     context.setLineDash([]);
   }
@@ -87,7 +88,8 @@ export class SvgPen {
     const data = paths.map((path) => pathOf(path, false)).join("");
     const dashes = dash.length ? ` stroke-dasharray="${dash.join(" ")}"` : "";
     this.parts.push(
-      `<path d="${data}" fill="none" stroke="${colour}" stroke-width="${width}" stroke-linejoin="round"${dashes}/>`,
+      `<path d="${data}" fill="none" stroke="${colour}" stroke-width="${width}" stroke-linejoin="round" ` +
+        `${dash.length ? "" : 'stroke-linecap="round"'}${dashes}/>`,
     );
   }
 

@@ -1,0 +1,78 @@
+"""The curves of a page: measured points, bolts, energies, steps over time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from clast.model.model import Floats
+from clast.results import Recording
+
+CURVE_POINTS = 2_000
+"""Instants of a curve at most."""
+
+
+def curves_of(results: Recording) -> list[dict[str, Any]]:
+    """Return the curves over time: measured points, bolts, energies, steps."""
+    found = []
+    for name in results.point_name:
+        history = results.history(name)
+        found.append(
+            _curve(
+                f"Point {name}, displacement",
+                "m",
+                history.time,
+                {"x": history.displacement[:, 0], "y": history.displacement[:, 1]},
+            )
+        )
+        found.append(
+            _curve(
+                f"Point {name}, velocity",
+                "m/s",
+                history.time,
+                {"x": history.velocity[:, 0], "y": history.velocity[:, 1]},
+            )
+        )
+    for name in results.bolt_name:
+        history_of_bolt = results.bolt_history(name)
+        found.append(
+            _curve(f"Bolt {name}, force", "N/m", history_of_bolt.time, {"": history_of_bolt.force})
+        )
+    energy = results.energy
+    parts = {key: values for key, values in energy.items() if key != "time" and np.any(values)}
+    found.append(_curve("Energy", "J/m", energy["time"], parts))
+    steps = results.steps
+    if len(steps):
+        time = steps["time"]
+        found.append(_curve("Step", "s", time, {"": steps["step"]}))
+        found.append(_curve("Deepest penetration", "m", time, {"": steps["penetration"]}))
+        found.append(_curve("Contacts", "", time, {"": steps["contacts"]}))
+    return [one for one in found if len(one["time"])]
+
+
+def _curve(name: str, unit: str, time: Floats, lines: dict[str, Any]) -> dict[str, Any]:
+    """Return a chart; of long ones lowest and highest values of stretches are kept."""
+    kept = np.arange(len(time))
+    if len(time) > CURVE_POINTS:
+        chosen = [np.array([0, len(time) - 1])]
+        for values in lines.values():
+            for part in np.array_split(kept, max(1, CURVE_POINTS // (2 * max(1, len(lines))))):
+                here = np.asarray(values)[part]
+                chosen.append(part[[int(here.argmin()), int(here.argmax())]])
+        kept = np.unique(np.concatenate(chosen))
+    return {
+        "name": name,
+        "unit": unit,
+        "time": [float(f"{t:.9g}") for t in np.asarray(time, float)[kept]],
+        "lines": [
+            {"name": key.replace("_", " "), "values": [_short(v) for v in np.asarray(values)[kept]]}
+            for key, values in lines.items()
+        ],
+    }
+
+
+def _short(value: Any) -> float | None:
+    """Return a number with six digits; None for what is not finite, which JSON does not know."""
+    number = float(value)
+    return float(f"{number:.6g}") if np.isfinite(number) else None

@@ -1,0 +1,212 @@
+"""What of a page changes from frame to frame: motion, fields, contacts, joints, bolts, points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from clast.errors import CaseError
+from clast.model.model import Bools, Floats, Ints
+from clast.model.stages.records import counted_from
+from clast.pictures.joints.values import JOINT_FIELDS
+from clast.pictures.page.packing import affine, packed, raw
+from clast.results import Recording
+from clast.results.frames import gone_in_frame
+
+CONTACT_BYTES, FACE_BYTES = 14, 12
+"""Bytes of a contact and of a face of a joint in a frame, before they are compressed."""
+
+
+class _Frames(Sequence[Floats]):
+    """The vertices (nv, 2) of some frames, read one after the other."""
+
+    def __init__(self, results: Recording, numbers: Ints) -> None:
+        self._results, self._numbers = results, numbers
+
+    def __len__(self) -> int:
+        return len(self._numbers)
+
+    def __getitem__(self, k: Any) -> Any:
+        return self._results.vertices(int(self._numbers[k]))
+
+    def __iter__(self) -> Iterator[Floats]:
+        for number in self._numbers:
+            yield self._results.vertices(int(number))
+
+
+def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
+    """Return what the page shows of some frames; m about the middle of the start.
+
+    ``budget`` is what contacts and joints may take, bytes, before they are compressed.
+    """
+    start = results.vertices(0)
+    motion = affine(start, _Frames(results, numbers), results.block_start)
+    stages = results.frame_stages
+    about = _About(results, numbers, start.mean(axis=0))
+    return {
+        "times": results.times[numbers].tolist(),
+        "stages": [stages[n] for n in numbers] if stages else [],
+        "gone": _gone_from(results, numbers).tolist(),
+        "motion": {name: packed(values) for name, values in motion.items()},
+        "fields": {name: packed(values) for name, values in _fields(results, numbers)},
+        **_thinned(about, budget),
+        "bolts": _bolts(about),
+        "points": _points(about),
+    }
+
+
+@dataclass(frozen=True)
+class _About:
+    """Frames that are shown, and the point that places are relative to."""
+
+    results: Recording
+    numbers: Ints
+    origin: Floats
+
+
+def _gone_from(results: Recording, numbers: Ints) -> Ints:
+    """Return the frame from which on each block is excavated; the number of frames for never."""
+    found = np.full(len(results.block_name), len(numbers))
+    for k in range(len(numbers) - 1, -1, -1):
+        gone: Bools = gone_in_frame(results, int(numbers[k]))
+        if not gone.any():
+            break
+        found[gone] = k
+    return found
+
+
+def _fields(results: Recording, numbers: Ints) -> Iterator[tuple[str, Floats]]:
+    """Give the fields that the page cannot work out by itself, (frames, n).
+
+    Displacements are among them where a stage has reset them: they do not count from the start.
+    """
+    names = ["velocity_x", "velocity_y", "sigma_xx", "sigma_yy", "sigma_xy"]
+    if any(event.kind == "displacements reset" for event in results.events):
+        names += ["displacement_x", "displacement_y", "rotation"]
+    for name in names:
+        yield name, np.stack([results.field(name, int(number)) for number in numbers])
+
+
+# Contacts and joints -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Rows of each frame, and how much each counts where not all are kept."""
+
+    rows: list[NDArray[Any]]
+    """Rows of each frame, (m, columns) each."""
+    weight: list[Floats]
+    """Size of each of them, (m,)."""
+    bytes: int
+    """Bytes of a row."""
+
+    @property
+    def total(self) -> int:
+        """Rows of all frames."""
+        return sum(map(len, self.rows))
+
+    def largest(self, most: int) -> tuple[NDArray[Any], list[int]]:
+        """Return at most so many of each frame, the largest, in their order, and their counts."""
+        kept = [
+            rows[np.sort(np.argsort(-weight, kind="stable")[:most])]
+            for rows, weight in zip(self.rows, self.weight, strict=True)
+        ]
+        return np.concatenate(kept), list(map(len, kept))
+
+
+def _thinned(about: _About, budget: float) -> dict[str, Any]:
+    """Return contacts and joints; of each the same share of a full frame where room is short."""
+    contacts = _contacts(about)
+    faces = {name: rows for name in JOINT_FIELDS if (rows := _faces(about, name)) is not None}
+    every = [contacts, *faces.values()]
+    wanted = sum(one.bytes * one.total for one in every)
+    frames = len(about.numbers)
+
+    def cut(one: _Rows) -> tuple[NDArray[Any], dict[str, Any]]:
+        share = 1.0 if wanted <= budget else budget / wanted
+        # what frames with few rows leave is not given to others: the cut is the same in all
+        most = max(map(len, one.rows)) if share == 1.0 else max(1, int(share * one.total / frames))
+        flat, count = one.largest(most)
+        return flat, {"shown": len(flat), "of": one.total, "count": count}
+
+    flat, counts = cut(contacts)
+    kinds = {"x": "<f4", "y": "<f4", "fx": "<f4", "fy": "<f4", "on": "<i4", "by": "<i4"}
+    kinds["mode"] = "<i4"
+    found = {name: raw(flat[:, k], kind) for k, (name, kind) in enumerate(kinds.items())}
+    joints = {}
+    for name, rows in faces.items():
+        flat_faces, told = cut(rows)
+        ends = {
+            end: packed(flat_faces[None, :, k]) for k, end in enumerate(("x0", "y0", "x1", "y1"))
+        }
+        joints[name] = {**told, **ends, "value": raw(flat_faces[:, 4], "<f4")}
+    return {"contacts": {**counts, **found}, "faces": joints}
+
+
+def _contacts(about: _About) -> _Rows:
+    """Return place, force, blocks and mode of every contact."""
+    rows: list[NDArray[Any]] = []
+    weight = []
+    for number in about.numbers:
+        table = about.results.contacts(int(number))
+        force = table.force
+        weight.append(np.hypot(*force.T) if len(table) else np.zeros(0))
+        blocks = table.vertex_block, table.edge_block
+        place = table.position - about.origin
+        rows.append(np.column_stack([place, force, *blocks, table.mode]))
+    return _Rows(rows, weight, CONTACT_BYTES)
+
+
+def _faces(about: _About, name: str) -> _Rows | None:
+    """Return ends and value of every face of the joints; None for results without them."""
+    rows: list[NDArray[Any]] = []
+    weight = []
+    for number in about.numbers:
+        try:
+            faces = JOINT_FIELDS[name].faces(about.results, int(number))
+        except CaseError:  # an earlier clast wrote the file
+            return None
+        ends = (faces.ends - about.origin).reshape(-1, 4)
+        rows.append(np.column_stack([ends, faces.value]))
+        weight.append(np.abs(faces.value))
+    return _Rows(rows, weight, FACE_BYTES)
+
+
+# Bolts and measured points -----------------------------------------------------------------------
+
+
+def _bolts(about: _About) -> dict[str, Any] | None:
+    """Return points, forces and states of bolts in every frame; None without any."""
+    first = about.results.bolts(0)
+    if not len(first):
+        return None
+    every = [about.results.bolts(int(number)) for number in about.numbers]
+    at = np.stack([one.points - about.origin for one in every])
+    return {
+        "names": list(first.name),
+        "bolt": first.bolt.tolist(),
+        "x": raw(at[..., 0], "<f4"),
+        "y": raw(at[..., 1], "<f4"),
+        "force": raw(np.stack([one.force for one in every]), "<f4"),
+        "state": raw(np.stack([one.state for one in every]), "<i4"),
+    }
+
+
+def _points(about: _About) -> list[dict[str, Any]]:
+    """Return the measured points with where they are in every frame."""
+    results, times = about.results, about.results.times[about.numbers]
+    found = []
+    for k, (name, at) in enumerate(zip(results.point_name, results.point_start, strict=True)):
+        history = results.history(name)
+        # a static run has several rows at one time: the last of them is the frame's
+        row = np.searchsorted(history.time, times * (1.0 + 1e-12), side="right")
+        row = np.maximum(row - 1, 0)
+        before = [counted_from(results.stages, k, float(history.time[one])) for one in row]
+        place = at - about.origin + history.displacement[row] + np.reshape(before, (-1, 2))
+        found.append({"name": name, "x": place[:, 0].tolist(), "y": place[:, 1].tolist()})
+    return found

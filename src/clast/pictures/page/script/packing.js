@@ -1,0 +1,44 @@
+// Numbers as packing.py writes them.
+
+/**
+ * Return the bytes of a text that Python packed: base64, deflated.
+ * @param {string} text
+ * @returns {Promise<Uint8Array>}
+ */
+export async function inflated(text) {
+  const packed = Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/**
+ * Return an array of floats or integers of 32 bits.
+ * @param {string} text
+ * @param {Float32ArrayConstructor | Int32ArrayConstructor} Kind
+ */
+export async function rawArray(text, Kind) {
+  return new Kind((await inflated(text)).buffer);
+}
+
+/**
+ * Return the numbers (frames x width) of a packed table: see packing.py.
+ * @param {{low: number, high: number, data: string}} table
+ * @param {number} width numbers a frame
+ * @returns {Promise<Float32Array>}
+ */
+export async function unpacked(table, width) {
+  const bytes = await inflated(table.data);
+  const count = bytes.length / 2;
+  const found = new Float32Array(count);
+  const step = (table.high - table.low) / 65535;
+  const level = new Uint16Array(width);
+  for (let k = 0; k < count; k++) {
+    const coded = bytes[k] | (bytes[count + k] << 8);
+    const change = coded & 1 ? -((coded + 1) >> 1) : coded >> 1;
+    const block = k % width;
+    level[block] = (level[block] + change) & 0xffff;
+    found[k] = table.low + step * level[block];
+  }
+  return found;
+}
+
