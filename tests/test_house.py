@@ -26,7 +26,7 @@ COMMANDS = {"bench", "film", "fos", "import_", "montecarlo", "plot", "sweep"}
 """Commands of cli/: every option on the command line is an argument of the function."""
 STARTING_UP = {
     "compute/jit.py": "what is read of the kernels' files does not change while a process runs",
-    "inputs/declaring/choices.py": "the types of the parts of a method, and keys of their tables",
+    "inputs/declaring/alternatives.py": "types of the parts of a method, and keys of their tables",
     "case/case_file.py": "the JSON Schema of a case",
 }
 """Files whose functions may be remembered by functools.cache, and why nothing can go stale."""

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from clast.inputs.declaring.meanings import field_docstrings
+from clast.inputs.declaring.field_docs import field_docstrings
 from clast.model.state import Ledger
 from clast.results import schema
 from clast.results.schema import Column, Per, TableSchema

@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from clast.actions.damping import Kinetic as Kinetic
     from clast.actions.damping import Rayleigh as Rayleigh
     from clast.actions.damping import Undamped as Undamped
+    from clast.case.api import ModelBuilder as ModelBuilder
+    from clast.case.api import simulate as simulate
     from clast.case.case_file import Case as Case
     from clast.case.case_file import load as load
     from clast.case.law_trials import check_law as check_law
-    from clast.case.resuming import resume as resume
-    from clast.case.script import ModelBuilder as ModelBuilder
-    from clast.case.script import simulate as simulate
+    from clast.case.resume import resume as resume
     from clast.errors import CaseError as CaseError
     from clast.errors import ClastError as ClastError
     from clast.errors import ModelError as ModelError
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from clast.model.model import Rock as Rock
     from clast.model.stages.stage import Stage as Stage
     from clast.model.state import State as State
-    from clast.pictures.look import Look as Look
+    from clast.pictures.figure_options import Look as Look
     from clast.pictures.plot import plot_bolt_history as plot_bolt_history
     from clast.pictures.plot import plot_history as plot_history
     from clast.pictures.plot import plot_results as plot_results
@@ -59,13 +59,13 @@ if TYPE_CHECKING:
     from clast.run.excavation import excavated as excavated
     from clast.run.schedule import Schedule as Schedule
     from clast.step.method import Method as Method
-    from clast.study.api import HowMade as HowMade
-    from clast.study.api import Study as Study
     from clast.study.collapsing.collapse import Collapse as Collapse
     from clast.study.collapsing.collapse import collapse_load as collapse_load
     from clast.study.collapsing.collapse import factor_of_safety as factor_of_safety
     from clast.study.fit import Fit as Fit
     from clast.study.fit import fit as fit
+    from clast.study.study_api import HowMade as HowMade
+    from clast.study.study_api import Study as Study
     from clast.study.variables.distributions import Beta as Beta
     from clast.study.variables.distributions import Discrete as Discrete
     from clast.study.variables.distributions import Lognormal as Lognormal
@@ -82,7 +82,7 @@ if TYPE_CHECKING:
 HOME = {
     "Case": "clast.case.case_file",
     "load": "clast.case.case_file",
-    "resume": "clast.case.resuming",
+    "resume": "clast.case.resume",
     "check_law": "clast.case.law_trials",
     "excavated": "clast.run.excavation",
     "CaseError": "clast.errors",
@@ -106,9 +106,9 @@ HOME = {
     "PlaneStrain": "clast.model.model",
     "PlaneStress": "clast.model.model",
     "Rock": "clast.model.model",
-    "ModelBuilder": "clast.case.script",
-    "simulate": "clast.case.script",
-    "Look": "clast.pictures.look",
+    "ModelBuilder": "clast.case.api",
+    "simulate": "clast.case.api",
+    "Look": "clast.pictures.figure_options",
     "plot_bolt_history": "clast.pictures.plot",
     "plot_history": "clast.pictures.plot",
     "plot_results": "clast.pictures.plot",
@@ -119,8 +119,8 @@ HOME = {
     "Schedule": "clast.run.schedule",
     "Stage": "clast.model.stages.stage",
     "State": "clast.model.state",
-    "HowMade": "clast.study.api",
-    "Study": "clast.study.api",
+    "HowMade": "clast.study.study_api",
+    "Study": "clast.study.study_api",
     "Fit": "clast.study.fit",
     "fit": "clast.study.fit",
     "Collapse": "clast.study.collapsing.collapse",

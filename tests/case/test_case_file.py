@@ -12,7 +12,7 @@ from clast.case.case_file import Case, json_schema, load
 from clast.case.templates import INCLINE, TEMPLATES
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
-from clast.inputs.declaring.choices import Alternatives, Choice, class_at
+from clast.inputs.declaring.alternatives import Alternatives, Choice, class_at
 from clast.inputs.method import ALTERNATIVES, PROCESSES
 from clast.step.convex import Convex
 from clast.step.modified import ImplicitFriction, Modified

@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
+from clast.case.api import ModelBuilder as ScriptBuilder
 from clast.case.case_file import Case
-from clast.case.script import ModelBuilder as ScriptBuilder
 from clast.errors import ModelError
 from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model

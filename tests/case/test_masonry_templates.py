@@ -12,7 +12,7 @@ from clast.block.inertia import block_frames
 from clast.case.case_file import Case
 from clast.case.masonry_templates import COLUMN, WALL
 from clast.case.templates import TEMPLATES, arch, dominoes
-from clast.cli.cases import new
+from clast.cli.case_commands import new
 from clast.model.state import initial_state
 
 ROOT = Path(__file__).parents[2]

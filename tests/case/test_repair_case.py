@@ -12,7 +12,7 @@ from clast.case.drawn_blocks import MOST, blocks_text, put_together
 from clast.errors import CaseError, ModelError
 from clast.inputs.builder import ModelBuilder
 from clast.rockmass import Mender
-from clast.rockmass.drawings.blocks import blocks_of
+from clast.rockmass.drawings.block_arrays import blocks_of
 from clast.rockmass.drawings.blocks_out import write_blocks_npz
 from clast.run.method_warnings import check_overlaps, method_warnings
 from scenes.drawn_blocks import rounded, wall

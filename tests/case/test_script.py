@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import clast
+from clast.case.api import usual_step
 from clast.case.case_file import Case
-from clast.case.script import usual_step
 from clast.contact.laws import Penalty
 from clast.errors import CaseError, ModelError
 from clast.step.convex import Convex

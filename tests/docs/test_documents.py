@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.case import script
+from clast.case import api
 from clast.case.case_file import Case
 from clast.case.templates import INCLINE
 from clast.inputs import builder as model_builder
@@ -56,7 +56,7 @@ def test_the_readme_builds_and_runs_a_model():
     np.testing.assert_array_equal(again.field("vertices"), run.field("vertices"))
 
 
-@pytest.mark.parametrize("module", [clast, model_builder, script], ids=lambda m: m.__name__)
+@pytest.mark.parametrize("module", [clast, model_builder, api], ids=lambda m: m.__name__)
 def test_the_examples_of_docstrings_run(module, monkeypatch):
     monkeypatch.chdir(ROOT / "cases")
     executed(indented(module.__doc__), module.__name__)

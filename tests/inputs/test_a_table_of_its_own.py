@@ -18,11 +18,11 @@ import clast
 from clast.actions.action import Done, Share, energy_of_springs
 from clast.block import polygon
 from clast.block.displacement import movements
-from clast.case.script import ModelBuilder
+from clast.case.api import ModelBuilder
 from clast.contact.clipped_spring import Clipped, table
 from clast.errors import CaseError, ModelError
-from clast.inputs.declaring.choices import within
-from clast.inputs.declaring.giving import gives
+from clast.inputs.declaring.alternatives import within
+from clast.inputs.declaring.builder_methods import gives
 from clast.inputs.declaring.table import Point, Positive, Table
 from clast.model import ranges
 from clast.model.state import Ledger

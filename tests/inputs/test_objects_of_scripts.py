@@ -13,7 +13,7 @@ from clast.actions.damping import Adaptive, Kinetic, Rayleigh
 from clast.contact.laws import AugmentedLagrangian, Carried, Penalty
 from clast.errors import CaseError
 from clast.inputs.damping import DAMPING
-from clast.inputs.declaring.choices import Choice
+from clast.inputs.declaring.alternatives import Choice
 from clast.inputs.method import ALTERNATIVES
 from clast.inputs.stages import StageTable, given_stages
 from clast.model.stages.stage import Stage

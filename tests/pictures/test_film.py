@@ -10,9 +10,9 @@ from PIL import Image
 
 from clast.errors import CaseError
 from clast.pictures.film import encoders
-from clast.pictures.film.drawing import Drawing, FilmLook
 from clast.pictures.film.encoders import ffmpeg
 from clast.pictures.film.film import FilmSpeed, write_film
+from clast.pictures.film.film_frames import Drawing, FilmLook
 from clast.pictures.film.timing import frames_of, timing
 
 SMALL = FilmLook(size=(320.0,))

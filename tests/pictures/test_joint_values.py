@@ -5,8 +5,8 @@ import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.pictures.film.drawing import Drawing, FilmLook
-from clast.pictures.joints.values import faces_opened, faces_slipped
+from clast.pictures.film.film_frames import Drawing, FilmLook
+from clast.pictures.joints.joint_values import faces_opened, faces_slipped
 from clast.pictures.plot import plot_results
 
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from clast.errors import CaseError
-from clast.pictures.joints.edges import edges_by_joint
-from clast.pictures.look import Look
+from clast.pictures.figure_options import Look
+from clast.pictures.joints.joint_edges import edges_by_joint
 from clast.pictures.plot import plot_results
 from clast.pictures.strokes import CONSTRUCTED, GROUND, JOINT_COLOURS, UNNAMED, WELD, strokes_of
 from clast.results import Results

@@ -11,8 +11,8 @@ import pytest
 
 from clast.errors import CaseError
 from clast.pictures import canvas
+from clast.pictures.figure_options import Look
 from clast.pictures.forces import APART, FARTHER, _apart
-from clast.pictures.look import Look
 from clast.pictures.plot import plot_results
 from clast.pictures.scale import colours_between, largest_but_few, scale_of
 from clast.results import Results

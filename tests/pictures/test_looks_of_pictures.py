@@ -8,11 +8,11 @@ from matplotlib.colors import to_rgb
 
 import clast
 from clast.pictures import canvas
-from clast.pictures.blocks import KIND_COLOURS
-from clast.pictures.bolts import LOOKS
-from clast.pictures.look import Look
+from clast.pictures.draw_blocks import KIND_COLOURS
+from clast.pictures.draw_bolts import LOOKS
+from clast.pictures.draw_water import BLUE, PALE, pressures_of, waters_of
+from clast.pictures.figure_options import Look
 from clast.pictures.strokes import JOINT_COLOURS
-from clast.pictures.water import BLUE, PALE, pressures_of, waters_of
 
 matplotlib.use("Agg")
 

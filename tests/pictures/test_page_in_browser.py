@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
-from clast.pictures.joints.values import JOINT_FIELDS, scale_of_faces
+from clast.pictures.joints.joint_values import JOINT_FIELDS, scale_of_faces
 from clast.pictures.page.document import write_page
 from clast.pictures.scale import scale_of
 

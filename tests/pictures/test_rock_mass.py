@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from clast.errors import CaseError
-from clast.pictures.look import NO_WISHES, Look
+from clast.pictures.figure_options import DEFAULT, Look
 from clast.pictures.rock_mass import plot_cut, plot_cut_statistics, write_cut_report
-from clast.pictures.rock_mass.edges import edges_of
+from clast.pictures.rock_mass.cut_statistics import SECTOR, sectors, statistics_figure
+from clast.pictures.rock_mass.edge_groups import edges_of
 from clast.pictures.rock_mass.section import cut_figure
-from clast.pictures.rock_mass.statistics import SECTOR, sectors, statistics_figure
 from clast.pictures.strokes import JOINT_COLOURS
 from clast.rockmass import (
     BlockPattern,
@@ -64,7 +64,7 @@ def tunnel() -> Cut:
     )
 
 
-def drawn(found: Cut, by: str = "set", look: Look = NO_WISHES):
+def drawn(found: Cut, by: str = "set", look: Look = DEFAULT):
     """The figure, and its collections and patches by their labels."""
     figure = cut_figure(found, by=by, title="", look=look)
     axes = figure.axes[0]

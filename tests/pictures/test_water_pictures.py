@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import clast
-from clast.pictures.look import Look
-from clast.pictures.water import pressures_of, waters_of, with_levels
+from clast.pictures.draw_water import pressures_of, waters_of, with_levels
+from clast.pictures.figure_options import Look
 
 matplotlib.use("Agg")
 

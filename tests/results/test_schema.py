@@ -12,7 +12,7 @@ from clast.model.state import LEDGER, LEDGER_ENTRIES, Kind, Ledger, entries_of
 from clast.results import schema
 from clast.results.frame_samples import ROWS, STEP_ROWS
 from clast.results.schema import Per
-from clast.run.watch import COUNTED
+from clast.run.run_checks import COUNTED
 
 
 def run() -> clast.Run:

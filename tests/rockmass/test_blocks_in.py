@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from clast.errors import CaseError
-from clast.rockmass.drawings.blocks import counter_clockwise
+from clast.rockmass.drawings.block_arrays import counter_clockwise
 from clast.rockmass.drawings.blocks_in import BlockReading, has_blocks, read_blocks
 from clast.rockmass.drawings.blocks_out import write_blocks_csv, write_blocks_npz
 from clast.rockmass.drawings.dxf import DxfReading

@@ -23,7 +23,7 @@ from clast.rockmass.legacy.dda_xml import read_dda_xml
 from clast.rockmass.legacy.shi_analysis import read_shi_analysis
 from clast.rockmass.legacy.shi_blocks import read_shi_blocks
 from clast.rockmass.legacy.shi_geometry import read_shi_geometry
-from clast.rockmass.reading import read_drawing
+from clast.rockmass.read_drawing import read_drawing
 from scenes.legacy_files import ANALYSIS, BLOCKS, GEOMETRY, XML
 
 READERS: dict[str, Callable[[Path], Any]] = {

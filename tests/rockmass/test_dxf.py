@@ -12,6 +12,7 @@ import pytest
 import shapely
 
 from clast.errors import CaseError
+from clast.rockmass.drawings.drawn_loops import Line, loops_of, ring
 from clast.rockmass.drawings.dxf import (
     DxfReading,
     lines_of_layer,
@@ -22,8 +23,7 @@ from clast.rockmass.drawings.dxf import (
 )
 from clast.rockmass.drawings.dxf_entities import UNITS
 from clast.rockmass.drawings.dxf_points import arc, bulged
-from clast.rockmass.drawings.loops import Line, loops_of, ring
-from clast.rockmass.reading import read_drawing
+from clast.rockmass.read_drawing import read_drawing
 
 SQUARE = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (0.0, 10.0)]
 

@@ -9,8 +9,8 @@ import pytest
 import shapely
 
 from clast.rockmass import CrossJointed, Domain, JointSet, Opening, Polygon, Region, Trace, cut
-from clast.rockmass.report import place_text
-from clast.rockmass.sources import set_lines, site
+from clast.rockmass.cut_lines import set_lines, site
+from clast.rockmass.report_of_cut import place_text
 from scenes.command_line import clast_command, good
 from scenes.cuttings import assert_tiles
 from scenes.parted import Placed, ladder, parted, rectangle

@@ -67,7 +67,7 @@ OTHER = JointSet(name="B", angle=100.0, spacing=Exponential(mean=1.0))
 
 
 def test_another_set_leaves_the_lines_of_the_others():
-    from clast.rockmass.sources import set_lines, site
+    from clast.rockmass.cut_lines import set_lines, site
 
     at = site(SQUARE, [], [])
     alone = set_lines(at, [RANDOM, OTHER], [], 4)

@@ -13,7 +13,7 @@ from clast.errors import RunStopped, StepOutcome
 from clast.model.state import LEDGER_ENTRIES, Ledger
 from clast.results.run_report import report_from_dict
 from clast.run.overlap import unseen_overlaps
-from clast.run.watch import COUNTED, Watch
+from clast.run.run_checks import COUNTED, Watch
 from clast.step.convex import Convex
 from clast.step.modified import Modified
 from clast.step.open_close import OpenClose

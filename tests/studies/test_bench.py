@@ -29,9 +29,7 @@ from clast.studies.bench.bandwidth import (
     matrix_of_directions,
     system_of_step,
 )
-from clast.studies.bench.scenes import outlines_of_wall, wall
-from clast.studies.bench.settings import method_for, schedule_of
-from clast.studies.bench.table import (
+from clast.studies.bench.bench_table import (
     HEADINGS,
     MEMORY_HEADINGS,
     cells,
@@ -40,6 +38,8 @@ from clast.studies.bench.table import (
     stage_cells,
     stage_headings,
 )
+from clast.studies.bench.scenes import outlines_of_wall, wall
+from clast.studies.bench.settings import method_for, schedule_of
 from scenes.systems import at_start, overlaps
 
 SHORT = ["--size", "40", "--steps", "3"]

@@ -19,12 +19,12 @@ from clast.studies.paper import (
     Findings,
     Job,
     rest,
-    stiffness,
+    stiffness_study,
     table_1,
     write_page,
 )
 from clast.studies.paper.jobs import found
-from clast.studies.paper.page import Claim
+from clast.studies.paper.paper_page import Claim
 
 CASES = Path(__file__).parents[2] / "cases" / "paper"
 
@@ -49,9 +49,9 @@ def test_verdicts():
 
 def test_range_of_sound_stiffness():
     nan = float("nan")
-    assert stiffness.sound_range([1.0, 5.0, 9.0], [0.001, 0.002, nan]) == (5.0, 9.0)
-    assert stiffness.sound_range([1.0, 5.0], [0.5, 0.002]) == (0.0, 1.0)
-    assert stiffness.sound_range([1.0, 5.0], [0.0, 0.0]) == (5.0, float("inf"))
+    assert stiffness_study.sound_range([1.0, 5.0, 9.0], [0.001, 0.002, nan]) == (5.0, 9.0)
+    assert stiffness_study.sound_range([1.0, 5.0], [0.5, 0.002]) == (0.0, 1.0)
+    assert stiffness_study.sound_range([1.0, 5.0], [0.0, 0.0]) == (5.0, float("inf"))
 
 
 def test_every_job_is_a_case():

@@ -9,7 +9,7 @@ from clast.study.description import Description, described, parameters_of
 from clast.study.judging.expressions import read
 from clast.study.judging.measures import ARGUMENTS
 from clast.study.variables.parameters import Settings, keys_of, places
-from clast.study.variables.sampling import Random
+from clast.study.variables.random_draws import Random
 
 CASE = tomllib.loads(
     """

@@ -28,7 +28,7 @@ def test_the_lowest_chapter_is_used_by_all():
 
 
 def test_the_highest_is_used_by_none():
-    found = selection(["src/clast/cli/tables.py", "README.md"], layers())
+    found = selection(["src/clast/cli/terminal_tables.py", "README.md"], layers())
     assert found.core == ("tests/cli", "tests/test_house.py")
 
 
@@ -39,4 +39,4 @@ def test_tests_that_changed_are_run_whole():
 
 @pytest.mark.parametrize("name", ["pyproject.toml", "tests/scenes/systems.py"])
 def test_what_all_depend_on_makes_all_run(name: str):
-    assert selection([name, "src/clast/cli/tables.py"], layers()).core == ("tests",)
+    assert selection([name, "src/clast/cli/terminal_tables.py"], layers()).core == ("tests",)

@@ -15,8 +15,8 @@ from clast.verification import PROBLEMS, Verdict, cells
 from clast.verification.catalogue import GROUPS
 from clast.verification.problem import Bracket, KnownFailure, Outcome, absolute, relative
 from clast.verification.problems.blocks.spin import PROBLEM as SPIN
-from clast.verification.report import anchor
 from clast.verification.variants import LAGGED, Variant
+from clast.verification.verification_report import anchor
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -91,7 +91,7 @@ def test_variants_are_narrowed_by_process_and_law():
 def test_a_failure_that_is_known_and_gone_is_named():
     known = KnownFailure(variant=LAGGED, quantity="way", reason="because")
     each = problem(absolute("way at 2 s", "m", 0.0, 0.0, 0.1, "why"), known_failures=(known,))
-    assert verification.outlived([each.findings(LAGGED)]) == [known]
+    assert verification.fixed_failures([each.findings(LAGGED)]) == [known]
 
 
 def test_relative_error_passes_within_its_tolerance():

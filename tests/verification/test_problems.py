@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from clast.verification import PROBLEMS, Problem, Variant, cells, misses, outlived
+from clast.verification import PROBLEMS, Problem, Variant, cells, fixed_failures, misses
 
 BRIEF = [problem.brief() for problem in PROBLEMS]
 TRIALS = [
@@ -24,4 +24,4 @@ def test_problem(problem: Problem, variant: Variant):
     missed = misses(found.rows)
     assert not missed, "\n" + "\n".join(" | ".join(cells(row)) for row in missed)
     if problem.examine_briefly is None:
-        assert outlived([found]) == []
+        assert fixed_failures([found]) == []

@@ -22,11 +22,11 @@ from clast.inputs.blocks import BlockFileTable, BlockTable, GeometryTable, Repai
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.builder import ModelBuilder
 from clast.inputs.damping import Damping, chosen_damping
+from clast.inputs.declaring import serialise as case_writing
 from clast.inputs.declaring import text as case_text
-from clast.inputs.declaring import writing as case_writing
-from clast.inputs.declaring.faults import Fault, error_of, faults_of, refusal
-from clast.inputs.declaring.meanings import explain
+from clast.inputs.declaring.field_docs import explain
 from clast.inputs.declaring.table import Acceleration, Table
+from clast.inputs.declaring.validation_messages import Fault, error_of, faults_of, refusal
 from clast.inputs.ground_motion import GroundMotionTable
 from clast.inputs.in_situ import InSituTable
 from clast.inputs.joint_sets import JointSetTable
@@ -35,7 +35,7 @@ from clast.inputs.materials import Joint, Rock
 from clast.inputs.measurements import MeasuredPoint, Reference, point_faults
 from clast.inputs.method import MethodTable
 from clast.inputs.placing import plausibility
-from clast.inputs.placing.rock_mass import CutCase, RockMass
+from clast.inputs.placing.place_rock_mass import CutCase, RockMass
 from clast.inputs.rock_mass import (
     BlockPatternTable,
     DomainTable,

@@ -22,8 +22,8 @@ from clast.inputs.declaring.text import to_toml
 from clast.model.checks import Outlines, check_polygons
 from clast.model.repairs import Repair
 from clast.rockmass import CONSTRUCTION, WELDED, repaired
-from clast.rockmass.blocks import following
-from clast.rockmass.drawings.blocks import Blocks
+from clast.rockmass.block_loops import following
+from clast.rockmass.drawings.block_arrays import Blocks
 from clast.rockmass.repair.mender import repairs_of
 
 SHARE = 1e-2

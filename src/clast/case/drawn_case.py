@@ -16,7 +16,7 @@ from clast import spelling
 from clast.case.comments import TO_BE_GIVEN, comment, listed
 from clast.errors import ModelError
 from clast.inputs.declaring.text import to_toml
-from clast.inputs.placing.rock_mass import CutCase, RockMass
+from clast.inputs.placing.place_rock_mass import CutCase, RockMass
 from clast.inputs.rock_mass import DomainTable, OpeningTable, RegionTable, TraceTable
 from clast.rockmass.drawings.drawing import (
     Analysis,

@@ -13,7 +13,16 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from clast.cli import cases, exports, files, films, importing, rock_masses, studies, study
+from clast.cli import (
+    case_commands,
+    comparison_commands,
+    exports,
+    films,
+    importing,
+    result_commands,
+    rock_masses,
+    study_commands,
+)
 from clast.cli.exit_codes import BAD_INPUT, STOPPED, interrupted_by
 from clast.cli.terminal import say
 from clast.errors import ClastError, RunStopped, RunWarning, shortened
@@ -93,27 +102,27 @@ def _main(
 
 
 COMMANDS = (
-    cases.run,
-    cases.resume,
-    cases.check,
+    case_commands.run,
+    case_commands.resume,
+    case_commands.check,
     rock_masses.cut,
     importing.import_,
-    files.info,
-    files.plot,
-    files.page,
+    result_commands.info,
+    result_commands.plot,
+    result_commands.page,
     films.film,
     exports.export,
-    cases.new,
-    cases.schema,
-    studies.verify,
-    cases.compare,
-    studies.bench,
-    studies.warmup,
+    case_commands.new,
+    case_commands.schema,
+    comparison_commands.verify,
+    case_commands.compare,
+    comparison_commands.bench,
+    comparison_commands.warmup,
 )
 """All commands, in the order in which they are listed."""
 for command in COMMANDS:
     app.command(command.__name__.rstrip("_"))(command)  # import is a word of Python
-app.add_typer(study.app, name="study")
+app.add_typer(study_commands.app, name="study")
 
 
 def main() -> None:

@@ -42,8 +42,8 @@ def film(
     ] = "",
 ) -> None:
     """Write a film of a run; MP4 needs the program ffmpeg."""
-    from clast.pictures.film.drawing import FilmLook
     from clast.pictures.film.film import FilmSpeed, write_film
+    from clast.pictures.film.film_frames import FilmLook
     from clast.results import read_results
 
     look = FilmLook(

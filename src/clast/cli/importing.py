@@ -17,7 +17,7 @@ from clast.errors import CaseError
 
 if TYPE_CHECKING:
     from clast.rockmass.drawings.blocks_in import BlockReading
-    from clast.rockmass.reading import Reading
+    from clast.rockmass.read_drawing import Reading
 
 
 def import_(
@@ -69,7 +69,7 @@ def import_(
     """Make a case file of a drawing, of finished blocks, or of a file of another program."""
     from clast.rockmass.drawings.blocks_in import BlockReading, has_blocks
     from clast.rockmass.drawings.dxf import DxfReading
-    from clast.rockmass.reading import Reading
+    from clast.rockmass.read_drawing import Reading
 
     if blocks is not None:
         writer(blocks, BLOCK_WRITERS)
@@ -115,7 +115,7 @@ def _drawing(
 ) -> Imported:
     """Make a case of a drawing, and blocks where a file for them is named."""
     from clast.case.drawn_case import case_text, cut_of, left_out_of, notes_of
-    from clast.rockmass.reading import read_drawing
+    from clast.rockmass.read_drawing import read_drawing
 
     output, blocks = targets
     drawing = read_drawing(file, analysis, reading)

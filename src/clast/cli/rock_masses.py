@@ -14,7 +14,7 @@ from clast.cli.options import AsJson, CaseFile, Settings
 from clast.cli.terminal import print_json, print_table, status, tell, warn
 
 if TYPE_CHECKING:
-    from clast.inputs.placing.rock_mass import CutCase
+    from clast.inputs.placing.place_rock_mass import CutCase
 
 
 def cut(

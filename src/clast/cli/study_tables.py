@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse
     from clast.study.collapsing.trial import Trial
     from clast.study.fit import Fit
-    from clast.study.statistics import Columns
+    from clast.study.probabilities import Columns
 
 NAMED = 3
 """Blocks that a line of a trial names."""
@@ -49,18 +49,18 @@ def print_results(columns: Columns, rows: int) -> None:
     """Print what a sweep or a Monte Carlo study has found."""
     from rich.table import Table
 
-    from clast.study import statistics
+    from clast.study import probabilities
 
     table = Table(title=f"{rows} of {columns.study.n} runs")
     for head in ("measure", "mean", "sd", "least", "5 %", "median", "95 %", "largest"):
         table.add_column(head, justify="left" if head == "measure" else "right")
     for name, values in columns.measures.items():
-        found = statistics.spread(columns, values)
+        found = probabilities.spread(columns, values)
         if found is not None:
             numbers = (found.mean, found.sd, found.least, *found.quantiles, found.largest)
             table.add_row(name, *(f"{one:.5g}" for one in numbers))
     print_table(table)
-    probability = statistics.probability(columns)
+    probability = probabilities.probability(columns)
     if probability is not None:
         tell(f"probability of failure {probability}")
     elif len(columns.fails):

@@ -12,12 +12,12 @@ import numpy as np
 
 from clast import spelling
 from clast.errors import CaseError, shortened
-from clast.exports.choices import edge_joints, frames_in
+from clast.exports.export_selection import edge_joints, frames_in
 from clast.exports.targets import check_free
 from clast.results import Recording
 from clast.results.result_tables import PARTS, Columns
 from clast.results.schema import KIND_FIELDS, OVER_TIME, TableSchema
-from clast.rockmass.drawings.files import replaced
+from clast.rockmass.drawings.drawing_files import replaced
 
 Rows = Iterator[Sequence[Any]]
 """The heading of a table and its rows."""

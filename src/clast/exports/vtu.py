@@ -10,10 +10,10 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from clast.exports.choices import edge_joints, frames_in
+from clast.exports.export_selection import edge_joints, frames_in
 from clast.exports.targets import check_ending, check_free, numbered
 from clast.results import Recording
-from clast.rockmass.drawings.files import replaced
+from clast.rockmass.drawings.drawing_files import replaced
 
 POLYGON = 7
 """VTK's number for a polygonal cell."""

@@ -10,13 +10,13 @@ import numpy as np
 from pydantic import Field, StrictBool, StrictInt, StrictStr, model_validator
 
 from clast.errors import CaseError, ModelError, shortened
-from clast.inputs.declaring.faults import SHOWN, Fault, refusal
-from clast.inputs.declaring.giving import record_of
+from clast.inputs.declaring.builder_methods import record_of
 from clast.inputs.declaring.table import Length, Loop, Motion, Stresses, Table
+from clast.inputs.declaring.validation_messages import SHOWN, Fault, refusal
 from clast.model.model import Floats
 
 if TYPE_CHECKING:
-    from clast.rockmass.drawings.blocks import Blocks
+    from clast.rockmass.drawings.block_arrays import Blocks
 
 
 class Corners(Table):

@@ -10,9 +10,9 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Discriminator, Field, StrictBool, StrictStr, Tag, model_validator
 
-from clast.inputs.declaring.choices import Number, within
-from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, refusal
+from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Length, Loop, Point, Positive, Table
+from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, refusal
 from clast.inputs.loads import check_length
 from clast.model import ranges
 from clast.model.model import Floats

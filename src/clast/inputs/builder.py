@@ -29,7 +29,7 @@ from clast.errors import ModelError
 from clast.inputs import materials
 from clast.inputs.blocks import BlockTable, RepairTable
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern, with_directions
-from clast.inputs.declaring.giving import gives, gives_named, single
+from clast.inputs.declaring.builder_methods import gives, gives_named, single
 from clast.inputs.declaring.table import Inputs, Table
 from clast.inputs.declaring.values import (
     check_actions,
@@ -42,12 +42,20 @@ from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
 from clast.inputs.in_situ import InSituTable, stress_in_situ
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.measurements import MeasuredPoint
-from clast.inputs.placing.blocks import Entry, Label, ManyBlocks, Names, OneBlock, Vector, rocks_of
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.bolt_springs import placed_bolts
 from clast.inputs.placing.dashpots import check_incoming, viscous_edges
-from clast.inputs.placing.joints import joint_table, joints_of_edges
-from clast.inputs.placing.openings import openings_of
+from clast.inputs.placing.place_blocks import (
+    Entry,
+    Label,
+    ManyBlocks,
+    Names,
+    OneBlock,
+    Vector,
+    rocks_of,
+)
+from clast.inputs.placing.place_joints import joint_table, joints_of_edges
+from clast.inputs.placing.place_openings import openings_of
 from clast.inputs.placing.points import located, places_of
 from clast.inputs.placing.pressures import pressed_edges
 from clast.inputs.placing.wetting import Bed, waters_in

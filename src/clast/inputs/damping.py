@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from clast.inputs.declaring.choices import Alternatives, Choice, Chosen, Given, within
+from clast.inputs.declaring.alternatives import Alternatives, Choice, Chosen, Given, within
 from clast.model import ranges
 
 DAMPINGS = {

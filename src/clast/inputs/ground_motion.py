@@ -12,9 +12,9 @@ import numpy as np
 from pydantic import AfterValidator, Discriminator, StrictStr, Tag, model_validator
 
 from clast.errors import CaseError, ModelError, shortened
-from clast.inputs.declaring.choices import Number, within
-from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Acceleration, Instant, Table
+from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
 from clast.inputs.records.baseline import correction_of
 from clast.inputs.records.columns import read_record
 from clast.inputs.records.components import (

@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from clast.errors import CaseError, ModelError, shortened
-from clast.inputs.declaring.choices import Number, within
-from clast.inputs.declaring.faults import Fault, refusal
-from clast.inputs.declaring.giving import record_of
+from clast.inputs.declaring.alternatives import Number, within
+from clast.inputs.declaring.builder_methods import record_of
 from clast.inputs.declaring.table import Coordinate, Stresses, Table
+from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.model import ranges
 from clast.model.in_situ import InSituStress
 from clast.model.model import Floats

@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, StrictStr, Tag, model_validator
 
-from clast.inputs.declaring.choices import Alternatives, Choice, Number
-from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.alternatives import Alternatives, Choice, Number
 from clast.inputs.declaring.table import Loop, Point, Table
+from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
 from clast.inputs.rock_mass import Seed, check_keys
 
 if TYPE_CHECKING:
     from clast.rockmass.joints.joint_set import JointSet
 
 MODELS = {
-    "parallel": "clast.rockmass.joints.parallel:Parallel",
-    "cross-jointed": "clast.rockmass.joints.parallel:CrossJointed",
+    "parallel": "clast.rockmass.joints.parallel_sets:Parallel",
+    "cross-jointed": "clast.rockmass.joints.parallel_sets:CrossJointed",
     "baecher": "clast.rockmass.joints.random_lines:Baecher",
     "veneziano": "clast.rockmass.joints.random_lines:Veneziano",
     "poisson-lines": "clast.rockmass.joints.random_lines:PoissonLines",
@@ -64,9 +64,9 @@ class SpreadTable(Table):
 
     def build(self) -> Any:
         """Return the distribution."""
-        from clast.rockmass.joints import distributions
+        from clast.rockmass.joints import spacing_distributions
 
-        kind = getattr(distributions, self.distribution.capitalize())
+        kind = getattr(spacing_distributions, self.distribution.capitalize())
         return kind(**{key: getattr(self, key) for key in DISTRIBUTIONS[self.distribution]})
 
 

@@ -8,9 +8,9 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 from pydantic import Discriminator, StrictStr, Tag, model_validator
 
-from clast.inputs.declaring.choices import Number, within
-from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, refusal
+from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Force, Instant, Point, Stress, Table
+from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, refusal
 from clast.model import ranges
 from clast.model.factors import Factor
 

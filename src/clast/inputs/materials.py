@@ -7,9 +7,9 @@ from typing import Annotated, ClassVar, Self
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.errors import ModelError, shortened
-from clast.inputs.declaring.choices import Number, within
-from clast.inputs.declaring.faults import Fault, refusal
+from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Positive, Strength, Stresses, Table
+from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.model import joints, model, ranges
 from clast.model.stages.strengths import contradiction
 

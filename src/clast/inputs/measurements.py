@@ -8,8 +8,8 @@ from pydantic import StrictStr
 
 from clast import spelling
 from clast.errors import shortened
-from clast.inputs.declaring.faults import Fault
 from clast.inputs.declaring.table import Point, Positive, Table
+from clast.inputs.declaring.validation_messages import Fault
 
 
 class MeasuredPoint(Table):

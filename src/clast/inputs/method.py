@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from clast.inputs.declaring.choices import Alternatives, Choice, Chosen, Given, within
+from clast.inputs.declaring.alternatives import Alternatives, Choice, Chosen, Given, within
 from clast.inputs.declaring.table import Length, Positive, Table
 from clast.model import ranges
 from clast.model.model import Model

@@ -13,9 +13,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Discriminator, Field, StrictBool, StrictInt, StrictStr, Tag, model_validator
 
 from clast import spelling
-from clast.inputs.declaring.choices import Number, within
-from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Inputs, Length, Loop, Point, Positive, Table
+from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
 from clast.model import ranges
 
 Side = Literal["bottom", "left", "right", "top"]

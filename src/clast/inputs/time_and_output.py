@@ -7,9 +7,9 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, StrictBool, model_validator
 
-from clast.inputs.declaring.choices import Number
-from clast.inputs.declaring.faults import Fault, refusal
+from clast.inputs.declaring.alternatives import Number
 from clast.inputs.declaring.table import Interval, Length, Positive, Table
+from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.model import ranges
 from clast.model.model import Model
 

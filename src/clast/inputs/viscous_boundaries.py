@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, StrictStr, model_validator
 
 from clast.errors import shortened
-from clast.inputs.declaring.choices import Number, within
-from clast.inputs.declaring.faults import Fault, refusal
+from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Instant, Loop, Point, Table
+from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.inputs.in_situ import Side
 from clast.model import ranges
 

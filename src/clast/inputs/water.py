@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Discriminator, Field, StrictStr, Tag, model_validator
 
 from clast.errors import CaseError, ModelError
-from clast.inputs.declaring.choices import Number, within
-from clast.inputs.declaring.faults import PLAIN, TABLE, Fault, kind_of, refusal
+from clast.inputs.declaring.alternatives import Number, within
 from clast.inputs.declaring.table import Coordinate, Inputs, Loop, Point, Table
+from clast.inputs.declaring.validation_messages import PLAIN, TABLE, Fault, kind_of, refusal
 from clast.model import ranges
 
 LIGHTEST = 100.0

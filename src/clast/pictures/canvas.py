@@ -12,7 +12,7 @@ import numpy as np
 
 from clast.errors import CaseError
 from clast.model.model import Floats
-from clast.pictures.look import Look
+from clast.pictures.figure_options import Look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

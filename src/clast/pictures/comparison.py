@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clast.model.model import Bools, Floats, Ints
-from clast.pictures import blocks, canvas
+from clast.pictures import canvas, draw_blocks
 from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
 from clast.pictures.fields import prefixed
 from clast.pictures.scale import colours_between
@@ -125,8 +125,8 @@ def _panel_size(extent: Floats, columns: int, rows: int) -> tuple[float, float]:
 
 
 def _draw_panel(axes: Axes, scene: SideBySide, panel: Panel, largest: float) -> PolyCollection:
-    blocks.draw_start(axes, scene, scene.start, panel.gone)
-    free = blocks.draw_blocks(axes, scene, panel.vertices, gone=panel.gone)
+    draw_blocks.draw_start(axes, scene, scene.start, panel.gone)
+    free = draw_blocks.draw_blocks(axes, scene, panel.vertices, gone=panel.gone)
     values = scene.displacement(panel)[scene.free(panel)]
     factor, _ = prefixed(largest, "m")
     colours = colours_between(0.0, 1.0)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from clast.model.model import Floats, Ints
-from clast.pictures.blocks import outlines_of
 from clast.pictures.canvas import INK, SMALL_SIZE, Sheet, letters_in
+from clast.pictures.draw_blocks import outlines_of
 from clast.pictures.fields import prefixed, round_below
 from clast.pictures.scale import largest_but_few
 from clast.results import Recording

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from clast.errors import CaseError
-from clast.rockmass.drawings.files import replaced
+from clast.rockmass.drawings.drawing_files import replaced
 
 SUFFIXES = (".html", ".htm")
 """Endings of the names of pages."""

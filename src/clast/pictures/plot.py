@@ -11,22 +11,22 @@ import numpy as np
 from clast.model.model import Bools, Floats
 from clast.model.stages.records import counted_from
 from clast.model.water.water import Water
-from clast.pictures import blocks, bolts, canvas
+from clast.pictures import canvas, draw_blocks, draw_bolts
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
-from clast.pictures.fields import KINDS, SCALARS, check_field
-from clast.pictures.forces import HEAD, arrows_of, draw_arrows
-from clast.pictures.history import plot_bolt_history, plot_history
-from clast.pictures.joints.edges import edges_by_joint
-from clast.pictures.joints.values import JOINT_FIELDS, Faces, draw_faces, scale_of_faces
-from clast.pictures.look import NO_WISHES, Look
-from clast.pictures.strokes import GROUND, Edges, draw_edges, handles_of
-from clast.pictures.water import (
+from clast.pictures.draw_water import (
     draw_water,
     handles_of_water,
     pressures_of,
     waters_of,
     with_levels,
 )
+from clast.pictures.fields import KINDS, SCALARS, check_field
+from clast.pictures.figure_options import DEFAULT, Look
+from clast.pictures.forces import HEAD, arrows_of, draw_arrows
+from clast.pictures.history import plot_bolt_history, plot_history
+from clast.pictures.joints.joint_edges import edges_by_joint
+from clast.pictures.joints.joint_values import JOINT_FIELDS, Faces, draw_faces, scale_of_faces
+from clast.pictures.strokes import GROUND, Edges, draw_edges, handles_of
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
 
@@ -53,7 +53,7 @@ def plot_results(
     frame: int = -1,
     field: str = "displacement",
     contacts: bool = True,
-    look: Look = NO_WISHES,
+    look: Look = DEFAULT,
 ) -> Path:
     """Draw the blocks of a frame coloured by ``field``, their edges by "joint"; return the path.
 
@@ -80,7 +80,7 @@ def plot_results(
         *legend_handles(results, field, gone),
         *handles_of(edges, part),
         *handles_of_water(waters, water),
-        *bolts.handles_of(bolted),
+        *draw_bolts.handles_of(bolted),
     ]
     size, keys, narrowest = canvas.sizes(part, look, title, handles, bars, 1)
     arrows = None
@@ -97,22 +97,22 @@ def plot_results(
     axes = figure.add_axes(sheet.share(sheet.axes))
     canvas.view(axes, *whole, size)
     canvas.head(figure, sheet.axes[0], sheet.title, _below(results, number, field, sheet))
-    blocks.draw_start(axes, results, start, gone)
-    free = blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0, gone)
-    shown = blocks.within(results, here, *whole)
+    draw_blocks.draw_start(axes, results, start, gone)
+    free = draw_blocks.draw_blocks(axes, results, here, 0.0 if edges else 1.0, gone)
+    shown = draw_blocks.within(results, here, *whole)
     if field in JOINT_FIELDS:
         free.set_facecolor(GROUND)
         faces = JOINT_FIELDS[field].faces(results, number)
         _draw_joints(figure, sheet, axes, faces, field, whole, look)
     else:
-        blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
+        draw_blocks.colour(figure, sheet, free, results, field, number, shown, look.limits)
     draw_water(axes, results, waters, water, whole)
     draw_edges(axes, edges, whole, size[0], int(shown.sum()))
-    bolts.draw_bolts(axes, bolted)
+    draw_bolts.draw_bolts(axes, bolted)
     if arrows is not None:
         draw_arrows(figure, sheet, axes, arrows)
     if field == "block":
-        blocks.draw_names(axes, results, here, gone)
+        draw_blocks.draw_names(axes, results, here, gone)
     draw_points(axes, results.point_name, places_of_points(results, [number])[0])
     keys.draw(figure, sheet)
     return canvas.save(figure, Path(path))
@@ -127,7 +127,7 @@ def _part(
     if look.zoom is None:
         return with_levels(results, waters, (low, high))
     part = np.array(look.zoom[:2]), np.array(look.zoom[2:])
-    if not blocks.within(results, here, *part).any():
+    if not draw_blocks.within(results, here, *part).any():
         raise canvas.empty_part(low, high)
     return part
 
@@ -145,7 +145,7 @@ def _draw_joints(
     scale = scale_of_faces(faces, faces.within(*whole), look.limits)
     lines, unit = draw_faces(axes, faces, scale, field)
     label = f"{JOINT_FIELDS[field].label} ({unit})"
-    blocks.draw_colour_bar(figure, sheet, lines, label, scale.extend)
+    draw_blocks.draw_colour_bar(figure, sheet, lines, label, scale.extend)
 
 
 def _edges(
@@ -242,13 +242,15 @@ def legend_handles(results: Recording, field: str, gone: Bools) -> list[Any]:
 
     handles: list[Any] = [Line2D([], [], color=FAINT, lw=0.8, label="start")]
     if gone.any():
-        dashed = Line2D([], [], color=FAINT, lw=0.6, ls=blocks.EXCAVATED, label="excavated")
+        dashed = Line2D([], [], color=FAINT, lw=0.6, ls=draw_blocks.EXCAVATED, label="excavated")
         handles.append(dashed)
     if (results.fixed & ~gone).any():
-        handles.append(Patch(fc=blocks.FIXED, ec=FAINT, hatch=blocks.HATCH, lw=0.5, label="fixed"))
+        handles.append(
+            Patch(fc=draw_blocks.FIXED, ec=FAINT, hatch=draw_blocks.HATCH, lw=0.5, label="fixed")
+        )
     if field == "rock":
         handles += [
-            Patch(fc=blocks.kind_colour(rock), ec=INK, lw=0.5, label=canvas.literal(name))
+            Patch(fc=draw_blocks.kind_colour(rock), ec=INK, lw=0.5, label=canvas.literal(name))
             for rock, name in enumerate(results.rock_name)
         ]
     return handles

@@ -1,9 +1,14 @@
 """Rock masses: joint sets, traces, openings and masonry, and the blocks that they cut."""
 
+from clast.rockmass.cut_lines import CONSTRUCTION, WELDED
 from clast.rockmass.cutting import Cut, cut
 from clast.rockmass.domain import Box, Circle, Domain, Horseshoe, Opening, Polygon, Region, Trace
 from clast.rockmass.joints.directions import Fisher, VonMises, apparent
-from clast.rockmass.joints.distributions import (
+from clast.rockmass.joints.joint_set import JointSet
+from clast.rockmass.joints.masonry import BlockPattern, RunningBond, StackBond
+from clast.rockmass.joints.parallel_sets import CrossJointed, Parallel
+from clast.rockmass.joints.random_lines import Baecher, PoissonLines, Veneziano, Voronoi
+from clast.rockmass.joints.spacing_distributions import (
     Distribution,
     Exponential,
     Fixed,
@@ -12,14 +17,9 @@ from clast.rockmass.joints.distributions import (
     Uniform,
     Values,
 )
-from clast.rockmass.joints.joint_set import JointSet
-from clast.rockmass.joints.masonry import BlockPattern, RunningBond, StackBond
-from clast.rockmass.joints.parallel import CrossJointed, Parallel
-from clast.rockmass.joints.random_lines import Baecher, PoissonLines, Veneziano, Voronoi
 from clast.rockmass.repair.mender import Mender
-from clast.rockmass.repair.repairing import Repaired, RepairReport, repaired
-from clast.rockmass.report import Finding, Report, SetReport, Sizes
-from clast.rockmass.sources import CONSTRUCTION, WELDED
+from clast.rockmass.repair.repair import Repaired, RepairReport, repaired
+from clast.rockmass.report_of_cut import Finding, Report, SetReport, Sizes
 
 __all__ = [
     "CONSTRUCTION",

@@ -23,22 +23,8 @@ import shapely
 
 from clast.errors import ModelError
 from clast.model.model import Bools, Floats, Ints
-from clast.rockmass import blocks as block_loops
-from clast.rockmass.account import Before, Work, report_of
-from clast.rockmass.domain import Domain, Opening, Region, Trace
-from clast.rockmass.estimate import check_counted, check_expected
-from clast.rockmass.joints.joint_set import JointSet
-from clast.rockmass.joints.masonry import BlockPattern
-from clast.rockmass.joints.plan import NONE
-from clast.rockmass.network.faces import NOTHING, Place, sided
-from clast.rockmass.network.holes import Whole, without_holes
-from clast.rockmass.network.loose_ends import loose_ends
-from clast.rockmass.network.noding import Noded, noded
-from clast.rockmass.network.planar import Graph, bordering, straightened
-from clast.rockmass.network.snapping import Snapped, snapped
-from clast.rockmass.report import Report
-from clast.rockmass.sizes import Limits, limits_of
-from clast.rockmass.sources import (
+from clast.rockmass import block_loops as block_loops
+from clast.rockmass.cut_lines import (
     OVER,
     TOGETHER,
     WELDED,
@@ -51,6 +37,20 @@ from clast.rockmass.sources import (
     tables,
     trace_lines,
 )
+from clast.rockmass.cut_report import Before, Work, report_of
+from clast.rockmass.domain import Domain, Opening, Region, Trace
+from clast.rockmass.estimate import check_counted, check_expected
+from clast.rockmass.joints.joint_set import JointSet
+from clast.rockmass.joints.masonry import BlockPattern
+from clast.rockmass.joints.plan import NONE
+from clast.rockmass.network.graph_faces import NOTHING, Place, sided
+from clast.rockmass.network.holes import Whole, without_holes
+from clast.rockmass.network.loose_ends import loose_ends
+from clast.rockmass.network.noding import Noded, noded
+from clast.rockmass.network.planar import Graph, bordering, straightened
+from clast.rockmass.network.snapping import Snapped, snapped
+from clast.rockmass.report_of_cut import Report
+from clast.rockmass.sizes import Limits, limits_of
 
 MOST_REVERTS = 20
 

@@ -13,11 +13,11 @@ from scipy.sparse.csgraph import connected_components
 
 from clast.errors import ModelError
 from clast.model.model import Bools, Floats, Ints
-from clast.rockmass.joints.distributions import distribution
+from clast.rockmass.cut_lines import Table
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import Plan
-from clast.rockmass.sources import Table
+from clast.rockmass.joints.spacing_distributions import distribution
 
 ROUGH = 3.0
 """Numbers that are only expected must exceed the limit this often before lines are drawn."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from clast.rockmass.cut_lines import SetLines, Site
 from clast.rockmass.joints.masonry import BlockPattern
-from clast.rockmass.sources import SetLines, Site
 
 SHARE = 0.01
 """Smallest edge as a share of the median spacing, where none is given."""

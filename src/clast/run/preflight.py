@@ -19,7 +19,7 @@ from clast.model.repairs import Repair
 from clast.model.state import State, initial_state
 from clast.run.method_warnings import check_overlaps, method_warnings
 from clast.run.model_warnings import model_warnings
-from clast.run.stages.checks import check_stages
+from clast.run.stages.stage_checks import check_stages
 from clast.step.method import Workspace
 from clast.step.modified import STABILITY_LIMIT, search_of_modified, stability_number
 

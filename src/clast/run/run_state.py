@@ -8,9 +8,9 @@ from typing import Protocol, TypeVar, runtime_checkable
 
 from clast.model.stages.records import Event
 from clast.model.state import Ledger, State
+from clast.run.run_checks import Watched
 from clast.run.stages.position import Position
 from clast.run.stages.static_path import OnPath
-from clast.run.watch import Watched
 from clast.step.method import StepResult
 
 Number = TypeVar("Number", int, float)

@@ -27,14 +27,14 @@ from clast.run.events import Listener, bonds_break
 from clast.run.in_situ import in_equilibrium
 from clast.run.interrupts import held_back
 from clast.run.method_warnings import check_overlaps
+from clast.run.run_checks import Watch, reject_created_energy
 from clast.run.run_state import Keeper, RunState
 from clast.run.schedule import Progress, Schedule
-from clast.run.stages.course import Course, fails, failure_warning
 from clast.run.stages.equilibrium import Judge
 from clast.run.stages.position import Held, Position
+from clast.run.stages.stage_sequence import Course, fails, failure_warning
 from clast.run.stages.static_path import StaticPath
 from clast.run.stages.transition import Setting
-from clast.run.watch import Watch, reject_created_energy
 from clast.step import energy_balance
 from clast.step.method import Method, StepResult, Workspace
 from clast.step.remedies import remedy

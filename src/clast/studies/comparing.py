@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from clast import spelling
 from clast.case.case_file import Case
 from clast.errors import CaseError, RunStopped
-from clast.inputs.declaring.choices import Chosen, Given
+from clast.inputs.declaring.alternatives import Chosen, Given
 from clast.inputs.method import CONTACT_LAWS, PROCESSES
 from clast.model.model import Bools, Floats, Ints
 from clast.results import Report, Run

@@ -39,10 +39,10 @@ from clast.inputs.declaring import text as case_text
 from clast.model.model import Floats
 from clast.study.judging.expressions import Expression, read
 from clast.study.judging.measures import ARGUMENTS, FOS
-from clast.study.variables import sampling
+from clast.study.variables import random_draws
 from clast.study.variables.distributions import Distribution, Numbered, Range, Value, Values
 from clast.study.variables.parameters import Parameter
-from clast.study.variables.sampling import LatinHypercube, PointEstimate, Sampling
+from clast.study.variables.random_draws import LatinHypercube, PointEstimate, Sampling
 from clast.study.variables.texts import parsed
 
 SWEEP, MONTECARLO, COLLAPSE = "sweep", "montecarlo", "fos"
@@ -88,7 +88,7 @@ class Description:
     """What varies from run to run."""
     correlate: tuple[tuple[str, str, float], ...] = ()
     """Names of two parameters and the correlation of their normal scores."""
-    sampling: Sampling = field(default_factory=sampling.Random)
+    sampling: Sampling = field(default_factory=random_draws.Random)
     """How runs are drawn; of no account for a sweep."""
     n: int = 1
     """Number of runs."""
@@ -112,7 +112,7 @@ class Description:
         if isinstance(self.sampling, PointEstimate):
             return self._at_signs(self.sampling.signs(run - 1, len(self._drawn)))
         chances = self.sampling.probabilities(run - 1, self.n, len(self._drawn))
-        chances = sampling.correlated(chances, self._copula[1])
+        chances = random_draws.correlated(chances, self._copula[1])
         drawn = iter(chances.tolist())
         return tuple(
             run - 1 + one.drawn.first
@@ -142,7 +142,7 @@ class Description:
         """Correlations of normal scores of what is drawn, and their Cholesky factor, (m, m)."""
         names = [one.name for one in self._drawn]
         pairs = [(names.index(a), names.index(b), value) for a, b, value in self.correlate]
-        return sampling.copula(pairs, len(names))
+        return random_draws.copula(pairs, len(names))
 
     def _at_signs(self, signs: Floats) -> tuple[Value, ...]:
         """Return mean plus or minus standard deviation of each parameter."""
@@ -291,8 +291,8 @@ class Description:
                         remedy="choose another sampling",
                     )
                 _ = one.drawn.moments
-        if not self._drawn and not isinstance(self.sampling, sampling.Random):
-            return replace(self, sampling=sampling.Random()).checked()
+        if not self._drawn and not isinstance(self.sampling, random_draws.Random):
+            return replace(self, sampling=random_draws.Random()).checked()
         drawn = len(self._drawn)
         return replace(self, n=self.sampling.checked(_check_count(self.n), drawn))
 
@@ -343,9 +343,9 @@ def _list_of(one: Parameter) -> Values | Range:
 def _check_count(count: Any) -> int:
     if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count:
         raise CaseError(f"{count!r} is no number of runs", where="n", remedy="e.g. n = 500")
-    if count > sampling.MOST_RUNS:
+    if count > random_draws.MOST_RUNS:
         raise CaseError(
-            f"{count} runs are more than {sampling.MOST_RUNS:,}", where="n", remedy="lower it"
+            f"{count} runs are more than {random_draws.MOST_RUNS:,}", where="n", remedy="lower it"
         )
     return count
 
@@ -398,11 +398,11 @@ def described(text: str, file: str) -> Description:
 
 def sampling_of(word: str, **numbers: Any) -> Sampling:
     """Return a sampling by its name; numbers that it does not have are refused."""
-    if word not in sampling.SAMPLINGS:
-        remedy = spelling.advice(str(word), sampling.SAMPLINGS, kind="sampling")
+    if word not in random_draws.SAMPLINGS:
+        remedy = spelling.advice(str(word), random_draws.SAMPLINGS, kind="sampling")
         what = f"there is no sampling '{shortened(str(word))}'"
         raise CaseError(what, where="sampling", remedy=remedy)
-    kind = sampling.SAMPLINGS[word]
+    kind = random_draws.SAMPLINGS[word]
     own = {one.name for one in fields(kind)}  # type: ignore[arg-type]
     for name, value in numbers.items():
         if name not in own:

@@ -30,11 +30,11 @@ from clast.case.case_file import Case
 from clast.errors import CaseError, ClastError, shortened
 from clast.inputs.declaring import text as case_text
 from clast.model.model import Floats
-from clast.study.cases import changed, content_of, given_case
 from clast.study.description import parameters_of
 from clast.study.executors import start_worker
 from clast.study.judging.measures import Measured
-from clast.study.statistics import CONFIDENCE
+from clast.study.probabilities import CONFIDENCE
+from clast.study.trial_cases import changed, content_of, given_case
 from clast.study.variables.distributions import Distribution, Range, Values
 from clast.study.variables.parameters import Parameter, Settings
 

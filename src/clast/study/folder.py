@@ -30,8 +30,8 @@ from clast.case.case_file import Case
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
 from clast.results import locks
-from clast.study.cases import content_of
 from clast.study.description import Description, described
+from clast.study.trial_cases import content_of
 
 STUDY, BASE, RUNS, RESULT, CASE = "study.toml", "base", "runs", "result.json", "case.toml"
 SHARD = 10_000

@@ -17,13 +17,13 @@ from clast.case.case_file import Case
 from clast.errors import ClastError, RunStopped, shortened
 from clast.inputs.declaring import text as case_text
 from clast.results import Run
-from clast.study.cases import changed, content_of
 from clast.study.collapsing.reduction import Reduction, reduction
 from clast.study.collapsing.search import Search, Trials
 from clast.study.collapsing.trial import standing, tried
 from clast.study.description import Factor
 from clast.study.folder import CASE, DONE, NO_RESULT, StudyFolder, with_files
 from clast.study.judging.measures import ARGUMENTS, FOS, Measured, check, known_names
+from clast.study.trial_cases import changed, content_of
 from clast.study.variables.parameters import Settings
 
 RUN_FILE = "run.vtkhdf"

@@ -13,11 +13,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from clast.verification.catalogue import PROBLEMS
-from clast.verification.choosing import Choose, every, narrowed, problems, quick
-from clast.verification.problem import Findings, Problem, Row, Verdict, misses, outlived
-from clast.verification.report import write_report
-from clast.verification.tables import HEADINGS, cells
+from clast.verification.problem import Findings, Problem, Row, Verdict, fixed_failures, misses
+from clast.verification.selection import Choose, every, narrowed, problems, quick
 from clast.verification.variants import Variant
+from clast.verification.verification_report import write_report
+from clast.verification.verification_tables import HEADINGS, cells
 
 Watch = Callable[[Problem, Variant], None]
 """Called before a problem is run with a variant."""
@@ -55,9 +55,9 @@ __all__ = [
     "cells",
     "every",
     "examine",
+    "fixed_failures",
     "misses",
     "narrowed",
-    "outlived",
     "problems",
     "quick",
     "run",

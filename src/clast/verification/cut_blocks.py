@@ -9,7 +9,7 @@ import numpy as np
 from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.rockmass import Cut, Domain, JointSet
-from clast.rockmass.sources import set_lines, site
+from clast.rockmass.cut_lines import set_lines, site
 from clast.verification.variants import Variant
 
 CUT = Variant(name="cut", process={"name": "none"})

@@ -263,7 +263,7 @@ def _stopped(stopped: RunStopped) -> Comparison:
     return absolute("runs that stopped before their end", "", 1.0, 0.0, 0.0, str(stopped))
 
 
-def outlived(findings: Iterable[Findings]) -> list[KnownFailure]:
+def fixed_failures(findings: Iterable[Findings]) -> list[KnownFailure]:
     """Return the known failures of which not one quantity fails any more."""
     return [
         known

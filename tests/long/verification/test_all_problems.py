@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from clast.verification import PROBLEMS, Problem, Variant, cells, misses, outlived
+from clast.verification import PROBLEMS, Problem, Variant, cells, fixed_failures, misses
 
 TRIALS = [
     pytest.param(problem, variant, id=f"{problem.name}-{variant.name}")
@@ -22,4 +22,4 @@ def test_problem(problem: Problem, variant: Variant):
     assert found.rows
     missed = misses(found.rows)
     assert not missed, "\n" + "\n".join(" | ".join(cells(row)) for row in missed)
-    assert outlived([found]) == []
+    assert fixed_failures([found]) == []

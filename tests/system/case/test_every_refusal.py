@@ -18,7 +18,7 @@ import numpy as np
 import clast
 from clast.case import templates
 from clast.errors import CaseError
-from clast.inputs.declaring.faults import is_tables
+from clast.inputs.declaring.validation_messages import is_tables
 
 HERE = Path(__file__).parent
 KEPT = HERE / "every_refusal.txt"

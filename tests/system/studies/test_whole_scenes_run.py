@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from clast.cli.commands import app
 from clast.studies.bench import WHOLE_SCENES, measure_whole
-from clast.studies.bench.table import (
+from clast.studies.bench.bench_table import (
     WHOLE_HEADINGS,
     whole_cells,
     whole_stage_cells,

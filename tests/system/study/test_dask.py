@@ -16,8 +16,8 @@ import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.study.api import HowMade, resume
-from clast.study.table import CSV
+from clast.study.study_api import HowMade, resume
+from clast.study.trial_table import CSV
 
 pytestmark = pytest.mark.slow
 VARY = {

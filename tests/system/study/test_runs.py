@@ -17,9 +17,9 @@ import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.study import statistics
-from clast.study.api import HowMade, resume
+from clast.study import probabilities
 from clast.study.folder import StudyFolder
+from clast.study.study_api import HowMade, resume
 
 VARY = {
     "joint.plane.friction_angle": "normal(34, 4, low=5, high=70)",
@@ -47,7 +47,9 @@ def test_every_run_fails_where_its_formula_says_so(slab, tmp_path):
     clear = np.abs(factor - 1.0) > 0.002
     assert np.array_equal(np.array(table["fails"])[clear], (factor < 1.0)[clear])
     assert 0 < sum(table["fails"]) < 30
-    found = statistics.probability(statistics.columns_of(StudyFolder.opened(tmp_path / "out")))
+    found = probabilities.probability(
+        probabilities.columns_of(StudyFolder.opened(tmp_path / "out"))
+    )
     assert found.low < slab.fails((15e3, 6e3), (34.0, 4.0), -0.4) < found.high
 
 
@@ -62,7 +64,7 @@ def test_all_ways_of_making_runs_give_the_same_table(slab, tmp_path):
         for how in hows:
             made.run(tmp_path / name, n=8, how=how)
         folder = StudyFolder.opened(tmp_path / name)
-        clast.study.table.write_csv(folder, tmp_path / f"{name}.csv")
+        clast.study.trial_table.write_csv(folder, tmp_path / f"{name}.csv")
         tables.append((tmp_path / f"{name}.csv").read_bytes())
     assert tables[0] == tables[1] == tables[2]
 

@@ -13,7 +13,7 @@ from typing import Annotated, Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from clast.inputs.declaring.choices import Number, within
+from clast.inputs.declaring.alternatives import Number, within
 from clast.model import ranges
 
 Positive = Annotated[Number, Field(gt=0.0)]

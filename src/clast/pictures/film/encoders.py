@@ -14,7 +14,7 @@ from typing import IO, TYPE_CHECKING, cast
 import numpy as np
 
 from clast.errors import CaseError
-from clast.pictures.film.drawing import Pixels
+from clast.pictures.film.film_frames import Pixels
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from clast.errors import CaseError
-from clast.pictures.film.drawing import Drawing, FilmLook, Pixels
 from clast.pictures.film.encoders import ENCODERS
+from clast.pictures.film.film_frames import Drawing, FilmLook, Pixels
 from clast.pictures.film.timing import frames_of, timing
 from clast.results import Recording
-from clast.rockmass.drawings.files import replaced_path
+from clast.rockmass.drawings.drawing_files import replaced_path
 
 WIDTHS = {".mp4": 1280, ".webp": 960, ".gif": 720}
 """Width of a film without a size, pixels: an animated GIF holds all its pictures in memory."""

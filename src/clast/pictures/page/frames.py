@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats, Ints
 from clast.model.stages.records import counted_from
-from clast.pictures.joints.values import JOINT_FIELDS
+from clast.pictures.joints.joint_values import JOINT_FIELDS
 from clast.pictures.page.packing import affine, packed, raw
 from clast.results import Recording
 from clast.results.frames import gone_in_frame

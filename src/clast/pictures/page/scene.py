@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from clast.pictures.fields import SCALARS
-from clast.pictures.joints.values import JOINT_FIELDS, THICK, THIN
+from clast.pictures.joints.joint_values import JOINT_FIELDS, THICK, THIN
 from clast.pictures.page.curves import curves_of
 from clast.pictures.page.frames import moving
 from clast.pictures.page.packing import raw

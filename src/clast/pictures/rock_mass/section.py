@@ -13,10 +13,10 @@ import shapely
 from clast import spelling
 from clast.errors import CaseError
 from clast.model.model import Bools, Floats
-from clast.pictures import blocks, canvas
+from clast.pictures import canvas, draw_blocks
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
-from clast.pictures.look import NO_WISHES, Look
-from clast.pictures.rock_mass.edges import Sorted, edges_of
+from clast.pictures.figure_options import DEFAULT, Look
+from clast.pictures.rock_mass.edge_groups import Sorted, edges_of
 from clast.pictures.strokes import GROUND, Edges, draw_edges, handles_of, label
 from clast.rockmass import Cut
 
@@ -57,7 +57,7 @@ def _by_set(cut: Cut, found: Sorted) -> _Paint:
 
 def _by_rock(cut: Cut, found: Sorted) -> _Paint:
     return _Paint(
-        fills=tuple(blocks.kind_colour(k) for k in range(len(cut.rock_names))),
+        fills=tuple(draw_blocks.kind_colour(k) for k in range(len(cut.rock_names))),
         rocks=True,
         edges=(*found.plain, *found.others),
         about="blocks by rock",
@@ -69,7 +69,7 @@ BY: dict[str, Callable[[Cut, Sorted], _Paint]] = {"set": _by_set, "rock": _by_ro
 
 
 def plot_cut(
-    cut: Cut, path: Path | str, *, by: str = "set", title: str = "", look: Look = NO_WISHES
+    cut: Cut, path: Path | str, *, by: str = "set", title: str = "", look: Look = DEFAULT
 ) -> Path:
     """Draw the blocks of a cut coloured by ``by`` and return the picture's path.
 
@@ -98,7 +98,7 @@ def cut_figure(cut: Cut, *, by: str, title: str, look: Look) -> Figure:
     found = edges_of(cut)
     paint = BY[by](cut, found)
     part = _part(cut, look)
-    shown = blocks.within(cut, cut.vertices, *part)
+    shown = draw_blocks.within(cut, cut.vertices, *part)
     voids = _voids(found.rim)
     count = counted(cut)
     head, below = (title, f"{count}, {paint.about}") if title else (count, paint.about)
@@ -111,7 +111,7 @@ def cut_figure(cut: Cut, *, by: str, title: str, look: Look) -> Figure:
     axes = figure.add_axes(sheet.share(sheet.axes))
     canvas.view(axes, *part, size)
     canvas.head(figure, sheet.axes[0], sheet.title, below)
-    shown = blocks.within(cut, cut.vertices, *part)
+    shown = draw_blocks.within(cut, cut.vertices, *part)
     _draw_blocks(axes, cut, paint, shown)
     _draw_voids(axes, voids)
     draw_edges(axes, paint.edges, part, size[0], number)
@@ -131,7 +131,7 @@ def _part(cut: Cut, look: Look) -> canvas.Part:
     if look.zoom is None:
         return low, high
     part = np.array(look.zoom[:2]), np.array(look.zoom[2:])
-    if not blocks.within(cut, cut.vertices, *part).any():
+    if not draw_blocks.within(cut, cut.vertices, *part).any():
         raise canvas.empty_part(low, high)
     return part
 

@@ -20,13 +20,13 @@ import numpy as np
 import shapely
 
 from clast.errors import CaseError
-from clast.rockmass.drawings.blocks import Blocks, blocks_of, counter_clockwise
+from clast.rockmass.drawings.block_arrays import Blocks, blocks_of, counter_clockwise
 from clast.rockmass.drawings.blocks_out import read_blocks_npz
 from clast.rockmass.drawings.csv_lines import CsvTable, Row, table_of
 from clast.rockmass.drawings.drawing import DEFAULT_JOINT, DEFAULT_ROCK, Floats, LeftOut
+from clast.rockmass.drawings.drawn_loops import without_repeats
 from clast.rockmass.drawings.dxf import DxfReading, role_of
 from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
-from clast.rockmass.drawings.loops import without_repeats
 from clast.rockmass.legacy.shi_blocks import read_shi_blocks
 
 READ = ("block", "vertex", "x", "y", "joint", "rock")

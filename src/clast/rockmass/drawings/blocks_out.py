@@ -13,8 +13,8 @@ from zipfile import ZipFile
 import numpy as np
 
 from clast.errors import CaseError, shortened
-from clast.rockmass.drawings.blocks import Blocks, blocks_of
-from clast.rockmass.drawings.files import checked_file, replaced
+from clast.rockmass.drawings.block_arrays import Blocks, blocks_of
+from clast.rockmass.drawings.drawing_files import checked_file, replaced
 
 HEADING = ("block", "vertex", "x", "y", "joint", "rock")
 ARRAYS = ("vertices", "block_start", "rock", "edge_joint")

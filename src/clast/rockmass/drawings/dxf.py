@@ -34,8 +34,7 @@ from clast.rockmass.drawings.drawing import (
     Segment,
     Spot,
 )
-from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
-from clast.rockmass.drawings.loops import (
+from clast.rockmass.drawings.drawn_loops import (
     Line,
     closure_of,
     cutting,
@@ -46,6 +45,7 @@ from clast.rockmass.drawings.loops import (
     ring,
     without_repeats,
 )
+from clast.rockmass.drawings.dxf_entities import DxfContent, Piece, dxf_content
 
 ROLES = ("boundary", "joints", "openings", "regions", "bolts", "fixed")
 """First words of the layers that are read."""

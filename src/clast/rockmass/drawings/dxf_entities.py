@@ -18,8 +18,8 @@ import numpy as np
 
 from clast.errors import CaseError, shortened
 from clast.rockmass.drawings.drawing import Floats, LeftOut
+from clast.rockmass.drawings.drawing_files import checked_file
 from clast.rockmass.drawings.dxf_points import DRAWN, Drawn
-from clast.rockmass.drawings.files import checked_file
 
 DEEPEST = 20
 """Most blocks within blocks."""

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from clast.errors import CaseError, shortened
-from clast.rockmass.drawings.blocks import Blocks, blocks_of
+from clast.rockmass.drawings.block_arrays import Blocks, blocks_of
 from clast.rockmass.drawings.drawing import DEFAULT_JOINT, Floats
-from clast.rockmass.drawings.files import replaced
+from clast.rockmass.drawings.drawing_files import replaced
 
 FORBIDDEN = set('<>/\\":;?*|=`,')
 """Characters that names of DXF layers do not have."""

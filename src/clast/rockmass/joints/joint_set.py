@@ -13,9 +13,9 @@ from clast.errors import ModelError
 from clast.model import ranges
 from clast.model.model import Floats
 from clast.rockmass.joints.directions import LARGEST_FACTOR, Direction, Scatter, apparent, normal_of
-from clast.rockmass.joints.distributions import Distribution, Scaled
-from clast.rockmass.joints.parallel import Parallel, number_or
+from clast.rockmass.joints.parallel_sets import Parallel, number_or
 from clast.rockmass.joints.plan import Model, Plan, Window
+from clast.rockmass.joints.spacing_distributions import Distribution, Scaled
 
 KEYS = (
     "angle",

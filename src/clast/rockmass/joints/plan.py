@@ -13,7 +13,7 @@ import shapely
 
 from clast.model.model import Floats
 from clast.rockmass.joints.directions import Direction
-from clast.rockmass.joints.distributions import Distribution
+from clast.rockmass.joints.spacing_distributions import Distribution
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,9 +11,9 @@ import shapely
 from scipy.spatial import Voronoi as Diagram
 
 from clast.model.model import Floats
-from clast.rockmass.joints.distributions import Distribution, Exponential, Fixed
-from clast.rockmass.joints.parallel import ORIENTED
+from clast.rockmass.joints.parallel_sets import ORIENTED
 from clast.rockmass.joints.plan import NONE, Drawn, Plan, along, pieces, until
+from clast.rockmass.joints.spacing_distributions import Distribution, Exponential, Fixed
 
 DENSE = ("intensity", "spacing")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from clast.errors import CaseError, mistyped, shortened
-from clast.rockmass.drawings.files import text_of
+from clast.rockmass.drawings.drawing_files import text_of
 from clast.rockmass.drawings.numbers import number_of
 from clast.rockmass.legacy.words import Numbers
 

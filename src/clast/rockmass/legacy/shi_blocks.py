@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from clast.errors import CaseError
-from clast.rockmass.drawings.blocks import Blocks, blocks_of
+from clast.rockmass.drawings.block_arrays import Blocks, blocks_of
 from clast.rockmass.drawings.drawing import Floats, LeftOut
 from clast.rockmass.legacy.number_text import NumberText
 from clast.rockmass.legacy.words import Numbers

@@ -44,7 +44,7 @@ from clast.rockmass.drawings.drawing import (
     Segment,
     Spot,
 )
-from clast.rockmass.drawings.loops import cutting, lengthened, outline_of_lines, point
+from clast.rockmass.drawings.drawn_loops import cutting, lengthened, outline_of_lines, point
 
 LIGHT = 100.0
 """A density below this is no rock's in kg/m3, but looks like t/m3."""

@@ -9,7 +9,7 @@ from typing import Any
 from xml.parsers import expat
 
 from clast.errors import CaseError, shortened
-from clast.rockmass.drawings.files import checked_file
+from clast.rockmass.drawings.drawing_files import checked_file
 
 DEEPEST = 100
 """Most elements within elements."""

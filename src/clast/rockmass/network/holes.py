@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components
 
 from clast.errors import ModelError
 from clast.model.model import Floats, Ints
-from clast.rockmass.network.faces import NOTHING, holders
+from clast.rockmass.network.graph_faces import NOTHING, holders
 from clast.rockmass.network.planar import WELD, Graph, Loops, loops_of, parts_of
 
 MOST_ROUNDS = 100

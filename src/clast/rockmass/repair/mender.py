@@ -8,7 +8,7 @@ import numpy as np
 
 from clast.model.checks import Mended, Outlines
 from clast.model.repairs import Repair
-from clast.rockmass.repair.repairing import RepairReport, repaired
+from clast.rockmass.repair.repair import RepairReport, repaired
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,11 +16,11 @@ from clast.actions.damping import Motion
 from clast.actions.relaxation import SupportForces
 from clast.model.model import Model
 from clast.model.state import POINTS, ContactMemory, State
+from clast.run.run_checks import Watch
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
 from clast.run.stages.position import Held, Position
 from clast.run.stages.static_path import OnPath
-from clast.run.watch import Watch
 from clast.step.method import Method
 
 MODES = 3

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from clast.studies.paper import iteration, rest, stiffness, table_1
+from clast.studies.paper import iteration, rest, stiffness_study, table_1
 from clast.studies.paper.jobs import Finding, Findings, Job, run_all
-from clast.studies.paper.page import write_page
+from clast.studies.paper.paper_page import write_page
 
-STUDIES = (table_1, stiffness, rest, iteration)
+STUDIES = (table_1, stiffness_study, rest, iteration)
 """The studies, in the order of the page."""
 
 

@@ -10,8 +10,8 @@ from clast.pictures.comparison import Panel, SideBySide, draw_side_by_side
 from clast.studies.comparing import Combination
 from clast.studies.comparison_pages import markdown_table
 from clast.studies.paper.jobs import LAWS, PROCESSES, Finding, Findings, Job
-from clast.studies.paper.page import PASSES, Claim, Section, listed
-from clast.studies.paper.stiffness import LIMIT
+from clast.studies.paper.paper_page import PASSES, Claim, Section, listed
+from clast.studies.paper.stiffness_study import LIMIT
 
 STIFFNESSES = (5e7, 2e8, 5e8, 5e9, 5e10)
 """Normal stiffnesses, N/m per m."""

@@ -13,7 +13,7 @@ from clast.pictures.curves import Diagram, Rule, Series, draw_diagrams
 from clast.studies.comparing import Combination
 from clast.studies.comparison_pages import markdown_table
 from clast.studies.paper.jobs import EVERY_COMBINATION, PROCESSES, Finding, Findings, Job
-from clast.studies.paper.page import Claim, Section, listed, percent, series_of
+from clast.studies.paper.paper_page import Claim, Section, listed, percent, series_of
 
 STIFFNESSES = (1e8, 1e9, 1e10)
 """Normal stiffnesses, N/m per m."""

@@ -11,7 +11,7 @@ from clast.model.model import Floats
 from clast.pictures.curves import Diagram, Rule, draw_diagrams
 from clast.studies.comparison_pages import markdown_table
 from clast.studies.paper.jobs import EVERY_COMBINATION, Finding, Findings, Job
-from clast.studies.paper.page import Claim, Section, listed, percent, series_of
+from clast.studies.paper.paper_page import Claim, Section, listed, percent, series_of
 
 ANGLES = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
 """Friction angles of the table, degrees."""

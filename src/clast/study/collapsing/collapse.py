@@ -17,8 +17,7 @@ from typing import Any
 from clast.case.case_file import Case
 from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
-from clast.rockmass.drawings.files import replaced
-from clast.study.cases import content_of, given_case
+from clast.rockmass.drawings.drawing_files import replaced
 from clast.study.collapsing.reduction import Reduction
 from clast.study.collapsing.search import Bracket, Trials, bracket_of
 from clast.study.collapsing.trial import (
@@ -33,6 +32,7 @@ from clast.study.collapsing.trial import (
 )
 from clast.study.description import COLLAPSE, Description, Factor
 from clast.study.folder import CASE, DONE, StudyFolder, with_files
+from clast.study.trial_cases import content_of, given_case
 from clast.study.work import RUN_FILE, factor_of, search_of
 
 TRIALS = "trials.csv"

@@ -30,8 +30,8 @@ from clast.run.simulate import simulate
 from clast.run.stages.equilibrium import STANDARD_GRAVITY
 from clast.run.stages.failing import GOES
 from clast.step.method import Method
-from clast.study.cases import Content, changed, content_of
 from clast.study.collapsing.reduction import Reduction, staged
+from clast.study.trial_cases import Content, changed, content_of
 
 if TYPE_CHECKING:
     from clast.run.run_state import RunState

@@ -20,7 +20,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.limits import limit
+from clast.verification.collapse_load import limit
 from clast.verification.problem import Comparison, Outcome, Problem, absolute, relative
 from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 

@@ -18,13 +18,13 @@ import numpy as np
 from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.collapse_load import AT_REST, limit, unbalanced
 from clast.verification.limit_analysis import (
     RigidBlocks,
     joint_ends,
     largest_factor,
     voussoirs_between,
 )
-from clast.verification.limits import AT_REST, limit, unbalanced
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 

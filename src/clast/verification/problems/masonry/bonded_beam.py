@@ -26,7 +26,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.limits import limit
+from clast.verification.collapse_load import limit
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, CONVEX_MULTIPLIERS, Variant
 

@@ -20,8 +20,8 @@ import numpy as np
 from clast.inputs.builder import ModelBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
+from clast.verification.collapse_load import AT_REST, limit, unbalanced
 from clast.verification.limit_analysis import GROUND, RigidBlocks, RigidJoint, largest_factor
-from clast.verification.limits import AT_REST, limit, unbalanced
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, Variant
 

@@ -28,7 +28,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.collapse_load import AT_REST, limit, unbalanced
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 

@@ -16,7 +16,7 @@ from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.limits import limit
+from clast.verification.collapse_load import limit
 from clast.verification.problem import Outcome, Problem, relative
 from clast.verification.problems.slopes import toppling
 from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant

@@ -29,7 +29,7 @@ from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.collapse_load import AT_REST, limit, unbalanced
 from clast.verification.problem import Comparison, Outcome, Problem, relative
 from clast.verification.problems.slopes.active_passive import STEEP, area, outlines
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant

@@ -28,7 +28,7 @@ from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.collapse_load import AT_REST, limit, unbalanced
 from clast.verification.problem import Bracket, Comparison, Outcome, Problem, relative
 from clast.verification.problems.slopes.wet_slope import (
     GRAVITY,

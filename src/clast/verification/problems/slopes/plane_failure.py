@@ -15,7 +15,7 @@ import numpy as np
 from clast.inputs.builder import ModelBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
-from clast.verification.limits import AT_REST, limit, unbalanced
+from clast.verification.collapse_load import AT_REST, limit, unbalanced
 from clast.verification.problem import Comparison, Outcome, Problem, absolute
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 

@@ -1,0 +1,315 @@
+"""What scripts begin with: a builder that makes cases, and a run of any model in one line.
+
+    import clast
+
+    builder = clast.ModelBuilder(title="A block that falls")
+    builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
+    builder.block(name="falling", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
+    run = clast.simulate(builder.build(), end=0.5)
+    run.block("falling").displacement[-1]
+    builder.case(end=0.5, process="modified").run()
+
+What a script does not say is chosen as follows: the methods of a case file without [method]; a step
+of a 300th of the time in which the smallest block falls by half its own size, rounded to 1, 2 or 5
+times a power of ten (1 ms for blocks of 1 m); an end at 1 s; a hundred frames.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from clast import spelling
+from clast.case.case_file import PLANES, Case
+from clast.errors import CaseError
+from clast.inputs import builder as model_builder
+from clast.inputs.blocks import BlockTable
+from clast.inputs.bolts import BoltPattern
+from clast.inputs.declaring.builder_methods import singles, with_keys
+from clast.inputs.declaring.serialise import as_plain, table_of
+from clast.inputs.declaring.table import Table
+from clast.inputs.declaring.validation_messages import table_in
+from clast.inputs.materials import Joint
+from clast.inputs.method import MethodTable
+from clast.inputs.stages import given_stages, stage_keys
+from clast.inputs.time_and_output import OutputTable, TimeTable
+from clast.model.checks import Outlines
+from clast.model.model import Model, Plane
+from clast.model.stages.stage import Stage
+from clast.results import Run, RunRecorder
+
+if TYPE_CHECKING:
+    from clast.inputs.placing.place_blocks import Entry, Label
+    from clast.run.schedule import Progress, Schedule
+    from clast.step.method import Method
+
+END = 1.0
+"""End of a run that does not say when, s."""
+FALLS = 300.0
+"""A step is this part of the time in which a block falls by half its own size."""
+STANDARD_GRAVITY = 9.8
+"""Acceleration by which a step is chosen where there is no gravity, m/s2."""
+
+
+TABLES: dict[str, type[Table]] = {"time": TimeTable, "method": MethodTable, "output": OutputTable}
+"""Tables whose keys a script gives without saying where they belong."""
+WHOLE = ("damping",)
+"""Tables that a script gives as a whole."""
+takes_keys = with_keys(*TABLES.values(), whole=WHOLE)
+"""Decorator of what takes these keys: ``help`` shows them."""
+
+
+class ModelBuilder(model_builder.ModelBuilder):
+    """Collects what a system of blocks is made of, and makes the Model or a case of it.
+
+    Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
+    yy, xy), angles in degrees, velocities in m/s and rad/s.  Polygons are counter-clockwise.
+    Its methods take the keys of a case file's tables; how things fit together is judged by
+    ``build``, ``case`` and ``to_toml``.
+    """
+
+    @takes_keys
+    def case(self, *, stages: Sequence[Stage] = (), **keys: Any) -> Case:
+        """Return the case of these blocks; ``keys`` are those of [time], [method] and [output].
+
+        ``builder.case(end=2.0, process="modified").run()``.  A step that is not given follows from
+        the blocks, the end is 1 s; ``stages`` are the parts of the run.  Raises CaseError and
+        ModelError, naming place and remedy.
+        """
+        # what cannot be built is no case either, be it two rocks of one name
+        tables = _with_time(_tables(keys), self.build())
+        parts = {"stage": [stage_keys(one) for one in given_stages(stages)]} if stages else {}
+        return Case.validated({**self._content(), **tables, **parts}, "script")
+
+    @takes_keys
+    def to_toml(self, *, stages: Sequence[Stage] = (), **keys: Any) -> str:
+        """Return these blocks as the text of a case file, which gives the same Model to the bit.
+
+        ``stages`` and ``keys`` as in ``case``.  Raises CaseError for what no file can hold: objects
+        of a script.
+        """
+        return self.case(stages=stages, **keys).to_toml()
+
+    def _content(self) -> dict[str, Any]:
+        """Return the tables of a case file that hold the system of blocks."""
+        for action in self.actions[:1]:
+            raise _no_name("actions", action)
+        content = {
+            "title": self.title,
+            "plane": _plane_name(self.plane),
+            "gravity": as_plain(np.asarray(self.gravity, np.float64)),
+            **({"gravity_factor": self.gravity_factor} if self.gravity_factor else {}),
+            "block": list(self._blocks()),
+            **self._tables_given(),
+            "joint": self._placed_joints(),
+            **self._singles(),
+        }
+        return {key: value for key, value in content.items() if value}
+
+    def _singles(self) -> dict[str, Any]:
+        """Return the tables of which there is one each."""
+        found = {}
+        for name, one in singles(type(self)):
+            value = getattr(self, name)
+            keys = one.written(value)
+            if keys is None:
+                raise _no_name(one.key, value)
+            found[one.key] = keys
+        return {key: found[key] for key in Case.model_fields if key in found}
+
+    def _tables_given(self) -> dict[str, Any]:
+        """Return the tables that hold what was given, by their keys in a case file."""
+        found: dict[str, Any] = {}
+        for key, entry in Case.model_fields.items():
+            kind: Any = table_in(entry.annotation)
+            if self.has(kind) and kind.NAMED:
+                found[key] = {name: as_plain(one) for name, one in self.named(kind).items()}
+            elif self.has(kind):
+                found[key] = [as_plain(self._with_outline(one)) for one in self.all(kind)]
+        return found
+
+    def _with_outline(self, table: Table) -> Table:
+        """Return a table; a pattern of bolts has the outline of its opening in place of a name."""
+        if not isinstance(table, BoltPattern) or not isinstance(table.opening, str):
+            return table
+        outline = self.opening_outlines.get(table.opening)
+        if outline is None:
+            return table
+        return table.model_copy(update={"opening": outline, "name": table.group(1)})
+
+    def _placed_joints(self) -> dict[str, Any]:
+        """Return the joints without those of lines that became no edges, which a file refuses."""
+        along = {"default", *np.unique(self._edge_joint_names(self._unnumbered())).tolist()}
+        return {
+            name: as_plain(one)
+            for name, one in self.named(Joint).items()
+            if one.between or one.between_rocks or name in along
+        }
+
+    def _unnumbered(self) -> Outlines:
+        """Return what messages need to know of the blocks: their names."""
+        names = tuple(self._names())
+        return Outlines(names, np.zeros(1, np.int64), np.zeros((0, 2)), np.zeros(2))
+
+    def _blocks(self) -> Iterator[dict[str, Any]]:
+        """Give the table of every block, in their order."""
+        number = 0
+        for entry, label in self._labelled(self._unnumbered()):
+            for name, values in zip(entry.names, _values(entry, label), strict=True):
+                number += 1
+                named = {} if name == str(number) else {"name": name}
+                yield {**named, **table_of(BlockTable, values)}
+
+
+def _values(entry: Entry, label: Label) -> Iterator[dict[str, Any]]:
+    """Give what is known of each block of an entry, but for its name."""
+    counts, vertices = entry.loops(label)
+    past = np.cumsum(counts)
+    velocity, stress = entry.velocities(label), entry.stresses(label)
+    joints = entry.edge_joints(label)
+    alike = entry.rock is None or isinstance(entry.rock, str)
+    rocks = [entry.rock] * len(counts) if alike else list(entry.rock or ())
+    for k, fixed in enumerate(entry.held(label)):
+        own = slice(past[k] - counts[k], past[k])
+        yield {
+            "vertices": vertices[own],
+            "rock": rocks[k],
+            "fixed": bool(fixed),
+            "velocity": velocity[k],
+            "initial_stress": None if stress is None else stress[k],
+            "edge_joint": joints[own].tolist() if joints[own].any() else None,
+        }
+
+
+@takes_keys
+def simulate(
+    model: Model | model_builder.ModelBuilder,
+    method: Method | None = None,
+    schedule: Schedule | None = None,
+    *,
+    output: Path | str | None = None,
+    progress: bool | Callable[[Progress], None] = False,
+    recorder: RunRecorder | None = None,
+    stages: Sequence[Stage] = (),
+    **keys: Any,
+) -> Run:
+    """Return the run of a model from rest, or its initial velocities, to the end.
+
+    ``clast.simulate(model, end=2.0, process="modified", contact_law=MyLaw())``: ``keys`` are those
+    of [time], [method] and [output] of a case file, and what is not given follows from the model
+    (the step, 1 s for the end).  ``method`` and ``schedule`` are in the place of these keys where
+    they are given.  ``output`` is the result file to write (.vtkhdf); without it frames are kept in
+    memory.  ``progress`` is True for a line on the terminal, or a function to call after every
+    step.  ``stages`` are the parts of the run, one after the other.  What the run warns of are
+    Python warnings of the category ``clast.RunWarning``, each of them once.
+
+    Raises CaseError and ModelError for what cannot be simulated, RunStopped where the run cannot go
+    on, with the partial results in its ``run``.
+    """
+    model = model.build() if isinstance(model, model_builder.ModelBuilder) else model
+    if not isinstance(model, Model):
+        raise CaseError(
+            f"a {type(model).__name__} is no model",
+            remedy="give builder.build(); a case runs by itself: clast.load(file).run()",
+        )
+    tables = _tables(keys)
+    _refuse_both(tables, {"method": method, "damping": method, "time": schedule})
+    # a bad model is refused before anything slow is loaded
+    from clast.case.run_source import script_source
+    from clast.run.launch import Launch, Target, launch
+    from clast.run.preflight import examine
+
+    # a case that has everything but blocks
+    settings = Case.validated({**_with_time(tables, model), "rock": {}}, "script")
+    text = settings.text if method is None and schedule is None else ""
+    method = method or settings.method(model)
+    schedule = schedule or settings.schedule()
+    schedule = replace(schedule, stages=given_stages(stages or schedule.stages))
+    if stages:
+        every = settings.output.interval(schedule.step, schedule.latest)
+        schedule = replace(schedule, every=every) if "every" not in keys else schedule
+    target = Target(output=None if output is None else Path(output), recorder=recorder)
+    made, when = method, schedule
+    return launch(
+        Launch(
+            model=model,
+            method=made,
+            schedule=when,
+            foreseen=lambda: examine(model, made, when).warnings,
+            source=lambda: script_source(settings if text else None, model, made, when),
+            target=lambda say: target,
+            case_text=text,
+            contacts=settings.output.contacts,
+            checkpoint_every=settings.output.checkpoint_every,
+        ),
+        progress,
+    )
+
+
+def usual_step(model: Model) -> float:
+    """Return the step, s, of a run that names none: 1, 2 or 5 times a power of ten.
+
+    At most a 300th of the time in which the smallest block falls by half its size.
+    """
+    gravity = float(np.hypot(*model.gravity)) or STANDARD_GRAVITY
+    wanted = math.sqrt(math.sqrt(float(model.area.min())) / gravity) / FALLS
+    power = 10.0 ** math.floor(math.log10(wanted))
+    rounded = power * max(digit for digit in (1.0, 2.0, 5.0) if digit * power <= wanted)
+    return float(f"{rounded:.1g}")
+
+
+def _with_time(tables: dict[str, Any], model: Model) -> dict[str, Any]:
+    """Return the tables of a script with the end and the step that it does not give."""
+    time = {"end": END, **tables.get("time", {})}
+    if "step" not in time:
+        step, end = usual_step(model), time["end"]
+        time["step"] = min(step, end) if isinstance(end, int | float) and end > 0.0 else step
+    return {**tables, "time": time}
+
+
+def _tables(keys: dict[str, Any]) -> dict[str, Any]:
+    """Return the keys of a script in the tables of a case file where they belong."""
+    tables: dict[str, Any] = {key: as_plain(value) for key, value in keys.items() if key in WHOLE}
+    for key, value in keys.items():
+        if key in tables:
+            continue
+        home = next((name for name, kind in TABLES.items() if key in kind.model_fields), None)
+        if home is None:
+            known = [*WHOLE, *(name for kind in TABLES.values() for name in kind.model_fields)]
+            raise CaseError(
+                f"there is no key '{key}'", remedy=spelling.advice(key, known, kind="key")
+            )
+        tables.setdefault(home, {})[key] = as_plain(value)
+    return tables
+
+
+def _refuse_both(tables: dict[str, Any], given: dict[str, Any]) -> None:
+    """Refuse keys that say what an object says already."""
+    for name, value in given.items():
+        if value is not None and tables.get(name):
+            said = name if name in WHOLE else ", ".join(tables[name])
+            raise CaseError(
+                f"{said} and a {type(value).__name__} are both given",
+                remedy=f"give the keys, or put them into the {type(value).__name__}",
+            )
+
+
+def _plane_name(plane: Plane) -> str:
+    """Return the name of a plane assumption in case files."""
+    for name, kind in PLANES.items():
+        if type(plane) is kind:
+            return name
+    raise _no_name("plane", plane)
+
+
+def _no_name(key: str, value: Any) -> CaseError:
+    return CaseError(
+        f"{type(value).__name__} is an object of a script, which no case file can hold",
+        where=key,
+        remedy="run the model itself: clast.simulate(builder.build())",
+    )

@@ -1,0 +1,363 @@
+"""Resume a run from its checkpoint: rebuild model and method, verify that they are unchanged.
+
+run = clast.resume("wall.checkpoint.h5")
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from clast.case.case_file import Case
+from clast.case.rerun_stage import check_fits, not_as_before, stage_before
+from clast.case.run_source import LARGEST_NAMED, named_files, named_print
+from clast.errors import CaseError, shortened
+from clast.inputs.time_and_output import OutputTable
+from clast.model.model import Model
+from clast.results import Run
+from clast.results.checkpoints.checkpoint import OBJECTS, SETTINGS, TEXT, Checkpoint, Source
+from clast.results.checkpoints.checkpoint_files import (
+    damaged,
+    read_checkpoint,
+)
+from clast.results.checkpoints.encode import classes_near
+from clast.results.checkpoints.fingerprints import digest, fingerprints
+from clast.results.checkpoints.record_checks import rows_in_all, wrong_record
+from clast.results.checkpoints.regular_files import print_of_text_in
+from clast.results.checkpoints.reopen import taken_over
+
+if TYPE_CHECKING:
+    from clast.run.schedule import Progress, Schedule
+    from clast.step.method import Method
+
+LATER = frozenset({"time.end", "output.checkpoint_every"})
+"""Keys that change nothing of what a run has done before a checkpoint."""
+NAMED = 6
+"""Parts that a message lists, at most."""
+
+
+# going on --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Given:
+    """What a script gives again, where a text cannot hold it."""
+
+    model: Model | None = None
+    method: Method | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prepared:
+    """What a run goes on with."""
+
+    model: Model
+    method: Method
+    source: Source
+    """Where it comes from, with its changed settings."""
+    output: OutputTable | None
+    """What it keeps; None where a script gave no keys."""
+    warnings: tuple[str, ...]
+    """What is said of it beforehand."""
+
+
+def resume(
+    path: str | Path,
+    settings: Sequence[str] = (),
+    *,
+    stage: str = "",
+    output: str | Path | None = None,
+    model: Model | None = None,
+    method: Method | None = None,
+    progress: bool | Callable[[Progress], None] = False,
+    warn: Callable[[str], None] | None = None,
+) -> Run:
+    """Return the run that a checkpoint is of, from there to its end.
+
+    It appends to its result file, which is first cut back to the checkpoint: what it holds in the
+    end is what it would hold if the run had never been interrupted, to the bit.  ``output`` is
+    another file to go on in: a copy, or without the old one a file of what comes from there on.
+    ``settings`` may be ``["time.end=2"]``, which lets the run go on for longer.  With ``stage``,
+    the name of one, the run goes on from the end of the stage before it, with any settings that
+    leave the blocks and the stages before as they are.  A script gives its
+    ``model`` again, and its ``method`` where that holds objects of its own.  ``progress`` and
+    ``warn`` are those of ``Case.run``.
+
+    Raises CaseError for what is no checkpoint, for a model that is not the same, and for a result
+    file that does not fit; RunStopped where the run cannot go on.
+    """
+    path = Path(path)
+    known = {} if model is None else classes_near(model.actions)
+    checkpoint = read_checkpoint(path, known)
+    source = checkpoint.source
+    _check_source(source, path)
+    if stage:
+        path, checkpoint = stage_before(checkpoint, path, stage, known)
+        now = _prepared_again(source, checkpoint, path, settings)
+    else:
+        now = _prepared(checkpoint, path, settings, Given(model=model, method=method))
+    _check_content(checkpoint, path, now)
+
+    from clast.run.launch import Launch, Target, launch
+
+    def target(say: Callable[[str], None]) -> Target:
+        found, recorded = taken_over(path, now.model, checkpoint.recorded, output, say)
+        return Target(output=found, recorded=recorded)
+
+    return launch(
+        Launch(
+            model=now.model,
+            method=now.method,
+            schedule=now.source.schedule,
+            remarks=(*_of_versions(checkpoint), *_of_case_file(checkpoint.source)),
+            foreseen=lambda: now.warnings,
+            source=lambda: now.source,
+            target=target,
+            case_text=now.source.text,
+            contacts=now.output.contacts if now.output else True,
+            checkpoint_every=now.output.checkpoint_every if now.output else None,
+            begin=checkpoint.run,
+        ),
+        progress,
+        warn,
+    )
+
+
+def _prepared(
+    checkpoint: Checkpoint, path: Path, settings: Sequence[str], given: Given
+) -> Prepared:
+    """Return what a run goes on with; raises CaseError where it is not what it was."""
+    source = checkpoint.source
+    _check_settings(settings)
+    _check_given(source, path, given)
+    case = None if source.gives == OBJECTS else _case(source, path, settings)
+    end = _end(case, settings, checkpoint, path)
+    schedule = dataclasses.replace(source.schedule, end=end)
+    model = given.model or _known(case).model()
+    method = given.method or _known(case).method(model)
+    _check_same(path, checkpoint, fingerprints(model=model, method=method))
+    return Prepared(
+        model=model,
+        method=method,
+        source=dataclasses.replace(
+            source,
+            text=case.text if case else source.text,
+            file=case.file if case else source.file,
+            schedule=schedule,
+        ),
+        output=case.output if case else None,
+        warnings=_warnings(case if source.gives == TEXT else None, model, method, schedule),
+    )
+
+
+def _prepared_again(
+    source: Source, checkpoint: Checkpoint, path: Path, settings: Sequence[str]
+) -> Prepared:
+    """Return what a stage is run again with; raises CaseError where it does not fit.
+
+    The checkpoint is that of the end of the stage before, ``source`` where the run came from whose
+    stage it is.
+    """
+    if source.gives != TEXT:
+        raise CaseError(
+            "comes from a script, in which stages are run again from the start",
+            where=str(path),
+            remedy="write the model as a case file (builder.to_toml), or run the script again",
+        )
+    _as_it_was(source, path)
+    case = Case.from_text(
+        source.text, str(_folder(source, path) / Path(source.file).name), settings
+    )
+    model, schedule = case.model(), case.schedule()
+    method = case.method(model)
+    check_fits(checkpoint, path, model, schedule, case.method(model).fixed_point_stiffness)
+    now = fingerprints(model=model, method=method)
+    return Prepared(
+        model=model,
+        method=method,
+        source=dataclasses.replace(
+            source, text=case.text, file=case.file, schedule=schedule, fingerprints=now
+        ),
+        output=case.output,
+        warnings=(*case.foreseen(model, method), *not_as_before(checkpoint, now)),
+    )
+
+
+def _known(case: Case | None) -> Case:
+    """Return a case that is there."""
+    if case is None:
+        raise RuntimeError("what no text gives, the script must")
+    return case
+
+
+def _warnings(
+    case: Case | None, model: Model, method: Method, schedule: Schedule
+) -> tuple[str, ...]:
+    """Return what is said of a run before its first step."""
+    if case is not None:
+        return case.foreseen(model, method)
+    from clast.run.preflight import examine
+
+    return examine(model, method, schedule).warnings
+
+
+def _of_versions(checkpoint: Checkpoint) -> Iterator[str]:
+    """Say where another clast has written the checkpoint."""
+    from clast.run.launch import own_version
+
+    if checkpoint.version != own_version():
+        yield (
+            f"the checkpoint is of clast {checkpoint.version}, this is {own_version()}: what comes "
+            "may differ from what would have come in its last digits"
+        )
+
+
+def _of_case_file(source: Source) -> Iterator[str]:
+    """Say where the case file is no longer what the run was begun with."""
+    now = print_of_text_in(Path(source.file), LARGEST_NAMED)
+    if now and source.file_text and now != source.file_text:
+        yield (
+            f"{source.file} is not what it was when the run began: the run goes on with the case "
+            "in its checkpoint. To run what the file says now, run it again: clast run"
+        )
+
+
+def _check_content(checkpoint: Checkpoint, path: Path, now: Prepared) -> None:
+    """Raise CaseError where what a checkpoint carries cannot be of this model and its stages.
+
+    Nothing has been written until here, and no kernel has seen it.
+    """
+    from clast.run.run_state import RunState
+    from clast.run.stages.restored import wrong_state
+
+    run, recorded = checkpoint.run, checkpoint.recorded
+    if not isinstance(run, RunState):
+        raise damaged(path, "it carries no run")
+    wrong = wrong_record(recorded, now.model, checkpoint.time)
+    wrong = wrong or wrong_state(run, now.model, now.method, now.source.schedule)
+    if not wrong and not run.state.time == checkpoint.time:
+        wrong = "its times differ"
+    if not wrong and run.tally.steps != rows_in_all(recorded):
+        wrong = "its steps are not those that were recorded"
+    if wrong:
+        raise damaged(path, wrong)
+
+
+def _check_source(source: Source, path: Path) -> None:
+    """Raise CaseError where a checkpoint does not say where its run came from."""
+    from clast.run.schedule import Schedule
+
+    schedule, most = source.schedule, sys.float_info.max
+    wrong = source.gives not in (TEXT, SETTINGS, OBJECTS) or not isinstance(schedule, Schedule)
+    if not wrong:
+        lengths = (schedule.step, schedule.end, schedule.every, schedule.smallest_step or 1.0)
+        wrong = not all(0.0 < length <= most for length in lengths)
+    if wrong:
+        raise damaged(path, "it does not say when to simulate")
+
+
+def _as_it_was(source: Source, path: Path) -> Case:
+    """Return the case of a checkpoint's text; no file is looked at that it does not name."""
+    case = Case.from_text(source.text, source.file)
+    if source.gives == TEXT and (
+        set(named_files(case)) != set(source.files)
+        or digest(case.schedule()) != digest(source.schedule)
+    ):
+        raise damaged(path, "its case is another than its run's")
+    return case
+
+
+def _check_given(source: Source, path: Path, given: Given) -> None:
+    """Raise CaseError where a script must give what no text holds."""
+    missing = {
+        TEXT: (),
+        SETTINGS: ("model",) * (given.model is None),
+        OBJECTS: tuple(name for name in ("model", "method") if getattr(given, name) is None),
+    }[source.gives]
+    if missing:
+        wanted = ", ".join(f"{name}=..." for name in missing)
+        raise CaseError(
+            "comes from a script, which must give again what no text can hold",
+            where=str(path),
+            remedy=f"in the script: clast.resume('{path.name}', {wanted})",
+        )
+
+
+def _check_settings(settings: Sequence[str]) -> None:
+    """Refuse settings that would have changed what was done before."""
+    for setting in settings:
+        key, equals, _ = setting.partition("=")
+        key = key.strip()
+        if key and equals and key not in LATER:
+            raise CaseError(
+                f"'{shortened(key)}' would have changed the run before its checkpoint",
+                where="--set",
+                remedy="a run that goes on may change time.end and output.checkpoint_every; with "
+                "--stage NAME a stage is run again with other numbers; else run the case again",
+            )
+
+
+def _case(source: Source, path: Path, settings: Sequence[str]) -> Case:
+    """Return the case of a text with settings; frames stay where they were to be."""
+    case = _as_it_was(source, path)
+    folder = _folder(source, path)
+    file = str(folder / Path(source.file).name) if source.gives == TEXT else source.file
+    if not settings:
+        return case if file == source.file else Case.from_text(source.text, file)
+    kept = () if case.output.every else (f"output.every={source.schedule.every!r}",)
+    return Case.from_text(source.text, file, (*settings, *kept))
+
+
+def _folder(source: Source, path: Path) -> Path:
+    """Return the folder with the files that a case names, as they were.
+
+    The folder of the case file is looked at first, then that of the checkpoint.
+    """
+    folders = Path(source.file).parent, path.resolve().parent
+    changed: list[str] = []
+    for folder in folders:
+        wrong = [name for name, was in source.files.items() if named_print(folder / name) != was]
+        if not wrong:
+            return folder
+        changed = changed or wrong
+    raise CaseError(
+        f"the case names {shortened(changed[0], 100)}, which is missing or has changed since the "
+        "checkpoint was written",
+        where=str(folders[0] / changed[0]),
+        remedy=f"put it back as it was, there or in {folders[1]}",
+    )
+
+
+def _end(case: Case | None, settings: Sequence[str], checkpoint: Checkpoint, path: Path) -> float:
+    """Return the end of the run, s: that of before, or what the settings say."""
+    end: float = checkpoint.source.schedule.end
+    if not any(setting.partition("=")[0].strip() == "time.end" for setting in settings):
+        return end
+    end = _known(case).time.end
+    if end < checkpoint.time:
+        raise CaseError(
+            f"{end:g} s is over: the checkpoint is of t = {checkpoint.time:.6g} s",
+            where="--set time.end",
+            remedy="set a later end, or run the case again",
+        )
+    return end
+
+
+def _check_same(path: Path, checkpoint: Checkpoint, now: Mapping[str, str]) -> None:
+    """Raise CaseError where model or method are not what they were, and name what differs."""
+    before = checkpoint.source.fingerprints
+    names = sorted(set(before) | set(now))
+    other = [name for name in names if before.get(name) != now.get(name)]
+    if other:
+        more = f" and {len(other) - NAMED} more" if len(other) > NAMED else ""
+        raise CaseError(
+            "is the checkpoint of another run: these parts are not what they were: "
+            f"{', '.join(other[:NAMED])}{more}",
+            where=str(path),
+            remedy=f"give the model and the method of that run (clast {checkpoint.version}), or "
+            "run the case again",
+        )

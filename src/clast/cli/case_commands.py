@@ -1,0 +1,249 @@
+"""Commands on case files: new, check, schema, run, resume, compare."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from clast.cli.exit_codes import SIGNALLED
+from clast.cli.options import (
+    AsJson,
+    CaseFile,
+    Quiet,
+    Settings,
+    Threads,
+    make_folder,
+    words,
+)
+from clast.cli.terminal import print_json, print_table, say, status, tell, warn
+from clast.cli.terminal_tables import comparison_table, print_run, sanity_table
+from clast.errors import CaseError, RunStopped, shortened
+from clast.run.interrupts import heard
+from clast.spelling import visible
+
+if TYPE_CHECKING:
+    from clast.results import Run
+    from clast.studies import Deviation
+
+LONGEST_FILE_NAME = 255
+"""Bytes of the longest name of a file."""
+
+
+def run(
+    case: CaseFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Result file; the case's name with .vtkhdf if absent."),
+    ] = None,
+    settings: Settings = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Simulate a case and write its result file."""
+    with heard():
+        _run(case, output or Path(f"{case.stem}.vtkhdf"), settings or (), as_json, quiet)
+
+
+def _run(case: Path, target: Path, settings: Sequence[str], as_json: bool, quiet: bool) -> None:
+    """Simulate a case; print how it went."""
+    from clast.case.case_file import Case
+    from clast.studies import deviations
+
+    loaded = Case.from_toml(case, settings)
+    _shown(
+        lambda warn: loaded.run(progress=not quiet, output=target, warn=warn),
+        lambda done: deviations(loaded, done),
+        as_json=as_json,
+        quiet=quiet,
+    )
+
+
+def _shown(
+    simulate: Callable[[Callable[[str], None]], Run],
+    compared: Callable[[Run], Sequence[Deviation]],
+    *,
+    as_json: bool,
+    quiet: bool,
+) -> None:
+    """Simulate, with a function to call once for every warning; print how it went."""
+    try:
+        done = simulate(lambda warning: warn([warning]))
+    except RunStopped as stopped:
+        partial: Any = stopped.run
+        print_run(partial, compared(partial), as_json=as_json, quiet=quiet)
+        say(f"the results until then are in {partial.output}{_way_on(partial)}")
+        raise
+    print_run(done, compared(done), as_json=as_json, quiet=quiet)
+    if not done.report.finished:
+        say(f"{done.report.outcome}; the results until then are in {done.output}{_way_on(done)}")
+        raise typer.Exit(SIGNALLED + done.ended_by)
+
+
+def _way_on(run: Run) -> str:
+    """Return how a run that has ended before its time goes on."""
+    return f"; clast resume {run.checkpoint} goes on" if run.checkpoint else ""
+
+
+def resume(
+    checkpoint: Annotated[
+        Path, typer.Argument(metavar="FILE", help="Checkpoint of a run (.checkpoint.h5).")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Go on in another file; in the run's own if absent."),
+    ] = None,
+    stage: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Run this stage again, from the end of the one before it."
+        ),
+    ] = None,
+    settings: Settings = None,
+    threads: Threads = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Go on with a run from its checkpoint to its end."""
+    from clast.case.resume import resume as go_on
+
+    if stage is not None and not stage.strip():
+        raise CaseError(
+            "is no name of a stage",
+            where="--stage",
+            remedy="name the stage that is to be run again, or leave it out",
+        )
+    with heard():
+        _shown(
+            lambda warn: go_on(
+                checkpoint,
+                settings or (),
+                stage=stage or "",
+                output=output,
+                progress=not quiet,
+                warn=warn,
+            ),
+            _compared,
+            as_json=as_json,
+            quiet=quiet,
+        )
+
+
+def _compared(run: Run) -> Sequence[Deviation]:
+    """Return how far a run is from the references of the case in its result file."""
+    from clast.case.case_file import Case
+    from clast.results import read_results
+    from clast.studies import deviations
+
+    if run.output is None:
+        return ()
+    return deviations(Case.from_text(read_results(run.output).case_text, "case"), run)
+
+
+def check(case: CaseFile, settings: Settings = None, as_json: AsJson = False) -> None:
+    """Look at a case before its first step: counts, masses, supports, stability, units."""
+    from clast.case.case_file import Case
+
+    loaded = Case.from_toml(case, settings or ())
+    with status():
+        sanity = loaded.examine()
+    if as_json:
+        print_json(dataclasses.asdict(sanity))
+        return
+    print_table(sanity_table(sanity))
+    warn(sanity.warnings)
+    if not sanity.warnings:
+        typer.echo("nothing to object to")
+
+
+def new(
+    name: Annotated[str, typer.Argument(help="Name of the case; .toml is added.")],
+    template: Annotated[
+        str,
+        typer.Option(
+            help="incline, slope, tunnel, key-block, wall, shaken-wall, arch, column, "
+            "dominoes or heap."
+        ),
+    ] = "incline",
+) -> None:
+    """Write a case file to begin with."""
+    from clast import spelling
+    from clast.case.templates import TEMPLATES
+
+    if template not in TEMPLATES:
+        raise CaseError(
+            f"there is no template '{shortened(template)}'",
+            where="--template",
+            remedy=spelling.advice(template, TEMPLATES, kind="template"),
+        )
+    path = Path(name) if name.endswith(".toml") else Path(f"{name}.toml")
+    _check_new(name, path)
+    path.write_text(TEMPLATES[template](), encoding="utf-8")
+    tell(f"wrote {path}; next: clast run {path}")
+
+
+def _check_new(name: str, path: Path) -> None:
+    """Refuse names under which no new case file can be written."""
+    where = shortened(name, 100) or "the name"
+    last = name.replace(os.sep, "/").rpartition("/")[2].removesuffix(".toml")
+    if not last.strip(" .") or visible(name) != name or "\n" in name:
+        raise CaseError("is no name of a case", where=where, remedy="e.g. clast new mywall")
+    if not path.parent.is_dir():
+        raise CaseError(
+            f"the folder {shortened(str(path.parent), 100)} does not exist",
+            where=where,
+            remedy="make it first, or choose a name without a folder",
+        )
+    if len(os.fsencode(path.name)) > LONGEST_FILE_NAME:
+        raise CaseError("is too long a name", where=where, remedy="choose a shorter one")
+    if path.exists() or path.is_symlink():
+        raise CaseError("exists already", where=where, remedy="choose another name")
+
+
+def schema() -> None:
+    """Print the JSON Schema of the case file, for editors and programs."""
+    from clast.case.case_file import json_schema
+
+    print_json(json_schema())
+
+
+def compare(
+    case: CaseFile,
+    process: Annotated[
+        str, typer.Option(metavar="NAME,...", help="Processes of a step, separated by commas.")
+    ] = "modified,open-close,convex",
+    law: Annotated[
+        str, typer.Option(metavar="NAME,...", help="Contact laws, separated by commas.")
+    ] = "penalty,augmented-lagrangian",
+    settings: Settings = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Folder; build/compare-CASE if absent."),
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a case through several processes and contact laws; write a page with a picture."""
+    from clast import studies
+    from clast.case.case_file import Case
+
+    loaded = Case.from_toml(case, settings or ())
+    processes, laws = words(process), words(law)
+    studies.combinations(processes, laws)
+    folder = output or Path("build") / f"compare-{loaded.name}"
+    make_folder(folder)
+    with status() as say:
+        comparison = studies.compare(
+            loaded, processes, laws, watch=lambda one, at: say(f"{one}: {at.time:.4g} s")
+        )
+    written = studies.write_comparison(comparison, folder)
+    if as_json:
+        print_json({**comparison.as_dict(), "files": [str(path) for path in written]})
+    elif not quiet:
+        print_table(comparison_table(comparison))
+        tell(f"page: {written[0]}")

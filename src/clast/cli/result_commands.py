@@ -1,0 +1,156 @@
+"""Commands on result files: info, plot, page."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from clast.cli.options import (
+    AsJson,
+    FrameNumber,
+    FrameTime,
+    Limits,
+    ResultFile,
+    StageName,
+    Zoom,
+    frame_asked,
+    numbers,
+)
+from clast.cli.terminal import print_json, print_table, tell
+from clast.cli.terminal_tables import print_points, print_stages, two_columns
+from clast.errors import CaseError, shortened
+
+
+def info(file: ResultFile, as_json: AsJson = False) -> None:
+    """Say what a result file contains."""
+    from clast.results import read_results, summary
+    from clast.results.provenance import texts
+
+    results = read_results(file, whole=sys.maxsize)
+    content = summary(results)
+    if as_json:
+        print_json(content)
+        return
+    first, last = content["time"]
+    warnings = results.report.warnings if results.report else ()
+    rows = {
+        "outcome": content["outcome"],
+        "frames": f"{content['frames']}, from {first:.6g} to {last:.6g} s",
+        "blocks": f"{content['blocks']} ({content['fixed_blocks']} fixed)",
+        "vertices": f"{content['vertices']}",
+        "rocks": ", ".join(content["rocks"]),
+        **({"joints": ", ".join(content["joints"])} if content["joints"] else {}),
+        **texts(results.about),
+        "largest displacement": f"{content['largest_displacement']:.6g} m",
+        "contacts at the end": f"{content['contacts']}",
+        **({"bolts at the end": _bolts(content["bolts"])} if content["bolts"] else {}),
+        "fields": ", ".join(content["fields"]),
+        "size": f"{content['size_bytes'] / 1e6:.3g} MB",
+        **({"warnings": "\n".join(warnings)} if warnings else {}),
+        "version": content["version"],
+        "made with": ", ".join(f"{k} {v}" for k, v in content["versions"].items() if k != "clast"),
+    }
+    print_table(two_columns(content["title"], rows))
+    print_stages(results.stages)
+    print_points(content["measured_points"])
+
+
+def _bolts(counts: dict[str, int]) -> str:
+    """Return how many bolts are in which state, in words."""
+    return ", ".join(f"{count} {state}" for state, count in counts.items())
+
+
+def plot(
+    file: ResultFile,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Picture; the file's name with .png if absent."),
+    ] = None,
+    frame: FrameNumber = None,
+    time: FrameTime = None,
+    stage: StageName = None,
+    field: Annotated[
+        str,
+        typer.Option(
+            help="What colours the blocks; joint: their edges; slip, opening: what joints did."
+        ),
+    ] = "displacement",
+    contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
+    limits: Limits = "",
+    zoom: Zoom = "",
+    size: Annotated[
+        str, typer.Option(metavar="W[,H]", help="Width and height of the picture, cm.")
+    ] = "",
+    dpi: Annotated[int | None, typer.Option(metavar="N", help="Dots per inch.")] = None,
+    point: Annotated[
+        str, typer.Option(metavar="NAME", help="Draw how this measured point moved over time.")
+    ] = "",
+    bolt: Annotated[
+        str, typer.Option(metavar="NAME", help="Draw what this bolt bore over time.")
+    ] = "",
+) -> None:
+    """Draw a frame of a result file, or over time how a point moved or what a bolt bore."""
+    from clast.pictures.plot import Look, plot_bolt_history, plot_history, plot_results
+    from clast.results import read_results
+
+    look = Look(
+        limits=numbers("--limits", limits, 2),
+        zoom=numbers("--zoom", zoom, 4),
+        size=numbers("--size", size, 1, 2),
+        dpi=dpi,
+    )
+    target = output or file.with_suffix(".png")
+    results = read_results(file)
+    curves = {"--point": (point, plot_history), "--bolt": (bolt, plot_bolt_history)}
+    asked = {option: one for option, one in curves.items() if one[0]}
+    if len(asked) > 1:
+        raise CaseError(
+            "each is a picture of its own", where=", ".join(asked), remedy="ask for one at a time"
+        )
+    for name, draw in asked.values():
+        draw(results, target, name)
+        tell(f"picture: {target}")
+        return
+    number = frame_asked(results, frame, time, stage)
+    plot_results(results, target, frame=number, field=field, contacts=contacts, look=look)
+    tell(f"picture: {target}")
+
+
+def page(
+    file: ResultFile,
+    output: Annotated[
+        Path | None,
+        typer.Argument(metavar="OUT.html", help="Page; the file's name with .html if absent."),
+    ] = None,
+    budget: Annotated[
+        str,
+        typer.Option(
+            metavar="SIZE", help="Room for contacts and joints before they are compressed."
+        ),
+    ] = "12MB",
+) -> None:
+    """Write a page that plays a run in a browser, complete in one file, without a network."""
+    from clast.pictures.page.document import write_page
+    from clast.results import read_results
+
+    target = output or file.with_suffix(".html")
+    write_page(read_results(file), target, budget=_bytes("--budget", budget))
+    tell(f"page: {target} ({target.stat().st_size / 1e6:.3g} MB); open it in a browser")
+
+
+SIZES = {"": 1.0, "B": 1.0, "KB": 1e3, "MB": 1e6, "GB": 1e9}
+"""Units of a size -> bytes."""
+
+
+def _bytes(option: str, written: str) -> float:
+    """Return a size such as 12MB in bytes."""
+    found = re.fullmatch(r"\s*(\d+(?:\.\d*)?)\s*([KMG]?B?)\s*", written.upper())
+    if found is None or found[2] not in SIZES or float(found[1]) <= 0.0:
+        raise CaseError(
+            f"'{shortened(written)}' is no size", where=option, remedy="write e.g. 12MB or 500kB"
+        )
+    return float(found[1]) * SIZES[found[2]]

@@ -1,0 +1,461 @@
+"""The commands of clast study: fos, sweep, montecarlo, fit, resume, collect."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from clast.cli.exit_codes import MISSED
+from clast.cli.options import AsJson, CaseFile, Quiet, Settings, words
+from clast.cli.study_tables import print_collapse, print_fit, print_results, print_trial
+from clast.cli.terminal import json_text, print_json, say, status, tell
+from clast.errors import CaseError, shortened
+from clast.run.interrupts import heard
+
+if TYPE_CHECKING:
+    from clast.study.collapsing.collapse import Collapse
+    from clast.study.description import Factor
+    from clast.study.executors import Progress
+    from clast.study.folder import StudyFolder
+    from clast.study.study_api import HowMade
+
+app = typer.Typer(
+    help="Many runs whose sum is an answer: factors of safety, sweeps, probability of failure.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
+
+Out = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="DIR", help="Folder; build/study-CASE if absent."),
+]
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a study.")]
+Joints = Annotated[
+    str, typer.Option(metavar="NAME,...", help="Joints whose strength is reduced; all if absent.")
+]
+Tolerance = Annotated[
+    float, typer.Option(metavar="SHARE", help="Width of the bracket, as a share of its upper end.")
+]
+Vary = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--vary",
+        metavar="PATH=IS",
+        help='What varies, e.g. "joint.bedding.friction_angle=normal(35, 5)" or "...=[20, 30]".',
+    ),
+]
+Measure = Annotated[
+    list[str] | None,
+    typer.Option("--measure", metavar="NAME=EXPRESSION", help='E.g. "crest=displacement(A)".'),
+]
+Fail = Annotated[
+    str, typer.Option(metavar="EXPRESSION", help='When a run fails, e.g. "crest > 0.05".')
+]
+Keep = Annotated[str, typer.Option(help="Result files to keep: none, failed or all.")]
+Workers = Annotated[
+    int | None,
+    typer.Option(min=1, max=10_000, metavar="N", help="Runs at a time; one a processor if absent."),
+]
+Scheduler = Annotated[
+    str, typer.Option(metavar="ADDRESS", help="Dask scheduler that is there, tcp://host:port.")
+]
+Array = Annotated[
+    str, typer.Option(metavar="I/N", help="Make every N-th run from the I-th on, here alone.")
+]
+Retry = Annotated[bool, typer.Option("--retry-failed", help="Make runs again that have no result.")]
+
+
+@app.command()
+def fos(
+    case: CaseFile,
+    by: Annotated[
+        str, typer.Option(help='strength, gravity, "load NAME", pga or "pga left".')
+    ] = "strength",
+    joints: Joints = "",
+    tolerance: Tolerance = 0.01,
+    start: Annotated[
+        float | None, typer.Option(help="First factor; 1, of pga 0.1, if absent.")
+    ] = None,
+    growth: Annotated[float | None, typer.Option(help="Growth of factors until one fails.")] = None,
+    refine: Annotated[
+        int, typer.Option(min=0, max=500, help="More trials near the bracket, for the curve.")
+    ] = 0,
+    settings: Settings = None,
+    output: Out = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the factor of safety, or the factor of gravity, a load or a push, at collapse."""
+    from clast.case.case_file import Case
+    from clast.study.collapsing.collapse import collapse
+    from clast.study.description import Factor
+
+    loaded = Case.from_toml(case, settings or ())
+    how = Factor(
+        by=by,
+        joints=tuple(words(joints)),
+        start=start,
+        growth=growth,
+        tolerance=tolerance,
+        refine=refine,
+    )
+    folder = output or Path("build") / f"study-{loaded.name}"
+    with heard(), status() as show:
+
+        def watch(number: int, trial: Any) -> None:
+            show(f"trial {number}: {trial.factor:.6g} {trial.verdict}")
+            if not quiet and not as_json:
+                print_trial(number, trial)
+
+        found = collapse(loaded, how, folder, watch)
+    _told_collapse(found, as_json, quiet)
+
+
+@app.command()
+def sweep(
+    case: CaseFile,
+    vary: Vary = None,
+    measure: Measure = None,
+    fail: Fail = "",
+    together: Annotated[
+        bool, typer.Option("--together", help="Take the lists in step, not all combinations.")
+    ] = False,
+    keep: Keep = "none",
+    settings: Settings = None,
+    output: Out = None,
+    by: Annotated[str, typer.Option(help="Of factor_of_safety(): what it acts on.")] = "strength",
+    joints: Joints = "",
+    tolerance: Tolerance = 0.01,
+    workers: Workers = None,
+    scheduler: Scheduler = "",
+    array: Array = "",
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run all values of lists, or all combinations of them."""
+    study = _study(case, settings, vary, measure, ())
+    described = study(
+        fail=fail, keep=keep, together=together, factor=_factor(by, joints, tolerance)
+    )
+    _make(
+        described,
+        {"kind": "sweep"},
+        _folder(case, output),
+        _how(workers, scheduler, array),
+        as_json,
+        quiet,
+    )
+
+
+@app.command()
+def montecarlo(
+    case: CaseFile,
+    vary: Vary = None,
+    correlate: Annotated[
+        list[str] | None,
+        typer.Option("--correlate", metavar="A,B,R", help="Correlation of two parameters."),
+    ] = None,
+    measure: Measure = None,
+    fail: Fail = "",
+    n: Annotated[int, typer.Option("-n", "--runs", help="Number of runs.")] = 100,
+    sampling: Annotated[
+        str, typer.Option(help="random, latin-hypercube, sobol or point-estimate.")
+    ] = "random",
+    seed: Annotated[int | None, typer.Option(help="Seed; 1 if absent.")] = None,
+    replicates: Annotated[
+        int | None, typer.Option(help="Latin hypercubes that the runs are divided among.")
+    ] = None,
+    keep: Keep = "none",
+    settings: Settings = None,
+    output: Out = None,
+    by: Annotated[str, typer.Option(help="Of factor_of_safety(): what it acts on.")] = "strength",
+    joints: Joints = "",
+    tolerance: Tolerance = 0.01,
+    workers: Workers = None,
+    scheduler: Scheduler = "",
+    array: Array = "",
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the probability of failure, and the spread of measures, by runs drawn by chance."""
+    study = _study(case, settings, vary, measure, correlate)
+    described = study(fail=fail, keep=keep, factor=_factor(by, joints, tolerance))
+    given = {"seed": seed, "replicates": replicates}
+    numbers = {key: value for key, value in given.items() if value is not None}
+    drawn = {"kind": "montecarlo", "n": n, "sampling": sampling, **numbers}
+    _make(described, drawn, _folder(case, output), _how(workers, scheduler, array), as_json, quiet)
+
+
+@app.command()
+def fit(
+    case: CaseFile,
+    observe: Annotated[
+        Path, typer.Option(metavar="FILE", help="Table (CSV) with point, time, x, y, sd.")
+    ],
+    vary: Vary = None,
+    settings: Settings = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write JSON there too.")
+    ] = None,
+    workers: Workers = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the parameters with which a case moves as it was measured (back-analysis)."""
+    from clast.case.case_file import Case
+    from clast.study.fit import fit as fitted
+
+    if output is not None and not output.absolute().parent.is_dir():
+        raise CaseError("its folder does not exist", where=str(output), remedy="make it first")
+    loaded = Case.from_toml(case, settings or ())
+    ranges = dict(_pairs("--vary", vary, "joint.bedding.shear_stiffness=uniform(1e8, 1e10)"))
+    with heard(), status() as show:
+        found = fitted(
+            loaded,
+            observe,
+            ranges,
+            workers=workers,
+            watch=lambda runs, error: show(f"{runs} runs, mean error {error:.4g}"),
+        )
+    if output is not None:
+        output.write_text(json_text(found.as_dict()) + "\n", encoding="utf-8")
+    if as_json:
+        print_json(found.as_dict())
+    elif not quiet:
+        print_fit(found)
+
+
+@app.command()
+def resume(
+    folder: Folder,
+    workers: Workers = None,
+    scheduler: Scheduler = "",
+    array: Array = "",
+    retry: Retry = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Go on with a study: make the runs that are not done."""
+    from clast.study.collapsing import collapse
+    from clast.study.description import COLLAPSE
+    from clast.study.folder import StudyFolder
+
+    there = StudyFolder.opened(folder)
+    if there.study.kind == COLLAPSE:
+        with heard(), status():
+            found = collapse.go_on(there, None if quiet or as_json else print_trial)
+        _told_collapse(found, as_json, quiet)
+        return
+    _go_on(there, _how(workers, scheduler, array, retry), as_json, quiet)
+
+
+@app.command()
+def collect(
+    folder: Folder,
+    parquet: Annotated[bool, typer.Option("--parquet", help="Write Parquet as well.")] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write table and report of what is done of a study."""
+    from clast.study.description import COLLAPSE
+    from clast.study.folder import StudyFolder
+
+    there = StudyFolder.opened(folder)
+    if there.study.kind == COLLAPSE:
+        raise CaseError(
+            "is a study of a factor, which has all of its trials or none",
+            where=str(folder),
+            remedy=f"clast study resume {folder}",
+        )
+    _collected(there, parquet, as_json, quiet)
+
+
+# What they have in common ------------------------------------------------------------------------
+
+
+def _study(
+    case: Path,
+    settings: Sequence[str] | None,
+    vary: Sequence[str] | None,
+    measure: Sequence[str] | None,
+    correlate: Sequence[str] | None,
+) -> Callable[..., Any]:
+    """Return what makes the study of a command line."""
+    from functools import partial
+
+    from clast.case.case_file import Case
+    from clast.study.study_api import Study
+
+    return partial(
+        Study,
+        Case.from_toml(case, settings or ()),
+        vary=dict(_pairs("--vary", vary, "joint.bedding.friction_angle=normal(35, 5)")),
+        measure=dict(_pairs("--measure", measure, "crest=displacement(A)")),
+        correlate=[_correlation(one) for one in correlate or ()],
+    )
+
+
+def _pairs(option: str, given: Sequence[str] | None, example: str) -> Iterator[tuple[str, str]]:
+    """Give name and value of options of the kind NAME=VALUE, each name once."""
+    seen = set()
+    for one in given or ():
+        name, equals, value = one.partition("=")
+        name = name.strip()
+        if not equals or not name or not value.strip():
+            raise CaseError(
+                f"'{shortened(one)}' says nothing", where=option, remedy=f'e.g. "{example}"'
+            )
+        if name in seen:
+            remedy = "give each name once"
+            raise CaseError(f"'{shortened(name)}' is given twice", where=option, remedy=remedy)
+        seen.add(name)
+        yield name, value.strip()
+
+
+def _correlation(text: str) -> tuple[str, str, float]:
+    parts = [part.strip() for part in text.split(",")]
+    try:
+        first, second, value = parts
+        return first, second, float(value)
+    except ValueError:
+        raise CaseError(
+            f"'{shortened(text)}' is no correlation of two parameters",
+            where="--correlate",
+            remedy='write "joint.a.cohesion,joint.a.friction_angle,-0.4"',
+        ) from None
+
+
+def _factor(by: str, joints: str, tolerance: float) -> Factor | None:
+    """Return how factors of safety are looked for; None where all is as usual."""
+    from clast.study.description import Factor
+
+    how = Factor(by=by, joints=tuple(words(joints)), tolerance=tolerance)
+    return None if how == Factor() else how
+
+
+def _folder(case: Path, output: Path | None) -> Path:
+    return output or Path("build") / f"study-{case.stem}"
+
+
+def _how(workers: int | None, scheduler: str, array: str, retry: bool = False) -> HowMade:
+    """Return how runs are made."""
+    from clast.study.study_api import HowMade
+
+    part = None
+    if array:
+        first, slash, count = array.partition("/")
+        whole = slash and first.strip().isdecimal() and count.strip().isdecimal()
+        if not whole or not 1 <= int(first) <= int(count):
+            raise CaseError(
+                f"'{shortened(array)}' is no part of an array",
+                where="--array",
+                remedy="write e.g. 3/10: every tenth run, from the third on",
+            )
+        part = (int(first), int(count))
+    if scheduler and part:
+        raise CaseError(
+            "an array has no scheduler", where="--scheduler", remedy="leave one of them out"
+        )
+    return HowMade(workers=workers, array=part, retry=retry, scheduler=scheduler)
+
+
+def _make(
+    study: Any, drawn: dict[str, Any], folder: Path, how: HowMade, as_json: bool, quiet: bool
+) -> None:
+    """Make a study in a folder; print what it has found."""
+    from clast.study.folder import StudyFolder
+    from clast.study.work import Bench
+
+    there = StudyFolder.made(folder, study.case, study.described(**drawn))
+    Bench.of(there).check()
+    _go_on(there, how, as_json, quiet)
+
+
+def _go_on(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None:
+    """Make the runs that are not done; print what has been found."""
+    from dataclasses import replace
+
+    from clast.study import study_api
+
+    with heard(), _watched(quiet or as_json) as watch:
+        study_api.make(there, replace(how, watch=watch))
+    if how.array is None:
+        _collected(there, False, as_json, quiet)
+    elif not quiet:
+        tell(f"done; when all parts are: clast study collect {there.path}")
+
+
+@contextmanager
+def _watched(quiet: bool) -> Iterator[Callable[[Progress], None] | None]:
+    """Give what shows how far a study is."""
+    if quiet:
+        yield None
+        return
+    with status() as show:
+
+        def watch(at: Progress) -> None:
+            left = "" if at.left is None else f", {_duration(at.left)} left"
+            show(f"{at.done} of {at.total} runs{left}")
+
+        yield watch
+
+
+def _duration(seconds: float) -> str:
+    """Return a time in words."""
+    for size, name in ((86400.0, "d"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.0f} {name}"
+    return f"{seconds:.0f} s"
+
+
+def _collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool) -> None:
+    """Write table and report; print what has been found."""
+    from clast.study import probabilities, trial_table
+    from clast.study.study_report import write_report
+
+    rows = trial_table.write_csv(there, there.path / trial_table.CSV)
+    if parquet:
+        trial_table.write_parquet(there, there.path / trial_table.PARQUET)
+    columns = probabilities.columns_of(there)
+    report = write_report(there)
+    if as_json:
+        found = probabilities.probability(columns)
+        print_json(
+            {
+                "folder": str(there.path),
+                "runs": there.study.n,
+                "done": rows,
+                "no_result": columns.lost,
+                "probability_of_failure": None if found is None else vars(found),
+                "measures": {
+                    name: None if spread is None else vars(spread)
+                    for name, values in columns.measures.items()
+                    for spread in [probabilities.spread(columns, values)]
+                },
+                "blocks": dict(columns.blocks),
+            }
+        )
+    elif not quiet:
+        print_results(columns, rows)
+        tell(f"table: {there.path / trial_table.CSV}\nreport: {report}")
+
+
+def _told_collapse(found: Collapse, as_json: bool, quiet: bool) -> None:
+    """Write the report of a study of collapse; print what it has found."""
+    from clast.study.folder import StudyFolder
+    from clast.study.study_report import write_collapse
+
+    there = StudyFolder.opened(found.folder or Path())
+    report = write_collapse(there, found)
+    if as_json:
+        print_json(found.as_dict())
+    elif not quiet:
+        print_collapse(found)
+        tell(f"report: {report}")
+    if not found.is_settled:
+        say(f"warning: {found.sentence}")
+        raise typer.Exit(MISSED)

@@ -1,0 +1,76 @@
+"""Frames as drawings: blocks on the layers of their rocks, joints, contact forces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import compress
+from pathlib import Path
+
+import numpy as np
+
+from clast.exports.export_selection import edge_joints, frames_in
+from clast.exports.targets import check_ending, check_free, numbered
+from clast.model.model import Floats
+from clast.pictures.fields import round_below
+from clast.results import FrameContacts, Recording
+from clast.results.frames import gone_in_frame
+from clast.rockmass.drawings.dxf_out import Extras, write_blocks_dxf
+
+LONGEST = 0.05
+"""Length of the largest force as a share of the size of all blocks, at most."""
+LAST = (-1,)
+
+
+def write_dxf(
+    results: Recording, path: Path | str, frames: Sequence[int] | None = LAST
+) -> list[Path]:
+    """Write frames to DXF files, in metres, and return their paths; the last frame alone if absent.
+
+    A block is a closed LWPOLYLINE on the layer of its rock, edges with a joint are LINEs on the
+    layer JOINTS_name, contact forces LINEs on CONTACTS: in the direction of the force, as long as
+    it is large, the contact in the middle; the layer's description says what 1 m stands for.
+    Blocks that have been excavated are left out.  For
+    several frames (None: all) ``path`` out.dxf becomes out-0000.dxf and so on, of one scale.
+    Raises CaseError for what exists already or cannot be written, and where ezdxf is not
+    installed.
+    """
+    path = Path(path)
+    check_ending(path, ".dxf", "a drawing")
+    chosen = frames_in(results, frames)
+    paths = [path] if len(chosen) == 1 else numbered(path, chosen, ".dxf")
+    check_free(paths)
+    rocks = [results.rock_name[k] for k in results.field("rock", 0)]
+    joints = edge_joints(results)
+    if joints is not None:
+        joints = [name.replace(":", "-") for name in joints]  # names of layers have no colons
+    length = _length_of_forces(results, chosen)
+    for frame, file in zip(chosen, paths, strict=True):
+        lines = _force_lines(results.contacts(frame), length)
+        left = ~gone_in_frame(results, frame)
+        counts = np.diff(results.block_start)
+        edge = np.repeat(left, counts)
+        about = f"contact forces, 1 m for {1.0 / length:g} N/m; t = {results.times[frame]:.6g} s"
+        write_blocks_dxf(
+            file,
+            results.vertices(frame)[edge],
+            np.cumsum([0, *counts[left]]),
+            list(compress(rocks, left)),
+            None if joints is None else list(compress(joints, edge)),
+            Extras(layer="CONTACTS", about=about, lines=lines),
+        )
+    return paths
+
+
+def _length_of_forces(results: Recording, frames: Sequence[int]) -> float:
+    """Return how long the line of a force of 1 N/m is, m: 1, 2 or 5 times a power of ten."""
+    largest = 0.0
+    for frame in frames:
+        largest = max(largest, float(np.hypot(*results.contacts(frame).force.T).max(initial=0.0)))
+    size = float(np.hypot(*np.ptp(results.vertices(0), axis=0)))
+    return round_below(LONGEST * size / largest) if largest > 0.0 else 1.0
+
+
+def _force_lines(contacts: FrameContacts, length: float) -> Floats:
+    """Return the ends of the lines of contact forces, m, shape (m, 2, 2)."""
+    half = 0.5 * length * contacts.force
+    return np.stack([contacts.position - half, contacts.position + half], axis=1)

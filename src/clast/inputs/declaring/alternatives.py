@@ -1,0 +1,342 @@
+"""A key whose value is one of several named things, each with numbers of its own.
+
+``process = "modified"`` and ``process = {name = "modified", passes = 2}`` both choose the class
+that the name stands for.  Its numbers are the fields of its dataclass: adding an alternative takes
+the dataclass and one line in the dictionary of names (clast.inputs.method).  A script may give
+an object in the place of the name.
+"""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from functools import cache
+from importlib import import_module
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    Strict,
+    StrictBool,
+    StrictInt,
+    StrictStr,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    create_model,
+)
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, core_schema
+
+from clast import spelling
+from clast.errors import shortened
+from clast.inputs.declaring.field_docs import field_docstrings
+from clast.inputs.declaring.validation_messages import Fault, faults_of, refusal
+from clast.model.ranges import Range
+
+Number = Annotated[float, Strict()]
+
+
+def within(limits: Range) -> AfterValidator:
+    """Return the annotation of a number that is refused outside its range."""
+
+    def validate(value: Any) -> Any:
+        fault = None if value is None else limits.fault(value)
+        if fault is not None:
+            raise refusal(Fault(what=fault))
+        return value
+
+    return AfterValidator(validate)
+
+
+AUTO = "auto"
+"""Value that leaves a number to clast."""
+
+OPTION_TYPES: dict[str, Any] = {
+    "float": Number,
+    "float | None": Number | None,
+    "int": StrictInt,
+    "int | None": StrictInt | None,
+    "bool": StrictBool,
+    "str": StrictStr,
+}
+"""What the annotation of a dataclass field means for the value in the file."""
+
+
+@dataclass(frozen=True)
+class Alternatives:
+    """The named classes of every key that offers a choice, and the limits of their numbers."""
+
+    classes: Mapping[str, Mapping[str, str]]
+    """Key -> name -> "module:class"; a field of a class that is such a key is a choice too."""
+    limits: Mapping[str, tuple[Any, ...]]
+    """Field name -> what pydantic is to check of it, as annotations."""
+    automatic: frozenset[str] = frozenset()
+    """Fields that may be "auto", and are unless given: whoever builds the class provides them."""
+    needs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Key -> what an object must have that a script puts in the place of a name."""
+
+    def __hash__(self) -> int:
+        return id(self)
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """One alternative and its numbers, as the file gives them."""
+
+    name: str
+    """Name in the file."""
+    path: str
+    """Where its class is, "module:class"."""
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+    """The values that the file gives; the others are the class's own defaults."""
+
+    def build(self, **provided: Any) -> Any:
+        """Return the object that was chosen; ``provided`` are the values of fields on "auto"."""
+        given = {
+            key: value.build() if isinstance(value, Chosen | Given) else value
+            for key, value in self.numbers.items()
+        }
+        return class_at(self.path)(**{**given, **provided})
+
+    def is_automatic(self, key: str) -> bool:
+        """Return True where the file leaves a number to clast: "auto", or nothing."""
+        return self.numbers.get(key, AUTO) == AUTO
+
+    def as_written(self) -> str | dict[str, Any]:
+        """Return the shortest way to write it in a file; what has no name there stays as it is."""
+        if not self.numbers:
+            return self.name
+        numbers = {
+            key: value.as_written() if isinstance(value, Chosen | Given) else value
+            for key, value in self.numbers.items()
+        }
+        return {"name": self.name, **numbers}
+
+
+class Given:
+    """An object of a script in the place of a name; a file can hold it if its class has a name."""
+
+    # no dataclass: pydantic would take it, and the object with it, to pieces when it is written
+    def __init__(self, value: Any, choice: Choice) -> None:
+        self.value = value
+        """The object."""
+        self.choice = choice
+        """Where it was given."""
+
+    @property
+    def name(self) -> str:
+        """Name of its class."""
+        return type(self.value).__name__
+
+    def build(self, **provided: Any) -> Any:
+        """Return the object; it has all its numbers."""
+        return self.value
+
+    def is_automatic(self, key: str) -> bool:
+        """Return False: nothing is left to clast."""
+        return False
+
+    def as_written(self) -> str | dict[str, Any] | Given:
+        """Return its name or table in a file; itself where it has none."""
+        written = self.choice.written(self.value)
+        return self if written is None else written
+
+
+PLAIN = (str, bool, int, float, list, tuple, dict, datetime.date, datetime.time, type(None))
+"""What a value of a file can be; anything else is an object of a script."""
+
+
+def class_at(path: str) -> Any:
+    """Return the class at "module:class", loading its module (and numba with it) only now."""
+    module, name = path.split(":")
+    return getattr(import_module(module), name)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Type annotation of a key that offers a choice: ``Annotated[Any, Choice("process", ...)]``."""
+
+    key: str
+    """The key."""
+    alternatives: Alternatives
+    """All choices."""
+    usual: str = ""
+    """Name of a table that has none; empty: a table has to have one."""
+
+    @property
+    def names(self) -> Mapping[str, str]:
+        """Name -> "module:class"."""
+        return self.alternatives.classes[self.key]
+
+    def validate(self, value: Any) -> Chosen | Given:
+        """Return the choice that a name, a table or an object makes; hand faults to pydantic."""
+        if isinstance(value, Chosen | Given):
+            return value
+        if not isinstance(value, PLAIN):
+            return self._given(value)
+        table = {"name": value} if isinstance(value, str) else value
+        if self.usual and isinstance(table, dict):
+            table = {"name": self.usual, **table}
+        known = ", ".join(f'"{name}"' for name in self.names)
+        if not isinstance(table, dict) or not isinstance(table.get("name"), str):
+            raise refusal(
+                Fault(
+                    what="must be a name or a table with a name",
+                    remedy=f'one of {known}, or e.g. {{name = "{next(iter(self.names))}", ...}}',
+                )
+            )
+        name = table["name"]
+        if name not in self.names:
+            remedy = spelling.advice(name, self.names, kind=self.key)
+            what = f"there is no {self.key} '{shortened(name)}'"
+            raise refusal(Fault(what=what, remedy=remedy))
+        try:
+            parsed = options_table(self, name).model_validate(table)
+        except ValidationError as error:
+            raise refusal(*faults_of(error, explained_table(self, name))) from None
+        given = {key: getattr(parsed, key) for key in table if key != "name"}
+        return Chosen(name, self.names[name], given)
+
+    def written(self, value: Any) -> str | dict[str, Any] | None:
+        """Return name or table of an object in a file, None where its class has no name there."""
+        path = f"{type(value).__module__}:{type(value).__qualname__}"
+        name = next((name for name, known in self.names.items() if known == path), None)
+        if name is None:
+            return None
+        numbers: dict[str, Any] = {}
+        for one in fields(value):
+            number: Any = getattr(value, one.name)
+            unsaid = one.name not in self.alternatives.automatic and number == default_of(one)
+            if unsaid or not one.init or one.name == "name":
+                continue
+            if one.name in self.alternatives.classes:
+                number = Choice(one.name, self.alternatives).written(number)
+                if number is None:
+                    return None
+            numbers[one.name] = number
+        return {"name": name, **numbers} if numbers else name
+
+    def _given(self, value: Any) -> Given:
+        """Return an object of a script, if it is one of the kind that is wanted."""
+        if isinstance(value, type):
+            what = f"{value.__name__} is a class, not an object"
+            raise refusal(Fault(what=what, remedy=f"give {value.__name__}(...)"))
+        needed = self.alternatives.needs.get(self.key, ())
+        missing = [name for name in needed if not hasattr(value, name)]
+        if missing:
+            what = f"{type(value).__name__} is no {self.key}: it has no {', '.join(missing)}"
+            remedy = f"a {self.key} has {', '.join(needed)}; see clast.step.method"
+            raise refusal(Fault(what=what, remedy=remedy))
+        return Given(value, self)
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(
+            self.validate,
+            serialization=core_schema.plain_serializer_function_ser_schema(
+                lambda chosen: chosen.as_written() if isinstance(chosen, Chosen | Given) else chosen
+            ),
+        )
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        tables = [explained_table(self, name) for name in self.names]
+        alone = [
+            name
+            for name, table in zip(self.names, tables, strict=True)
+            if not any(f.is_required() for key, f in table.model_fields.items() if key != "name")
+        ]
+        variants = [handler(table.__pydantic_core_schema__) for table in tables]
+        for name, variant in zip(self.names, variants, strict=True):
+            if name == self.usual:
+                needed = [key for key in variant.pop("required", []) if key != "name"]
+                variant |= {"required": needed} if needed else {}
+        names: list[JsonSchemaValue] = [{"type": "string", "enum": alone}] if alone else []
+        return {"anyOf": names + variants}
+
+
+@cache
+def options_table(choice: Choice, name: str) -> type[BaseModel]:
+    """Return the table of one alternative: its name and the fields of its dataclass."""
+    return _table_of(choice, name, {})
+
+
+@cache
+def explained_table(choice: Choice, name: str) -> type[BaseModel]:
+    """Return the same with the meanings of its keys, which take longer to find than the rest."""
+    return _table_of(choice, name, field_docstrings(class_at(choice.names[name])))
+
+
+def _table_of(choice: Choice, name: str, meanings: Mapping[str, str]) -> type[BaseModel]:
+    """Return the table of one alternative whose keys have ``meanings``."""
+    chosen = class_at(choice.names[name])
+    options: dict[str, Any] = {"name": (Literal[name], ...)}
+    for option in fields(chosen):
+        if option.init and option.name != "name":
+            options[option.name] = _option(choice, option, meanings.get(option.name))
+    return create_model(
+        f"{chosen.__name__}Table",
+        __config__=ConfigDict(extra="forbid", allow_inf_nan=False),
+        __doc__=(chosen.__doc__ or "").split("\n")[0],
+        **options,
+    )
+
+
+def _option(choice: Choice, option: Any, meaning: str | None) -> tuple[Any, Any]:
+    """Return type and default of one field of an alternative, as pydantic wants them."""
+    default = default_of(option)
+    if option.name in choice.alternatives.classes:
+        inner = Choice(option.name, choice.alternatives)
+        written = ... if default is MISSING else _name_of(default, inner)
+        return Annotated[Any, inner, Field(description=meaning)], written
+    kind = option.type if isinstance(option.type, str) else option.type.__name__
+    written = ... if default is MISSING else default
+    number: Any = OPTION_TYPES[kind]
+    for limit in choice.alternatives.limits.get(option.name, ()):
+        number = Annotated[number, limit]
+    if option.name in choice.alternatives.automatic:
+        return Annotated[number, OrAuto(), Field(description=meaning)], AUTO
+    return Annotated[number, Field(description=meaning)], written
+
+
+def default_of(option: Any) -> Any:
+    """Return the default of a field of a dataclass, MISSING where it has none."""
+    made = option.default_factory is not MISSING
+    return option.default_factory() if made else option.default
+
+
+@dataclass(frozen=True)
+class OrAuto:
+    """Annotation of a number that may be "auto" as well; what else it may be stays as it is."""
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        return core_schema.no_info_wrap_validator_function(self._validate, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [handler(schema), {"const": AUTO, "type": "string"}]}
+
+    @staticmethod
+    def _validate(value: Any, number: ValidatorFunctionWrapHandler) -> Any:
+        if isinstance(value, str):
+            if value != AUTO:
+                raise refusal(Fault(what=f'must be a number or "{AUTO}", not "{shortened(value)}"'))
+            return value
+        return number(value)
+
+
+def _name_of(default: Any, choice: Choice) -> str:
+    """Return the name under which a default object can be chosen."""
+    path = f"{type(default).__module__}:{type(default).__name__}"
+    return next(name for name, known in choice.names.items() if known == path)

@@ -1,0 +1,183 @@
+"""Methods of the builder that follow from the declarations of inputs.
+
+    class ModelBuilder(Inputs):
+        bolt = gives("bolt", Bolt, "start", "end")
+
+gives the builder the method ``bolt``: it takes the keys of ``[[bolt]]``, those two also by their
+place, and refuses what a case file would be refused for, in the same words.
+
+        in_situ = single("in_situ", InSituTable)
+
+gives it an attribute for a table of which there is one: it takes the keys of the table, or an
+object that has their place in a model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from inspect import Parameter, Signature, signature
+from keyword import iskeyword
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from clast.errors import ModelError, shortened
+from clast.inputs.declaring.field_docs import explain
+from clast.inputs.declaring.serialise import as_plain
+from clast.inputs.declaring.table import Inputs, Table
+from clast.inputs.declaring.validation_messages import UNKNOWN_KEY, Own, error_of, faults_of
+from clast.model.names import check_names
+
+T = TypeVar("T", bound=Table)
+F = TypeVar("F", bound=Callable[..., Any])
+Keys = dict[str, Any]
+
+POSITIONAL = Parameter.POSITIONAL_OR_KEYWORD
+HERE = Path()
+"""Where files are that a script names: the working directory."""
+
+
+def gives(
+    key: str, kind: type[Table], *places: str, turned: Callable[[Keys], Keys] = dict
+) -> Callable[..., Any]:
+    """Return the method of a builder that adds a record, ``[[key]]`` of a case file.
+
+    ``places`` are keys that may be given by their place; ``turned`` makes keys of the file of those
+    of a script where these differ.  Raises ModelError for what the record cannot be.
+    """
+
+    def method(self: Inputs, *values: Any, **keys: Any) -> str | None:
+        keys = turned(_by_name(key, places, values, keys))
+        return record_of(kind, keys, (key, self.count(kind))).add_to(self, key, HERE)
+
+    return _described(method, key, kind, [Parameter(one, POSITIONAL) for one in places])
+
+
+def gives_named(
+    key: str, kind: type[Table], *places: str, usual: str | None = None
+) -> Callable[..., str]:
+    """Return the method ``add_...`` of a builder that adds a record by its name and returns it.
+
+    ``usual`` is the name of one that is given without.
+    """
+    default: Any = Parameter.empty if usual is None else usual
+
+    def method(self: Inputs, name: Any = usual, *values: Any, **keys: Any) -> str:
+        keys = _by_name(key, places, values, keys)
+        known, said = self.named(kind), key.replace("_", " ")
+        check_names(said, [name])
+        if name in known:
+            what = f"there are two {said}s of that name"
+            raise ModelError(what, where=f"{said} '{shortened(name)}'", remedy="rename one of them")
+        record_of(kind, keys, (key, Own(name))).add_to(self, name, HERE)
+        return str(name)
+
+    return _described(method, f"add_{key}", kind, [Parameter("name", POSITIONAL, default=default)])
+
+
+class Single:
+    """An attribute of a builder that is a table of which there is one, ``[in_situ]``."""
+
+    def __init__(self, key: str, kind: type[Table], usual: Any) -> None:
+        self.key = key
+        """Key of the table in a case file."""
+        self.kind = kind
+        """Class of the table."""
+        self.usual = usual
+        """What there is without it."""
+
+    def __get__(self, builder: Inputs | None, owner: type | None = None) -> Any:
+        """Return the object that was given or that the table makes, or the usual one."""
+        return self.usual if builder is None else vars(builder).get(self.key, self.usual)
+
+    def __set__(self, builder: Inputs, value: Any) -> None:
+        """Take an object, or the keys of the table; raise ModelError in the words of the file."""
+        ours = f"[{self.key}] "
+        builder.notes[:] = [note for note in builder.notes if not note.startswith(ours)]
+        if isinstance(value, dict):
+            record_of(self.kind, value, (self.key,)).add_to(builder, self.key, HERE)
+            return
+        if value is not self.usual:
+            self.kind.judge(value, self.key)
+        vars(builder)[self.key] = value
+
+    def written(self, value: Any) -> Keys | None:
+        """Return the keys of the table that makes an object; None where no file can hold it."""
+        if value == self.usual:
+            return {}
+        keys = self.kind.keys_of(value)
+        return None if keys is None else as_plain(keys)
+
+
+def single(key: str, kind: type[Table], usual: Any = None) -> Any:
+    """Return the attribute of a builder that is the table ``[key]``."""
+    return Single(key, kind, usual)
+
+
+def singles(builder: type) -> Iterator[tuple[str, Single]]:
+    """Give the attributes of a builder that are tables, with their names."""
+    for base in reversed(builder.__mro__):
+        yield from ((name, one) for name, one in vars(base).items() if isinstance(one, Single))
+
+
+def _by_name(key: str, places: tuple[str, ...], values: tuple[Any, ...], keys: Keys) -> Keys:
+    """Return all arguments by their names."""
+    if len(values) > len(places) or keys.keys() & set(places[: len(values)]):
+        raise TypeError(f"{key}() takes {len(places)} values by place: {', '.join(places)}")
+    return {**dict(zip(places, values, strict=False)), **keys}
+
+
+def record_of(kind: type[T], keys: Mapping[str, Any], place: tuple[str | int, ...]) -> T:
+    """Return a record; ModelError in the words of a case file that has it at this place.
+
+    ``place`` is the key of its table, and its name or its number from 0 where there are several.
+    """
+    try:
+        return kind.model_validate({name: as_plain(value) for name, value in keys.items()})
+    except ValidationError as error:
+        explain(kind)
+        faults = faults_of(error, kind)
+        # a key that is misspelt is the cause of one that is missing
+        first = min(faults, key=lambda fault: fault.what != UNKNOWN_KEY)
+        first = replace(first, place=(*place, *first.place))
+        tables: Any = dict(keys)
+        for own in place[1:]:
+            tables = {own: tables} if isinstance(own, str) else [*[{}] * own, tables]
+        raise error_of([first], content={str(place[0]): tables}, kind=ModelError) from None
+
+
+def with_keys(*kinds: type[Table], whole: tuple[str, ...] = ()) -> Callable[[F], F]:
+    """Return the decorator of a function that takes the keys of tables, for its signature.
+
+    ``whole`` are keys of tables that are given as a whole.
+    """
+    keys = [one.alias or key for kind in kinds for key, one in kind.model_fields.items()]
+    shown = [Parameter(key, Parameter.KEYWORD_ONLY, default=...) for key in (*keys, *whole)]
+
+    def decorated(function: F) -> F:
+        own = signature(function)
+        first = [one for one in own.parameters.values() if one.kind != Parameter.VAR_KEYWORD]
+        vars(function)["__signature__"] = own.replace(parameters=[*first, *shown])
+        return function
+
+    return decorated
+
+
+def _described(method: Any, name: str, kind: type[Table], first: list[Parameter]) -> Any:
+    """Return a method with the name, the arguments and the words of its record."""
+    placed = {one.name for one in first}
+    rest = [
+        Parameter(one.alias or key, Parameter.KEYWORD_ONLY, default=_default(one))
+        for key, one in kind.model_fields.items()
+        if key not in placed and not iskeyword(one.alias or key)
+    ]
+    method.__name__ = method.__qualname__ = name
+    method.__doc__ = kind.__doc__
+    method.__signature__ = Signature([Parameter("self", POSITIONAL), *first, *rest])
+    return method
+
+
+def _default(one: Any) -> Any:
+    return Parameter.empty if one.is_required() else one.default

@@ -1,0 +1,435 @@
+"""The rock mass of a case: from [domain] and the tables beside it to blocks.
+
+The tables are read, with the files that they name, and cut once; the blocks go to the builder with
+their rocks, and with the joints of their edges.  Edges that are welded, and those along an opening
+that is rock, get a joint that no load opens.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+
+from clast import spelling
+from clast.errors import CaseError, ModelError
+from clast.inputs.blocks import BlockTable
+from clast.inputs.builder import ModelBuilder
+from clast.inputs.declaring.validation_messages import Fault
+from clast.inputs.joint_sets import JointSetTable
+from clast.inputs.placing.plausibility import doubted_sets
+from clast.inputs.rock_mass import (
+    SHAPES,
+    BlockPatternTable,
+    DomainTable,
+    FileTable,
+    OpeningTable,
+    RegionTable,
+    TraceTable,
+    unknown,
+)
+from clast.model.model import Bools, Floats
+
+if TYPE_CHECKING:
+    from clast.rockmass import Cut, Opening, Region, Trace
+    from clast.rockmass.report_of_cut import Finding, Report
+
+SIDES: dict[str, tuple[int, Callable[[Floats], Any]]] = {
+    "left": (0, np.min),
+    "right": (0, np.max),
+    "bottom": (1, np.min),
+    "top": (1, np.max),
+}
+"""Side of a rectangle -> the coordinate that it has, and whether it is the least or the largest."""
+ON = 1.5
+"""Vertices nearer to a side than this many cells of the grid are on it."""
+OVERLAP = 0.01
+"""Blocks by hand of which more than this share lies in blocks that were cut are in their place."""
+DEFAULT = "default"
+
+
+@dataclass(frozen=True, kw_only=True)
+class RockMass:
+    """The tables that say what is cut, and by what."""
+
+    domain: DomainTable
+    joint_sets: Sequence[JointSetTable]
+    traces: Sequence[TraceTable]
+    openings: Sequence[OpeningTable]
+    regions: Sequence[RegionTable]
+    patterns: Sequence[BlockPatternTable]
+    rocks: Sequence[str]
+    """Names of the rocks of the case."""
+    joints: Sequence[str]
+    """Names of its joints."""
+
+    def faults(self) -> Iterator[Fault]:
+        """Give the names of rocks and joints that the case does not have."""
+        named: list[tuple[tuple[str | int, ...], str | None]] = []
+        named += [(("domain", "rock"), self.domain.rock)]
+        named += [(("region", k, "rock"), one.rock) for k, one in enumerate(self.regions)]
+        for place, name in named:
+            if name is not None and name not in self.rocks:
+                yield unknown(name, self.rocks, "rock", place)
+        if self.domain.rock is None and len(self.rocks) != 1:
+            remedy = spelling.advice("", self.rocks, kind="rock")
+            yield Fault(place=("domain", "rock"), what="does not say which rock", remedy=remedy)
+        for place, name in self._named_joints():
+            if name not in (None, DEFAULT, *self.joints):
+                yield unknown(str(name), self.joints, "joint", place)
+
+    def _named_joints(self) -> Iterator[tuple[tuple[str | int, ...], str | None]]:
+        """Give the places where tables name a joint, with the names."""
+        groups: dict[str, Sequence[Any]] = {
+            "joint_set": self.joint_sets,
+            "trace": self.traces,
+            "region": self.regions,
+            "block_pattern": self.patterns,
+        }
+        for group, tables in groups.items():
+            for k, table in enumerate(tables):
+                yield (group, k, "joint"), table.joint
+        for k, pattern in enumerate(self.patterns):
+            yield ("block_pattern", k, "head_joint"), pattern.head_joint
+
+    def cut(self, folder: Path) -> CutCase:
+        """Return the blocks; files are looked for in ``folder``.  Raises ModelError."""
+        from clast import rockmass
+
+        notes: list[str] = []
+        domain = self._domain(folder, notes)
+        traces, places = self._traces(folder, notes)
+        openings = self._openings(folder, notes)
+        with _named_as(places):
+            found = rockmass.cut(
+                domain,
+                [one.build() for one in self.joint_sets],
+                traces,
+                openings,
+                self._regions(folder, notes),
+                seed=self.domain.seed,
+                patterns=self._patterns(),
+            )
+        said = [_renamed(note, places) for note in found.report.notes]
+        sides = np.asarray(domain.outline().corners)
+        names = {one.joint for one in traces} | {name for _, name in self._named_joints()}
+        return CutCase(
+            cut=found,
+            notes=(*notes, *said),
+            warnings=(*found.report.warnings, *doubted_sets(self.joint_sets)),
+            fixed=_fixed(found, sides, self.domain.fixed_sides),
+            line_joints=tuple(sorted(name for name in names if name not in (None, DEFAULT))),
+            outlines={one.name: one.outline().corners for one in openings},
+        )
+
+    def _domain(self, folder: Path, notes: list[str]) -> Any:
+        from clast.rockmass import Domain
+
+        table = self.domain
+        keys = ("section_azimuth", "tolerance", "smallest_edge", "smallest_block", "most_blocks")
+        return Domain(
+            boundary=_outline(table.boundary, folder, "domain, boundary", notes),
+            rock=self.rocks[0] if table.rock is None else table.rock,
+            **{key: getattr(table, key) for key in keys},
+        )
+
+    def _openings(self, folder: Path, notes: list[str]) -> list[Opening]:
+        from clast import rockmass
+
+        found = []
+        for table in self.openings:
+            if table.file is not None:
+                source = FileTable(file=table.file, layer=table.layer, unit=table.unit)
+                where = f"opening '{table.name}', file"
+                shape: Any = rockmass.Polygon(points=_outline(source, folder, where, notes))
+            else:
+                kind, needed, allowed = SHAPES[str(table.shape)]
+                values = {key: getattr(table, key) for key in (*needed, *allowed)}
+                given = {key: value for key, value in values.items() if value is not None}
+                shape = getattr(rockmass, kind)(**given)
+            found.append(
+                rockmass.Opening(
+                    name=table.name,
+                    shape=shape,
+                    excavated=table.excavated,
+                    construction_joint=table.construction_joint,
+                )
+            )
+        return found
+
+    def _regions(self, folder: Path, notes: list[str]) -> list[Region]:
+        from clast.rockmass import Region
+
+        found = []
+        for table in self.regions:
+            where = f"region '{table.name}', polygon"
+            polygon = _outline(table.polygon, folder, where, notes)
+            values = {**dict(table), "polygon": polygon}
+            found.append(Region(**values))
+        return found
+
+    def _traces(self, folder: Path, notes: list[str]) -> tuple[list[Trace], list[str]]:
+        """Return all traces, and what messages call each."""
+        from clast.rockmass import Trace
+
+        traces, places = [], []
+        for number, table in enumerate(self.traces, 1):
+            if table.file is None:
+                traces.append(Trace(points=table.points, joint=table.joint, set=table.set))
+                places.append(f"trace {number}")
+                continue
+            where = f"trace {number}, file"
+            for line in _lines(table, folder, where, notes):
+                joint = table.joint if line.joint in ("", DEFAULT) else line.joint
+                place = f"trace {number} ({table.file}, {line.place})"
+                if joint not in (None, DEFAULT, *self.joints):
+                    fault = unknown(str(joint), self.joints, "joint", ())
+                    raise ModelError(fault.what, where=f"{place}, joint", remedy=fault.remedy)
+                group = line.joint_set or table.set
+                traces.append(Trace(points=line.points, joint=joint, set=group))
+                places.append(place)
+        return traces, places
+
+    def _patterns(self) -> list[Any]:
+        from clast import rockmass
+
+        bonds = {"running-bond": rockmass.RunningBond(), "stack-bond": rockmass.StackBond()}
+        return [
+            rockmass.BlockPattern(**{**dict(table), "pattern": bonds[table.pattern]})
+            for table in self.patterns
+        ]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CutCase:
+    """The blocks of a rock mass, and what the case makes of them."""
+
+    cut: Cut
+    """The blocks."""
+    notes: tuple[str, ...]
+    """What was taken otherwise than given, or left out."""
+    warnings: tuple[str, ...]
+    """What is probably not meant, each with its remedy."""
+    fixed: Bools
+    """True for blocks on a fixed side of the domain, shape (nb,)."""
+    line_joints: tuple[str, ...]
+    """Joints that tables name, whether or not edges have them."""
+    outlines: Mapping[str, Floats]
+    """Outlines of the openings by name, counter-clockwise, m, (c, 2) each."""
+
+    @property
+    def rocks(self) -> list[str]:
+        """Rock of each block."""
+        return [self.cut.rock_names[k] for k in self.cut.rock]
+
+    @property
+    def edge_joints(self) -> list[str]:
+        """Joint of the edge from each vertex to the next, "" for none of its own."""
+        names = (*self.cut.joint_names, "")  # the index -1 is the last
+        return [names[k] for k in self.cut.edge_joint]
+
+    def check_room(self, blocks: Sequence[BlockTable]) -> None:
+        """Refuse blocks by hand that lie where the domain has blocks of its own."""
+        vertex = self.cut.vertices
+        owner = np.repeat(np.arange(self.cut.block_count), np.diff(self.cut.block_start))
+        tree = shapely.STRtree(shapely.polygons(shapely.linearrings(vertex, indices=owner)))
+        for number, one in enumerate(blocks, 1):
+            if len(one.vertices) < 3 or not (shape := shapely.Polygon(one.vertices)).is_valid:
+                continue  # what is wrong with it the builder says
+            near = tree.geometries[tree.query(shape)]
+            common = float(shapely.area(shapely.intersection(shape, near)).sum())
+            if common > OVERLAP * shape.area:
+                raise ModelError(
+                    f"{common:.3g} m2 of it lie in rock that is cut into blocks",
+                    where=f"block {number}" + (f" '{one.name}'" if one.name else ""),
+                    remedy="make room by an [[opening]] with excavated = true; or give the part as "
+                    "a [[region]] with one_block = true in its place",
+                )
+
+    def add_to(self, builder: ModelBuilder) -> None:
+        """Add the blocks, with joints that hold where edges are welded."""
+        from clast.rockmass import CONSTRUCTION, WELDED
+
+        joints = self.edge_joints
+        for name in sorted(set(joints)):
+            if name == WELDED or name.startswith(CONSTRUCTION):
+                builder.add_weld(name)
+        builder.line_joints += self.line_joints
+        builder.opening_outlines.update(self.outlines)
+        builder.notes += [*self.notes, *_findings(self.cut.report)]
+        names = builder.blocks(
+            vertices=self.cut.vertices,
+            start=self.cut.block_start,
+            rock=self.rocks,
+            fixed=self.fixed,
+            edge_joint=joints,
+        )
+        for number, name in enumerate(self.cut.opening_names):
+            inside = np.flatnonzero(self.cut.opening == number)
+            weld = f"{CONSTRUCTION}{name}"
+            if len(inside):  # it is no void from the start
+                own = (names[block] for block in inside)
+                builder.opening(name, own, weld if weld in joints else None)
+
+
+# Sides -------------------------------------------------------------------------------------------
+
+
+def _fixed(cut: Cut, corners: Floats, sides: Sequence[str]) -> Bools:
+    """Return True for blocks with a vertex on one of the sides, shape (nb,)."""
+    held = np.zeros(cut.block_count, np.bool_)
+    for side in sides:
+        axis, outermost = SIDES[side]
+        at = float(outermost(corners[:, axis]))
+        on = np.abs(cut.vertices[:, axis] - at) <= ON * cut.report.tolerance
+        found = np.logical_or.reduceat(on, cut.block_start[:-1])
+        if not found.any():
+            raise ModelError(
+                f"no block is at the {side}",
+                where="domain, fixed_sides",
+                remedy=f"take '{side}' out: what is there is void from the start",
+            )
+        held |= found
+    return held
+
+
+# Files -------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def _asked_by(where: str) -> Iterator[None]:
+    """Name the table that asks for a file in the errors of its reader."""
+    try:
+        yield
+    except CaseError as error:
+        place = f"{where}: {error.where}" if error.where else where
+        raise ModelError(error.what, where=place, remedy=error.remedy) from None
+
+
+def _outline(source: Any, folder: Path, where: str, notes: list[str]) -> Any:
+    """Return the corners that a table gives itself or names a file of, m, (k, 2)."""
+    if not isinstance(source, FileTable):
+        return source
+    from clast.rockmass.drawings.csv_lines import noted_outline
+    from clast.rockmass.drawings.dxf import noted_outline_of_layer
+
+    path, layer = folder / source.file, _layer(source, where)
+    with _asked_by(where):
+        if layer is None:
+            found, said = noted_outline(path)
+        else:
+            found, said = noted_outline_of_layer(path, layer, _reading(source))
+    notes += [f"{where}: {note}" for note in said]
+    return found
+
+
+def _lines(table: TraceTable, folder: Path, where: str, notes: list[str]) -> Sequence[Any]:
+    """Return the traces of the file that a table names."""
+    from clast.rockmass.drawings.csv_lines import noted_traces
+    from clast.rockmass.drawings.dxf import lines_of_layer
+
+    path, layer = folder / str(table.file), _layer(table, where)
+    with _asked_by(where):
+        if layer is None:
+            traces, said = noted_traces(path)
+            notes += [f"{where}: {note}" for note in said]
+            return traces
+        found = lines_of_layer(path, layer, reading=_reading(table))
+        if not found:
+            raise CaseError("has no lines", where=str(path), remedy="name the layer of the joints")
+        notes += _notes(path, layer, table, where)
+        return found
+
+
+def _layer(source: FileTable | TraceTable, where: str) -> str | None:
+    """Return the layer of a drawing, None for a table; refuse what goes with neither."""
+    ending = Path(str(source.file)).suffix.casefold()
+    if ending == ".csv":
+        for key in ("layer", "unit"):
+            if getattr(source, key) is not None:
+                raise ModelError(
+                    f"a CSV file has no {key}", where=where, remedy="leave it out, or name a DXF"
+                )
+        return None
+    if ending != ".dxf":
+        raise ModelError(
+            f"'{source.file}' is neither .dxf nor .csv",
+            where=where,
+            remedy="give a drawing (.dxf) with its layer, or a table (.csv); clast import makes a "
+            "case of other files",
+        )
+    if source.layer is None:
+        raise ModelError(
+            "the layer is missing", where=where, remedy='name it: layer = "JOINTS_bedding"'
+        )
+    return source.layer
+
+
+def _reading(source: FileTable | TraceTable) -> Any:
+    from clast.rockmass.drawings.dxf import DxfReading
+
+    return DxfReading(unit=source.unit)
+
+
+def _notes(path: Path, layer: str, source: FileTable | TraceTable, where: str) -> list[str]:
+    """Return what was taken otherwise than the drawing has it."""
+    from clast.rockmass.drawings.dxf import notes_of_layer
+
+    return [f"{where}: {note}" for note in notes_of_layer(path, layer, _reading(source))]
+
+
+# Messages ----------------------------------------------------------------------------------------
+
+
+@contextmanager
+def _named_as(places: Sequence[str]) -> Iterator[None]:
+    """Name the table and the file of a trace in errors, in place of its number among all."""
+    try:
+        yield
+    except ModelError as error:
+        where = _renamed(error.where, places)
+        raise ModelError(error.what, where=where, remedy=error.remedy) from None
+
+
+def _renamed(text: str, places: Sequence[str]) -> str:
+    """Return a text with traces called by their tables and files."""
+
+    def place(found: re.Match[str]) -> str:
+        number = int(found[1])
+        return places[number - 1] if 1 <= number <= len(places) else found[0]
+
+    return re.sub(r"\btrace (\d+)", place, text)
+
+
+DONE = {
+    "dangling": "of lines that border no block were taken out",
+    "collapsed": "edges shorter than smallest_edge were collapsed",
+    "merged": "blocks smaller than smallest_block joined a neighbour",
+    "rings": "holes of blocks were split by welds",
+    "coincident": "edges have lines of several joints; the later table has them",
+    "snapped": "points of traces and outlines moved to others within the tolerance",
+}
+"""Finding of the report -> what was done."""
+
+
+def _findings(report: Report) -> Iterator[str]:
+    """Give what was done to lines and blocks, each with its first place."""
+    from clast.rockmass.report_of_cut import place_text
+
+    for key, what in DONE.items():
+        found: Finding = getattr(report, key)
+        if found.count:
+            amount = f"{found.length:.4g} m" if key == "dangling" else str(found.count)
+            first = [place_text(one, report.tolerance) for one in found.places[:1]]
+            at = f", first at {first[0]}" if first else ""
+            yield f"cut: {amount} {what}{at}"
+    if report.short_edges:
+        yield f"cut: {report.short_edges} edges stayed shorter than smallest_edge"
+    if report.small_blocks:
+        yield f"cut: {report.small_blocks} blocks stayed smaller than smallest_block"

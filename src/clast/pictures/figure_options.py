@@ -1,0 +1,85 @@
+"""How a picture looks: limits of its colours, size, resolution, what part is shown."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from clast.errors import CaseError
+
+CM = 1.0 / 2.54
+"""A centimetre in inches."""
+SMALLEST, LARGEST = 6.0, 200.0
+"""Sizes of a picture, cm."""
+COARSEST, FINEST = 20, 2400
+"""Dots per inch of a picture."""
+MOST_DOTS = 25_000
+"""Dots in the width or the height of a picture, at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """Limits, size, resolution and part of a picture; what is None follows from what is drawn."""
+
+    limits: tuple[float, float] | None = None
+    """Values at the ends of the colours, in m, m/s, degrees or Pa."""
+    size: tuple[float, ...] | None = None
+    """Width and height of the picture, or its width alone, cm."""
+    dpi: int | None = None
+    """Dots per inch."""
+    zoom: tuple[float, float, float, float] | None = None
+    """Part that is shown: xmin, ymin, xmax, ymax, m."""
+
+    def __post_init__(self) -> None:
+        for name in ("limits", "size", "zoom"):
+            given = getattr(self, name)
+            if given is not None and not all(map(math.isfinite, given)):
+                raise CaseError("must be finite numbers", where=name)
+        if self.limits is not None and not self.limits[0] < self.limits[1]:
+            raise CaseError(
+                f"from {self.limits[0]:g} to {self.limits[1]:g} is no range",
+                where="limits",
+                remedy="give the lower limit first",
+            )
+        if self.zoom is not None:
+            left, low, right, high = self.zoom
+            if not (left < right and low < high):
+                raise CaseError(
+                    f"({left:g}, {low:g}) to ({right:g}, {high:g}) has no area",
+                    where="zoom",
+                    remedy="give the lower left corner, then the upper right one: x0,y0,x1,y1",
+                )
+        self._check_size()
+
+    def _check_size(self) -> None:
+        for length in self.size or ():
+            if not SMALLEST <= length <= LARGEST:
+                raise CaseError(
+                    f"{length:g} cm is too {'small' if length < SMALLEST else 'large'}",
+                    where="size",
+                    remedy=f"give width and height in cm, {SMALLEST:g} to {LARGEST:g} each",
+                )
+        if self.dpi is not None and not COARSEST <= self.dpi <= FINEST:
+            raise CaseError(
+                f"{self.dpi} dots per inch are none that can be drawn",
+                where="dpi",
+                remedy=f"give {COARSEST} to {FINEST}",
+            )
+        most = max(self.size or (0.0,)) * CM * (self.dpi or 0)
+        if most > MOST_DOTS:
+            raise CaseError(
+                f"{most:.0f} dots are more than a picture can have in a row",
+                where="size, dpi",
+                remedy=f"lower one of them: {MOST_DOTS} dots at most",
+            )
+
+    @property
+    def inches(self) -> tuple[float, float | None] | None:
+        """Width and height of the picture, inches; the height is None where it is not given."""
+        if self.size is None:
+            return None
+        return self.size[0] * CM, self.size[1] * CM if len(self.size) > 1 else None
+
+
+DEFAULT = Look()
+"""A picture whose looks follow from what is drawn."""

@@ -1,0 +1,218 @@
+"""Vertices near edges: moved onto the line where that is straight, else the edge runs through them.
+
+A vertex is moved onto an edge whose ends stay; of the edges in question long ones come first, so
+that floors and bed joints stay straight.  What is left beside an edge then becomes a vertex of it:
+the edge bends by no more than the tolerance for each round of this, and never by more than twice.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from clast.model.model import Bools, Floats, Ints
+from clast.rockmass.repair.block_cycles import Loops, with_places
+from clast.rockmass.repair.corners import Corners, kept_apart
+
+EXACT = 1e-6
+"""Vertices nearer to an edge than this share of the tolerance lie on it."""
+MOST_ROUNDS = 10
+BENT = 2.0
+"""Edges as drawn pass no further than this many tolerances beside what is put into them."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pieces:
+    """Edges between two places, each once whichever way it runs."""
+
+    ends: Ints
+    """The two places of each, shape (ne, 2)."""
+    of: Ints
+    """Piece of each entry of the loops, shape (nv,)."""
+
+
+def pieces_of(loops: Loops) -> Pieces:
+    """Return the edges of loops, each once."""
+    here, after = loops.node, loops.after
+    key, of = np.unique(
+        np.minimum(here, after) << 32 | np.maximum(here, after), return_inverse=True
+    )
+    return Pieces(ends=np.stack([key >> 32, key & 0xFFFFFFFF], axis=1), of=of)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Near:
+    """Places near pieces that they could be put onto."""
+
+    node: Ints
+    """Place, shape (k,)."""
+    piece: Ints
+    """Piece, shape (k,)."""
+    gap: Floats
+    """Distance of the two, m, shape (k,)."""
+    share: Floats
+    """Where along the piece, from 0 at its first end to 1, shape (k,)."""
+    own: Bools
+    """Whether a block with the piece has the place, too: it would touch itself there, (k,)."""
+
+    def only(self, keep: Bools | Ints) -> Near:
+        """Return some of them."""
+        return Near(
+            node=self.node[keep],
+            piece=self.piece[keep],
+            gap=self.gap[keep],
+            share=self.share[keep],
+            own=self.own[keep],
+        )
+
+
+def near_edges(loops: Loops, pieces: Pieces, at: Floats, reach: float) -> Near:
+    """Return the places of ``at`` (nn, 2) beside an edge of another block, within ``reach``, m.
+
+    Places that lie on the edge to round-off are not beside it, nor those of all blocks that have
+    the edge.
+    """
+    used = np.unique(loops.node)
+    tree = shapely.STRtree(shapely.linestrings(at[pieces.ends]))
+    point, piece = tree.query(shapely.points(at[used]), predicate="dwithin", distance=reach)
+    node = used[point]
+    gap, share = aside(at[node], at[pieces.ends[piece]])
+    inner = (share > 0.0) & (share < 1.0) & (gap > EXACT * reach)
+    node, piece, gap, share = node[inner], piece[inner], gap[inner], share[inner]
+    number, block = _blocks_with(loops, pieces, piece)
+    count = np.int64(loops.node.max() + 1)
+    own = np.isin(block * count + node[number], loops.owner * count + loops.node)
+    having = np.bincount(number[own], minlength=len(node))
+    found = Near(node=node, piece=piece, gap=gap, share=share, own=having > 0)
+    return found.only(having < np.bincount(number, minlength=len(node)))
+
+
+def aside(point: Floats, line: Floats) -> tuple[Floats, Floats]:
+    """Return how far points (k, 2) lie beside lines (k, 2, 2), m, and where along them, (k,)."""
+    way, to = line[:, 1] - line[:, 0], point - line[:, 0]
+    length = np.maximum(np.hypot(*way.T), 1e-300)
+    gap = np.abs(way[:, 0] * to[:, 1] - way[:, 1] * to[:, 0]) / length
+    return np.asarray(gap), np.asarray((way * to).sum(axis=1) / length**2)
+
+
+def _blocks_with(loops: Loops, pieces: Pieces, piece: Ints) -> tuple[Ints, Ints]:
+    """Return for pieces (k,) the blocks that have them: number of the piece and block, (m,)."""
+    number, entry = _entries_with(pieces, piece)
+    return number, loops.owner[entry]
+
+
+def _entries_with(pieces: Pieces, piece: Ints) -> tuple[Ints, Ints]:
+    """Return for pieces (k,) the entries that have them: number of the piece and entry, (m,)."""
+    order = np.argsort(pieces.of, kind="stable")
+    first = np.searchsorted(pieces.of[order], piece)
+    count = np.searchsorted(pieces.of[order], piece, side="right") - first
+    number = np.repeat(np.arange(len(piece)), count)
+    step = np.arange(len(number)) - np.repeat(np.cumsum(count) - count, count)
+    return number, order[first[number] + step]
+
+
+# Vertices onto edges -----------------------------------------------------------------------------
+
+
+def onto_edges(loops: Loops, corners: Corners, drawn: Floats, reach: float) -> Floats:
+    """Return the places (nn, 2) with those beside an edge moved onto it, m.
+
+    ``drawn`` (nv, 2) are all vertices as drawn, ``corners`` their places: none moves further than
+    ``reach`` from where it was drawn, and no place comes within ``reach`` of another.
+    """
+    pieces = pieces_of(loops)
+    near = near_edges(loops, pieces, corners.at, reach)
+    if len(near.node) == 0:
+        return corners.at
+    line = corners.at[pieces.ends[near.piece]]
+    foot = line[:, 0] + near.share[:, None] * (line[:, 1] - line[:, 0])
+    near_enough = _largest_movement(near.node, foot, corners, drawn) <= reach
+    length = np.hypot(*(line[:, 1] - line[:, 0]).T)
+    order = np.lexsort((near.share, near.piece, -length))
+    order = order[(near_enough & ~near.own)[order]]
+    ends = pieces.ends[near.piece[order]].tolist()
+    held, moved, chosen = set[int](), set[int](), []
+    for k, node, (a, b) in zip(order.tolist(), near.node[order].tolist(), ends, strict=True):
+        if not (node in held or node in moved or a in moved or b in moved):
+            moved.add(node)
+            held.update((a, b))
+            chosen.append(k)
+    place = corners.at.copy()
+    place[near.node[chosen]] = foot[chosen]
+    return kept_apart(place, corners.at, reach)
+
+
+def _largest_movement(node: Ints, to: Floats, corners: Corners, drawn: Floats) -> Floats:
+    """Return how far the vertices of places (k,) are at most from points (k, 2), m, shape (k,)."""
+    order = np.argsort(corners.node, kind="stable")
+    start = np.searchsorted(corners.node[order], np.arange(len(corners.at) + 1))
+    count = start[node + 1] - start[node]
+    number = np.repeat(np.arange(len(node)), count)
+    step = np.arange(len(number)) - np.repeat(np.cumsum(count) - count, count)
+    far = np.hypot(*(drawn[order[start[node][number] + step]] - to[number]).T)
+    most = np.zeros(len(node))
+    np.maximum.at(most, number, far)
+    return most
+
+
+# Edges through vertices --------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bent:
+    """Loops whose edges run through the places beside them."""
+
+    loops: Loops
+    """The loops."""
+    put_in: Ints
+    """Places that were put in, once for each block, shape (k,)."""
+    left: Ints
+    """Places that are still beside an edge, each once, shape (m,)."""
+
+
+def through_places(loops: Loops, at: Floats, reach: float) -> Bent:
+    """Return the loops whose edges run through the places beside them; ``at`` (nn, 2), m."""
+    ends = at[np.stack([loops.node, loops.after], axis=1)]
+    # Entries are numbered as drawn, but those that are gone leave gaps.
+    drawn = np.zeros((int(loops.edge.max(initial=-1)) + 1, 2, 2))
+    drawn[loops.edge] = ends
+    put_in = [np.zeros(0, np.int64)]
+    while True:
+        pieces = pieces_of(loops)
+        beside = near_edges(loops, pieces, at, reach)
+        near = beside.only(_fitting(loops, pieces, beside, (at, drawn), reach))
+        if len(near.node) == 0 or len(put_in) > MOST_ROUNDS:
+            left = np.unique(beside.node)
+            return Bent(loops=loops, put_in=np.concatenate(put_in), left=left)
+        loops, new = _put_in(loops, pieces, near)
+        put_in.append(new)
+
+
+def _fitting(
+    loops: Loops, pieces: Pieces, near: Near, at: tuple[Floats, Floats], reach: float
+) -> Bools:
+    """Return whether a place may become a vertex of all blocks with a piece, shape (k,).
+
+    It is the nearest piece of each block, and no edge bends too far from where it was drawn:
+    ``at`` are the places (nn, 2) and the edges as drawn (m, 2, 2), m.
+    """
+    number, entry = _entries_with(pieces, near.piece)
+    gap, share = aside(at[0][near.node[number]], at[1][loops.edge[entry]])
+    bent = (gap > BENT * reach) | (share < 0.0) | (share > 1.0)
+    # Of the pieces of one block the nearest has the place.
+    block, node = loops.owner[entry], near.node[number]
+    order = np.lexsort((near.piece[number], near.gap[number], node, block))
+    again = (np.diff(block[order]) == 0) & (np.diff(node[order]) == 0)
+    bent[order[1:][again]] = True
+    return np.asarray(~near.own & (np.bincount(number[bent], minlength=len(near.node)) == 0))
+
+
+def _put_in(loops: Loops, pieces: Pieces, near: Near) -> tuple[Loops, Ints]:
+    """Return the loops with places put into the edges beside them, and these places, (k,)."""
+    number, entry = _entries_with(pieces, near.piece)
+    forward = loops.node[entry] == pieces.ends[near.piece[number], 0]
+    share = np.where(forward, near.share[number], 1.0 - near.share[number])
+    order = np.lexsort((share, entry))
+    return with_places(loops, entry[order], near.node[number[order]]), near.node[number]

@@ -1,0 +1,203 @@
+"""The course of a run through its stages: where one ends, and what begins with the next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from clast.actions.damping import Undamped
+from clast.model.model import Floats
+from clast.model.stages.records import (
+    BROKEN_OFF,
+    FAILS,
+    MOVING,
+    REACHED,
+    TIME_OVER,
+    Event,
+    Mechanism,
+    StageRecord,
+)
+from clast.model.stages.reference import here
+from clast.model.stages.stage import TIME, Stage
+from clast.model.state import State
+from clast.run.stages.equilibrium import Judge
+from clast.run.stages.position import Held, Judged, Position
+from clast.run.stages.stage_checks import check_stages
+from clast.run.stages.transition import (
+    Setting,
+    before_all,
+    entered,
+    entered_again,
+    events_at_start,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Course:
+    """The stages of a run, of which there may be none."""
+
+    base: Setting
+    """Model, method and schedule without stages."""
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """The stages."""
+        return self.base.schedule.stages
+
+    @property
+    def least_carried(self) -> float:
+        """Least share of velocity that a stage carries to the next step."""
+        given = [stage.dynamic_ratio for stage in self.stages]
+        usual = self.base.method.dynamic_ratio
+        return min((usual if one is None else one for one in given), default=usual)
+
+    @cached_property
+    def first(self) -> Setting:
+        """The setting with which a run begins.  Raises ModelError for stages that are none."""
+        check_stages(self.stages, self.base.model)
+        return before_all(self.base) if self.stages else self.base
+
+    def setting_at(self, position: Position | None, state: State) -> Setting:
+        """Return the setting of a run that goes on from a position."""
+        if position is None or not position.starts:
+            return self.first
+        return entered_again(self.base, state, position.starts)
+
+    def is_done(self, position: Position) -> bool:
+        """Return whether no stage is left."""
+        return position.number + 1 >= len(self.stages)
+
+    def enter(
+        self, current: Setting, state: State, position: Position
+    ) -> tuple[Setting, State, Position, tuple[Event, ...]]:
+        """Return setting, state and position where the next stage begins, and what happens."""
+        starts = (*position.starts, state.time)
+        setting, state = entered(self.base, current, state, starts)
+        position = replace(
+            position,
+            starts=starts,
+            steps=0,
+            seconds=0.0,
+            broken=0,
+            held=Held(),
+            judged=Judged(),
+            over=False,
+        )
+        return setting, state, position, tuple(events_at_start(self.stage(position), state.time))
+
+    def leave(
+        self, position: Position, state: State, judge: Judge, failure: Mechanism | None = None
+    ) -> tuple[Position, tuple[Event, ...]]:
+        """Return the position where a stage is over, and what happens.
+
+        ``failure`` is how a static stage has failed, None where it has not.
+        """
+        stage = judge.stage
+        outcome = REACHED if judge.is_over(position) else MOVING
+        outcome = TIME_OVER if stage.until == TIME else outcome
+        outcome = FAILS if failure is not None else outcome
+        reference = here(state) if stage.reset_displacement else position.reference
+        record = self.record(position, state, outcome)
+        if failure is not None:
+            record = replace(
+                record,
+                mover=failure.mover,
+                mechanism=failure.blocks,
+                hindrance=failure.hindrance,
+            )
+            position = replace(position, failures=(*position.failures, (stage.name, failure)))
+        if stage.reset_displacement:
+            record = replace(record, reset=self._moved(state))
+        records = (*position.records, record)
+        position = replace(position, records=records, reference=reference)
+        return position, tuple(_events_at_end(stage, record))
+
+    def record(self, position: Position, state: State, outcome: str = BROKEN_OFF) -> StageRecord:
+        """Return how a stage went that ends in a state."""
+        return StageRecord(
+            name=self.stage(position).name,
+            start=position.start,
+            end=state.time,
+            steps=position.steps,
+            outcome=outcome,
+            force_ratio=position.judged.force_ratio if position.steps else 0.0,
+            mover=position.judged.mover,
+            seconds=position.seconds,
+            broken=position.broken,
+            hindrance=position.judged.hindrance if position.steps else "",
+        )
+
+    def all_records(self, position: Position, state: State) -> tuple[StageRecord, ...]:
+        """Return how all stages went, one that was broken off in a state included."""
+        if len(position.records) == len(position.starts):
+            return position.records
+        return (*position.records, self.record(position, state))
+
+    def stage(self, position: Position) -> Stage:
+        """Return the stage that goes on."""
+        return self.stages[position.number]
+
+    def warnings(self, position: Position) -> Iterator[str]:
+        """Say which stages have ended without equilibrium, what hindered it, and what may help."""
+        for name, failure in position.failures:
+            yield f"stage '{name}' fails: {failure}. What is shown after that is no equilibrium"
+        for stage, record in zip(self.stages, position.records, strict=False):
+            if record.outcome == MOVING:
+                lasted = record.end - record.start
+                yield (
+                    f"stage '{record.name}' ended at its limit of {lasted:.6g} s without "
+                    f"equilibrium: {record.hindrance or _not_long_enough(stage)}. Most moved "
+                    f"{record.mover}. {self._advice(stage)}"
+                )
+
+    def _advice(self, stage: Stage) -> str:
+        """Return what may bring a stage to rest that is not set yet."""
+        usual = self.base.method
+        ratio = usual.dynamic_ratio if stage.dynamic_ratio is None else stage.dynamic_ratio
+        damping = usual.damping if stage.damping is None else stage.damping
+        ways = ["raise its time"]
+        if ratio > 0.0:
+            ways.append("set dynamic_ratio = 0.0")
+            if isinstance(damping, Undamped):
+                ways.append('set damping = "adaptive"')
+        return f"If the blocks come to rest: {', or '.join(ways)}"
+
+    def _moved(self, state: State) -> tuple[tuple[float, float], ...]:
+        """Return how far the measured points have moved since the start, m."""
+        model = self.base.model
+        moved: Floats = state.points[model.point_slices.measured] - model.measured_points.at
+        return tuple((x, y) for x, y in moved.tolist())
+
+
+def fails(stage: str, time: float, failure: Mechanism) -> Event:
+    """Return that a stage, or a run without stages (""), has no equilibrium from a time on, s."""
+    what = failure.blocks[0] if failure.blocks else ""
+    return Event(time=time, stage=stage, kind="fails", what=what, text=str(failure))
+
+
+def failure_warning(failure: Mechanism) -> str:
+    """Return what is said of a static run without stages that has no equilibrium."""
+    return f"the static run fails: {failure}. What is shown after that is no equilibrium"
+
+
+def _not_long_enough(stage: Stage) -> str:
+    """Return what hindered equilibrium where the last step has nothing to say."""
+    return f"fewer than {stage.hold} steps in a row were in equilibrium (hold)"
+
+
+def _events_at_end(stage: Stage, record: StageRecord) -> Iterator[Event]:
+    """Give what happens where a stage is over."""
+    texts = {
+        REACHED: f"stage '{stage.name}' is in equilibrium",
+        FAILS: f"stage '{stage.name}' ends without equilibrium",
+        MOVING: f"stage '{stage.name}' ends while blocks move: {record.mover}",
+        TIME_OVER: f"the time of stage '{stage.name}' is over",
+    }
+    text = texts[record.outcome]
+    yield Event(time=record.end, stage=stage.name, kind="stage ends", what=stage.name, text=text)
+    if stage.reset_displacement:
+        text = "displacements count from here"
+        yield Event(
+            time=record.end, stage=stage.name, kind="displacements reset", what="", text=text
+        )

@@ -1,0 +1,278 @@
+"""What the results of a study add up to: probability of failure, spread, and what it comes from."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from clast.model.model import Floats
+from clast.study.description import MONTECARLO, Description
+from clast.study.folder import DONE, StudyFolder
+from clast.study.variables.random_draws import LatinHypercube, PointEstimate, Random
+
+CONFIDENCE = 0.95
+"""Confidence of intervals."""
+TAIL = 0.2
+"""Share of the runs, with the least and the largest values of a parameter, that are compared."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Probability:
+    """A probability of failure with its interval."""
+
+    value: float
+    """Estimate."""
+    low: float
+    """Lower end of the interval; that of what is known where no interval is."""
+    high: float
+    """Upper end."""
+    failed: int
+    """Runs that fail."""
+    runs: int
+    """Runs with a result."""
+    lost: int
+    """Runs without a result: the interval allows that all of them, or none, fail."""
+    how: str
+    """What the interval is; "" where the sampling has none."""
+
+    def __str__(self) -> str:
+        text = f"{self.value:.4g}"
+        if self.how:
+            text += f" ({100 * CONFIDENCE:g} %: {self.low:.4g} to {self.high:.4g}, {self.how})"
+        text += f", {self.failed} of {self.runs} runs"
+        return f"{text}; {self.lost} runs have no result" if self.lost else text
+
+
+@dataclass(frozen=True, kw_only=True)
+class Columns:
+    """The results of a study as arrays; k runs with a result."""
+
+    study: Description
+    """The study."""
+    run: Floats
+    """Number of each run, shape (k,)."""
+    parameters: Mapping[str, Floats]
+    """Parameter -> values, shape (k,); those that are texts are left out."""
+    measures: Mapping[str, Floats]
+    """Measure -> values, shape (k,)."""
+    fails: Floats
+    """1 where a run fails, else 0; shape (k,), or (0,) where nothing is said of it."""
+    blocks: Mapping[str, int]
+    """Block -> in how many runs it fails."""
+    reasons: Mapping[str, int]
+    """Why there is no result -> how often."""
+
+    @property
+    def lost(self) -> int:
+        """Runs without a result."""
+        return sum(self.reasons.values())
+
+
+def columns_of(folder: StudyFolder) -> Columns:
+    """Return the results of a study."""
+    study = folder.study
+    run: list[int] = []
+    parameters: dict[str, list[Any]] = {one.name: [] for one in study.vary}
+    measures: dict[str, list[float]] = {name: [] for name in study.measure}
+    fails: list[bool] = []
+    blocks: Counter[str] = Counter()
+    reasons: Counter[str] = Counter()
+    for result in folder.results():
+        if result["status"] != DONE:
+            reasons[result.get("reason", "")[:120]] += 1
+            continue
+        run.append(result["run"])
+        for name, value in result["parameters"].items():
+            parameters[name].append(value)
+        for name, value in result["measures"].items():
+            measures[name].append(float(value))
+        if study.fail:
+            fails.append(result["fails"])
+        blocks.update(result.get("blocks", ()))
+    numeric = {
+        name: np.array(values, np.float64)
+        for name, values in parameters.items()
+        if values and not any(isinstance(one, str) for one in values)
+    }
+    return Columns(
+        study=study,
+        run=np.array(run, np.float64),
+        parameters=numeric,
+        measures={name: np.array(values) for name, values in measures.items()},
+        fails=np.array(fails, np.float64),
+        blocks=dict(blocks.most_common()),
+        reasons=dict(reasons.most_common()),
+    )
+
+
+def probability(columns: Columns) -> Probability | None:
+    """Return the probability of failure; None where the study has none.
+
+    Independent runs have Wilson's interval (1927), Latin hypercubes that of Student's t of their
+    replicates; other samplings have none.
+    """
+    study, fails = columns.study, columns.fails
+    if study.kind != MONTECARLO or not study.fail or not len(fails):
+        return None
+    failed, lost = int(fails.sum()), columns.lost
+    known: dict[str, Any] = {"failed": failed, "runs": len(fails), "lost": lost}
+    if isinstance(study.sampling, PointEstimate):
+        weights = np.array([study.weight(int(run)) for run in columns.run])
+        value = float(weights @ fails / weights.sum())
+        return Probability(value=value, low=value, high=value, how="", **known)
+    value = failed / len(fails)
+    if isinstance(study.sampling, Random):
+        low = wilson(failed, len(fails) + lost)[0]
+        high = wilson(failed + lost, len(fails) + lost)[1]
+        return Probability(value=value, low=low, high=high, how="Wilson", **known)
+    if isinstance(study.sampling, LatinHypercube) and study.sampling.replicates > 1:
+        low, high = _of_replicates(columns)
+        how = f"Student's t of {study.sampling.replicates} Latin hypercubes"
+        return Probability(value=value, low=low, high=high, how=how, **known)
+    return Probability(value=value, low=value, high=value, how="", **known)
+
+
+def wilson(failed: int, runs: int) -> tuple[float, float]:
+    """Return Wilson's interval of a probability, of ``failed`` in so many independent runs."""
+    z = float(stats.norm.ppf(0.5 + 0.5 * CONFIDENCE))
+    share = failed / runs
+    middle = (share + z * z / (2.0 * runs)) / (1.0 + z * z / runs)
+    half = z * math.sqrt(share * (1.0 - share) / runs + (z / (2.0 * runs)) ** 2)
+    half /= 1.0 + z * z / runs
+    # 0 and 1 are ends of their intervals, without rounding
+    return (max(0.0, middle - half) if failed else 0.0), (
+        min(1.0, middle + half) if failed < runs else 1.0
+    )
+
+
+def _of_replicates(columns: Columns) -> tuple[float, float]:
+    """Return the interval of the mean of replicates, runs without a result as either."""
+    study = columns.study
+    group = np.array([study.replicate(int(run)) for run in columns.run])
+    used = np.unique(group)
+    shares = np.array([columns.fails[group == one].mean() for one in used])
+    if len(used) < 2:
+        return 0.0, 1.0
+    t = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, len(used) - 1))
+    half = t * float(shares.std(ddof=1)) / math.sqrt(len(used))
+    mean, more = float(shares.mean()), columns.lost / (len(columns.run) + columns.lost)
+    if half == 0.0:
+        # replicates that agree say nothing of what is rarer than one run
+        return wilson(int(columns.fails.sum()), len(columns.run))
+    return max(0.0, mean - half - more), min(1.0, mean + half + more)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Influence:
+    """How a measure goes with a parameter."""
+
+    parameter: str
+    """The parameter."""
+    low: float
+    """Mean of the measure where the parameter is least, in the lowest fifth of the runs."""
+    high: float
+    """The same where it is largest."""
+    rank: float
+    """Rank correlation (Spearman), -1 to 1; nan where nothing changes."""
+
+    @property
+    def swing(self) -> float:
+        """Difference of the two means."""
+        return abs(self.high - self.low)
+
+
+def influences(columns: Columns, values: Floats) -> list[Influence]:
+    """Return how values (k,) of the runs go with each parameter, the strongest first."""
+    found = []
+    sound = np.isfinite(values)
+    for name, given in columns.parameters.items():
+        x, y = given[sound], values[sound]
+        if len(x) < 2 or np.ptp(x) == 0.0:
+            continue
+        low, high = np.quantile(x, (TAIL, 1.0 - TAIL))
+        rank = float(stats.spearmanr(x, y).statistic) if np.ptp(y) > 0.0 else math.nan
+        found.append(
+            Influence(
+                parameter=name,
+                low=float(y[x <= low].mean()),
+                high=float(y[x >= high].mean()),
+                rank=rank,
+            )
+        )
+    return sorted(found, key=lambda one: -one.swing)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spread:
+    """How a measure is spread."""
+
+    mean: float
+    """Mean."""
+    sd: float
+    """Standard deviation."""
+    least: float
+    """Least value."""
+    quantiles: tuple[float, float, float]
+    """Values below which 5, 50 and 95 % of the runs lie."""
+    largest: float
+    """Largest value."""
+
+
+def spread(columns: Columns, values: Floats) -> Spread | None:
+    """Return the spread of a measure (k,); None where it has no values.
+
+    Of point estimates mean and standard deviation are those of their weights (Rosenblueth 1975).
+    """
+    sound = np.isfinite(values)
+    if not sound.any():
+        return None
+    study, kept = columns.study, values[sound]
+    weights = np.full(len(kept), 1.0 / len(kept))
+    if isinstance(study.sampling, PointEstimate) and study.kind == MONTECARLO:
+        weights = np.array([study.weight(int(run)) for run in columns.run[sound]])
+        weights /= weights.sum()
+    mean = float(weights @ kept)
+    sd = math.sqrt(max(0.0, float(weights @ (kept - mean) ** 2)))
+    low, median, high = np.quantile(kept, (0.05, 0.5, 0.95)).tolist()
+    return Spread(
+        mean=mean,
+        sd=sd,
+        least=float(kept.min()),
+        quantiles=(low, median, high),
+        largest=float(kept.max()),
+    )
+
+
+def cumulative(study: Description, values: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return sorted values (k,), the share of runs up to each, and half the width of its band.
+
+    The band of Dvoretzky, Kiefer, Wolfowitz and Massart (1990) holds the whole curve of independent
+    runs with the confidence; other samplings have none, and a width of 0.
+    """
+    ordered = np.sort(values[np.isfinite(values)])
+    share = np.arange(1, len(ordered) + 1) / max(1, len(ordered))
+    half = math.sqrt(math.log(2.0 / (1.0 - CONFIDENCE)) / (2.0 * max(1, len(ordered))))
+    independent = study.kind == MONTECARLO and isinstance(study.sampling, Random)
+    return ordered, share, np.full(len(ordered), half if independent else 0.0)
+
+
+def worst(columns: Columns) -> int | None:
+    """Return the number of the worst run, None where no run has a result.
+
+    It has the largest first measure, of those that fail if any; of factors of safety the least.
+    """
+    if not len(columns.run):
+        return None
+    values = next(iter(columns.measures.values()), columns.fails)
+    name = next(iter(columns.study.measure.values()), "")
+    score = np.where(np.isfinite(values), values, -math.inf)
+    score = -score if name.strip().startswith("factor_of_safety") else score
+    if len(columns.fails) and columns.fails.any():
+        score = np.where(columns.fails > 0.0, score, -math.inf)
+    return int(columns.run[int(score.argmax())])

@@ -1,0 +1,163 @@
+"""Studies from Python.
+
+study = clast.Study(
+    "slope.toml",
+    vary={"joint.bedding.friction_angle": clast.Normal(35, 5, low=15, high=70)},
+    measure={"crest": "displacement(A)"},
+    fail="crest > 0.05",
+)
+table = study.run("out", n=500, sampling="latin-hypercube")
+clast.factor_of_safety("slope.toml", joints=["bedding"]).value
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from clast.errors import CaseError
+from clast.study import trial_table
+from clast.study.description import (
+    COLLAPSE,
+    MONTECARLO,
+    RUNS,
+    SWEEP,
+    Description,
+    Factor,
+    parameters_of,
+    sampling_of,
+)
+from clast.study.executors import Driver, Watch, in_this_process, workers_of
+from clast.study.folder import StudyFolder
+from clast.study.trial_cases import given_case
+from clast.study.trial_table import Table
+from clast.study.work import Bench
+
+
+@dataclass(frozen=True, kw_only=True)
+class HowMade:
+    """How the runs of a study are made; nothing of it changes what comes of them."""
+
+    executor: Any = None
+    """Executor of ``concurrent.futures``; None: processes of this machine."""
+    workers: int | None = None
+    """How many runs are made at a time; None: as many as there are processors."""
+    array: tuple[int, int] | None = None
+    """(i, n): every n-th run from the i-th on, from 1, in this process."""
+    retry: bool = False
+    """True makes runs again that have no result."""
+    watch: Watch | None = None
+    """Called with how far the study is."""
+    scheduler: str = ""
+    """Address of a Dask scheduler, tcp://host:port; "": none."""
+
+
+USUAL = HowMade()
+
+
+class Study:
+    """A case whose runs differ in some of its keys, and what they are judged by.
+
+    ``vary`` has paths -> distributions (``clast.Normal(35, 5)``), lists, or texts as in case files;
+    where all are lists it is a sweep.  ``correlate`` are pairs of them with the correlation of
+    their normal scores.  ``measure`` has names -> expressions, ``fail`` is one that is true where a
+    run fails.  Raises CaseError for what is none of these.
+    """
+
+    def __init__(
+        self,
+        case: Any,
+        *,
+        vary: Mapping[str, Any],
+        correlate: Sequence[tuple[str, str, float]] = (),
+        measure: Mapping[str, str] | None = None,
+        fail: str = "",
+        factor: Factor | None = None,
+        keep: str = "none",
+        together: bool = False,
+    ) -> None:
+        self.case = given_case(case)
+        parameters = parameters_of(vary)
+        listed = bool(parameters) and all(one.drawn.LISTED for one in parameters)
+        self._description = Description(
+            kind=SWEEP if listed else MONTECARLO,
+            vary=parameters,
+            correlate=tuple((str(a), str(b), c) for a, b, c in correlate),
+            measure=dict(measure or {}),
+            fail=fail,
+            factor=factor,
+            keep=keep,
+            together=together,
+        )
+
+    def described(
+        self, n: int | None = None, sampling: str = "random", kind: str = "", **numbers: int
+    ) -> Description:
+        """Return the description of the study with so many runs; raises CaseError for none.
+
+        ``kind`` is "sweep" or "montecarlo" where it is not to follow from what varies.
+        """
+        chosen = sampling_of(sampling, **numbers)
+        count = RUNS if n is None else n
+        own = self._description
+        return replace(own, n=count, sampling=chosen, kind=kind or own.kind).checked()
+
+    def run(
+        self,
+        folder: str | Path,
+        *,
+        n: int | None = None,
+        sampling: str = "random",
+        how: HowMade = USUAL,
+        **numbers: int,
+    ) -> Table:
+        """Make all runs that are not done in a folder, and return the table of their results.
+
+        ``n`` is the number of runs, ``sampling`` "random", "latin-hypercube", "sobol" or
+        "point-estimate", with the ``seed`` and ``replicates`` of it.  ``how`` says who makes the
+        runs.  Raises CaseError where the study cannot be made, and where another one is there.
+        """
+        study = self.described(n, sampling, "", **numbers)
+        made = StudyFolder.made(Path(folder), self.case, study)
+        Bench.of(made).check()
+        return go_on(made, how)
+
+
+def go_on(folder: StudyFolder, how: HowMade = USUAL) -> Table:
+    """Make the runs of a study that are not done; return its table, also written as CSV."""
+    make(folder, how)
+    if how.array is None:
+        trial_table.write_csv(folder, folder.path / trial_table.CSV)
+    return trial_table.table_of(folder)
+
+
+def make(folder: StudyFolder, how: HowMade = USUAL) -> None:
+    """Make the runs of a study that are not done."""
+    study = folder.study
+    if study.kind == COLLAPSE:
+        raise CaseError(
+            "is a study of collapse", where=str(folder.path), remedy="use clast study resume"
+        )
+    if how.array is not None:
+        first, count = how.array
+        mine = folder.missing(lambda run: run % count == first % count, retry=how.retry)
+        in_this_process(folder, _again(folder, mine), how.watch)
+        return
+    with folder.driven(), workers_of(how.executor, how.workers, how.scheduler) as workers:
+        left = study.n - folder.count()
+        runs = folder.missing(lambda run: True, retry=how.retry)
+        Driver(folder, workers, how.watch).make(_again(folder, runs), max(1, left))
+
+
+def _again(folder: StudyFolder, runs: Iterator[int]) -> Iterator[int]:
+    """Give runs, each of them without the result that it may have."""
+    for run in runs:
+        folder.forget(run)
+        yield run
+
+
+def resume(folder: str | Path, how: HowMade = USUAL) -> Table:
+    """Go on with the study in a folder; return its table."""
+    return go_on(StudyFolder.opened(Path(folder)), how)

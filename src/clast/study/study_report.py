@@ -1,0 +1,337 @@
+"""The report of a study: one page with its numbers, figures and tables, and its worst run to play.
+
+Everything is in the one file, which asks no network.  Figures need matplotlib; without it the page
+says so and has the tables alone.
+"""
+
+from __future__ import annotations
+
+import math
+from base64 import b64encode
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clast.errors import CaseError
+from clast.pictures.html_files import write_html
+from clast.pictures.page.document import page_text
+from clast.pictures.page.scene import scene_of
+from clast.pictures.study import figures
+from clast.results import Run, read_results
+from clast.rockmass.drawings.dxf_out import write_blocks_dxf
+from clast.study import probabilities
+from clast.study.collapsing.collapse import Collapse, ends
+from clast.study.folder import StudyFolder
+from clast.study.probabilities import Columns, columns_of
+from clast.study.trial_cases import changed, content_of
+from clast.study.variables.parameters import Settings
+from clast.study.work import RUN_FILE
+
+REPORT, FIGURES, WORST = "report.html", "figures", "worst"
+"""The page, the folder of its figures, and that of the worst run."""
+MOST_ROWS = 20
+"""Most rows of a table of blocks or reasons."""
+PAGE_BUDGET = 6e6
+"""Bytes that contacts of the worst run take before they are compressed."""
+STYLE = (
+    "body{font:15px/1.5 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;"
+    "color:#222}h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}"
+    "table{border-collapse:collapse;font-size:13px;margin:.6rem 0}td,th{border:1px solid #ccc;"
+    "padding:3px 9px;text-align:right}td:first-child,th:first-child{text-align:left}"
+    "td.text{text-align:left}img{max-width:100%;vertical-align:top}"
+    ".answer{font-size:1.15rem;border-left:4px solid #1f6f8b;padding:.4rem .9rem;"
+    "background:#f4f7f8}.figures{display:flex;flex-wrap:wrap;gap:1rem}.figures img{width:30rem}"
+    "iframe{width:100%;height:46rem;border:1px solid #ccc}.remark{color:#666;font-size:13px}"
+)
+
+
+@dataclass
+class Page:
+    """The parts of a page, as they are put together."""
+
+    title: str
+    """Title."""
+    parts: list[str] = field(default_factory=list)
+    """HTML."""
+
+    def say(self, text: str, kind: str = "") -> None:
+        """Add a paragraph."""
+        self.parts.append(f"<p{f' class={kind}' if kind else ''}>{escape(text)}</p>")
+
+    def head(self, text: str) -> None:
+        """Add a heading."""
+        self.parts.append(f"<h2>{escape(text)}</h2>")
+
+    def table(self, heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+        """Add a table."""
+        head = "".join(f"<th>{escape(one)}</th>" for one in heads)
+        body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>\n" for row in rows)
+        self.parts.append(f"<table><tr>{head}</tr>\n{body}</table>")
+
+    def pictures(self, paths: Iterable[tuple[Path, str]]) -> None:
+        """Add pictures (PNG) side by side, each with what it shows."""
+        drawn = "".join(
+            f'<img alt="{escape(text)}" src="data:image/png;base64,'
+            f'{b64encode(path.read_bytes()).decode()}">'
+            for path, text in paths
+        )
+        self.parts.append(f'<div class="figures">{drawn}</div>')
+
+    def run(self, run: Any) -> None:
+        """Add the page that plays a run."""
+        inner = escape(page_text(scene_of(run, PAGE_BUDGET)), quote=True)
+        self.parts.append(f'<iframe title="the worst run" srcdoc="{inner}"></iframe>')
+
+    def text(self) -> str:
+        """Return the page."""
+        title = escape(self.title)
+        return (
+            f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{title} - clast'
+            f"</title><style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n"
+            + "\n".join(self.parts)
+            + "\n</body></html>\n"
+        )
+
+
+# Sweeps and probability --------------------------------------------------------------------------
+
+
+def write_report(folder: StudyFolder) -> Path:
+    """Write the report of a sweep or a Monte Carlo study; return its path.
+
+    Its worst run is made again for its page, the same as it was.
+    """
+    study, columns = folder.study, columns_of(folder)
+    page = Page(f"{folder.base.title or 'Study'}: {study.kind}")
+    _answer(page, columns)
+    pictures = folder.path / FIGURES
+    pictures.mkdir(exist_ok=True)
+    for name, values in columns.measures.items():
+        page.head(f"{name} = {study.measure[name]}")
+        _spread(page, columns, values)
+        _drawn(page, lambda name=name, values=values: _figures(columns, name, values, pictures))
+        _influence(page, columns, values)
+    if len(columns.fails):
+        page.head("Which blocks fail")
+        _blocks(page, folder, columns, pictures)
+    _what_varies(page, folder)
+    number = probabilities.worst(columns)
+    if number is not None:
+        page.head(f"Worst run: {number}")
+        drawn = zip((one.name for one in study.vary), study.values(number), strict=True)
+        page.table(["parameter", "value"], list(drawn))
+        _worst(page, folder, number)
+    return write_html(page.text(), folder.path / REPORT)
+
+
+def _answer(page: Page, columns: Columns) -> None:
+    """Say what the study has found."""
+    found = probabilities.probability(columns)
+    if found is not None:
+        page.say(f"Probability of failure {found}", "answer")
+    elif len(columns.fails):
+        failed = int(columns.fails.sum())
+        page.say(f"{failed} of {len(columns.fails)} runs fail", "answer")
+    done = len(columns.run) + columns.lost
+    if done < columns.study.n:
+        page.say(f"{done} of {columns.study.n} runs are done.")
+    if columns.lost:
+        page.say(f"{columns.lost} runs have no result:")
+        page.table(["why", "runs"], list(columns.reasons.items())[:MOST_ROWS])
+
+
+def _spread(page: Page, columns: Columns, values: Any) -> None:
+    """Say how a measure is spread."""
+    found = probabilities.spread(columns, values)
+    if found is None:
+        page.say("No run has a value of it.")
+        return
+    heads = ["mean", "standard deviation", "least", "5 %", "median", "95 %", "largest"]
+    page.table(heads, [[found.mean, found.sd, found.least, *found.quantiles, found.largest]])
+
+
+def _figures(columns: Columns, name: str, values: Any, folder: Path) -> list[tuple[Path, str]]:
+    """Return the figures of a measure, and what they show."""
+    safe = "".join(sign if sign.isalnum() or sign in "-_" else "_" for sign in name)
+    x, share, half = probabilities.cumulative(columns.study, values)
+    if not len(x):
+        return []
+    band = figures.Band(x=x, share=share, half=half)
+    drawn = [
+        (figures.draw_histogram(values, name, folder / f"{safe}-histogram.png"), "histogram"),
+        (figures.draw_cumulative(band, name, folder / f"{safe}-cumulative.png"), "cumulative"),
+    ]
+    found = probabilities.influences(columns, values)
+    if len(found) > 0:
+        bars = [figures.Bar(label=one.parameter, low=one.low, high=one.high) for one in found[:12]]
+        path = folder / f"{safe}-tornado.png"
+        middle = float(values[np.isfinite(values)].mean())
+        drawn.append((figures.draw_tornado(bars, middle, name, path), "tornado"))
+    return drawn
+
+
+def _influence(page: Page, columns: Columns, values: Any) -> None:
+    """Say how a measure goes with each parameter."""
+    found = probabilities.influences(columns, values)
+    rows = [[one.parameter, one.low, one.high, one.rank] for one in found]
+    if rows:
+        heads = ["parameter", "mean where least", "mean where largest", "rank correlation"]
+        page.table(heads, rows)
+        page.say("Least and largest: the fifth of the runs with such values of it.", "remark")
+
+
+def _blocks(page: Page, folder: StudyFolder, columns: Columns, pictures: Path) -> None:
+    """Say how often which block fails, and draw it where all runs have the same blocks."""
+    runs = max(1, len(columns.run))
+    rows = [[name, count, count / runs] for name, count in columns.blocks.items()]
+    if not rows:
+        page.say("None.")
+        return
+    page.table(["block", "runs", "share of the runs"], rows[:MOST_ROWS])
+    if len(rows) > MOST_ROWS:
+        page.say(f"{len(rows) - MOST_ROWS} more are in the results of the runs.", "remark")
+    if not _same_blocks(folder):
+        page.say("The blocks are others from run to run, so that there is no picture.", "remark")
+        return
+    model = folder.base.model()
+    share = np.array([columns.blocks.get(name, 0) / runs for name in model.block_name])
+    section = figures.Section(
+        vertices=model.vertices + model.origin, block_start=model.block_start, share=share
+    )
+    path = pictures / "failing-blocks.png"
+    label = "share of the runs in which a block fails"
+    _drawn(page, lambda: [(figures.draw_frequency(section, label, path), label)])
+
+
+def _same_blocks(folder: StudyFolder) -> bool:
+    """Return whether nothing that varies changes the blocks."""
+    places = Settings.of(content_of(folder.base), folder.study.vary).places
+    shaping = {"domain", "joint_set", "trace", "opening", "block", "geometry", "block_pattern"}
+    return not any(keys[0] in shaping for own in places for keys in own)
+
+
+def _what_varies(page: Page, folder: StudyFolder) -> None:
+    """Say what varies, and how runs were drawn."""
+    study = folder.study
+    page.head("What varies")
+    rows = [[one.name, ", ".join(one.paths), str(one.distribution)] for one in study.vary]
+    page.table(["parameter", "keys", "is"], rows)
+    if study.correlate:
+        pairs = [(f"{a}, {b}", value) for a, b, value in study.correlate]
+        page.table(["correlated", "of normal scores"], pairs)
+    if study.kind == "montecarlo":
+        numbers = ", ".join(f"{key} {value}" for key, value in vars(study.sampling).items())
+        page.say(f"{study.n} runs, {type(study.sampling).WORD}, {numbers}.")
+    if study.fail:
+        page.say(f"A run fails where {study.fail}.")
+
+
+def _worst(page: Page, folder: StudyFolder, number: int) -> None:
+    """Put the page of the worst run into the report."""
+    kept = folder.place(number) / RUN_FILE
+    run: Any = read_results(kept) if kept.exists() else _made_again(folder, number)
+    if run is None:
+        page.say("It could not be made again.", "remark")
+        return
+    page.run(run)
+    page.say(f"clast run {folder.place(number) / 'case.toml'}", "remark")
+
+
+def _made_again(folder: StudyFolder, number: int) -> Run | None:
+    """Return a run, made again."""
+    settings = Settings.of(content_of(folder.base), folder.study.vary)
+    case = changed(folder.base, settings.case(folder.study.values(number)))
+    try:
+        return case.run(warn=lambda _text: None)
+    except CaseError:
+        return None
+
+
+# Collapse ----------------------------------------------------------------------------------------
+
+
+def write_collapse(folder: StudyFolder, found: Collapse) -> Path:
+    """Write the report of a study of collapse; return its path."""
+    page = Page(f"{folder.base.title or 'Study'}: {found.by.TITLE}")
+    page.say(f"{found.sentence[0].upper()}{found.sentence[1:]}.", "answer")
+    pictures = folder.path / FIGURES
+    pictures.mkdir(exist_ok=True)
+    marks = [
+        figures.Mark(factor=one.factor, displacement=one.displacement, verdict=one.verdict)
+        for one in found.trials
+    ]
+    path = pictures / "displacement.png"
+    bracket = (found.low, found.high)
+    label = "displacement against factor, with the bracket"
+    _drawn(page, lambda: [(figures.draw_factors(marks, bracket, path, found.by.SYMBOL), label)])
+    page.head("Trials")
+    heads = ["trial", found.by.SYMBOL, "verdict", "displacement, m", "steps", "blocks that fail"]
+    page.table(
+        heads,
+        [
+            [k, f"{one.factor:.6g}", one.verdict, one.displacement, one.steps, _listed(one.blocks)]
+            for k, one in enumerate(found.trials, 1)
+        ],
+    )
+    _failing(page, folder, found)
+    for k in ends(found):
+        trial, file = found.trials[k - 1], folder.place(k) / RUN_FILE
+        if file.exists():
+            page.head(f"Trial {k}, {found.by.SYMBOL} = {trial.factor:.6g}: {trial.verdict}")
+            page.run(read_results(file))
+    return write_html(page.text(), folder.path / REPORT)
+
+
+def _failing(page: Page, folder: StudyFolder, found: Collapse) -> None:
+    """Draw the blocks that fail in each trial, as pictures and DXF in its folder."""
+    model = folder.base.model()
+    vertices, said = model.vertices + model.origin, ""
+    page.head("Blocks that fail")
+    for k, trial in enumerate(found.trials, 1):
+        if not trial.blocks:
+            continue
+        fails = np.isin(model.block_name, trial.blocks)
+        place = folder.place(k)
+        section = figures.Section(
+            vertices=vertices, block_start=model.block_start, share=fails.astype(np.float64)
+        )
+        try:
+            figures.draw_frequency(section, "1: fails", place / "failing.png")
+            layers = np.where(fails, "FAILS", "STANDS").tolist()
+            write_blocks_dxf(place / "failing.dxf", vertices, model.block_start, layers)
+        except CaseError as error:
+            said = f"{error.what}. {error.remedy}"
+    if said:
+        page.say(said, "remark")
+    first = next((k for k in ends(found)[::-1] if found.trials[k - 1].blocks), None)
+    drawn = None if first is None else folder.place(first) / "failing.png"
+    if drawn is not None and drawn.exists():
+        page.pictures([(drawn, "blocks that fail in the first trial that does")])
+        page.say("Pictures and DXF of all trials are in their folders.", "remark")
+
+
+def _listed(blocks: Sequence[str]) -> str:
+    more = f" and {len(blocks) - 6} more" if len(blocks) > 6 else ""
+    return ", ".join(blocks[:6]) + more
+
+
+def _drawn(page: Page, draw: Any) -> None:
+    """Add figures, or say what is needed for them."""
+    try:
+        page.pictures(draw())
+    except CaseError as error:
+        page.say(f"{error.what}. {error.remedy}", "remark")
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, str):
+        return f'<td class="text">{escape(value)}</td>'
+    if isinstance(value, bool):
+        return f"<td>{'true' if value else 'false'}</td>"
+    if isinstance(value, float):
+        return f"<td>{value:.5g}</td>" if math.isfinite(value) else "<td>-</td>"
+    return f"<td>{escape(str(value))}</td>"

@@ -1,0 +1,151 @@
+"""The table of a study, rebuilt from what each run has written, in the order of their numbers.
+
+Nothing in it depends on time, machine or who made which run: the same study gives the same bytes.
+Rows go through one at a time, so that a table may be of any length.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from clast.errors import CaseError
+from clast.rockmass.drawings.drawing_files import replaced
+from clast.study.description import Description
+from clast.study.folder import StudyFolder
+
+CSV, PARQUET = "results.csv", "results.parquet"
+BATCH = 10_000
+"""Rows that are put into a Parquet file at a time."""
+
+
+def columns(study: Description) -> list[str]:
+    """Return the names of the columns: run, status, parameters, measures, fails, reason."""
+    own = [one.name for one in study.vary]
+    measures = [f"measure.{name}" if name in own else name for name in study.measure]
+    fails = ["fails"] if study.fail else []
+    return ["run", "status", *own, *measures, *fails, "reason"]
+
+
+def row(study: Description, result: Mapping[str, Any]) -> list[Any]:
+    """Return the row of a result; None where it has no value."""
+    given, found = result["parameters"], result.get("measures", {})
+    own = [given.get(one.name) for one in study.vary]
+    fails = [result.get("fails")] if study.fail else []
+    measures = [found.get(name) for name in study.measure]
+    return [result["run"], result["status"], *own, *measures, *fails, result.get("reason", "")]
+
+
+def write_csv(folder: StudyFolder, path: Path) -> int:
+    """Write the table as CSV; return the number of rows."""
+    study, count = folder.study, 0
+    with replaced(path) as file:
+        text = io.TextIOWrapper(file, encoding="utf-8", newline="", write_through=True)
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(columns(study))
+        for result in folder.results():
+            writer.writerow(map(_written, row(study, result)))
+            count += 1
+        text.detach()
+    return count
+
+
+def _written(value: Any) -> str:
+    """Return a value as CSV has it; floats keep every digit."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def write_parquet(folder: StudyFolder, path: Path) -> int:
+    """Write the table as Parquet; return the number of rows.
+
+    Raises CaseError where pyarrow is not installed.
+    """
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise CaseError(
+            "Parquet needs pyarrow, which is not installed",
+            where=str(path),
+            remedy="install it: pip install 'clast[parquet]', or take the CSV",
+        ) from None
+    study, names, count = folder.study, columns(folder.study), 0
+    kinds = _kinds(folder, pyarrow)
+    schema = pyarrow.schema(list(zip(names, kinds, strict=True)))
+    with replaced(path) as file, pyarrow.parquet.ParquetWriter(file, schema) as writer:
+        for rows in _batches(row(study, one) for one in folder.results()):
+            parts = [
+                pyarrow.array([_as(kind, value) for value in column], kind)
+                for kind, column in zip(kinds, zip(*rows, strict=True), strict=True)
+            ]
+            writer.write_table(pyarrow.Table.from_arrays(parts, schema=schema))
+            count += len(rows)
+    return count
+
+
+def _kinds(folder: StudyFolder, arrow: Any) -> list[Any]:
+    """Return the types of the columns: numbers, or texts where a parameter may be one."""
+    study = folder.study
+    texts = {
+        one.name
+        for one in study.vary
+        if any(isinstance(value, str) for value in getattr(one.drawn, "values", ()))
+    }
+    plain = {"run": arrow.int64(), "status": arrow.string(), "reason": arrow.string()}
+    plain["fails"] = arrow.bool_()
+    return [
+        arrow.string() if name in texts else plain.get(name, arrow.float64())
+        for name in columns(study)
+    ]
+
+
+def _as(kind: Any, value: Any) -> Any:
+    """Return a value in the type of its column."""
+    if value is None or str(kind) in ("int64", "bool"):
+        return value
+    return str(value) if str(kind) == "string" else float(value)
+
+
+def _batches(rows: Iterable[list[Any]]) -> Iterator[list[list[Any]]]:
+    """Give rows, some at a time."""
+    batch: list[list[Any]] = []
+    for one in rows:
+        batch.append(one)
+        if len(batch) == BATCH:
+            yield batch
+            batch = []
+    if batch:
+        yield batch
+
+
+class Table(dict[str, list[Any]]):
+    """The results of a study: column name -> values, in the order of the runs.
+
+    ``pandas.DataFrame(table)`` takes it as it is.
+    """
+
+    def __init__(self, names: Sequence[str], rows: Iterable[Sequence[Any]], folder: Path) -> None:
+        super().__init__({name: [] for name in names})
+        self.folder = folder
+        for one in rows:
+            for name, value in zip(names, one, strict=True):
+                self[name].append(value)
+
+    def __len__(self) -> int:
+        return len(self["run"])
+
+    def __repr__(self) -> str:
+        return f"Table({len(self)} runs in {self.folder}: {', '.join(self)})"
+
+
+def table_of(folder: StudyFolder) -> Table:
+    """Return the table of a study in memory."""
+    rows = (row(folder.study, one) for one in folder.results())
+    return Table(columns(folder.study), rows, folder.path)
