@@ -15,11 +15,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.run.schedule import Progress, Schedule
 from clast.run.simulate import simulate
-from clast.studies.bench import Settings, warm_up
+from clast.studies.bench import BenchSettings, warm_up
 from clast.studies.bench.scenes import DENSITY, FRICTION_ANGLE, GRAVITY, SCENES, YOUNG
 from clast.studies.bench.settings import method_for
 
@@ -94,7 +94,7 @@ class Clast:
 
     def simulate(self, setting: Setting, end: float, limit: float) -> Outcome:
         """Simulate with compiled kernels."""
-        settings = Settings(step=self.step, share=self.share, solver=self.solver)
+        settings = BenchSettings(step=self.step, share=self.share, solver=self.solver)
         warm_up([SCENES["wall"]], settings)
         model = model_of(setting)
         usual = method_for(model, settings)
@@ -117,7 +117,7 @@ class Clast:
 
 def model_of(setting: Setting) -> Model:
     """Return the model with the rock and the joints of the scenes of ``clast bench``."""
-    builder = ModelBuilder(title=setting.name, gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title=setting.name, gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
     builder.add_joint(friction_angle=FRICTION_ANGLE)
     builder.blocks(vertices=setting.fixed, fixed=True)

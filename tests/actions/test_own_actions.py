@@ -7,8 +7,8 @@ import pytest
 
 import clast
 from clast.actions.action import (
-    Done,
-    Share,
+    ActionResult,
+    Contribution,
     Solution,
     StepStart,
     energy_of_linear,
@@ -32,14 +32,16 @@ class Thrust:
     def begin(self, model: Model) -> float:
         return 0.0
 
-    def share(self, start: StepStart, own: float) -> Share:
+    def share(self, start: StepStart, own: float) -> Contribution:
         force = np.zeros((1, 6))
         force[0, :2] = start.end * np.array(self.slope)
-        return Share(block=np.array([start.model.block_name.index(self.block)]), force=force)
+        return Contribution(block=np.array([start.model.block_name.index(self.block)]), force=force)
 
-    def finish(self, start: StepStart, own: float, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: float, share: Contribution, solution: Solution
+    ) -> ActionResult:
         work = float(np.sum(share.force * solution.displacement[share.block]))
-        return Done(work=work, ledger=Ledger(loads=work), own=own + work)
+        return ActionResult(work=work, ledger=Ledger(loads=work), own=own + work)
 
 
 @dataclass(frozen=True)
@@ -52,16 +54,18 @@ class Tether:
     def begin(self, model: Model) -> None:
         return None
 
-    def share(self, start: StepStart, own: None) -> Share:
+    def share(self, start: StepStart, own: None) -> Contribution:
         k, (number, way) = self.stiffness, self._stretched(start)
         force, stiffness = np.zeros((1, 6)), np.zeros((1, 6, 6))
         force[0, :2] = -k * way
         stiffness[0, [0, 1], [0, 1]] = k
-        return Share(block=np.array([number]), force=force, stiffness=stiffness)
+        return Contribution(block=np.array([number]), force=force, stiffness=stiffness)
 
-    def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: None, share: Contribution, solution: Solution
+    ) -> ActionResult:
         work, stored = energy_of_linear(share, solution.displacement)
-        return Done(work=work, ledger=Ledger(actions=stored))
+        return ActionResult(work=work, ledger=Ledger(actions=stored))
 
     def _stretched(self, start: StepStart) -> tuple[int, np.ndarray]:
         number = start.model.block_name.index(self.block)
@@ -82,7 +86,7 @@ class Tie:
         outlines = [model.polygon(b).mean(axis=0) for b in (one, other)]
         return float(np.hypot(*(outlines[0] - outlines[1])))
 
-    def share(self, start: StepStart, own: float) -> Share:
+    def share(self, start: StepStart, own: float) -> Contribution:
         one, other = self._numbers(start.model)
         way = start.frames.centroid[one] - start.frames.centroid[other]
         length = float(np.hypot(*way))
@@ -104,12 +108,14 @@ class Tie:
             normal=normal,
             shear=none,
         )
-        return Share(springs=springs)
+        return Contribution(springs=springs)
 
-    def finish(self, start: StepStart, own: float, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: float, share: Contribution, solution: Solution
+    ) -> ActionResult:
         assert share.springs is not None
         work, stored = energy_of_springs(share.springs, solution)
-        return Done(work=work, ledger=Ledger(actions=stored), own=own)
+        return ActionResult(work=work, ledger=Ledger(actions=stored), own=own)
 
     def _numbers(self, model: Model) -> tuple[int, int]:
         one, other = (model.block_name.index(name) for name in self.blocks)

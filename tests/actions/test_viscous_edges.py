@@ -9,7 +9,7 @@ import pytest
 
 import clast
 from clast.actions.action import StepStart
-from clast.actions.viscous_edges import ViscousBoundary
+from clast.actions.viscous_edges import BoundaryDashpots
 from clast.block.inertia import block_frames
 from clast.errors import ModelError
 from clast.model.state import initial_state
@@ -59,7 +59,7 @@ def test_dashpots_are_the_integral_over_the_edge(plane: object, modulus: float):
     model = builder.build()
     state = initial_state(model)
     start = StepStart(model=model, state=state, frames=block_frames(model, state), step=0.1)
-    action = ViscousBoundary(1e9)
+    action = BoundaryDashpots(1e9)
     share = action.share(start, action.begin(model))
     line = np.array([3.0, -1.0])
     length, normal = np.sqrt(10.0), np.array([-1.0, -3.0]) / np.sqrt(10.0)

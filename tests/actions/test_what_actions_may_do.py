@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import clast
-from clast.actions.action import Done, Share, Solution, StepStart
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart
 from clast.actions.loads import Loads
 from clast.contact.clipped_spring import Clipped, table
 from clast.errors import ClastError
@@ -24,12 +24,12 @@ def nothing(*_: Any) -> None:
     return None
 
 
-def no_share(start: StepStart) -> Share:
-    return Share()
+def no_share(start: StepStart) -> Contribution:
+    return Contribution()
 
 
-def no_done(start: StepStart) -> Done:
-    return Done(work=0.0, ledger=Ledger())
+def no_done(start: StepStart) -> ActionResult:
+    return ActionResult(work=0.0, ledger=Ledger())
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,14 @@ class Acts:
     def begin(self, model: Any) -> int:
         return 0
 
-    def share(self, start: StepStart, own: int) -> Share:
-        return self.share_of(start) if own == AT_STEP else Share()
+    def share(self, start: StepStart, own: int) -> Contribution:
+        return self.share_of(start) if own == AT_STEP else Contribution()
 
-    def finish(self, start: StepStart, own: int, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: int, share: Contribution, solution: Solution
+    ) -> ActionResult:
         done = self.done_of(start) if own == AT_STEP else no_done(start)
-        return replace(done, own=own + 1) if isinstance(done, Done) else done
+        return replace(done, own=own + 1) if isinstance(done, ActionResult) else done
 
 
 def on_a_floor(*actions: Any) -> clast.ModelBuilder:
@@ -68,33 +70,33 @@ def stopped(action: Any) -> tuple[str, Any]:
     return " ".join(str(error.value).split()), error.value.run
 
 
-def edit_vertices(start: StepStart) -> Share:
+def edit_vertices(start: StepStart) -> Contribution:
     start.state.vertices[4:8, 0] += 0.25
-    return Share()
+    return Contribution()
 
 
-def edit_memory(start: StepStart) -> Share:
+def edit_memory(start: StepStart) -> Contribution:
     start.state.memory.normal_force[:] = 0.0
-    return Share()
+    return Contribution()
 
 
-def edit_model(start: StepStart) -> Share:
+def edit_model(start: StepStart) -> Contribution:
     start.model.area *= 2.0
-    return Share()
+    return Contribution()
 
 
-def edit_mass(start: StepStart) -> Share:
+def edit_mass(start: StepStart) -> Contribution:
     start.model.mass[1] = 1.0
-    return Share()
+    return Contribution()
 
 
-def edit_points(start: StepStart) -> Share:
+def edit_points(start: StepStart) -> Contribution:
     start.model.measured_points.at.sort(axis=0)
-    return Share()
+    return Contribution()
 
 
 @pytest.mark.parametrize("edit", [edit_vertices, edit_memory, edit_model, edit_mass, edit_points])
-def test_an_action_that_edits_is_stopped(edit: Callable[[StepStart], Share]):
+def test_an_action_that_edits_is_stopped(edit: Callable[[StepStart], Contribution]):
     said, run = stopped(Acts(share_of=edit))
     assert "action Acts: share() writes into an array that is read-only" in said
     assert "array.copy()" in said
@@ -102,7 +104,7 @@ def test_an_action_that_edits_is_stopped(edit: Callable[[StepStart], Share]):
     assert run.times[-1] == pytest.approx(AT_STEP * 1e-3)
     np.testing.assert_allclose(run.state.vertices, run.model.vertices, atol=1e-3)
 
-    def edit_at_end(start: StepStart) -> Done:
+    def edit_at_end(start: StepStart) -> ActionResult:
         edit(start)
         return no_done(start)
 
@@ -147,7 +149,7 @@ def test_arrays_of_a_script_stay_its_own():
     assert {one.name for one in fields(changed)} == set(vars(changed))
 
 
-def springs(**changes: Any) -> Share:
+def springs(**changes: Any) -> Contribution:
     none, one = np.zeros(1), np.ones(1)
     clipped = Clipped(at_zero=none, stiffness=one, low=none - np.inf, high=none + np.inf)
     found, _ = table(
@@ -159,34 +161,46 @@ def springs(**changes: Any) -> Share:
         normal=clipped,
         shear=clipped,
     )
-    return Share(springs=replace(found, **changes))
+    return Contribution(springs=replace(found, **changes))
 
 
 FORCE = np.zeros((1, 6))
 SHARES: dict[str, tuple[Any, str]] = {
     "too large": (
-        Share(block=np.array([2]), force=FORCE),
+        Contribution(block=np.array([2]), force=FORCE),
         "block 2, and there are only the blocks",
     ),
-    "negative": (Share(block=np.array([-1]), force=FORCE), "block -1, and there are only the"),
-    "huge": (Share(block=np.array([10**9]), force=FORCE), "block 1000000000, and there"),
-    "not whole": (Share(block=np.array([1.0]), force=FORCE), "block as numbers of type float64"),
-    "truths": (Share(block=np.array([True]), force=FORCE), "block as numbers of type bool"),
-    "a list": (Share(block=[1], force=FORCE), "block as a list"),
-    "square": (Share(block=np.array([[1]]), force=FORCE), "block as a ndarray of shape (1, 1)"),
-    "forces": (Share(block=np.array([1]), force=np.zeros((2, 6))), "force of shape (2, 6), not (1"),
-    "vectors": (Share(block=np.array([1]), force=np.zeros((1, 2))), "force of shape (1, 2)"),
+    "negative": (
+        Contribution(block=np.array([-1]), force=FORCE),
+        "block -1, and there are only the",
+    ),
+    "huge": (Contribution(block=np.array([10**9]), force=FORCE), "block 1000000000, and there"),
+    "not whole": (
+        Contribution(block=np.array([1.0]), force=FORCE),
+        "block as numbers of type float64",
+    ),
+    "truths": (Contribution(block=np.array([True]), force=FORCE), "block as numbers of type bool"),
+    "a list": (Contribution(block=[1], force=FORCE), "block as a list"),
+    "square": (
+        Contribution(block=np.array([[1]]), force=FORCE),
+        "block as a ndarray of shape (1, 1)",
+    ),
+    "forces": (
+        Contribution(block=np.array([1]), force=np.zeros((2, 6))),
+        "force of shape (2, 6), not (1",
+    ),
+    "vectors": (Contribution(block=np.array([1]), force=np.zeros((1, 2))), "force of shape (1, 2)"),
     "nan": (
-        Share(block=np.array([1]), force=FORCE * np.nan),
+        Contribution(block=np.array([1]), force=FORCE * np.nan),
         "force with a value that is no finite",
     ),
     "stiff": (
-        Share(block=np.array([1]), force=FORCE, stiffness=np.zeros((1, 3, 3))),
+        Contribution(block=np.array([1]), force=FORCE, stiffness=np.zeros((1, 3, 3))),
         "stiffness of shape (1, 3, 3), not (1, 6, 6)",
     ),
-    "weight": (Share(acceleration=np.zeros(3)), "acceleration of shape (3,), not (2,)"),
-    "slowed": (Share(carried=-0.5), "carried = -0.5, which is no share"),
-    "nothing": (None, "share() gives a NoneType, not a Share"),
+    "weight": (Contribution(acceleration=np.zeros(3)), "acceleration of shape (3,), not (2,)"),
+    "slowed": (Contribution(carried=-0.5), "carried = -0.5, which is no share"),
+    "nothing": (None, "share() gives a NoneType, not a Contribution"),
     "links": (springs(vertex_block=np.array([5])), "springs with vertex_block 5, and there are"),
     "pairs": (springs(pairs=np.array([[0, 9]])), "springs with pairs 9"),
     "pair": (springs(pair=np.array([1])), "springs with pair 1"),
@@ -204,11 +218,11 @@ def test_shares_that_no_step_can_use(name: str):
 
 
 DONE: dict[str, tuple[Any, str]] = {
-    "nothing": (None, "finish() gives a NoneType, not a Done"),
-    "nan": (Done(work=np.nan, ledger=Ledger()), "work = nan, which is no finite number"),
-    "text": (Done(work="all", ledger=Ledger()), "work = 'all', which is no"),
-    "ledger": (Done(work=0.0, ledger=0.0), "a float as its ledger, not a Ledger"),
-    "entry": (Done(work=0.0, ledger=Ledger(loads=np.inf)), "a ledger with an entry"),
+    "nothing": (None, "finish() gives a NoneType, not an ActionResult"),
+    "nan": (ActionResult(work=np.nan, ledger=Ledger()), "work = nan, which is no finite number"),
+    "text": (ActionResult(work="all", ledger=Ledger()), "work = 'all', which is no"),
+    "ledger": (ActionResult(work=0.0, ledger=0.0), "a float as its ledger, not a Ledger"),
+    "entry": (ActionResult(work=0.0, ledger=Ledger(loads=np.inf)), "a ledger with an entry"),
 }
 
 
@@ -221,7 +235,7 @@ def test_what_is_done_must_be_numbers(name: str):
 
 
 def test_what_an_action_itself_gets_wrong_is_its_own():
-    def wrong(start: StepStart) -> Share:
+    def wrong(start: StepStart) -> Contribution:
         raise ValueError("mine")
 
     with pytest.raises(ValueError, match=r"^mine$"):

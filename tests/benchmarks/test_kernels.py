@@ -32,7 +32,7 @@ from clast.step.method import Method
 from clast.step.start import begin, diagonal_terms
 from clast.studies.bench.bandwidth import system_of_step
 from clast.studies.bench.scenes import SCENES
-from clast.studies.bench.settings import Settings, method_for
+from clast.studies.bench.settings import BenchSettings, method_for
 from scenes.potentials import at_rest, caught, tolerance_of, work
 from scenes.systems import at_start
 
@@ -65,7 +65,7 @@ class Standing:
 @pytest.fixture(scope="module")
 def wall() -> Standing:
     model = SCENES["wall"].build(1000)
-    method = method_for(model, Settings(step=STEP))
+    method = method_for(model, BenchSettings(step=STEP))
     first = method.process.step(model, method, at_start(model), STEP)
     result = method.process.step(model, method, first.state, STEP)
     system = system_of_step(model, method, result.state, STEP)

@@ -10,7 +10,7 @@ import performance
 import programs
 import pytest
 
-from clast.studies.bench import WHOLE_SCENES, Settings, benchmark
+from clast.studies.bench import WHOLE_SCENES, BenchSettings, benchmark
 
 PROGRAMS = (
     programs.Clast(0.005),
@@ -73,7 +73,7 @@ def test_the_page_shows_what_is_kept(small_wall):
     outcome = programs.Clast(0.005).simulate(small_wall, 0.01, 60.0)
     row = asdict(peers.figures(small_wall, programs.Clast(0.005), outcome))
     whole = asdict(replace(peers.figures(small_wall, programs.Clast(0.005), outcome), scene="rest"))
-    bench = benchmark(Settings(scenes=("stack", "rest"), sizes=(12,), steps=2)).as_dict()
+    bench = benchmark(BenchSettings(scenes=("stack", "rest"), sizes=(12,), steps=2)).as_dict()
     page = performance.page({"machine": peers.machine(), "rows": [whole, row]}, bench)
     assert page.index("### Wall at rest, 10 blocks") < page.index("### Heap to rest, 10 blocks")
     assert "| clast, h = 5 ms, p = 1 E |" in page

@@ -13,7 +13,7 @@ import pytest
 from clast.case.case_file import Case
 from clast.case.drawn_case import TO_BE_GIVEN, case_text, cut_of
 from clast.errors import CaseError
-from clast.rockmass.drawings.drawing import Drawing, Outline, Polyline, Spot
+from clast.rockmass.drawings.drawing import Drawing, DrawnOutline, Polyline, Spot
 from clast.rockmass.read_drawing import Reading, read_drawing
 from scenes import legacy_files
 
@@ -133,7 +133,7 @@ def test_no_name_breaks_the_text():
         boundary=square,
         boundary_rock=nasty,
         traces=(Polyline(points=square, joint=nasty, place=nasty),),
-        openings=(Outline(name=nasty, points=square),),
+        openings=(DrawnOutline(name=nasty, points=square),),
         measured_points=(Spot(name=nasty, at=square[0]),),
         hole_points=(Spot(name=nasty, at=square[0], place=nasty),),
         notes=(nasty, "word " * 200),

@@ -7,10 +7,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from clast.case.api import ModelBuilder as ScriptBuilder
+from clast.case.api import InputBuilder as ScriptBuilder
 from clast.case.case_file import Case
 from clast.errors import ModelError
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from scenes.systems import box
 
@@ -18,8 +18,8 @@ SQUARES = np.array([box(2.0 * k, 0.0) for k in range(3)])
 TRIANGLE = np.array([(0.0, 3.0), (1.0, 3.0), (0.0, 4.0)])
 
 
-def begun() -> ModelBuilder:
-    builder = ModelBuilder()
+def begun() -> InputBuilder:
+    builder = InputBuilder()
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_rock("marl", young=5e9, poisson=0.3, density=2300.0, initial_stress=(1, 2, 3))
     return builder
@@ -154,7 +154,7 @@ def test_every_block_may_have_a_rock_of_its_own():
     ],
 )
 def test_rocks_of_blocks_that_are_none(rocks, words):
-    builder = ModelBuilder()
+    builder = InputBuilder()
     builder.add_rock("granite", young=1e9, poisson=0.2, density=2500.0)
     builder.blocks(vertices=np.array([box(0.0, 0.0), box(1.0, 0.0)]), rock=rocks)
     with pytest.raises(ModelError, match=words):

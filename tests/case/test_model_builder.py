@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from clast.errors import ModelError
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import PlaneStrain
 
 SQUARE = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
 
 
-def builder_with(*loops, **options) -> ModelBuilder:
+def builder_with(*loops, **options) -> InputBuilder:
     """Return a builder with one rock, one joint and a block for each loop."""
-    builder = ModelBuilder(**options)
+    builder = InputBuilder(**options)
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=30.0)
     for loop in loops:
@@ -29,7 +29,7 @@ def moved(loop, x, y):
     return [(a + x, b + y) for a, b in loop]
 
 
-def refusal(builder: ModelBuilder) -> str:
+def refusal(builder: InputBuilder) -> str:
     with pytest.raises(ModelError) as caught:
         builder.build()
     assert caught.value.where
@@ -70,7 +70,7 @@ def test_arrays_of_a_model():
 
 
 def test_stress_of_the_rock_is_that_of_its_blocks():
-    builder = ModelBuilder()
+    builder = InputBuilder()
     builder.add_rock("a", young=1e9, poisson=0.2, density=1e3, initial_stress=(-1e6, -2e6, 0))
     builder.block(vertices=SQUARE, rock="a")
     assert builder.build().initial_stress.tolist() == [[-1e6, -2e6, 0.0]]
@@ -92,7 +92,7 @@ def test_joints_of_pairs():
 
 
 def test_the_default_joint_comes_first_and_is_frictionless_unless_given():
-    builder = ModelBuilder()
+    builder = InputBuilder()
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.block(vertices=SQUARE)
     (only,) = builder.build().joint_table.joints
@@ -206,7 +206,7 @@ def test_no_blocks_at_all():
     ],
 )
 def test_impossible_rocks(change, phrases):
-    builder = ModelBuilder()
+    builder = InputBuilder()
     with pytest.raises(ModelError) as caught:
         builder.add_rock("bad", **{"young": 1e9, "poisson": 0.2, "density": 2e3, **change})
     for phrase in phrases:
@@ -215,7 +215,7 @@ def test_impossible_rocks(change, phrases):
 
 def test_poisson_of_one_half_is_possible_in_plane_stress_only():
     def half(**options):
-        builder = ModelBuilder(**options)
+        builder = InputBuilder(**options)
         builder.add_rock("rubber", young=1e6, poisson=0.5, density=1e3)
         builder.block(vertices=SQUARE)
         return builder
@@ -243,7 +243,7 @@ def test_impossible_joints(change, phrase):
 
 
 def test_a_small_friction_angle_can_be_meant():
-    builder = ModelBuilder()
+    builder = InputBuilder()
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint(friction_angle=1.0, allow_small_friction_angle=True)
     builder.block(vertices=SQUARE)
@@ -320,7 +320,7 @@ ENTRIES = {
 def test_whatever_a_script_hands_over_is_taken_or_refused_in_words(method, key):
     refused = 0
     for value in ODD:
-        builder = ModelBuilder()
+        builder = InputBuilder()
         try:
             for name, entries in ENTRIES.items():
                 changes = {key: value} if name == method else {}

@@ -11,7 +11,7 @@ from scipy.spatial import Voronoi
 from clast.case.case_file import Case
 from clast.case.templates import heap
 from clast.errors import ModelError
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.run.preflight import examine
 from clast.run.simulate import simulate
 from scenes.brick_wall import listed_wall
@@ -37,7 +37,7 @@ TOUCHING_TO_ROUND_OFF = (
 
 
 def built(*loops):
-    builder = ModelBuilder()
+    builder = InputBuilder()
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     for loop in loops:
         builder.block(vertices=loop)
@@ -196,7 +196,7 @@ def test_blocks_in_each_other_are_refused_whatever_their_size():
 def continued(run, **rock):
     """Return the last state of a run as a model of its own."""
     state, model = run.final, run.model
-    builder = ModelBuilder()
+    builder = InputBuilder()
     builder.add_rock(model.rocks[0].name, **rock)
     builder.add_joint(friction_angle=30.0)
     builder.blocks(

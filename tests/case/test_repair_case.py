@@ -10,8 +10,8 @@ import pytest
 from clast.case.case_file import Case
 from clast.case.drawn_blocks import MOST, blocks_text, put_together
 from clast.errors import CaseError, ModelError
-from clast.inputs.builder import ModelBuilder
-from clast.rockmass import Mender
+from clast.inputs.builder import InputBuilder
+from clast.rockmass import BlockRepair
 from clast.rockmass.drawings.block_arrays import blocks_of
 from clast.rockmass.drawings.blocks_out import write_blocks_npz
 from clast.run.method_warnings import check_overlaps, method_warnings
@@ -116,7 +116,7 @@ def test_vertices_that_fell_together_are_no_fault_then():
 
 def test_a_builder_mends():
     vertices, start = wall(4, 3)
-    builder = ModelBuilder(mending=Mender(tolerance=3e-3))
+    builder = InputBuilder(repair=BlockRepair(tolerance=3e-3))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     shift = np.array([1e6, 2e6])
     builder.blocks(vertices=rounded(vertices, np.random.default_rng(0), 4e-4) + shift, start=start)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from scenes.encounters import FAMILIES, encounters
 from scenes.systems import (
     REACH,
@@ -136,7 +136,7 @@ def test_fixed_blocks_do_not_touch_each_other():
 
 
 def test_joints_go_by_pair_of_blocks_then_by_pair_of_rocks():
-    builder = ModelBuilder()
+    builder = InputBuilder()
     for rock in ("granite", "clay"):
         builder.add_rock(rock, young=1e9, poisson=0.2, density=2000.0)
     builder.add_joint(friction_angle=10.0)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.run.method_warnings import method_warnings
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
@@ -18,7 +18,7 @@ SHARE = 0.005
 
 def builder(friction_angle):
     """Return the builder of a scene."""
-    scene = ModelBuilder(title="Short edges", gravity=(0.0, -GRAVITY))
+    scene = InputBuilder(title="Short edges", gravity=(0.0, -GRAVITY))
     scene.add_rock("rock", young=50e9, poisson=0.0, density=DENSITY)
     scene.add_joint(friction_angle=friction_angle)
     return scene

@@ -11,7 +11,7 @@ import pytest
 import clast
 from clast.errors import CaseError
 from clast.exports import TABLES, write_csv
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.state import initial_state
 from clast.results import Results, Run, RunRecorder
 from scenes.recorded_run import record, report, three_blocks
@@ -113,7 +113,7 @@ def test_results_without_joints_have_tables_without_them(old: Results, tmp_path:
 
 def alone() -> Run:
     """A block whose name needs quotes, without contacts and measured points."""
-    builder = ModelBuilder(title="alone")
+    builder = InputBuilder(title="alone")
     builder.add_rock("tuff", young=5e9, poisson=0.2, density=2000.0)
     builder.block(vertices=[(0, 0), (1, 0), (1, 1)], rock="tuff", name='"Köln", left')
     model = builder.build()
@@ -135,7 +135,7 @@ def test_tables_of_what_is_not_there_are_left_out_or_refused_by_name(tmp_path: P
 
 def dug() -> Run:
     """A block upon another one, which is taken out in the second stage."""
-    builder = ModelBuilder(title="dug", gravity=(0.0, -9.81))
+    builder = InputBuilder(title="dug", gravity=(0.0, -9.81))
     builder.add_rock("tuff", young=5e9, poisson=0.2, density=2000.0)
     builder.add_joint("default", friction_angle=30.0)
     for y, name in enumerate(("floor", "low", "high")):

@@ -12,7 +12,7 @@ import pytest
 
 from clast.errors import CaseError
 from clast.exports import write_dxf
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.results import Results
 from scenes.recorded_run import record, three_blocks
 
@@ -90,7 +90,7 @@ def test_results_without_joints_have_drawings_without_them(old: Results, tmp_pat
 
 
 def test_a_rock_called_as_the_layer_of_contacts_is_refused(tmp_path: Path):
-    builder = ModelBuilder(title="one block")
+    builder = InputBuilder(title="one block")
     builder.add_rock("CONTACTS", young=5e9, poisson=0.2, density=2500.0)
     builder.block(vertices=[(0, 0), (1, 0), (1, 1)], rock="CONTACTS")
     kept = record_start(builder)
@@ -99,7 +99,7 @@ def test_a_rock_called_as_the_layer_of_contacts_is_refused(tmp_path: Path):
     assert list(tmp_path.iterdir()) == []
 
 
-def record_start(builder: ModelBuilder) -> Any:
+def record_start(builder: InputBuilder) -> Any:
     """Return a run of which nothing but the start is recorded."""
     from clast.model.state import initial_state
     from clast.results import RunRecorder

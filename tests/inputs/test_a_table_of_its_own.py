@@ -15,7 +15,7 @@ import pytest
 from pydantic import Field, StrictStr
 
 import clast
-from clast.actions.action import Done, Share, energy_of_springs
+from clast.actions.action import ActionResult, Contribution, energy_of_springs
 from clast.block import polygon
 from clast.block.displacement import movements
 from clast.case.api import ModelBuilder
@@ -56,14 +56,16 @@ class LinearSprings:
             ),
             shear=Clipped(at_zero=zero, stiffness=zero, low=zero, high=zero),
         )
-        return Share(springs=springs)
+        return Contribution(springs=springs)
 
     def finish(self, start, own, share, solution):
         work, stored = energy_of_springs(share.springs, solution)
         block, at = self.block.ravel(), own.reshape(-1, 2)
         offset = polygon.offsets(at, block, start.frames.centroid)
         moved = movements(start.rotation, offset, solution.displacement, block)
-        return Done(work=work, ledger=Ledger(actions=stored), own=(at + moved).reshape(-1, 2, 2))
+        return ActionResult(
+            work=work, ledger=Ledger(actions=stored), own=(at + moved).reshape(-1, 2, 2)
+        )
 
 
 class Spring(Table):

@@ -12,7 +12,7 @@ import pytest
 import clast
 from clast.errors import CaseError, ModelError
 from clast.model.ground_motion import InertialForce, Still
-from clast.rockmass import Mender
+from clast.rockmass import BlockRepair
 
 TIME, SHAKE = [0.0, 0.5, 1.0], [0.0, 2.0, -1.0]
 
@@ -85,17 +85,17 @@ def test_blocks_that_are_put_together_come_back_from_a_file():
         builder.block(vertices=[(0, 1.001), (2, 1.001), (2, 2), (0, 2)], name="upper")
         return builder
 
-    by_keys = apart(mending={"tolerance": 3e-3})
-    by_object = apart(mending=Mender(tolerance=3e-3))
+    by_keys = apart(repair={"tolerance": 3e-3})
+    by_object = apart(repair=BlockRepair(tolerance=3e-3))
     assert by_keys.to_toml() == by_object.to_toml()
     again = clast.Case.from_toml(by_keys.to_toml()).model()
     assert again.vertices.tobytes() == by_keys.build().vertices.tobytes()
     assert again.vertices.tobytes() != apart().build().vertices.tobytes()
     for wrong, said in (({"tolerance": -1}, "above 0"), (7, "7 puts no blocks together")):
         with pytest.raises(ModelError, match=rf"repair\]?.*{said}"):
-            apart(mending=wrong)
+            apart(repair=wrong)
     with pytest.raises(ModelError, match=r"\[repair\] tolerance: must be a number"):
-        apart(mending=Mender(tolerance="wide"))
+        apart(repair=BlockRepair(tolerance="wide"))
 
 
 class Own(Still):

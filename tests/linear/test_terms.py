@@ -7,7 +7,7 @@ import pytest
 
 from clast.block.displacement import movements
 from clast.block.rotation import Sine
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.linear.block_matrix import row_pointers
 from clast.linear.solvers import solve
 from clast.linear.system import BlockSystem
@@ -21,7 +21,7 @@ YOUNG, POISSON, DENSITY = 2e7, 0.3, 2000.0
 
 
 def builder(plane=None, gravity=(0.0, 0.0)):
-    made = ModelBuilder(plane=plane or PlaneStress(), gravity=gravity)
+    made = InputBuilder(plane=plane or PlaneStress(), gravity=gravity)
     made.add_rock("rock", young=YOUNG, poisson=POISSON, density=DENSITY)
     return made
 

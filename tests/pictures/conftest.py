@@ -11,7 +11,7 @@ import pytest
 
 import clast
 from clast.contact.contacts import ContactResponse, Contacts
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.model.state import Ledger, State, initial_state
 from clast.results import Report, Results, RunRecorder, read_results
@@ -22,7 +22,7 @@ def grid_model(rows: int, columns: int, title: str = "A wall") -> Model:
 
     Edges inside have joints, bed and head; those outside have none.
     """
-    builder = ModelBuilder(title=title)
+    builder = InputBuilder(title=title)
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_rock("marl", young=5e9, poisson=0.3, density=2300.0)
     builder.line_joints += ["bed", "head"]

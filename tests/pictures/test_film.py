@@ -12,7 +12,7 @@ from clast.errors import CaseError
 from clast.pictures.film import encoders
 from clast.pictures.film.encoders import ffmpeg
 from clast.pictures.film.film import FilmSpeed, write_film
-from clast.pictures.film.film_frames import Drawing, FilmLook
+from clast.pictures.film.film_frames import FilmLook, FrameDrawer
 from clast.pictures.film.timing import frames_of, timing
 
 SMALL = FilmLook(size=(320.0,))
@@ -69,7 +69,7 @@ def test_a_stage_begins_with_the_state_that_it_takes_over(wall):
 
 def test_pictures_of_a_film_are_alike_but_for_what_moves(wall):
     results = wall(3, 4)
-    drawing = Drawing(results, range(6), FilmLook(size=(640.0,), field="sigma_yy"), 1280)
+    drawing = FrameDrawer(results, range(6), FilmLook(size=(640.0,), field="sigma_yy"), 1280)
     first, last = drawing.picture(0), drawing.picture(5)
     assert drawing.size == (640, first.shape[0])
     assert first.shape[0] % 2 == 0
@@ -85,7 +85,7 @@ def test_pictures_of_a_film_are_alike_but_for_what_moves(wall):
 def test_a_block_is_drawn_where_the_results_have_it(wall):
     results = wall(2, 2)
     look = FilmLook(size=(800.0, 600.0), limits=(0.0, 1.0), zoom=(0.0, 0.0, 3.0, 3.0))
-    drawing = Drawing(results, range(6), look, 1280)
+    drawing = FrameDrawer(results, range(6), look, 1280)
     picture = drawing.picture(5)
     box = drawing._axes.get_window_extent()
     (left, right), (low, high) = drawing._axes.get_xlim(), drawing._axes.get_ylim()
@@ -100,12 +100,12 @@ def test_a_block_is_drawn_where_the_results_have_it(wall):
 @pytest.mark.parametrize("field", ["rock", "block", "joint", "velocity"])
 def test_every_kind_of_field_is_filmed(wall, field):
     results = wall(3, 3)
-    drawing = Drawing(results, range(6), FilmLook(field=field, size=(480.0,)), 1280)
+    drawing = FrameDrawer(results, range(6), FilmLook(field=field, size=(480.0,)), 1280)
     assert (drawing.picture(0) != drawing.picture(5)).any()
 
 
 def test_a_tall_scene_is_no_higher_than_three_quarters_of_its_width(wall):
-    width, height = Drawing(wall(12, 1), range(6), FilmLook(), 1280).size
+    width, height = FrameDrawer(wall(12, 1), range(6), FilmLook(), 1280).size
     assert (width, height) == (1280, 960)
 
 
@@ -114,7 +114,7 @@ def test_mp4_holds_every_picture(wall, tmp_path):
     path = write_film(results, tmp_path / "wall.mp4", look=SMALL, speed=FilmSpeed(fps=5.0))
     pictures, fps = pictures_in(path)
     assert (len(pictures), fps) == (6, 5.0)
-    drawn = Drawing(results, range(6), SMALL, 1280).picture(5)[..., :3].astype(int)
+    drawn = FrameDrawer(results, range(6), SMALL, 1280).picture(5)[..., :3].astype(int)
     # H.264 keeps colours at half resolution
     assert np.abs(pictures[5].astype(int) - drawn).mean() < 3.0
 

@@ -5,7 +5,7 @@ import pytest
 
 import clast
 from clast.errors import CaseError
-from clast.pictures.film.film_frames import Drawing, FilmLook
+from clast.pictures.film.film_frames import FilmLook, FrameDrawer
 from clast.pictures.joints.joint_values import faces_opened, faces_slipped
 from clast.pictures.plot import plot_results
 
@@ -58,7 +58,7 @@ def test_joints_are_plotted(parted, tmp_path, field, ending):
 
 @pytest.mark.parametrize("field", ["slip", "opening"])
 def test_a_film_has_one_scale_for_joints(parted, field):
-    drawing = Drawing(parted, range(len(parted.times)), FilmLook(field=field), 640)
+    drawing = FrameDrawer(parted, range(len(parted.times)), FilmLook(field=field), 640)
     first, last = drawing.picture(0), drawing.picture(len(parted.times) - 1)
     moved = parted.history("A").displacement[-1, 0]
     ends = drawing._scale.low, drawing._scale.high

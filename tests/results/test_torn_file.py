@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from clast.errors import CaseError
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.model.state import State, initial_state
 from clast.results import Results, RunRecorder, read_results
@@ -83,7 +83,7 @@ def states(changes: list[Change], start: int, kept: int = KEPT) -> Iterator[byte
 
 def many_blocks() -> Model:
     """528 squares: as many as need a chunk of the file for every frame."""
-    builder = ModelBuilder(title="many blocks")
+    builder = InputBuilder(title="many blocks")
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     for number in range(528):
         x, y = 2.0 * (number % 24), 2.0 * (number // 24)

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from clast.contact.laws import Penalty
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.linear.factor import Factor
 from clast.linear.pattern import Patterns
 from clast.linear.system import BlockSystem
@@ -49,7 +49,7 @@ class Scene:
         # kg and s stay: forces per length stay (N/m2 = kg/(m s2)) but for the unit of length
         length = 1.0 / unit
         pull = turned(np.array([[0.0, -GRAVITY]]), angle)[0] * length
-        builder = ModelBuilder(gravity=pull)
+        builder = InputBuilder(gravity=pull)
         builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0 / length**2)
         builder.add_joint(friction_angle=self.friction_angle)
         for k, outline in enumerate(self.outlines):

@@ -12,7 +12,7 @@ import pytest
 import shapely
 
 from clast.errors import CaseError
-from clast.rockmass.drawings.drawn_loops import Line, loops_of, ring
+from clast.rockmass.drawings.drawn_loops import DrawnLine, loops_of, ring
 from clast.rockmass.drawings.dxf import (
     DxfReading,
     lines_of_layer,
@@ -408,7 +408,7 @@ def test_any_outline_comes_back_from_its_shuffled_lines(seed):
         star[np.arange(a, b + 1) % count] for a, b in zip(cuts, [*cuts[1:], count], strict=True)
     ]
     lines = [
-        Line(
+        DrawnLine(
             points=(piece[::-1] if random.random() < 0.5 else piece)
             + random.uniform(-1e-7, 1e-7, (len(piece), 2)),
             closed=False,

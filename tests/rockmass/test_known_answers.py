@@ -25,7 +25,7 @@ from clast.rockmass import (
     apparent,
     cut,
 )
-from clast.rockmass.joints.directions import Direction
+from clast.rockmass.joints.directions import MeanDirection
 from clast.verification import misses
 from clast.verification.cut_blocks import CUT, areas, lines_of, rectangle
 from clast.verification.problems.cutting import (
@@ -160,7 +160,7 @@ def test_cells_become_regular_when_points_move_to_their_centroids():
     ],
 )
 def test_dip_and_spacing_as_the_section_shows_them(dip, dip_direction, azimuth, angle, factor):
-    plane = apparent_dip.Plane(dip, dip_direction, azimuth)
+    plane = apparent_dip.JointPlane(dip, dip_direction, azimuth)
     assert plane in apparent_dip.PLANES
     assert (plane.angle(), plane.factor()) == pytest.approx((angle, factor), abs=1e-4)
     assert apparent(dip, dip_direction, azimuth) == pytest.approx(
@@ -179,7 +179,9 @@ def test_a_true_spacing_is_wider_in_the_section():
 def test_scatter_in_space_and_in_the_section_agree_where_the_pole_lies_in_the_section():
     rng = np.random.default_rng(0)
     fisher, mises = Fisher(kappa=200.0), VonMises(kappa=200.0)
-    mean = Direction(angle=math.radians(-60.0), normal=np.array([math.sin(math.pi / 3), 0.0, 0.5]))
+    mean = MeanDirection(
+        angle=math.radians(-60.0), normal=np.array([math.sin(math.pi / 3), 0.0, 0.5])
+    )
     # About a pole in the plane of the section both have a deviation of about 1/sqrt(kappa).
     for scatter in (fisher, mises):
         angles = scatter.angles(mean, rng, 40_000)

@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from clast.errors import ModelError
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.rockmass.block_loops import sound
 from clast.rockmass.repair.corners import corners_of
 from clast.rockmass.repair.repair import Repaired, repaired
@@ -95,7 +95,7 @@ def neck(at: np.ndarray, start: np.ndarray) -> float:
 
 
 def built(found: Repaired):
-    builder = ModelBuilder()
+    builder = InputBuilder()
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.blocks(vertices=found.vertices, start=found.start)
     return builder.build()

@@ -18,7 +18,7 @@ from clast.model.model import Model
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.step.method import Method
-from clast.studies.bench import SCENES, Settings
+from clast.studies.bench import SCENES, BenchSettings
 from clast.studies.bench.settings import method_for
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
@@ -33,7 +33,7 @@ def incline() -> tuple[Model, Method]:
 
 def of_bench(name: str, size: int) -> tuple[Model, Method]:
     model = SCENES[name].build(size)
-    return model, method_for(model, Settings(scenes=(name,), sizes=(size,)))
+    return model, method_for(model, BenchSettings(scenes=(name,), sizes=(size,)))
 
 
 def calls(model: Model, method: Method, steps: int) -> int:

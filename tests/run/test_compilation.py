@@ -14,7 +14,7 @@ from rich.progress import Progress
 
 from clast.compute.compilation import COMPILATION, working_time
 from clast.compute.stopwatch import Stages
-from clast.run.progress import WAITING, Line, compilation_text, compilation_told
+from clast.run.progress import WAITING, ProgressLine, compilation_text, compilation_told
 
 
 def kernel_of(module: str):
@@ -63,7 +63,7 @@ def test_what_is_waited_for_is_told_once_and_kernels_are_counted():
 def test_the_line_of_a_run_says_what_is_compiled():
     kernel = kernel_of("clast.contact.shown")
     with Progress(console=Console(file=StringIO(), force_terminal=True)) as bar:
-        line = Line(bar)
+        line = ProgressLine(bar)
         with COMPILATION.telling(line.compiling):
             kernel(1)
         assert "contact detection and friction" in bar.tasks[0].description

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import clast
 from clast import Stage
-from clast.actions.action import Done, Share, Solution, StepStart
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart
 from clast.model.model import Model
 from clast.model.state import Ledger
 
@@ -20,15 +20,17 @@ class Clock:
         """Return the time."""
         return 0.0
 
-    def share(self, start: StepStart, own: float) -> Share:
+    def share(self, start: StepStart, own: float) -> Contribution:
         """Return nothing."""
-        return Share()
+        return Contribution()
 
-    def finish(self, start: StepStart, own: float, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: float, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return the time at the end of the step."""
-        return Done(work=0.0, ledger=Ledger(), own=start.end)
+        return ActionResult(work=0.0, ledger=Ledger(), own=start.end)
 
-    def told(self, model: Model, before: float, after: float) -> Iterable[tuple[str, str, str]]:
+    def events(self, model: Model, before: float, after: float) -> Iterable[tuple[str, str, str]]:
         """Tell that the time is over, once."""
         if before < self.alarm <= after:
             yield "rung", "clock", "the clock rings"

@@ -8,12 +8,12 @@ from functools import cached_property
 import numpy as np
 import pytest
 
-from clast.actions.acting import Acting, actions_of
+from clast.actions.acting import ActiveActions, actions_of
 from clast.actions.damping import Rayleigh, Undamped
 from clast.compute.reductions import is_any, least
 from clast.compute.stopwatch import Stages
 from clast.read_only import changed
-from clast.results.result_tables import FIRST_ROWS, MORE_ROWS, Table
+from clast.results.result_tables import FIRST_ROWS, MORE_ROWS, GrowingTable
 from clast.studies.bench import SCENES
 
 
@@ -36,7 +36,7 @@ def test_what_is_changed_is_what_replace_gives():
 
 
 def test_actions_are_made_anew_where_model_or_damping_change():
-    model, acting, damping = SCENES["stack"].build(10), Acting(), Undamped()
+    model, acting, damping = SCENES["stack"].build(10), ActiveActions(), Undamped()
     first = acting.actions(model, 1e9, damping)
     assert first == actions_of(model, 1e9, damping)
     stiffness = 1e9
@@ -63,7 +63,7 @@ def test_a_stage_ends_where_the_next_begins():
 
 @pytest.mark.parametrize("count", [0, 1, FIRST_ROWS, FIRST_ROWS + 1, FIRST_ROWS + 2 * MORE_ROWS])
 def test_rows_of_a_table_stay_in_their_order(count):
-    table = Table(np.dtype([("a", "f8"), ("b", "i8")]))
+    table = GrowingTable(np.dtype([("a", "f8"), ("b", "i8")]))
     for k in range(count):
         table.append((0.5 * k, k))
     assert len(table) == count

@@ -12,7 +12,7 @@ from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
 from clast.studies.bench.scenes import SCENES
-from clast.studies.bench.settings import Settings, method_for
+from clast.studies.bench.settings import BenchSettings, method_for
 from clast.verification.problems.masonry import arch_spread
 from clast.verification.problems.masonry.arch_push import OPPENHEIM
 from clast.verification.variants import CONVEX
@@ -112,7 +112,7 @@ def test_bonds_that_break_are_counted_and_may_be_held():
 def test_a_slope_settles_in_few_steps_and_passes():
     """2,000 blocks; it once took 8 steps, four of them there and back between two lengths."""
     model = SCENES["slope"].build(2000)
-    method = replace(method_for(model, Settings()), dynamic_ratio=0.0)
+    method = replace(method_for(model, BenchSettings()), dynamic_ratio=0.0)
     schedule = Schedule(step=1e-3, end=1.0, every=1.0, stages=(Stage(name="settle"),))
     run = simulate(model, method, schedule)
     assert run.stages[0].outcome == "equilibrium"

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import pytest
 
-from clast.actions.action import Done, Share
+from clast.actions.action import ActionResult, Contribution
 from clast.case.case_file import Case
 from clast.case.templates import TEMPLATES
 from clast.errors import RunStopped, StepOutcome
@@ -215,12 +215,12 @@ class Push:
 
     def share(self, start, own):
         """Return the force."""
-        return Share(block=np.array([1]), force=np.array([[1e3, 0.0, 0.0, 0.0, 0.0, 0.0]]))
+        return Contribution(block=np.array([1]), force=np.array([[1e3, 0.0, 0.0, 0.0, 0.0, 0.0]]))
 
     def finish(self, start, own, share, solution):
         """Return the work."""
         work = 1e3 * self.reported * float(solution.displacement[1, 0])
-        return Done(work=work, ledger=Ledger(loads=work))
+        return ActionResult(work=work, ledger=Ledger(loads=work))
 
 
 @pytest.mark.parametrize("reported", [1.0, 1.0 + 1e-7, 1.001, 0.0])

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.rockmass import (
     Baecher,
     Box,
@@ -67,7 +67,7 @@ def assert_tiles(found: Cut, area: float | None = None) -> None:
 
 def built(found: Cut) -> Any:
     """Return the model of the blocks: clast's own checks have looked at them."""
-    builder = ModelBuilder()
+    builder = InputBuilder()
     for name in found.rock_names:
         builder.add_rock(name, young=50e9, poisson=0.2, density=2700.0)
     builder.blocks(vertices=found.vertices, start=found.block_start, rock=found.rock_names[0])

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger
 
@@ -32,12 +32,14 @@ class Closer:
     def begin(self, model: Model) -> Wear:
         return Wear(0.0, np.zeros(2))
 
-    def share(self, start: StepStart, own: Wear) -> Share:
+    def share(self, start: StepStart, own: Wear) -> Contribution:
         force = np.zeros((1, 6))
         force[0, 0] = -self.force * float(np.exp(-10.0 * own.ways[1]))
-        return Share(block=np.array([start.model.block_name.index(self.block)]), force=force)
+        return Contribution(block=np.array([start.model.block_name.index(self.block)]), force=force)
 
-    def finish(self, start: StepStart, own: Wear, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: Wear, share: Contribution, solution: Solution
+    ) -> ActionResult:
         way = solution.displacement[share.block][0, :2]
         work = float(np.sum(share.force * solution.displacement[share.block]))
         new = Wear(
@@ -46,7 +48,7 @@ class Closer:
             ("worn", *own.words)[:3],
             {**own.counts, "steps": own.counts.get("steps", 0) + 1},
         )
-        return Done(work=work, ledger=Ledger(loads=work), own=new)
+        return ActionResult(work=work, ledger=Ledger(loads=work), own=new)
 
 
 @dataclass(frozen=True)
@@ -56,8 +58,10 @@ class Forgetful:
     def begin(self, model: Model) -> Any:
         return iter([1.0])
 
-    def share(self, start: StepStart, own: Any) -> Share:
-        return Share()
+    def share(self, start: StepStart, own: Any) -> Contribution:
+        return Contribution()
 
-    def finish(self, start: StepStart, own: Any, share: Share, solution: Solution) -> Done:
-        return Done(work=0.0, ledger=Ledger(), own=own)
+    def finish(
+        self, start: StepStart, own: Any, share: Contribution, solution: Solution
+    ) -> ActionResult:
+        return ActionResult(work=0.0, ledger=Ledger(), own=own)

@@ -10,7 +10,7 @@ import numpy as np
 
 from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.model.state import Ledger, State, initial_state
 from clast.results import Report, Run, RunRecorder
@@ -23,7 +23,7 @@ SPIN = np.array([0.0, 0.5, -0.25])
 
 def three_blocks(shift: float = 0.0) -> Model:
     """A fixed base, a triangle on it and an L-shaped block, moved by (shift, shift), m."""
-    builder = ModelBuilder(title="three blocks")
+    builder = InputBuilder(title="three blocks")
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_rock("marl", young=5e9, poisson=0.3, density=2300.0)
     outlines = {

@@ -20,7 +20,7 @@ from clast.contact.detection import detect
 from clast.contact.laws import Penalty
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import RunStopped, StepOutcome, StepRejected
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.linear.solvers import Automatic
 from clast.linear.unsymmetric import Scipy
 from clast.model.model import Floats, Ints, Model
@@ -145,7 +145,7 @@ def system(
     gravity: Sequence[float] = (0.0, -GRAVITY),
 ) -> Model:
     """Return a model of one rock and one joint; ``fixed`` and ``velocity`` go by block index."""
-    builder = ModelBuilder(gravity=gravity)
+    builder = InputBuilder(gravity=gravity)
     builder.add_rock("rock", young=young, poisson=poisson, density=density)
     builder.add_joint(
         friction_angle=friction_angle, cohesion=cohesion, tensile_strength=tensile_strength

@@ -8,7 +8,7 @@ import pytest
 
 import clast
 from clast.errors import ModelError
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.joints import Joint
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
@@ -26,7 +26,7 @@ def sliding(plane, blocks, *, turn=0.0, **joint):
     up = np.array([np.cos(DIP + turn), np.sin(DIP + turn)])
     out = np.array([-up[1], up[0]])
     gravity = -GRAVITY * np.array([-np.sin(turn), np.cos(turn)])
-    builder = ModelBuilder(gravity=tuple(gravity))
+    builder = InputBuilder(gravity=tuple(gravity))
     builder.add_rock("rock", young=1e9, poisson=0.0, density=DENSITY)
     numbers = {"friction_angle": float(np.degrees(np.arctan(FRICTION))), "cohesion": COHESION}
     builder.add_joint(**numbers | joint)
@@ -89,7 +89,7 @@ def test_a_slab_holds_up_to_its_factor_of_safety(variant, factor):
 
 
 def test_a_block_that_is_lifted_off_has_no_cohesion_afterwards():
-    builder = ModelBuilder(gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=1e9, poisson=0.0, density=DENSITY)
     builder.add_joint(friction_angle=20.0, cohesion=1e5)
     builder.block(vertices=[(-1, -1), (3, -1), (3, 0), (-1, 0)], fixed=True)
@@ -100,7 +100,7 @@ def test_a_block_that_is_lifted_off_has_no_cohesion_afterwards():
 
 
 def test_more_is_not_left_than_there_was():
-    builder = ModelBuilder()
+    builder = InputBuilder()
     builder.add_rock("rock", young=1e9, poisson=0.0, density=DENSITY)
     # said where the joint is given (decision 92)
     with pytest.raises(ModelError, match="residual_cohesion"):

@@ -8,7 +8,7 @@ import pytest
 
 import clast
 from clast.contact.laws import Penalty
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats
 from clast.model.state import State
 from clast.step.convex import Convex
@@ -53,7 +53,7 @@ class Trial:
                 (box(left - 2.0, LOW, 2.0, self.level(left) - LOW), True),
                 (box(right, LOW, 2.0, self.level(right) - LOW), True),
             ]
-        builder = ModelBuilder(gravity=self.turned_vector((0.0, -9.81)))
+        builder = InputBuilder(gravity=self.turned_vector((0.0, -9.81)))
         builder.add_rock("rock", young=self.young, poisson=0.2, density=2500.0)
         builder.add_joint(friction_angle=self.friction_angle, restitution=self.restitution)
         for outline, fixed in pieces:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from clast.contact.laws import AugmentedLagrangian, Penalty
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.step.convex import Convex
 from clast.step.modified import Modified
 from clast.step.open_close import OpenClose
@@ -27,7 +27,7 @@ FLOOR = box(-4.0, -1.0, 12.0, 1.0)
 
 def scene(blocks, velocity=(), *, gravity=GRAVITY, loads=(), joints=(), pins=()):
     """Return a model of a fixed floor and blocks of 1 m2 and 2500 kg, with their velocities."""
-    builder = ModelBuilder(gravity=(0.0, -gravity))
+    builder = InputBuilder(gravity=(0.0, -gravity))
     builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
     for joint in joints or ({"friction_angle": 0.0},):
         builder.add_joint(**joint)

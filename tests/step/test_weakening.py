@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.step.convex import Convex
 from clast.step.modified import Modified
 from clast.step.open_close import OpenClose
@@ -18,7 +18,7 @@ PEAK, RESIDUAL = np.tan(np.radians(38.0)), np.tan(np.radians(24.0))
 
 def shear_box(**joint):
     """Return a brick on a base, 1 m wide, and how it is simulated."""
-    builder = ModelBuilder(gravity=(0.0, -9.8))
+    builder = InputBuilder(gravity=(0.0, -9.8))
     builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
     builder.add_joint(**joint)
     builder.block(vertices=systems.box(-3.0, -1.0, 6.0, 1.0), fixed=True)
@@ -92,7 +92,7 @@ def test_cohesion_and_tension_go_with_the_way_of_sliding():
 
 def on_plane(angle, push, process, steps, step):
     """Return how far a block on a plane has come, and its speed, after a push of its velocity."""
-    builder = ModelBuilder(
+    builder = InputBuilder(
         gravity=(9.8 * np.sin(np.radians(angle)), -9.8 * np.cos(np.radians(angle)))
     )
     builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
@@ -129,7 +129,7 @@ def test_a_small_push_does_not_weaken_it_enough():
 
 
 def test_blocks_that_meet_anew_have_residual_strength():
-    builder = ModelBuilder(gravity=(0.0, -9.8))
+    builder = InputBuilder(gravity=(0.0, -9.8))
     builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
     builder.add_joint(friction_angle=35.0, residual_friction_angle=20.0, slip_weakening=1e-2)
     builder.block(vertices=systems.box(-3.0, -1.0, 6.0, 1.0), fixed=True)
@@ -150,7 +150,7 @@ def test_it_does_not_matter_how_the_floor_is_cut(cuts, fixed, within):
     """A brick slides on, half worn, onto other slabs; those that are free settle by themselves."""
 
     def speed(cuts):
-        builder = ModelBuilder(gravity=(0.0, -9.8))
+        builder = InputBuilder(gravity=(0.0, -9.8))
         builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
         builder.add_joint(friction_angle=35.0, residual_friction_angle=20.0, slip_weakening=0.5)
         builder.block(vertices=systems.box(-4.0, -3.0, 8.0, 2.0), fixed=True)

@@ -17,7 +17,7 @@ from clast.studies.bench import (
     CUTS,
     SCENES,
     Benchmark,
-    Settings,
+    BenchSettings,
     benchmark,
     measure,
     measure_cut,
@@ -53,7 +53,7 @@ def bench_command(*arguments: object):
 
 @pytest.fixture(scope="module")
 def measured() -> Benchmark:
-    return benchmark(Settings(sizes=(40,), steps=3))
+    return benchmark(BenchSettings(sizes=(40,), steps=3))
 
 
 # --- scenes --------------------------------------------------------------------------------
@@ -78,7 +78,7 @@ def test_walls_have_half_bricks_at_their_ends(courses, columns, bricks):
 
 @pytest.mark.parametrize("name", [name for name, scene in SCENES.items() if scene.rests])
 def test_scenes_at_rest_stand(name):
-    found = measure(SCENES[name], 100, Settings(steps=20, step=5e-3))
+    found = measure(SCENES[name], 100, BenchSettings(steps=20, step=5e-3))
     assert found.report.finished
     assert found.drift is not None
     assert found.drift < 1e-4
@@ -86,7 +86,7 @@ def test_scenes_at_rest_stand(name):
 
 def test_squares_fall_from_the_start():
     model = SCENES["heap"].build(30)
-    found = measure(SCENES["heap"], 30, Settings(end=0.02, step=5e-3))
+    found = measure(SCENES["heap"], 30, BenchSettings(end=0.02, step=5e-3))
     assert found.contacts == 0 and found.drift is None
     assert found.costs.simulated == pytest.approx(0.02)
     turned = model.vertices[model.block_start[:-1]][~model.fixed]
@@ -115,8 +115,8 @@ def test_every_scene_is_measured(measured):
 
 
 def test_steps_in_which_a_wall_settles_are_not_counted():
-    whole = measure(SCENES["wall"], 100, Settings(steps=6))
-    rest = measure(SCENES["wall"], 100, Settings(steps=2, settle=4))
+    whole = measure(SCENES["wall"], 100, BenchSettings(steps=6))
+    rest = measure(SCENES["wall"], 100, BenchSettings(steps=2, settle=4))
     assert (whole.costs.steps, rest.costs.steps, rest.report.steps) == (6, 2, 6)
     assert rest.costs.simulated == pytest.approx(2e-3)
     assert rest.costs.counts["passes"] < whole.costs.counts["passes"]
@@ -150,7 +150,7 @@ def test_figures_for_a_program(measured):
 
 def test_the_product_moves_every_block_once():
     model = SCENES["wall"].build(100)
-    system = system_of_step(model, method_for(model, Settings()), at_start(model), 1e-3)
+    system = system_of_step(model, method_for(model, BenchSettings()), at_start(model), 1e-3)
     assert system is not None
     matrix = matrix_of_directions(system)
     coupled = np.count_nonzero(system.upper.any(axis=(1, 2)))
@@ -161,13 +161,13 @@ def test_the_product_moves_every_block_once():
 
 def test_a_singular_system_has_no_product():
     model = SCENES["wall"].build(40)
-    system = system_of_step(model, method_for(model, Settings()), at_start(model), 1e-3)
+    system = system_of_step(model, method_for(model, BenchSettings()), at_start(model), 1e-3)
     assert measuring._product(system) is not None
     assert measuring._product(replace(system, diagonal=-system.diagonal)) is None
 
 
 def test_a_run_that_stops_is_a_row_like_the_others(tmp_path):
-    wanted = Settings(sizes=(40,), step=1e3, steps=1)
+    wanted = BenchSettings(sizes=(40,), step=1e3, steps=1)
     found = measure(SCENES["heap"], 40, wanted)
     content = found.as_dict()
     assert content["finished"] is False
@@ -190,12 +190,12 @@ def test_networks_have_about_the_size_wanted(name, size):
 
 
 def test_networks_are_chosen_together_or_by_name():
-    both = Settings(scenes=("baecher", "cut", "wall"))
+    both = BenchSettings(scenes=("baecher", "cut", "wall"))
     assert [one.name for one in both.cuts] == ["baecher", "persistent"]
     assert [one.name for one in both.models] == ["wall"]
-    assert Settings().cuts == () and len(Settings().models) == len(SCENES)
+    assert BenchSettings().cuts == () and len(BenchSettings().models) == len(SCENES)
     assert (both.model_sizes, both.cut_sizes) == ((100, 1000), (100_000,))
-    assert Settings(sizes=(40,)).cut_sizes == (40,)
+    assert BenchSettings(sizes=(40,)).cut_sizes == (40,)
 
 
 def test_cutting_needs_no_kernel(monkeypatch):
@@ -203,7 +203,7 @@ def test_cutting_needs_no_kernel(monkeypatch):
         raise AssertionError("something was compiled")
 
     monkeypatch.setattr(measuring, "warm_up", refuse)
-    found = benchmark(Settings(scenes=("persistent",), sizes=(40,)))
+    found = benchmark(BenchSettings(scenes=("persistent",), sizes=(40,)))
     assert len(found.cuts) == 1 and found.rows == () and found.triad == 0.0
 
 
@@ -225,9 +225,9 @@ def test_the_command_cuts(tmp_path):
 
 def test_sizes():
     assert sizes_in("100, 1e5") == (100, 100_000)
-    assert schedule_of(Settings(step=0.01, steps=7)).end == pytest.approx(0.07)
+    assert schedule_of(BenchSettings(step=0.01, steps=7)).end == pytest.approx(0.07)
     with pytest.raises(CaseError, match="no size"):
-        Settings(sizes=())
+        BenchSettings(sizes=())
 
 
 REFUSED = {

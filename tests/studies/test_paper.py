@@ -15,9 +15,9 @@ from clast.results import Report
 from clast.studies.comparing import Row
 from clast.studies.paper import (
     STUDIES,
-    Finding,
-    Findings,
-    Job,
+    JobResult,
+    JobResults,
+    PaperRun,
     rest,
     stiffness_study,
     table_1,
@@ -29,7 +29,7 @@ from clast.studies.paper.paper_page import Claim
 CASES = Path(__file__).parents[2] / "cases" / "paper"
 
 
-def all_jobs() -> list[Job]:
+def all_jobs() -> list[PaperRun]:
     return [job for study in STUDIES for job in study.jobs(CASES)]
 
 
@@ -75,7 +75,7 @@ def test_a_job_is_run():
     assert finding.stability == pytest.approx(2 * rest.beta(job.value))
 
 
-def invented(job: Job) -> Finding:
+def invented(job: PaperRun) -> JobResult:
     """A finding as it might be: stiff runs of the modified process stop."""
     case = Case.from_toml(job.file, job.settings)
     finished = not (job.combination.process == "modified" and job.value > 1e10)
@@ -103,15 +103,15 @@ def invented(job: Job) -> Finding:
         normal_force=rest.WEIGHT,
         stiffness=job.value,
     )
-    return Finding(job=job, row=row, stability=1e-10 * job.value, drift=1e-5)
+    return JobResult(job=job, row=row, stability=1e-10 * job.value, drift=1e-5)
 
 
 def test_page(tmp_path):
-    by_study: dict[str, list[Finding]] = {}
+    by_study: dict[str, list[JobResult]] = {}
     for job in all_jobs():
         by_study.setdefault(job.study, []).append(invented(job))
     (tmp_path / "images").mkdir()
-    sections = [study.section(Findings(by_study), tmp_path / "images") for study in STUDIES]
+    sections = [study.section(JobResults(by_study), tmp_path / "images") for study in STUDIES]
     write_page(sections, tmp_path / "paper.md")
     page = (tmp_path / "paper.md").read_text(encoding="utf-8")
     pictures = re.findall(r"\]\((images/[^)]*)\)", page)

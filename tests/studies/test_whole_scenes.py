@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from clast.studies.bench import WHOLE_SCENES, Settings, deepest_overlap
+from clast.studies.bench import WHOLE_SCENES, BenchSettings, deepest_overlap
 from scenes.systems import overlaps
 
 
@@ -36,7 +36,7 @@ def test_overlap_is_the_thickness_of_the_thickest():
 
 
 def test_whole_scenes_are_asked_for_by_one_name_or_their_own():
-    asked = Settings(scenes=("whole",))
+    asked = BenchSettings(scenes=("whole",))
     assert [scene.name for scene in asked.wholes] == list(WHOLE_SCENES)
     assert asked.whole_sizes == (100,) and not asked.models
-    assert Settings(scenes=("slide", "whole")).wholes[0].name == "slide"
+    assert BenchSettings(scenes=("slide", "whole")).wholes[0].name == "slide"

@@ -8,7 +8,7 @@ from clast.errors import CaseError
 from clast.study.description import Description, described, parameters_of
 from clast.study.judging.expressions import read
 from clast.study.judging.measures import ARGUMENTS
-from clast.study.variables.parameters import Settings, keys_of, places
+from clast.study.variables.parameters import ParameterPlaces, keys_of, places
 from clast.study.variables.random_draws import Random
 
 CASE = tomllib.loads(
@@ -96,9 +96,9 @@ def test_a_run_has_its_values_and_shares_the_rest() -> None:
         }
     )
     with pytest.raises(CaseError, match=r"no 'joint\.a'"):
-        Settings.of(CASE, vary)
+        ParameterPlaces.of(CASE, vary)
     vary = parameters_of({"phi: joint.*.friction_angle": 20.0, "joint.*.cohesion": "times(0.5)"})
-    found = Settings.of(CASE, vary).case((20.0, 0.5))
+    found = ParameterPlaces.of(CASE, vary).case((20.0, 0.5))
     assert found["joint"]["bedding"] == {"friction_angle": 20.0, "cohesion": 5e3}
     assert found["joint"]["a.b"] == {"friction_angle": 20.0, "cohesion": 1e4}
     assert found["block"] is CASE["block"]
@@ -115,7 +115,7 @@ def test_a_run_has_its_values_and_shares_the_rest() -> None:
 )
 def test_parameters_that_contradict_the_case_are_refused(vary: dict, what: str) -> None:
     with pytest.raises(CaseError, match=what):
-        Settings.of(CASE, parameters_of(vary))
+        ParameterPlaces.of(CASE, parameters_of(vary))
 
 
 # Expressions -------------------------------------------------------------------------------------

@@ -5,11 +5,11 @@ import math
 import pytest
 
 from clast.errors import CaseError
-from clast.study.collapsing.search import Bracket, Search, Trials
+from clast.study.collapsing.search import FactorBracket, FactorSearch, Trials
 from clast.study.collapsing.trial import FAILED, STANDS, UNDECIDED, Trial
 
 
-def searched(limit: float, search: Search, doubt: tuple[float, float] = (0.0, 0.0)) -> Trials:
+def searched(limit: float, search: FactorSearch, doubt: tuple[float, float] = (0.0, 0.0)) -> Trials:
     def make(number: int, factor: float) -> Trial:
         verdict = STANDS if factor < limit else FAILED
         verdict = UNDECIDED if doubt[0] < factor < doubt[1] else verdict
@@ -26,31 +26,31 @@ def searched(limit: float, search: Search, doubt: tuple[float, float] = (0.0, 0.
 def test_the_bracket_holds_the_limit_and_is_as_narrow_as_asked(
     limit: float, start: float, growth: float
 ) -> None:
-    found = searched(limit, Search(start=start, growth=growth, tolerance=0.004)).all()
+    found = searched(limit, FactorSearch(start=start, growth=growth, tolerance=0.004)).all()
     assert found.low < limit <= found.high
     assert found.high - found.low <= 0.004 * found.high * (1.0 + 1e-12)
     assert found.value == found.low
 
 
 def test_few_trials_are_needed() -> None:
-    trials = searched(1.5843, Search(start=1.0, growth=1.25))
+    trials = searched(1.5843, FactorSearch(start=1.0, growth=1.25))
     assert len(trials.done) == 9
 
 
 def test_what_never_fails_is_said() -> None:
-    found = searched(math.inf, Search(start=1.0, growth=2.0)).all()
+    found = searched(math.inf, FactorSearch(start=1.0, growth=2.0)).all()
     assert found.low == 512.0
     assert math.isinf(found.high) and not found.is_closed
 
 
 def test_what_never_stands_is_said() -> None:
-    found = searched(0.0, Search(start=1.0, growth=2.0)).all()
+    found = searched(0.0, FactorSearch(start=1.0, growth=2.0)).all()
     assert found.low == 0.0 and found.high < 0.001
 
 
 @pytest.mark.parametrize("doubt", [(1.5, 1.6), (1.584, 1.7), (1.2, 1.58)])
 def test_an_undecided_range_is_closed_in_from_both_sides(doubt: tuple[float, float]) -> None:
-    found = searched(1.5843, Search(start=1.0, growth=1.25), doubt).all()
+    found = searched(1.5843, FactorSearch(start=1.0, growth=1.25), doubt).all()
     assert found.undecided
     low, high = min(doubt[0], 1.5843), max(doubt[1], 1.5843)
     assert low - 0.02 <= found.low <= low and high <= found.high <= high + 0.02
@@ -58,9 +58,9 @@ def test_an_undecided_range_is_closed_in_from_both_sides(doubt: tuple[float, flo
 
 
 def test_an_undecided_point_that_no_trial_meets_changes_nothing() -> None:
-    plain = searched(1.5843, Search(start=1.0, growth=1.25)).all()
-    assert searched(1.5843, Search(start=1.0, growth=1.25), (1.3, 1.301)).all() == plain
-    assert plain == Bracket(low=1.57470703125, high=1.5869140625)
+    plain = searched(1.5843, FactorSearch(start=1.0, growth=1.25)).all()
+    assert searched(1.5843, FactorSearch(start=1.0, growth=1.25), (1.3, 1.301)).all() == plain
+    assert plain == FactorBracket(low=1.57470703125, high=1.5869140625)
 
 
 @pytest.mark.parametrize(
@@ -77,5 +77,5 @@ def test_an_undecided_point_that_no_trial_meets_changes_nothing() -> None:
 )
 def test_searches_that_lead_nowhere_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(CaseError) as refused:
-        Search(**{"start": 1.0, "growth": 1.25, **wrong})
+        FactorSearch(**{"start": 1.0, "growth": 1.25, **wrong})
     assert refused.value.where == next(iter(wrong))

@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from clast.actions.action import Action, Done, Share, Solution, StepStart
+from clast.actions.action import Action, ActionResult, Contribution, Solution, StepStart
 from clast.actions.bolts.bolts import Bolting
 from clast.actions.gravity import Gravity
 from clast.actions.ground_motion import GroundAcceleration
 from clast.actions.handed_back import OWN, answer, checked_done, checked_share
-from clast.actions.in_situ import Outline
+from clast.actions.in_situ import InSituBoundary
 from clast.actions.loads import Loads
 from clast.actions.pressure import Pressures
 from clast.actions.relaxation import Relaxation
 from clast.actions.supports import Supports
-from clast.actions.viscous_edges import ViscousBoundary
+from clast.actions.viscous_edges import BoundaryDashpots
 from clast.actions.water import WaterPressure
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
@@ -43,17 +43,17 @@ def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> t
     if model.water:
         found.append(WaterPressure())
     if model.in_situ is not None:
-        found.append(Outline(model.in_situ, fixed_point_stiffness))
+        found.append(InSituBoundary(model.in_situ, fixed_point_stiffness))
     if len(model.fixed_points.block):
         found.append(Supports(fixed_point_stiffness))
     if len(model.viscous_edges):
-        found.append(ViscousBoundary(fixed_point_stiffness))
+        found.append(BoundaryDashpots(fixed_point_stiffness))
     if model.openings or model.gone.any():
         found.append(Relaxation())
     return *found, *model.actions
 
 
-class Acting:
+class ActiveActions:
     """What acts on the blocks of a model, kept for as long as model and method stay the same."""
 
     def __init__(self) -> None:
@@ -74,28 +74,32 @@ def own_states(actions: Sequence[Action], model: Model, state: State) -> tuple[A
     return tuple(answer(action, action.begin, model) for action in actions)
 
 
-def shares_of(actions: Sequence[Action], start: StepStart, own: Sequence[Any]) -> tuple[Share, ...]:
+def shares_of(
+    actions: Sequence[Action], start: StepStart, own: Sequence[Any]
+) -> tuple[Contribution, ...]:
     """Return what each action adds to the equations of a step."""
     return tuple(
         [_share_of(action, start, mine) for action, mine in zip(actions, own, strict=True)]
     )
 
 
-def _share_of(action: Action, start: StepStart, own: Any) -> Share:
+def _share_of(action: Action, start: StepStart, own: Any) -> Contribution:
     """Return what an action adds to a step, looked at where it is that of a script."""
     if action.__class__.__module__.startswith(OWN):
         return action.share(start, own)
     return checked_share(action, answer(action, action.share, start, own), start)
 
 
-def done_by(action: Action, start: StepStart, own: Any, share: Share, solution: Solution) -> Done:
+def done_by(
+    action: Action, start: StepStart, own: Any, share: Contribution, solution: Solution
+) -> ActionResult:
     """Return what an action has done in a step, looked at where it is that of a script."""
     if action.__class__.__module__.startswith(OWN):
         return action.finish(start, own, share, solution)
     return checked_done(action, answer(action, action.finish, start, own, share, solution))
 
 
-def acceleration_of(shares: Sequence[Share]) -> Floats:
+def acceleration_of(shares: Sequence[Contribution]) -> Floats:
     """Return the acceleration of every mass by all actions together, m/s2, shape (2,)."""
     found: Floats = np.zeros(2)
     for share in shares:
@@ -104,7 +108,7 @@ def acceleration_of(shares: Sequence[Share]) -> Floats:
     return found
 
 
-def add_shares(shares: Sequence[Share], matrix: Floats, force: Floats) -> None:
+def add_shares(shares: Sequence[Contribution], matrix: Floats, force: Floats) -> None:
     """Add the forces and stiffnesses of actions to blocks of K (n, 6, 6) and F (n, 6), in place."""
     for share in shares:
         if len(share.block):

@@ -23,6 +23,7 @@ from clast.contact.clipped_spring import Springs
 from clast.linear.system import stretches
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import Ledger, State
+from clast.renamed import names_of
 
 INSTANT = 1e-5
 """Time over which a mean is taken as the value of an instant, s."""
@@ -111,7 +112,7 @@ def _no_forces() -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Share:
+class Contribution:
     """What an action adds to the equations of a step."""
 
     acceleration: Floats | None = None
@@ -133,7 +134,7 @@ class Share:
     """Share of the velocities of the last step with which the blocks enter this one."""
 
 
-NO_SHARE = Share()
+NO_SHARE = Contribution()
 """That of an action that adds nothing."""
 
 
@@ -167,7 +168,7 @@ class Solution:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Done:
+class ActionResult:
     """What an action's forces have done in a step."""
 
     work: float
@@ -182,11 +183,11 @@ class Done:
     """Its own state at the end of the step."""
 
 
-NOTHING = Done(work=0.0, ledger=Ledger())
+NOTHING = ActionResult(work=0.0, ledger=Ledger())
 """What an action has done that does nothing."""
 
 
-def energy_of_linear(share: Share, displacement: Floats) -> tuple[float, float]:
+def energy_of_linear(share: Contribution, displacement: Floats) -> tuple[float, float]:
     """Return what forces f - K d of a share have done over d (n, 6), J/m: work and stored energy.
 
     The work is that of the forces in the equations, (f - K d).d; what they store grows by -f.d and
@@ -220,22 +221,31 @@ class Action(Protocol):
         """Return its own state at the start of a run: any frozen data, None where it has none."""
         ...
 
-    def share(self, start: StepStart, own: Any) -> Share:
+    def share(self, start: StepStart, own: Any) -> Contribution:
         """Return what it adds to the equations of a step, ``own`` being its own state."""
         ...
 
-    def finish(self, start: StepStart, own: Any, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: Any, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return what its forces have done in a step that is solved."""
         ...
 
 
 @runtime_checkable
-class Telling(Protocol):
-    """An action that says what has happened to what it acts by; others need not."""
+class ReportsEvents(Protocol):
+    """Optional: an action that reports events, such as a bolt yielding."""
 
-    def told(self, model: Model, before: Any, after: Any) -> Iterable[tuple[str, str, str]]:
-        """Return kind, name and sentence of what has happened in a step, for the run's events.
+    def events(self, model: Model, before: Any, after: Any) -> Iterable[tuple[str, str, str]]:
+        """Return kind, name and sentence of each event of a step.
 
-        ``before`` and ``after`` are its own states: ("yielded", "bolt 3", "bolt 3 yields").
+        An example is ("yielded", "bolt 3", "bolt 3 yields").  ``before`` and ``after`` are the
+        own states of the action.
         """
         ...
+
+
+__getattr__ = names_of(
+    "clast.actions.action",
+    {"Share": "Contribution", "Done": "ActionResult", "Telling": "ReportsEvents"},
+)

@@ -18,8 +18,8 @@ import numpy as np
 from clast.actions.action import (
     NO_SHARE,
     NOTHING,
-    Done,
-    Share,
+    ActionResult,
+    Contribution,
     Solution,
     StepStart,
     energy_of_linear,
@@ -33,7 +33,7 @@ def _none_yet() -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Motion:
+class DampingState:
     """What damping knows of the steps before."""
 
     frequency: float = 0.0
@@ -51,13 +51,13 @@ class Undamped:
     def begin(self, model: Model) -> None:
         """Return what is known before the first step: nothing."""
 
-    def share(self, start: StepStart, own: Motion | None) -> Share:
+    def share(self, start: StepStart, own: DampingState | None) -> Contribution:
         """Return nothing."""
         return NO_SHARE
 
     def finish(
-        self, start: StepStart, own: Motion | None, share: Share, solution: Solution
-    ) -> Done:
+        self, start: StepStart, own: DampingState | None, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return that nothing was done."""
         return NOTHING
 
@@ -78,7 +78,7 @@ class Rayleigh:
     def begin(self, model: Model) -> None:
         """Return what is known before the first step: nothing."""
 
-    def share(self, start: StepStart, own: Motion | None) -> Share:
+    def share(self, start: StepStart, own: DampingState | None) -> Contribution:
         """Return C/h as a stiffness."""
         model = start.model
         matrix = self.mass / start.step * start.frames.mass_matrix
@@ -87,11 +87,11 @@ class Rayleigh:
         return _resistance(matrix)
 
     def finish(
-        self, start: StepStart, own: Motion | None, share: Share, solution: Solution
-    ) -> Done:
+        self, start: StepStart, own: DampingState | None, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return the energy that damping has taken."""
         work, _ = energy_of_linear(share, solution.displacement)
-        return Done(work=work, ledger=Ledger(damping=-work))
+        return ActionResult(work=work, ledger=Ledger(damping=-work))
 
 
 @dataclass(frozen=True)
@@ -109,14 +109,14 @@ class Adaptive:
     def begin(self, model: Model) -> None:
         """Return what is known before the first step: nothing."""
 
-    def share(self, start: StepStart, own: Motion | None) -> Share:
+    def share(self, start: StepStart, own: DampingState | None) -> Contribution:
         """Return the share of the velocities that damping leaves."""
         frequency = 0.0 if own is None else own.frequency
-        return Share(carried=float(np.exp(-2.0 * self.ratio * frequency * start.step)))
+        return Contribution(carried=float(np.exp(-2.0 * self.ratio * frequency * start.step)))
 
     def finish(
-        self, start: StepStart, own: Motion | None, share: Share, solution: Solution
-    ) -> Done:
+        self, start: StepStart, own: DampingState | None, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return the energy that damping has taken, and the frequency of the step."""
         moved, mass = solution.displacement, start.frames.mass_matrix
         force = np.einsum("nij,nj->ni", mass, solution.gained) / start.step
@@ -129,7 +129,7 @@ class Adaptive:
         before = np.einsum("nij,nj->ni", mass, entered)
         if float(np.sum(before * (entered + solution.gained))) < 0.0:
             frequency = max(frequency, np.pi / start.step)  # the motion turned round in the step
-        return _slowed(start, share, Motion(frequency=frequency, force=force))
+        return _slowed(start, share, DampingState(frequency=frequency, force=force))
 
 
 @dataclass(frozen=True)
@@ -142,26 +142,26 @@ class Kinetic:
     def begin(self, model: Model) -> None:
         """Return what is known before the first step: nothing."""
 
-    def share(self, start: StepStart, own: Motion | None) -> Share:
+    def share(self, start: StepStart, own: DampingState | None) -> Contribution:
         """Return that no velocity enters the step if the kinetic energy has fallen in the last."""
         passed = own is not None and start.state.ledger.kinetic < own.kinetic
-        return Share(carried=0.0) if passed else Share()
+        return Contribution(carried=0.0) if passed else Contribution()
 
     def finish(
-        self, start: StepStart, own: Motion | None, share: Share, solution: Solution
-    ) -> Done:
+        self, start: StepStart, own: DampingState | None, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return the kinetic energy that a stop has taken."""
         kept = share.carried * start.state.ledger.kinetic
-        return _slowed(start, share, Motion(kinetic=kept))
+        return _slowed(start, share, DampingState(kinetic=kept))
 
 
-def _resistance(matrix: Floats) -> Share:
+def _resistance(matrix: Floats) -> Contribution:
     """Return the share of a force that grows with the displacements by ``matrix`` (n, 6, 6)."""
     block = np.arange(len(matrix))
-    return Share(block=block, force=np.zeros((len(block), 6)), stiffness=matrix)
+    return Contribution(block=block, force=np.zeros((len(block), 6)), stiffness=matrix)
 
 
-def _slowed(start: StepStart, share: Share, own: Motion) -> Done:
+def _slowed(start: StepStart, share: Contribution, own: DampingState) -> ActionResult:
     """Return the kinetic energy that did not enter the step."""
     taken = (1.0 - share.carried**2) * start.state.ledger.kinetic
-    return Done(work=0.0, ledger=Ledger(damping=taken), own=own)
+    return ActionResult(work=0.0, ledger=Ledger(damping=taken), own=own)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from clast.actions.action import Done, Share, Solution, StepStart
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart
 from clast.model.factors import NO_FACTOR
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger
@@ -32,11 +32,13 @@ class Gravity:
     def begin(self, model: Model) -> None:
         """Return nothing: weight has no state."""
 
-    def share(self, start: StepStart, own: None) -> Share:
+    def share(self, start: StepStart, own: None) -> Contribution:
         """Return the acceleration of gravity at the end of the step."""
-        return Share(acceleration=gravity_at(start.model, start.time_of_forces))
+        return Contribution(acceleration=gravity_at(start.model, start.time_of_forces))
 
-    def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: None, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return the work of weight, which the potential energy of gravity has lost.
 
         Weight that changes with time has no potential: its work is that of a load.
@@ -44,6 +46,6 @@ class Gravity:
         if start.model.gravity_factor != NO_FACTOR:
             acting = gravity_at(start.model, start.time_of_forces)
             work = work_on_masses(start.model, acting, solution.displacement)
-            return Done(work=work, ledger=Ledger(loads=work))
+            return ActionResult(work=work, ledger=Ledger(loads=work))
         work = work_on_masses(start.model, start.model.gravity, solution.displacement)
-        return Done(work=work, ledger=Ledger(gravity=-work))
+        return ActionResult(work=work, ledger=Ledger(gravity=-work))

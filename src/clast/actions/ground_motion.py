@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from clast.actions.action import Done, Share, Solution, StepStart
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart
 from clast.actions.gravity import work_on_masses
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger
@@ -17,14 +17,16 @@ class GroundAcceleration:
     def begin(self, model: Model) -> None:
         """Return nothing: what the ground does is known beforehand."""
 
-    def share(self, start: StepStart, own: None) -> Share:
+    def share(self, start: StepStart, own: None) -> Contribution:
         """Return minus the mean acceleration of the ground in the step."""
-        return Share(acceleration=self._acceleration(start))
+        return Contribution(acceleration=self._acceleration(start))
 
-    def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: None, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return the work of the body force, which comes from outside."""
         work = work_on_masses(start.model, self._acceleration(start), solution.displacement)
-        return Done(work=work, ledger=Ledger(loads=work))
+        return ActionResult(work=work, ledger=Ledger(loads=work))
 
     def _acceleration(self, start: StepStart) -> Floats:
         return start.model.ground_motion.body_acceleration(*start.span)

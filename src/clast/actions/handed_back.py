@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from clast.actions.action import Action, Done, Share, StepStart
+from clast.actions.action import Action, ActionResult, Contribution, StepStart
 from clast.contact.clipped_spring import Clipped, Springs
 from clast.errors import ActionFault
 from clast.model.state import Ledger
@@ -33,22 +33,22 @@ def answer(action: Action, method: Callable[..., Answer], *given: Any) -> Answer
             "replaced from step to step, never edited",
             where=_name(action),
             remedy="change a copy (array.copy()), and act on blocks by the forces, stiffnesses and "
-            "springs of a Share",
+            "springs of a Contribution",
         ) from error
 
 
-def checked_share(action: Action, share: Any, start: StepStart) -> Share:
+def checked_share(action: Action, share: Any, start: StepStart) -> Contribution:
     """Return a share that kernels can count on; raises ActionFault naming the action."""
     for fault in _of_share(share, start.model.block_count):
         raise ActionFault(f"share() gives {fault}", where=_name(action), remedy=HELP)
-    checked: Share = share
+    checked: Contribution = share
     return checked
 
 
-def checked_done(action: Action, done: Any) -> Done:
+def checked_done(action: Action, done: Any) -> ActionResult:
     """Return what an action has done; raises ActionFault where it is nothing of the kind."""
-    if not isinstance(done, Done):
-        fault = f"a {type(done).__name__}, not a Done"
+    if not isinstance(done, ActionResult):
+        fault = f"a {type(done).__name__}, not an ActionResult"
     elif not _is_number(done.work):
         fault = f"work = {done.work!r:.40}, which is no finite number"
     elif not isinstance(done.ledger, Ledger):
@@ -70,8 +70,8 @@ def _is_number(value: Any) -> bool:
 
 def _of_share(share: Any, blocks: int) -> Iterator[str]:
     """Give what is wrong with a share for so many blocks."""
-    if not isinstance(share, Share):
-        yield f"a {type(share).__name__}, not a Share"
+    if not isinstance(share, Contribution):
+        yield f"a {type(share).__name__}, not a Contribution"
         return
     count = np.shape(share.block)[0] if np.ndim(share.block) == 1 else -1
     yield from _of_blocks("block", share.block, blocks)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger
 
@@ -28,11 +28,13 @@ class HeldBack:
     def begin(self, model: Model) -> None:
         """Return nothing: it has no state of its own."""
 
-    def share(self, start: StepStart, own: Any) -> Share:
+    def share(self, start: StepStart, own: Any) -> Contribution:
         """Return the forces."""
-        return Share(block=np.arange(len(self.force)), force=self.force)
+        return Contribution(block=np.arange(len(self.force)), force=self.force)
 
-    def finish(self, start: StepStart, own: Any, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: Any, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return their work, which is numerical: they are no forces of the system."""
         work, _ = energy_of_linear(share, solution.displacement)
-        return Done(work=work, ledger=Ledger(), own=own)
+        return ActionResult(work=work, ledger=Ledger(), own=own)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
 from clast.block.displacement import basis
 from clast.model.in_situ import InSituStress
 from clast.model.model import Floats, Ints, Model
@@ -40,7 +40,7 @@ class LoadedEnds:
 
 
 @dataclass(frozen=True)
-class Outline:
+class InSituBoundary:
     """Traction and springs along the outline of a model with in-situ stress."""
 
     stress: InSituStress
@@ -73,26 +73,30 @@ class Outline:
             hold=weight[:, None, None] * np.tile(hold, (2, 1, 1)),
         )
 
-    def share(self, start: StepStart, own: LoadedEnds) -> Share:
+    def share(self, start: StepStart, own: LoadedEnds) -> Contribution:
         """Return the forces at the ends, and how they fall with the displacements."""
         at = start.state.vertices[own.vertex]
         moved = at - start.model.vertices[own.vertex]
         force = own.force - np.einsum("kxy,ky->kx", own.hold, moved)
         rows = basis(at - start.frames.centroid[own.block])
-        return Share(
+        return Contribution(
             block=own.block,
             force=np.einsum("kxi,kx->ki", rows, force),
             stiffness=start.forces_at * np.einsum("kxi,kxy,kyj->kij", rows, own.hold, rows),
             forces_at=start.forces_at,
         )
 
-    def finish(self, start: StepStart, own: LoadedEnds, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: LoadedEnds, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return the work of traction and springs: that of traction comes from outside."""
         work, stored = energy_of_linear(share, solution.displacement)
         rows = basis(start.state.vertices[own.vertex] - start.frames.centroid[own.block])
         moved = np.einsum("kxi,ki->kx", rows, solution.displacement[own.block])
         brought = float(np.sum(own.force * moved))
-        return Done(work=work, ledger=Ledger(loads=brought, fixed_points=stored + brought), own=own)
+        return ActionResult(
+            work=work, ledger=Ledger(loads=brought, fixed_points=stored + brought), own=own
+        )
 
 
 def _squares(direction: Floats) -> Floats:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
 from clast.block.displacement import basis
 from clast.model.factors import factors_at
 from clast.model.model import Model
@@ -23,7 +23,7 @@ class Loads:
     def begin(self, model: Model) -> None:
         """Return nothing: the loads are known beforehand."""
 
-    def share(self, start: StepStart, own: None) -> Share:
+    def share(self, start: StepStart, own: None) -> Contribution:
         """Return the generalised force of each load, times its factor when forces are taken."""
         model, points, midway = start.model, start.model.point_slices, start.midway
         first, last = midway.points[points.line_start], midway.points[points.line_end]
@@ -36,9 +36,11 @@ class Loads:
         number = np.concatenate([model.point_loads.factor, model.line_loads.factor])
         force = factors_at(model.factors, number, start.time_of_forces)[:, None] * force
         rows = basis(at - midway.centroid[block])
-        return Share(block=block, force=np.einsum("kxi,kx->ki", rows, force))
+        return Contribution(block=block, force=np.einsum("kxi,kx->ki", rows, force))
 
-    def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: None, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return the work of the loads, which comes from outside."""
         work, _ = energy_of_linear(share, solution.displacement)
-        return Done(work=work, ledger=Ledger(loads=work))
+        return ActionResult(work=work, ledger=Ledger(loads=work))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
 from clast.model.factors import factors_at
 from clast.model.model import Floats, Model
 from clast.model.state import Ledger
@@ -49,7 +49,7 @@ class Pressures:
     def begin(self, model: Model) -> None:
         """Return nothing: where the edges are follows from the blocks."""
 
-    def share(self, start: StepStart, own: None) -> Share:
+    def share(self, start: StepStart, own: None) -> Contribution:
         """Return the generalised force of the pressure on each part of an edge."""
         model, loads, midway = start.model, start.model.pressures, start.midway
         after = loads.edge + 1
@@ -61,9 +61,11 @@ class Pressures:
         force = pressure_forces(
             ends - midway.centroid[loads.block][:, None], factor[:, None] * loads.pressure
         )
-        return Share(block=loads.block, force=force)
+        return Contribution(block=loads.block, force=force)
 
-    def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: None, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return the work of the pressures, which comes from outside."""
         work, _ = energy_of_linear(share, solution.displacement)
-        return Done(work=work, ledger=Ledger(loads=work))
+        return ActionResult(work=work, ledger=Ledger(loads=work))

@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
 from clast.block.displacement import basis
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import Ledger, State
@@ -91,24 +91,24 @@ class Relaxation:
         """Return no forces."""
         return no_forces(model.gone)
 
-    def share(self, start: StepStart, own: SupportForces) -> Share:
+    def share(self, start: StepStart, own: SupportForces) -> Contribution:
         """Return what is left of the forces when forces are taken."""
         if not len(own.block):
-            return Share()
+            return Contribution()
         first, second = start.midway.vertices[own.vertex.T]
         at = first + own.share[:, None] * (second - first)
         rows = basis(at - start.midway.centroid[own.block])
         left = np.clip(1.0 - (start.time_of_forces - own.since) / own.duration, 0.0, 1.0)
-        return Share(
+        return Contribution(
             block=own.block, force=np.einsum("kxi,kx->ki", rows, left[:, None] * own.force)
         )
 
     def finish(
-        self, start: StepStart, own: SupportForces, share: Share, solution: Solution
-    ) -> Done:
+        self, start: StepStart, own: SupportForces, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return the work of the forces: it is that of blocks that were taken out."""
         if not len(own.block):
-            return Done(work=0.0, ledger=Ledger(), own=own)
+            return ActionResult(work=0.0, ledger=Ledger(), own=own)
         work, _ = energy_of_linear(share, solution.displacement)
         acting = own.since + own.duration > start.end
-        return Done(work=work, ledger=Ledger(removed=-work), own=own.rows(acting))
+        return ActionResult(work=work, ledger=Ledger(removed=-work), own=own.rows(acting))

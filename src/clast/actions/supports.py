@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
 from clast.block.displacement import basis
 from clast.model.ground_motion import Still
 from clast.model.model import Floats, Model
@@ -29,19 +29,21 @@ class Supports:
     def begin(self, model: Model) -> None:
         """Return nothing: the stretch of the springs follows from where the points are."""
 
-    def share(self, start: StepStart, own: None) -> Share:
+    def share(self, start: StepStart, own: None) -> Contribution:
         """Return the forces of the springs and their stiffness k T^T T."""
         rows, drift = self._rows(start)
         k = self.stiffness
         stiffness = np.add.reduce(rows[:, :, :, None] * rows[:, :, None], axis=1)  # T^T T
-        return Share(
+        return Contribution(
             block=start.model.fixed_points.block,
             force=-k * np.add.reduce(rows * drift[:, :, None], axis=1),
             stiffness=start.forces_at * k * stiffness,
             forces_at=start.forces_at,
         )
 
-    def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: None, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return the work of the springs, what they store, and what a moving ground has done.
 
         The ground moves the anchors by u under the forces of the step; that alone stretches a
@@ -50,11 +52,11 @@ class Supports:
         work, stored = energy_of_linear(share, solution.displacement)
         ground = start.model.ground_motion
         if isinstance(ground, Still):
-            return Done(work=work, ledger=Ledger(fixed_points=stored))
+            return ActionResult(work=work, ledger=Ledger(fixed_points=stored))
         before, after = (ground.anchor_displacement(t) for t in (start.state.time, start.end))
         moved = after - before
         if not moved.any():
-            return Done(work=work, ledger=Ledger(fixed_points=stored))
+            return ActionResult(work=work, ledger=Ledger(fixed_points=stored))
         rows, drift = self._rows(start)
         # what held an excavated block does not stretch any more
         moved = np.where(start.model.gone[share.block, None], 0.0, moved)
@@ -63,7 +65,7 @@ class Supports:
         brought = -self.stiffness * float(np.sum((drift + at * followed) * moved))
         mean = (1.0 - at) * followed + drift + (at - 0.5) * moved
         stored -= self.stiffness * float(np.sum(mean * moved))
-        return Done(work=work, ledger=Ledger(fixed_points=stored, loads=brought))
+        return ActionResult(work=work, ledger=Ledger(fixed_points=stored, loads=brought))
 
     def _rows(self, start: StepStart) -> tuple[Floats, Floats]:
         """Return T (k, 2, 6) at the points and their distance (k, 2) from the anchors, m.

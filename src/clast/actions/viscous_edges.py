@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart
 from clast.block.displacement import basis
 from clast.model.model import Bools, Floats, Model
 from clast.model.state import Ledger
@@ -58,7 +58,7 @@ class _Acting:
 
 
 @dataclass(frozen=True)
-class ViscousBoundary:
+class BoundaryDashpots:
     """The viscous edges of the model."""
 
     stiffness: float
@@ -69,18 +69,20 @@ class ViscousBoundary:
         count = len(model.viscous_edges)
         return Reaction(force=np.zeros((count, 2, 2)), held=np.ones(count, np.bool_))
 
-    def share(self, start: StepStart, own: Reaction) -> Share:
+    def share(self, start: StepStart, own: Reaction) -> Contribution:
         """Return forces at the Gauss points and how they fall with the displacements."""
         acting = self._acting(start, own)
         rows = acting.rows
         force = acting.resting + acting.pull + acting.wave
-        return Share(
+        return Contribution(
             block=start.model.viscous_edges.block,
             force=np.einsum("kgxi,kgx->ki", rows, force),
             stiffness=np.einsum("kgxi,kxy,kgyj->kij", rows, acting.stiffness, rows),
         )
 
-    def finish(self, start: StepStart, own: Reaction, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: Reaction, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return what went through the boundary, and what springs store that still hold."""
         acting = self._acting(start, own)
         moved = _movement(acting.rows, solution.displacement[share.block])
@@ -88,7 +90,7 @@ class ViscousBoundary:
         came = float(np.sum((acting.resting + acting.wave) * moved))
         pulled = float(np.sum(acting.pull * moved))
         taken, stretched = float(resisted[~acting.held].sum()), float(resisted[acting.held].sum())
-        return Done(
+        return ActionResult(
             work=came + pulled - taken - stretched,
             ledger=Ledger(
                 boundary=taken - came,

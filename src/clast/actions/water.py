@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart, energy_of_linear
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_linear
 from clast.actions.pressure import pressure_forces
 from clast.model.model import Floats, Ints, Model
 from clast.model.state import Ledger
@@ -80,7 +80,7 @@ class WaterPressure:
     def begin(self, model: Model) -> None:
         """Return nothing: where water is follows from where the blocks are."""
 
-    def share(self, start: StepStart, own: None) -> Share:
+    def share(self, start: StepStart, own: None) -> Contribution:
         """Return the sum of the generalised forces of all water on each block."""
         model, midway = start.model, start.midway
         block: list[Ints] = []
@@ -94,19 +94,21 @@ class WaterPressure:
             block += [found.block, found.other[paired]]
             force += [left, right[paired]]
         if not block:
-            return Share()
+            return Contribution()
         return _summed(np.concatenate(block), np.concatenate(force), model.block_count)
 
-    def finish(self, start: StepStart, own: None, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: None, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return the work of the water, which comes from outside."""
         work, _ = energy_of_linear(share, solution.displacement)
-        return Done(work=work, ledger=Ledger(water=work))
+        return ActionResult(work=work, ledger=Ledger(water=work))
 
 
-def _summed(block: Ints, force: Floats, count: int) -> Share:
+def _summed(block: Ints, force: Floats, count: int) -> Contribution:
     """Return one force for each block, in the order of the parts: fewer to be added up later."""
     sums: Floats = np.stack(
         [np.bincount(block, column, count).astype(float) for column in force.T], axis=1
     )
     some = np.flatnonzero(sums.any(axis=1))
-    return Share(block=some, force=sums[some])
+    return Contribution(block=some, force=sums[some])

@@ -38,7 +38,7 @@ from clast.inputs.materials import Joint
 from clast.inputs.method import MethodTable
 from clast.inputs.stages import given_stages, stage_keys
 from clast.inputs.time_and_output import OutputTable, TimeTable
-from clast.model.checks import Outlines
+from clast.model.checks import BlockOutlines
 from clast.model.model import Model, Plane
 from clast.model.stages.stage import Stage
 from clast.results import Run, RunRecorder
@@ -64,7 +64,7 @@ takes_keys = with_keys(*TABLES.values(), whole=WHOLE)
 """Decorator of what takes these keys: ``help`` shows them."""
 
 
-class ModelBuilder(model_builder.ModelBuilder):
+class ModelBuilder(model_builder.InputBuilder):
     """Collects what a system of blocks is made of, and makes the Model or a case of it.
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
@@ -151,10 +151,10 @@ class ModelBuilder(model_builder.ModelBuilder):
             if one.between or one.between_rocks or name in along
         }
 
-    def _unnumbered(self) -> Outlines:
+    def _unnumbered(self) -> BlockOutlines:
         """Return what messages need to know of the blocks: their names."""
         names = tuple(self._names())
-        return Outlines(names, np.zeros(1, np.int64), np.zeros((0, 2)), np.zeros(2))
+        return BlockOutlines(names, np.zeros(1, np.int64), np.zeros((0, 2)), np.zeros(2))
 
     def _blocks(self) -> Iterator[dict[str, Any]]:
         """Give the table of every block, in their order."""
@@ -188,7 +188,7 @@ def _values(entry: Entry, label: Label) -> Iterator[dict[str, Any]]:
 
 @takes_keys
 def simulate(
-    model: Model | model_builder.ModelBuilder,
+    model: Model | model_builder.InputBuilder,
     method: Method | None = None,
     schedule: Schedule | None = None,
     *,
@@ -211,7 +211,7 @@ def simulate(
     Raises CaseError and ModelError for what cannot be simulated, RunStopped where the run cannot go
     on, with the partial results in its ``run``.
     """
-    model = model.build() if isinstance(model, model_builder.ModelBuilder) else model
+    model = model.build() if isinstance(model, model_builder.InputBuilder) else model
     if not isinstance(model, Model):
         raise CaseError(
             f"a {type(model).__name__} is no model",

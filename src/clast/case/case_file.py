@@ -20,7 +20,7 @@ from clast import spelling
 from clast.errors import ModelError
 from clast.inputs.blocks import BlockFileTable, BlockTable, GeometryTable, RepairTable
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.inputs.damping import Damping, chosen_damping
 from clast.inputs.declaring import serialise as case_writing
 from clast.inputs.declaring import text as case_text
@@ -51,7 +51,7 @@ from clast.model.model import Model, PlaneStrain, PlaneStress
 
 if TYPE_CHECKING:
     from clast.results import Run
-    from clast.run.preflight import Sanity
+    from clast.run.preflight import CaseSummary
     from clast.run.schedule import Progress, Schedule
     from clast.step.method import Method
 
@@ -272,7 +272,7 @@ class Case(BaseModel):
 
     def model(self) -> Model:
         """Return the system of blocks; raises ModelError naming the place and the remedy."""
-        builder = ModelBuilder(self.title, PLANES[self.plane](), self.gravity, self.gravity_factor)
+        builder = InputBuilder(self.title, PLANES[self.plane](), self.gravity, self.gravity_factor)
         with self._located():
             folder = self._folder
             for name, table in self._tables():
@@ -350,7 +350,7 @@ class Case(BaseModel):
         )
         return dataclasses.replace(method, damping=chosen_damping(self.damping).build())
 
-    def examine(self) -> Sanity:
+    def examine(self) -> CaseSummary:
         """Return what the case consists of, with warnings of what seems unsound about it."""
         model = self.model()
         sanity = self._examined(model, self.method(model))
@@ -360,7 +360,7 @@ class Case(BaseModel):
         """Return what is to be warned of before the first step of a run."""
         return self._examined(model, method).warnings
 
-    def _examined(self, model: Model, method: Method) -> Sanity:
+    def _examined(self, model: Model, method: Method) -> CaseSummary:
         """Return what the case consists of, with what its run warns of."""
         from clast.run.preflight import examine
 

@@ -19,7 +19,7 @@ from clast import spelling
 from clast.case.comments import TO_BE_GIVEN, comment, listed
 from clast.errors import ModelError
 from clast.inputs.declaring.text import to_toml
-from clast.model.checks import Outlines, check_polygons
+from clast.model.checks import BlockOutlines, check_polygons
 from clast.model.repairs import Repair
 from clast.rockmass import CONSTRUCTION, WELDED, repaired
 from clast.rockmass.block_loops import following
@@ -77,7 +77,7 @@ def put_together(blocks: Blocks, file: str | Path, tolerance: float | None = Non
         found = repaired(blocks.vertices, start, tolerance)
         names = tuple(map(str, range(1, blocks.count + 1)))
         origin = np.floor(found.vertices.min(axis=0))
-        outlines = Outlines(names, found.start, found.vertices - origin, origin)
+        outlines = BlockOutlines(names, found.start, found.vertices - origin, origin)
         check_polygons(outlines, outlines.polygons())
     except ModelError as error:
         where = f"{file}: {error.where}".replace("repair, tolerance", "--tolerance")

@@ -15,7 +15,7 @@ from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import Bisector
 from clast.contact.detection import detect
 from clast.contact.laws import ContactLaw
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.state import initial_state
 from clast.run.law_check import faults_of
 
@@ -36,7 +36,7 @@ def check_law(law: ContactLaw) -> tuple[str, ...]:
 
 def _some_contacts() -> Contacts:
     """Return contacts of many strengths: blocks side by side on a floor."""
-    builder = ModelBuilder()
+    builder = InputBuilder()
     builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     floor = np.array([[-1.0, -1.0], [2.0 * BLOCKS, -1.0], [2.0 * BLOCKS, 0.0], [-1.0, 0.0]])

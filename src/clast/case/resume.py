@@ -44,7 +44,7 @@ NAMED = 6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Given:
+class ScriptParts:
     """What a script gives again, where a text cannot hold it."""
 
     model: Model | None = None
@@ -99,7 +99,7 @@ def resume(
         path, checkpoint = stage_before(checkpoint, path, stage, known)
         now = _prepared_again(source, checkpoint, path, settings)
     else:
-        now = _prepared(checkpoint, path, settings, Given(model=model, method=method))
+        now = _prepared(checkpoint, path, settings, ScriptParts(model=model, method=method))
     _check_content(checkpoint, path, now)
 
     from clast.run.launch import Launch, Target, launch
@@ -128,7 +128,7 @@ def resume(
 
 
 def _prepared(
-    checkpoint: Checkpoint, path: Path, settings: Sequence[str], given: Given
+    checkpoint: Checkpoint, path: Path, settings: Sequence[str], given: ScriptParts
 ) -> Prepared:
     """Return what a run goes on with; raises CaseError where it is not what it was."""
     source = checkpoint.source
@@ -271,7 +271,7 @@ def _as_it_was(source: Source, path: Path) -> Case:
     return case
 
 
-def _check_given(source: Source, path: Path, given: Given) -> None:
+def _check_given(source: Source, path: Path, given: ScriptParts) -> None:
     """Raise CaseError where a script must give what no text holds."""
     missing = {
         TEXT: (),

@@ -114,9 +114,9 @@ def bench(
     iterations, overlap, energy lost unaccounted; they have a step and a stiffness of their own.
     Of networks that are only cut: time by stage, memory, and how well areas add up.
     """
-    from clast.studies.bench import SCENES, Settings, benchmark, sizes_in
+    from clast.studies.bench import SCENES, BenchSettings, benchmark, sizes_in
 
-    wanted = Settings(
+    wanted = BenchSettings(
         scenes=tuple(dict.fromkeys(scenes or SCENES)),
         sizes=None if size is None else sizes_in(size),
         step=step,

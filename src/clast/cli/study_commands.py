@@ -18,8 +18,8 @@ from clast.run.interrupts import heard
 
 if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse
-    from clast.study.description import Factor
-    from clast.study.executors import Progress
+    from clast.study.description import FactorSettings
+    from clast.study.executors import StudyProgress
     from clast.study.folder import StudyFolder
     from clast.study.study_api import HowMade
 
@@ -92,10 +92,10 @@ def fos(
     """Find the factor of safety, or the factor of gravity, a load or a push, at collapse."""
     from clast.case.case_file import Case
     from clast.study.collapsing.collapse import collapse
-    from clast.study.description import Factor
+    from clast.study.description import FactorSettings
 
     loaded = Case.from_toml(case, settings or ())
-    how = Factor(
+    how = FactorSettings(
         by=by,
         joints=tuple(words(joints)),
         start=start,
@@ -329,12 +329,12 @@ def _correlation(text: str) -> tuple[str, str, float]:
         ) from None
 
 
-def _factor(by: str, joints: str, tolerance: float) -> Factor | None:
+def _factor(by: str, joints: str, tolerance: float) -> FactorSettings | None:
     """Return how factors of safety are looked for; None where all is as usual."""
-    from clast.study.description import Factor
+    from clast.study.description import FactorSettings
 
-    how = Factor(by=by, joints=tuple(words(joints)), tolerance=tolerance)
-    return None if how == Factor() else how
+    how = FactorSettings(by=by, joints=tuple(words(joints)), tolerance=tolerance)
+    return None if how == FactorSettings() else how
 
 
 def _folder(case: Path, output: Path | None) -> Path:
@@ -390,14 +390,14 @@ def _go_on(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None
 
 
 @contextmanager
-def _watched(quiet: bool) -> Iterator[Callable[[Progress], None] | None]:
+def _watched(quiet: bool) -> Iterator[Callable[[StudyProgress], None] | None]:
     """Give what shows how far a study is."""
     if quiet:
         yield None
         return
     with status() as show:
 
-        def watch(at: Progress) -> None:
+        def watch(at: StudyProgress) -> None:
             left = "" if at.left is None else f", {_duration(at.left)} left"
             show(f"{at.done} of {at.total} runs{left}")
 

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from clast.study.collapsing.collapse import Collapse
     from clast.study.collapsing.trial import Trial
     from clast.study.fit import Fit
-    from clast.study.probabilities import Columns
+    from clast.study.probabilities import StudyResults
 
 NAMED = 3
 """Blocks that a line of a trial names."""
@@ -45,7 +45,7 @@ def print_fit(found: Fit) -> None:
         tell(found.remark)
 
 
-def print_results(columns: Columns, rows: int) -> None:
+def print_results(columns: StudyResults, rows: int) -> None:
     """Print what a sweep or a Monte Carlo study has found."""
     from rich.table import Table
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from clast.model.stages.records import StageRecord
     from clast.model.state import Ledger
     from clast.results import Report, Run
-    from clast.run.preflight import Sanity
+    from clast.run.preflight import CaseSummary
     from clast.studies import Comparison, Deviation
     from clast.studies.bench import Benchmark
     from clast.verification import Row
@@ -162,7 +162,7 @@ def print_stages(stages: Sequence[StageRecord]) -> None:
     print_table(bench_table)
 
 
-def sanity_table(sanity: Sanity) -> Table:
+def sanity_table(sanity: CaseSummary) -> Table:
     """Return what a case consists of and what clast chose by itself, as a table."""
     left, low, right, high = sanity.box
     names = ", ".join(sanity.unsupported[:5]) + (", ..." if len(sanity.unsupported) > 5 else "")

@@ -177,9 +177,9 @@ class RepairTable(Table):
     @classmethod
     def keys_of(cls, value: Any) -> dict[str, Any] | None:
         """Return the keys that make the mender of a script."""
-        from clast.rockmass.repair.mender import Mender
+        from clast.rockmass.repair.mender import BlockRepair
 
-        return {"tolerance": value.tolerance} if type(value) is Mender else None
+        return {"tolerance": value.tolerance} if type(value) is BlockRepair else None
 
     @classmethod
     def judge(cls, value: Any, key: str) -> None:
@@ -191,11 +191,11 @@ class RepairTable(Table):
             raise ModelError(
                 f"{shortened(repr(value))} puts no blocks together",
                 where=key,
-                remedy="give the keys of [repair], or clast.rockmass.Mender(tolerance=1e-3)",
+                remedy="give the keys of [repair], or clast.rockmass.BlockRepair(tolerance=1e-3)",
             )
 
     def add_to(self, builder: Any, key: str, folder: Path) -> None:
         """Have the builder put its blocks together."""
-        from clast.rockmass.repair.mender import Mender
+        from clast.rockmass.repair.mender import BlockRepair
 
-        builder.mending = Mender(tolerance=self.tolerance)
+        builder.repair = BlockRepair(tolerance=self.tolerance)

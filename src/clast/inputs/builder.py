@@ -12,7 +12,7 @@
     model = builder.build()
 
 Methods take the keys of the tables of a case file, and refuse what a table cannot say by itself;
-how things fit together is judged by ``ModelBuilder.build``, so they may be added in any order.
+how things fit together is judged by ``InputBuilder.build``, so they may be added in any order.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ from clast.inputs.viscous_boundaries import ViscousBoundary, with_where
 from clast.inputs.water import Water
 from clast.model import checks as model_checks
 from clast.model import ranges
-from clast.model.checks import Mended, Outlines
+from clast.model.checks import BlockOutlines, RepairedBlocks
 from clast.model.factors import NO_FACTOR
 from clast.model.ground_motion import Still, ending_note
 from clast.model.in_situ import InSituStress
@@ -83,13 +83,14 @@ from clast.model.model import (
 )
 from clast.model.names import check_names
 from clast.model.outline import edges_on
+from clast.renamed import Renamed
 
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""
 
 
 @dataclass
-class ModelBuilder(Inputs):
+class InputBuilder(Inputs):
     """Collects what a system of blocks is made of; ``build`` checks it and makes the Model.
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
@@ -101,8 +102,8 @@ class ModelBuilder(Inputs):
     ``in_situ`` is the stress in the rock before anything is dug: the keys of ``[in_situ]``,
     ``clast.InSituStress`` or ``clast.Overburden``.  ``line_joints`` are joints that
     lines have whether or not they become edges of blocks; ``notes`` say what was done to the blocks
-    before they came here; ``mending`` puts them together where they are drawn a little apart: the
-    keys of ``[repair]``, or ``clast.rockmass.Mender``.
+    before they came here; ``repair`` puts them together where they are drawn a little apart: the
+    keys of ``[repair]``, or ``clast.rockmass.BlockRepair``.
     """
 
     title: str = ""
@@ -113,7 +114,8 @@ class ModelBuilder(Inputs):
     in_situ: Any = single("in_situ", InSituTable)
     actions: list[Any] = field(default_factory=list)
     line_joints: list[str] = field(default_factory=list)
-    mending: Any = single("repair", RepairTable)
+    repair: Any = single("repair", RepairTable)
+    mending: Any = field(default=Renamed("repair"), repr=False, compare=False)
     _entries: list[Entry] = field(default_factory=list, init=False)
     opening_outlines: dict[str, Floats] = field(default_factory=dict, init=False)
     """Outlines of openings by name, counter-clockwise, m, (c, 2) each: for patterns of bolts."""
@@ -334,16 +336,18 @@ class ModelBuilder(Inputs):
             return NO_FACTOR
         return number_of(self.gravity_factor, number, "table", "gravity_factor")
 
-    def _mended(self, drawn: Outlines, clockwise: Bools) -> tuple[Mended, model_checks.Geometries]:
+    def _mended(
+        self, drawn: BlockOutlines, clockwise: Bools
+    ) -> tuple[RepairedBlocks, model_checks.Geometries]:
         """Return the blocks counter-clockwise, put together if that is asked for, and checked."""
         turned = drawn.turned(clockwise)
-        if self.mending is None:
+        if self.repair is None:
             # As they were drawn, so that messages number the vertices as the user does.
             polygons = drawn.polygons()
             model_checks.check_polygons(drawn, polygons)
             edge = np.arange(len(drawn.vertices))
-            return Mended(outlines=turned, edge=edge), polygons
-        mended = self.mending(turned)
+            return RepairedBlocks(outlines=turned, edge=edge), polygons
+        mended = self.repair(turned)
         polygons = mended.outlines.polygons()
         model_checks.check_polygons(mended.outlines, polygons)
         return mended, polygons
@@ -359,7 +363,7 @@ class ModelBuilder(Inputs):
     def _names(self) -> list[str]:
         return [name for entry in self._entries for name in entry.names]
 
-    def _labelled(self, outlines: Outlines) -> Iterator[tuple[Entry, Label]]:
+    def _labelled(self, outlines: BlockOutlines) -> Iterator[tuple[Entry, Label]]:
         """Give every entry with the function that says what messages call its blocks."""
         first = 0
         for entry in self._entries:
@@ -370,31 +374,31 @@ class ModelBuilder(Inputs):
             yield entry, label
             first += len(entry.names)
 
-    def _outlines(self) -> Outlines:
+    def _outlines(self) -> BlockOutlines:
         """Return all loops as flat arrays about an origin near the case."""
         names = tuple(self._names())
-        given = Outlines(names, np.zeros(1, np.int64), np.zeros((0, 2)), np.zeros(2))
+        given = BlockOutlines(names, np.zeros(1, np.int64), np.zeros((0, 2)), np.zeros(2))
         loops = [entry.loops(label) for entry, label in self._labelled(given)]
         counts = np.concatenate([np.zeros(1, np.int64), *(count for count, _ in loops)])
         start = np.cumsum(counts)
         vertices = np.concatenate([np.zeros((0, 2)), *(vertices for _, vertices in loops)])
-        given = Outlines(names, start, vertices, np.zeros(2))
+        given = BlockOutlines(names, start, vertices, np.zeros(2))
         model_checks.check_corner_count(given)
         model_checks.check_coordinates(given)
         origin = _origin(vertices)
-        return Outlines(names, start, np.ascontiguousarray(vertices - origin), origin)
+        return BlockOutlines(names, start, np.ascontiguousarray(vertices - origin), origin)
 
-    def _edge_joint_names(self, outlines: Outlines) -> Names:
+    def _edge_joint_names(self, outlines: BlockOutlines) -> Names:
         """Return the name of the joint of each edge, "" for none of its own, shape (nv,)."""
         return np.concatenate(
             [entry.edge_joints(label) for entry, label in self._labelled(outlines)]
         )
 
-    def _fixed(self, outlines: Outlines) -> Bools:
+    def _fixed(self, outlines: BlockOutlines) -> Bools:
         """Return True where a block cannot move at all, shape (n,)."""
         return np.concatenate([entry.held(label) for entry, label in self._labelled(outlines)])
 
-    def _velocities(self, outlines: Outlines) -> Floats:
+    def _velocities(self, outlines: BlockOutlines) -> Floats:
         """Return the start velocity (u, v, r, 0, 0, 0) of each block, shape (n, 6)."""
         velocity = np.zeros((self._count, 6))
         velocity[:, :3] = np.concatenate(
@@ -410,7 +414,7 @@ class ModelBuilder(Inputs):
         return velocity
 
     def _initial_stresses(
-        self, outlines: Outlines, block_rock: Ints, in_situ: InSituStress | None
+        self, outlines: BlockOutlines, block_rock: Ints, in_situ: InSituStress | None
     ) -> Floats:
         """Return the start stress (xx, yy, xy) of each block, Pa, shape (n, 3)."""
         rocks = self.named(materials.Rock).values()

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from clast.inputs.declaring.alternatives import Alternatives, Choice, Chosen, Given, within
+from clast.inputs.declaring.alternatives import Alternatives, Choice, Chosen, GivenObject, within
 from clast.model import ranges
 
 DAMPINGS = {
@@ -33,6 +33,6 @@ DAMPING = Choice("damping", ALTERNATIVES, usual="rayleigh")
 Damping = Annotated[Any, DAMPING]
 
 
-def chosen_damping(value: Any) -> Chosen | Given:
+def chosen_damping(value: Any) -> Chosen | GivenObject:
     """Return the damping that a name, a table or an object makes."""
     return DAMPING.validate(value)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from clast.inputs.declaring.alternatives import Alternatives, Choice, Chosen, Given, within
+from clast.inputs.declaring.alternatives import Alternatives, Choice, Chosen, GivenObject, within
 from clast.inputs.declaring.table import Length, Positive, Table
 from clast.model import ranges
 from clast.model.model import Model
@@ -121,12 +121,12 @@ class MethodTable(Table):
     fixed_point_stiffness: Annotated[Positive, within(ranges.STIFFNESS)] | None = None
     """Springs of fixed points, N/m per m; 100 times the stiffer of contact and rock if absent."""
 
-    def chosen(self, key: str) -> Chosen | Given:
+    def chosen(self, key: str) -> Chosen | GivenObject:
         """Return the choice of a key."""
         value = getattr(self, key)
         return (
             value
-            if isinstance(value, Chosen | Given)
+            if isinstance(value, Chosen | GivenObject)
             else Choice(key, ALTERNATIVES).validate(value)
         )
 

@@ -38,7 +38,7 @@ LISTED = 10
 
 
 @dataclass(frozen=True)
-class Outlines:
+class BlockOutlines:
     """The blocks' polygons as flat arrays, with the names by which messages call them."""
 
     names: tuple[str, ...]
@@ -50,7 +50,7 @@ class Outlines:
     origin: Floats
     """Point that the vertices are relative to, m, shape (2,)."""
 
-    def turned(self, clockwise: Bools) -> Outlines:
+    def turned(self, clockwise: Bools) -> BlockOutlines:
         """Return the outlines with some loops (n,) in the other order, first vertices as before."""
         vertex = np.arange(len(self.vertices))
         within = vertex - self.start[self.owner]
@@ -126,10 +126,10 @@ class Outlines:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mended:
+class RepairedBlocks:
     """The same blocks with other vertices."""
 
-    outlines: Outlines
+    outlines: BlockOutlines
     """The blocks, counter-clockwise."""
     edge: Ints
     """Edge as given that the edge from each vertex to the next is, or is part of, shape (nv,)."""
@@ -160,7 +160,7 @@ def _refuse_all(bad: Ints, fault: Callable[[int], tuple[str, str]], remedy: str)
     raise ModelError(what, where=where, remedy=remedy)
 
 
-def check_corner_count(outlines: Outlines) -> None:
+def check_corner_count(outlines: BlockOutlines) -> None:
     """Refuse blocks with fewer than three vertices, and a system without any block."""
     if not outlines.names:
         raise ModelError(
@@ -176,7 +176,7 @@ def check_corner_count(outlines: Outlines) -> None:
     )
 
 
-def check_coordinates(outlines: Outlines) -> None:
+def check_coordinates(outlines: BlockOutlines) -> None:
     """Refuse coordinates that are not numbers, or too large to be meant."""
     _refuse_all(
         np.flatnonzero(~np.isfinite(outlines.vertices).all(axis=1)),
@@ -191,7 +191,7 @@ def check_coordinates(outlines: Outlines) -> None:
     )
 
 
-def check_polygons(outlines: Outlines, polygons: Geometries) -> None:
+def check_polygons(outlines: BlockOutlines, polygons: Geometries) -> None:
     """Refuse loops that are no polygon, whichever way they run.
 
     These are loops with duplicate vertices, without area, or that cross or touch themselves.
@@ -224,7 +224,7 @@ def check_polygons(outlines: Outlines, polygons: Geometries) -> None:
     )
 
 
-def turned_note(outlines: Outlines, clockwise: Bools) -> tuple[str, ...]:
+def turned_note(outlines: BlockOutlines, clockwise: Bools) -> tuple[str, ...]:
     """Return which loops were turned round, as a note, or nothing."""
     turned = np.flatnonzero(clockwise)
     if len(turned) == 0:
@@ -236,7 +236,7 @@ def turned_note(outlines: Outlines, clockwise: Bools) -> tuple[str, ...]:
     return (f"{len(turned)} loops run clockwise and were turned round: {named}{more}",)
 
 
-def _check_duplicates(outlines: Outlines) -> None:
+def _check_duplicates(outlines: BlockOutlines) -> None:
     """Refuse consecutive vertices that are the same point."""
     following = outlines.following
     side = np.hypot(*(outlines.vertices[following] - outlines.vertices).T)
@@ -251,7 +251,7 @@ def _check_duplicates(outlines: Outlines) -> None:
     )
 
 
-def _crossing(outlines: Outlines, block: int) -> str:
+def _crossing(outlines: BlockOutlines, block: int) -> str:
     """Return which two edges of a loop cross or touch, in words."""
     rows = np.arange(outlines.start[block], outlines.start[block + 1])
     here = outlines.vertices[rows]
@@ -272,7 +272,7 @@ def _crossing(outlines: Outlines, block: int) -> str:
     )
 
 
-def check_overlaps(outlines: Outlines, polygons: Geometries) -> StartOverlaps:
+def check_overlaps(outlines: BlockOutlines, polygons: Geometries) -> StartOverlaps:
     """Return the pairs that overlap by more than round-off; refuse deep ones.
 
     Shared edges and corners are normal, and so is the penetration that contacts need to bear:
@@ -311,7 +311,7 @@ def check_overlaps(outlines: Outlines, polygons: Geometries) -> StartOverlaps:
 
 
 def _refuse_overlap(
-    outlines: Outlines, pair: tuple[int, int], depth: float, at: Floats, others: int
+    outlines: BlockOutlines, pair: tuple[int, int], depth: float, at: Floats, others: int
 ) -> NoReturn:
     """Raise ModelError for two blocks that lie deep in each other."""
     more = f"; so do {others} more pairs" if others else ""
@@ -330,7 +330,7 @@ def _ordered(first: Ints, second: Ints) -> tuple[Ints, Ints]:
     return first[once], second[once]
 
 
-def _deep_boxes(outlines: Outlines, first: Ints, second: Ints, limit: Floats) -> Ints:
+def _deep_boxes(outlines: BlockOutlines, first: Ints, second: Ints, limit: Floats) -> Ints:
     """Return which pairs have bounding boxes that share more than ``limit`` in both directions.
 
     The others share at most a strip of the thickness allowed; in a wall these are all pairs.
@@ -345,7 +345,7 @@ def locate(
     shapes: Geometries,
     named: Ints,
     where: Callable[[int], str],
-    outlines: Outlines,
+    outlines: BlockOutlines,
     tree: shapely.STRtree,
     moved: float = 0.0,
 ) -> Ints:
@@ -383,7 +383,12 @@ def _carrying(shapes: Geometries, reach: Floats, tree: shapely.STRtree) -> list[
 
 
 def _carrier(
-    shape: Any, named: int, carrying: Ints, where: str, outlines: Outlines, tree: shapely.STRtree
+    shape: Any,
+    named: int,
+    carrying: Ints,
+    where: str,
+    outlines: BlockOutlines,
+    tree: shapely.STRtree,
 ) -> int:
     """Return the block of one point or line from those that hold it, or say why there is none."""
     labels = ", ".join(outlines.label(int(block)) for block in carrying)

@@ -14,7 +14,7 @@ from clast.errors import ModelError
 
 
 @dataclass(frozen=True)
-class Range:
+class AllowedRange:
     """Sizes that a quantity can have, and its unit."""
 
     low: float
@@ -37,22 +37,22 @@ class Range:
         return f"{value:g}{unit} is too {side} to be meant: {bound} {limit:g}{unit}"
 
 
-MODULUS = Range(1e-6, 1e24, "Pa")
-STRESS = Range(0.0, 1e24, "Pa")
-DENSITY = Range(1e-9, 1e12, "kg/m3")
-STIFFNESS = Range(1e-6, 1e36, "N/m per m")
-JOINT_STIFFNESS = Range(1e-6, 1e30, "Pa/m")
-LENGTH = Range(1e-12, 1e18, "m")
-COORDINATE = Range(0.0, 1e18, "m")
-INTERVAL = Range(1e-15, 1e12, "s")
-RATE = Range(1e-12, 1e15, "1/s")
-TIME = Range(0.0, 1e18, "s")
-ACCELERATION = Range(0.0, 1e9, "m/s2")
-SPEED = Range(0.0, 1e9, "m/s or rad/s")
-FORCE = Range(0.0, 1e24, "N/m")
-FACTOR = Range(0.0, 1e12, "")
+MODULUS = AllowedRange(1e-6, 1e24, "Pa")
+STRESS = AllowedRange(0.0, 1e24, "Pa")
+DENSITY = AllowedRange(1e-9, 1e12, "kg/m3")
+STIFFNESS = AllowedRange(1e-6, 1e36, "N/m per m")
+JOINT_STIFFNESS = AllowedRange(1e-6, 1e30, "Pa/m")
+LENGTH = AllowedRange(1e-12, 1e18, "m")
+COORDINATE = AllowedRange(0.0, 1e18, "m")
+INTERVAL = AllowedRange(1e-15, 1e12, "s")
+RATE = AllowedRange(1e-12, 1e15, "1/s")
+TIME = AllowedRange(0.0, 1e18, "s")
+ACCELERATION = AllowedRange(0.0, 1e9, "m/s2")
+SPEED = AllowedRange(0.0, 1e9, "m/s or rad/s")
+FORCE = AllowedRange(0.0, 1e24, "N/m")
+FACTOR = AllowedRange(0.0, 1e12, "")
 
-TOLERANCE = Range(1e-14, 1e15, "")
+TOLERANCE = AllowedRange(1e-14, 1e15, "")
 
 MOST_STEPS = 1e12
 """Most steps of a run: four months at 10 microseconds each."""
@@ -62,7 +62,7 @@ MOST_ITERATIONS = 1_000_000
 """Most iterations of one solution."""
 
 
-def check_size(value: float, limits: Range, where: str, remedy: str) -> None:
+def check_size(value: float, limits: AllowedRange, where: str, remedy: str) -> None:
     """Raise ModelError for a number outside its range."""
     fault = limits.fault(value)
     if fault is not None:

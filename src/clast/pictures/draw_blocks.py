@@ -9,7 +9,7 @@ import numpy as np
 from clast.model.model import Bools, Floats, Ints
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE, TEXT_SIZE, Sheet, literal
 from clast.pictures.fields import SCALARS, prefixed
-from clast.pictures.scale import Scale, scale_of
+from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import GROUND
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
@@ -171,7 +171,7 @@ def paint_kinds(
     blocks.set_facecolor([kind_colour(kind) for kind in kinds])
 
 
-def paint(blocks: Collection, values: Floats, scale: Scale, unit: str) -> str:
+def paint(blocks: Collection, values: Floats, scale: ColourScale, unit: str) -> str:
     """Colour blocks or lines by their values (k,) on a scale; return the unit, with its prefix."""
     factor, unit = prefixed(max(abs(scale.low), abs(scale.high)), unit)
     blocks.set_array(factor * values)
@@ -197,7 +197,7 @@ def draw_colour_bar(
     bar.outline.set_edgecolor(FAINT)
 
 
-def _beyond(values: Floats, unit: str, scale: Scale) -> str:
+def _beyond(values: Floats, unit: str, scale: ColourScale) -> str:
     """Return how many values lie beyond the scale and how far they go."""
     ends = []
     for name, end in (("min", values.min()), ("max", values.max())):

@@ -38,7 +38,7 @@ POINTS = 8.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pressures:
+class PressureDiagrams:
     """Pressures to be drawn: k diagrams on lines under water."""
 
     ends: Floats
@@ -71,7 +71,7 @@ def waters_of(results: Recording, frame: int) -> tuple[Water, ...]:
 
 def pressures_of(
     results: Recording, waters: Sequence[Water], frame: int, here: Floats
-) -> Pressures:
+) -> PressureDiagrams:
     """Return the pressures of waters in a frame with vertices ``here`` (nv, 2), m."""
     vertices, after = here - results.origin, following(results.block_start)
     ends, pressure = [np.zeros((0, 2, 2))], [np.zeros((0, 2))]
@@ -86,7 +86,7 @@ def pressures_of(
             ends.append(found.ends + results.origin)
             pressure.append(weight * found.head)
             sides.append(np.tile(beside, (len(found.line), 1)))
-    return Pressures(
+    return PressureDiagrams(
         ends=np.concatenate(ends),
         pressure=np.concatenate(pressure),
         sides=np.concatenate(sides),
@@ -110,7 +110,7 @@ def _points(water: Water, results: Recording, part: Part) -> Floats:
     return np.stack([x, surface_at(water.surface, x)], axis=1) + results.origin
 
 
-def handles_of_water(waters: Sequence[Water], pressures: Pressures) -> list[Any]:
+def handles_of_water(waters: Sequence[Water], pressures: PressureDiagrams) -> list[Any]:
     """Return what the legend explains of water, nothing where there is none."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
@@ -127,7 +127,7 @@ def handles_of_water(waters: Sequence[Water], pressures: Pressures) -> list[Any]
 
 
 def draw_water(
-    axes: Axes, results: Recording, waters: Sequence[Water], pressures: Pressures, part: Part
+    axes: Axes, results: Recording, waters: Sequence[Water], pressures: PressureDiagrams, part: Part
 ) -> None:
     """Draw the levels and the pressures: outside faces, and across joints."""
     from matplotlib.collections import PolyCollection
@@ -171,7 +171,7 @@ def draw_water(
         )
 
 
-def _diagrams(pressures: Pressures, longest: float) -> Floats:
+def _diagrams(pressures: PressureDiagrams, longest: float) -> Floats:
     """Return the outlines of diagrams, m, shape (k, 4, 2); the largest pressure is so long, m."""
     ends = pressures.ends
     along = ends[:, 1] - ends[:, 0]

@@ -26,7 +26,7 @@ from clast.pictures.forces import HEAD, arrows_of, draw_arrows
 from clast.pictures.history import plot_bolt_history, plot_history
 from clast.pictures.joints.joint_edges import edges_by_joint
 from clast.pictures.joints.joint_values import JOINT_FIELDS, Faces, draw_faces, scale_of_faces
-from clast.pictures.strokes import GROUND, Edges, draw_edges, handles_of
+from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, handles_of
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
 
@@ -155,7 +155,7 @@ def _edges(
     start: Floats,
     part: canvas.Part,
     gone: Bools,
-) -> Sequence[Edges]:
+) -> Sequence[EdgeGroup]:
     """Return the edges that are drawn in the colours of their joints, if they are asked for."""
     if field != "joint":
         return ()

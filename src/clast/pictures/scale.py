@@ -37,7 +37,7 @@ those of values beyond the scale.
 
 
 @dataclass(frozen=True)
-class Scale:
+class ColourScale:
     """Colours and the values at their ends."""
 
     colours: Colormap
@@ -52,13 +52,15 @@ class Scale:
     """Blocks whose values lie beyond the scale."""
 
 
-def scale_of(values: Floats, area: Floats, limits: tuple[float, float] | None = None) -> Scale:
+def scale_of(
+    values: Floats, area: Floats, limits: tuple[float, float] | None = None
+) -> ColourScale:
     """Return the colours of values (n,) of blocks of an area (n,), m2, and where they end."""
     low, high = limits or _ends(values, area)
     slack = (1e-9 if limits else ONE_SIDED) * (high - low)
     below, above = values < low - slack, values > high + slack
     extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}
-    return Scale(
+    return ColourScale(
         colours=colours_between(low, high),
         low=low,
         high=high,

@@ -51,7 +51,7 @@ class Stroke:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Edges:
+class EdgeGroup:
     """Edges that are drawn alike."""
 
     ends: Floats
@@ -104,13 +104,13 @@ def label(name: str) -> str:
     )
 
 
-def groups(strokes: Mapping[int, Stroke], number: Ints, ends: Floats) -> tuple[Edges, ...]:
+def groups(strokes: Mapping[int, Stroke], number: Ints, ends: Floats) -> tuple[EdgeGroup, ...]:
     """Return the edges of each stroke that has some, from their numbers (n,) and ends (n, 2, 2)."""
     found = []
     for stroke in dict.fromkeys(strokes.values()):
         own = np.isin(number, [k for k, one in strokes.items() if one is stroke])
         if own.any():
-            found.append(Edges(ends=ends[own], stroke=stroke))
+            found.append(EdgeGroup(ends=ends[own], stroke=stroke))
     return tuple(found)
 
 
@@ -149,7 +149,7 @@ def visible(ends: Floats, part: canvas.Part) -> Bools:
 # Drawing ------------------------------------------------------------------------------------------
 
 
-def handles_of(edges: Sequence[Edges], part: canvas.Part) -> list[Any]:
+def handles_of(edges: Sequence[EdgeGroup], part: canvas.Part) -> list[Any]:
     """Return what the legend explains of the edges that a part shows."""
     from matplotlib.lines import Line2D
 
@@ -160,7 +160,7 @@ def handles_of(edges: Sequence[Edges], part: canvas.Part) -> list[Any]:
 
 
 def draw_edges(
-    axes: Axes, edges: Sequence[Edges], part: canvas.Part, inches: float, blocks: int
+    axes: Axes, edges: Sequence[EdgeGroup], part: canvas.Part, inches: float, blocks: int
 ) -> None:
     """Draw the edges of each kind as one collection; the part is so many ``inches`` wide.
 

@@ -16,7 +16,7 @@ from clast.actions.relaxation import gone_in
 from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.model.model import Floats, Ints, Model
-from clast.model.stages.reference import Reference
+from clast.model.stages.reference import ReferenceState
 from clast.model.state import LEDGER_ENTRIES, ContactMemory, State, contact_keys
 from clast.results.frames import VERTICES
 from clast.results.schema import BLOCK_FIELDS, CONTACTS, KIND_FIELDS, PLANE_VECTORS
@@ -31,7 +31,7 @@ class FrameFields:
     Displacements and rotations count from ``reference``, or from the start of the run.
     """
 
-    def __init__(self, model: Model, reference: Reference | None = None) -> None:
+    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
         self._model = model
         self._vertices = model.vertices if reference is None else reference.vertices
         self._rotation = None if reference is None else reference.rotation
@@ -134,7 +134,7 @@ class Tracker(Protocol):
 class LedgerTracker:
     """Follows the energy ledger."""
 
-    def __init__(self, model: Model, reference: Reference | None = None) -> None:
+    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
         pass
 
     def row(self, state: State) -> tuple[float, ...]:
@@ -145,7 +145,7 @@ class LedgerTracker:
 class BoltTracker:
     """Follows the bolts of a model through its states."""
 
-    def __init__(self, model: Model, reference: Reference | None = None) -> None:
+    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
         self._model = model
         self._count = len(model.bolts)
 
@@ -168,7 +168,7 @@ class PointTracker:
     Their displacements and rotations count from ``reference``, or from the start of the run.
     """
 
-    def __init__(self, model: Model, reference: Reference | None = None) -> None:
+    def __init__(self, model: Model, reference: ReferenceState | None = None) -> None:
         points = model.measured_points
         total = len(model.material_points.block)
         self._rows = slice(total - len(points.block), total)
@@ -193,7 +193,7 @@ class PointTracker:
         return state.time, at - self._start, velocity, rotation
 
 
-ROWS: dict[str, Callable[[Model, Reference | None], Tracker]] = {
+ROWS: dict[str, Callable[[Model, ReferenceState | None], Tracker]] = {
     "energy": LedgerTracker,
     "history": PointTracker,
     "bolts": BoltTracker,

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from clast.errors import CaseError, ResultsLost, RunStopped
 from clast.model.model import Floats, Model
-from clast.model.stages.reference import Reference
+from clast.model.stages.reference import ReferenceState
 from clast.model.state import State
 from clast.results.checkpoints.checkpoint import Recorded
 from clast.results.checkpoints.reopen import rows_after
 from clast.results.frames import FrameStore
 from clast.results.recording import Run, parts_of
-from clast.results.result_tables import Table, no_contacts
+from clast.results.result_tables import GrowingTable, no_contacts
 from clast.results.run_report import Report
 from clast.results.schema import FRAME_ROW, OVER_TIME
 from clast.step.method import StepResult
@@ -32,7 +32,7 @@ MEMORY_LIMIT = 2e9
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mark:
+class RecordMark:
     """How far a run was recorded after one of its steps."""
 
     frames: int = 0
@@ -75,12 +75,12 @@ class RunRecorder:
         self._with_contacts = contacts
         self._fields = FrameFields(model)
         self._kinds = [one for one in OVER_TIME if one.is_kept(model)]
-        self._tables = {one.name: Table(one.rows(one.count(model))) for one in OVER_TIME}
+        self._tables = {one.name: GrowingTable(one.rows(one.count(model))) for one in OVER_TIME}
         self._follow()
         self._state: State | None = None
         self._result: StepResult | None = None
         self._frame_times: list[float] = []
-        self._framed = Mark()
+        self._framed = RecordMark()
         self._recorded = recorded
         self.checkpoint: Path | None = None
         """The last checkpoint written of the run."""
@@ -96,7 +96,7 @@ class RunRecorder:
             storage = None if recorded is None else reopened(path, model, recorded)
             self._file = ResultFile(path, model, case_text, storage)
 
-    def _follow(self, reference: Reference | None = None) -> None:
+    def _follow(self, reference: ReferenceState | None = None) -> None:
         """Let what follows count from a reference."""
         from clast.results.frame_samples import ROWS, STEP_ROWS
 
@@ -139,13 +139,13 @@ class RunRecorder:
         for name, table in self._tables.items():
             table.extend(before[name])
             table.extend(recorded.since[name])
-        self._framed = Mark(
+        self._framed = RecordMark(
             frames=recorded.frames,
             frame=recorded.frame[0].item(),
             counts=self._counts_after(recorded.frame),
         )
 
-    def enter(self, stage: int, reference: Reference | None) -> None:
+    def enter(self, stage: int, reference: ReferenceState | None) -> None:
         """Record what follows as of a stage, by its number among those of ``about``.
 
         Displacements count from ``reference`` on, if there is one.
@@ -188,7 +188,7 @@ class RunRecorder:
             self._file.stage = self._stage
             self._file.frame(state.time, self._fields.of(state), rows, self._tables, points)
         self._frame_times.append(state.time)
-        self._framed = Mark(
+        self._framed = RecordMark(
             frames=len(self._frame_times),
             frame=(
                 state.time,
@@ -199,11 +199,11 @@ class RunRecorder:
             counts=self._counts(),
         )
 
-    def mark(self) -> Mark:
+    def mark(self) -> RecordMark:
         """Return how far the run is recorded, at the cost of a few numbers."""
         return replace(self._framed, now=self._counts(), result=self._result)
 
-    def recorded(self, mark: Mark, wall: float) -> Recorded:
+    def recorded(self, mark: RecordMark, wall: float) -> Recorded:
         """Return what a checkpoint needs to know of what was recorded until a mark.
 
         ``wall`` is the time that the run has taken, s.  The frames until then are on the disk.

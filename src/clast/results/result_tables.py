@@ -26,7 +26,7 @@ FIRST_ROWS, MORE_ROWS = 256, 2048
 """Rows of the first buffer of a table, and of the others."""
 
 
-class Table:
+class GrowingTable:
     """Rows of one kind, in buffers one behind the other: a long run has none that are copied."""
 
     def __init__(self, row: np.dtype[Any]) -> None:
@@ -100,7 +100,7 @@ class Columns(dict[str, NDArray[Any]]):
         return f"{type(self).__name__}({len(self)} rows: {', '.join(self)})"
 
 
-class Motion(Columns):
+class MotionTable(Columns):
     """How a point moved, a row per instant; t rows."""
 
     @property
@@ -124,14 +124,14 @@ class Motion(Columns):
         return self.rows["rotation"]
 
 
-class PointHistory(Motion):
+class PointHistory(MotionTable):
     """How one measured point moved, a row at the start and after every step; t rows.
 
     Columns: time, displacement_x, displacement_y, velocity_x, velocity_y, rotation.
     """
 
 
-class BlockHistory(Motion):
+class BlockHistory(MotionTable):
     """How one block moved, its centroid being the point, a row per frame; t rows.
 
     Columns: time, displacement_x, displacement_y, velocity_x, velocity_y, rotation, stress_xx,

@@ -25,7 +25,7 @@ from clast.results.checkpoints.reopen import check_fit, cut_back, rows_after
 from clast.results.journal import JournalledFile
 from clast.results.output import check_output, claimed, hidden, taken_up
 from clast.results.provenance import about_model
-from clast.results.result_tables import Table
+from clast.results.result_tables import GrowingTable
 from clast.results.run_report import Report
 from clast.results.schema import (
     BOLT_POINTS,
@@ -93,7 +93,7 @@ class ResultFile:
         time: float,
         arrays: Mapping[str, Floats],
         contacts: NDArray[Any],
-        tables: Mapping[str, Table],
+        tables: Mapping[str, GrowingTable],
         bolt_points: Floats,
     ) -> None:
         """Add a frame: arrays by place in /VTKHDF, contacts, and the new rows of the tables.
@@ -144,7 +144,7 @@ class ResultFile:
         with self._guarded():
             self._storage.sync()
 
-    def finish(self, report: Report, tables: Mapping[str, Table]) -> None:
+    def finish(self, report: Report, tables: Mapping[str, GrowingTable]) -> None:
         """Write what is left and the report, and close the file."""
         with self._guarded():
             self._put_tables(self._new_rows(tables))
@@ -189,7 +189,7 @@ class ResultFile:
         time: float,
         arrays: Mapping[str, Floats],
         contacts: NDArray[Any],
-        tables: Mapping[str, Table],
+        tables: Mapping[str, GrowingTable],
         bolt_points: Floats,
     ) -> None:
         """Put a frame behind the last one that was completed; it may be tried again."""
@@ -224,7 +224,7 @@ class ResultFile:
         for name, offsets in _step_offsets(self._model, frames).items():
             self._column(f"VTKHDF/Steps/{name}").put(number, offsets)
 
-    def _new_rows(self, tables: Mapping[str, Table]) -> dict[str, NDArray[Any]]:
+    def _new_rows(self, tables: Mapping[str, GrowingTable]) -> dict[str, NDArray[Any]]:
         """Return the rows of each table that came after the last frame."""
         return {name: table.since(self._saved[name]) for name, table in tables.items()}
 

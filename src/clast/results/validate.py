@@ -39,7 +39,7 @@ from clast.results.water_record import waters_in
 
 
 @dataclass(frozen=True, kw_only=True)
-class Blocks:
+class StoredBlocks:
     """What a result file says of the blocks; n blocks."""
 
     start: Ints
@@ -54,7 +54,7 @@ class Blocks:
     """Name of each rock."""
 
 
-def blocks_of(file: Any) -> Blocks:
+def blocks_of(file: Any) -> StoredBlocks:
     """Return what a file says of its blocks; raises MalformedError."""
     start = _whole(file, "model/block_start", "iu")
     rock = _whole(file, "model/block_rock", "iu")
@@ -67,7 +67,7 @@ def blocks_of(file: Any) -> Blocks:
         raise MalformedError("/model has not one rock, name and mark of each block")
     if rock.min() < 0 or rock.max() >= len(rock_name):
         raise MalformedError("/model/block_rock names rocks that do not exist")
-    return Blocks(
+    return StoredBlocks(
         start=start.astype(np.int64),
         rock=rock.astype(np.int64),
         fixed=fixed.astype(np.bool_),
@@ -76,7 +76,7 @@ def blocks_of(file: Any) -> Blocks:
     )
 
 
-def joints_of(file: Any, blocks: Blocks) -> EdgeJoints | None:
+def joints_of(file: Any, blocks: StoredBlocks) -> EdgeJoints | None:
     """Return the joints of a file, None where it is of before; raises MalformedError."""
     if not {"joint_name", "edge_joint"} & set(file["model"]) and not _contacts_have_joints(file):
         return None
@@ -139,7 +139,7 @@ def bolts_of(file: Any, frames: NDArray[Any]) -> BoltLines:
     return BoltLines(name=name, point=point)
 
 
-def check_arrays(file: Any, frames: NDArray[Any], blocks: Blocks) -> None:
+def check_arrays(file: Any, frames: NDArray[Any], blocks: StoredBlocks) -> None:
     """Raise MalformedError unless there are arrays of vertices and blocks for all frames."""
     count = len(blocks.rock)
     for one in MOVING_FIELDS:
@@ -189,7 +189,7 @@ def _contacts_have_joints(file: Any) -> bool:
     return "joint" in (_dataset(file, CONTACTS.name).dtype.names or ())
 
 
-def check_grid(file: Any, frames: NDArray[Any], blocks: Blocks) -> None:
+def check_grid(file: Any, frames: NDArray[Any], blocks: StoredBlocks) -> None:
     """Raise MalformedError unless viewers find the polygons of all frames."""
     vertices, count = int(blocks.start[-1]), len(blocks.rock)
     wanted = {
@@ -246,7 +246,7 @@ def about_of(file: Any) -> dict[str, Any]:
         raise MalformedError(f"{error}") from error
 
 
-def water_of(file: Any, blocks: Blocks) -> tuple[Water, ...]:
+def water_of(file: Any, blocks: StoredBlocks) -> tuple[Water, ...]:
     """Return the water of a file; raises MalformedError."""
     found = waters_in(file["model"], int(blocks.start[-1]))
     if found is None:

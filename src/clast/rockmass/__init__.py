@@ -1,5 +1,6 @@
 """Rock masses: joint sets, traces, openings and masonry, and the blocks that they cut."""
 
+from clast.renamed import names_of
 from clast.rockmass.cut_lines import CONSTRUCTION, WELDED
 from clast.rockmass.cutting import Cut, cut
 from clast.rockmass.domain import Box, Circle, Domain, Horseshoe, Opening, Polygon, Region, Trace
@@ -17,19 +18,23 @@ from clast.rockmass.joints.spacing_distributions import (
     Uniform,
     Values,
 )
-from clast.rockmass.repair.mender import Mender
+from clast.rockmass.repair.mender import BlockRepair
 from clast.rockmass.repair.repair import Repaired, RepairReport, repaired
-from clast.rockmass.report_of_cut import Finding, Report, SetReport, Sizes
+from clast.rockmass.report_of_cut import CutReport, Finding, SetReport, Sizes
+
+__getattr__ = names_of("clast.rockmass", {"Mender": "BlockRepair", "Report": "CutReport"})
 
 __all__ = [
     "CONSTRUCTION",
     "WELDED",
     "Baecher",
     "BlockPattern",
+    "BlockRepair",
     "Box",
     "Circle",
     "CrossJointed",
     "Cut",
+    "CutReport",
     "Distribution",
     "Domain",
     "Exponential",
@@ -39,7 +44,6 @@ __all__ = [
     "Horseshoe",
     "JointSet",
     "Lognormal",
-    "Mender",
     "Normal",
     "Opening",
     "Parallel",
@@ -48,7 +52,6 @@ __all__ = [
     "Region",
     "RepairReport",
     "Repaired",
-    "Report",
     "RunningBond",
     "SetReport",
     "Sizes",

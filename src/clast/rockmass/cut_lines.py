@@ -34,7 +34,7 @@ OVER = 4.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Table:
+class LineTable:
     """Lines of one table: a set, a trace, an outline."""
 
     name: str
@@ -384,7 +384,7 @@ def tables(
     lines: Sequence[SetLines],
     traces: Sequence[Trace],
     patterns: Sequence[BlockPattern],
-) -> list[Table]:
+) -> list[LineTable]:
     """Return the lines of all tables in their order: later ones have the joint where they coincide.
 
     Sets, traces, patterns of blocks, regions, openings, and last the boundary.
@@ -404,7 +404,7 @@ def tables(
         # The pieces of a polyline are one line, which meets itself at its corners only.
         drawn = one.plan is None
         found.append(
-            Table(
+            LineTable(
                 name=one.name,
                 joint=joint,
                 ends=overreaching(at, one.ends),
@@ -418,12 +418,12 @@ def tables(
         if region.cut:
             ends = overreaching(at, at.window.clipped(shape.edges - at.origin))
             found.append(
-                Table(name=region.name, joint=region.joint, ends=ends, whole=True, faces=1.0)
+                LineTable(name=region.name, joint=region.joint, ends=ends, whole=True, faces=1.0)
             )
     for opening, shape in zip(at.openings, at.opening_outlines, strict=True):
         if opening.cut:
             found.append(
-                Table(
+                LineTable(
                     name=opening.name,
                     joint=None if opening.excavated else f"{CONSTRUCTION}{opening.name}",
                     ends=shape.edges - at.origin,
@@ -431,7 +431,7 @@ def tables(
                     faces=1.0,
                 )
             )
-    return [*found, Table(name="boundary", joint=None, ends=at.outline.edges - at.origin)]
+    return [*found, LineTable(name="boundary", joint=None, ends=at.outline.edges - at.origin)]
 
 
 def check_joint_names(named: Sequence[tuple[str, str | None]]) -> None:
@@ -445,14 +445,14 @@ def check_joint_names(named: Sequence[tuple[str, str | None]]) -> None:
             )
 
 
-def _courses(at: Site, pattern: BlockPattern) -> list[Table]:
+def _courses(at: Site, pattern: BlockPattern) -> list[LineTable]:
     beds, heads = (at.window.clipped(one - at.origin) for one in pattern.lines())
     if len(beds) + len(heads) == 0:
         raise ModelError("lies outside of the domain", where=pattern.where, remedy="move it")
     bricks = float(np.prod(pattern.bricks()))
     head_joint = pattern.joint if pattern.head_joint is None else pattern.head_joint
     return [
-        Table(
+        LineTable(
             name=pattern.name,
             joint=pattern.joint,
             ends=overreaching(at, beds),
@@ -460,7 +460,7 @@ def _courses(at: Site, pattern: BlockPattern) -> list[Table]:
             faces=bricks,
             courses=True,
         ),
-        Table(
+        LineTable(
             name=pattern.name,
             joint=head_joint,
             ends=overreaching(at, heads),
@@ -470,7 +470,7 @@ def _courses(at: Site, pattern: BlockPattern) -> list[Table]:
     ]
 
 
-def joints_of(found: Sequence[Table]) -> tuple[tuple[str, ...], Ints]:
+def joints_of(found: Sequence[LineTable]) -> tuple[tuple[str, ...], Ints]:
     """Return the names of all joints, and the joint of each table, -1 for none, shape (k,)."""
     given = dict.fromkeys(one.joint for one in found if one.joint is not None)
     names = (*given, WELDED)

@@ -12,15 +12,15 @@ from clast.errors import ModelError
 from clast.model.model import Floats, Ints
 from clast.rockmass import block_loops as block_loops
 from clast.rockmass.block_loops import Tidied
-from clast.rockmass.cut_lines import SetLines, Site, Table
+from clast.rockmass.cut_lines import LineTable, SetLines, Site
 from clast.rockmass.network.holes import Whole
 from clast.rockmass.network.loose_ends import SHORT_OF
 from clast.rockmass.network.noding import Noded
 from clast.rockmass.network.planar import Graph
 from clast.rockmass.report_of_cut import (
     PLACES,
+    CutReport,
     Finding,
-    Report,
     SetReport,
     finding,
     place_text,
@@ -49,14 +49,14 @@ class Before:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Work:
+class CutRecord:
     """All that a cut went through."""
 
     site: Site
     """What was cut."""
     before: Before
     """What was known before."""
-    tables: Sequence[Table]
+    tables: Sequence[LineTable]
     """Tables of lines, the boundary at last."""
     table: Ints
     """Table of each line, shape (n,)."""
@@ -76,7 +76,7 @@ class Work:
     """Ends that were taken out just short of another line, cells, shape (k, 2)."""
 
 
-def report_of(work: Work) -> Report:
+def report_of(work: CutRecord) -> CutReport:
     """Return the report of a cut."""
     at, blocks = work.site, work.blocks
     area = block_loops.areas(work.vertices, blocks.start)
@@ -91,7 +91,7 @@ def report_of(work: Work) -> Report:
 
     merged = np.concatenate([work.whole.islands, blocks.merged])
     loose = finding(place(work.loose))
-    return Report(
+    return CutReport(
         blocks=len(area),
         estimate=work.before.estimate,
         domain_area=domain_area,
@@ -166,7 +166,7 @@ def _rock_area(at: Site) -> float:
     return at.window.area - float(inside.area)
 
 
-def _aspects(work: Work) -> Floats:
+def _aspects(work: CutRecord) -> Floats:
     """Return longer over shorter side of the smallest rectangle about each block, shape (nb,)."""
     start = work.blocks.start
     owner = np.repeat(np.arange(len(start) - 1), np.diff(start))
@@ -182,7 +182,7 @@ def _lengths(ends: Floats) -> Floats:
     return np.asarray(np.hypot(*(ends[:, 1] - ends[:, 0]).T))
 
 
-def _sets(work: Work) -> tuple[SetReport, ...]:
+def _sets(work: CutRecord) -> tuple[SetReport, ...]:
     """Return what each set, and the drawn traces of each name, came to."""
     after = work.blocks.node[block_loops.following(work.blocks.start)]
     here = work.blocks.node
@@ -199,7 +199,7 @@ def _sets(work: Work) -> tuple[SetReport, ...]:
     return tuple(found)
 
 
-def _set(first: SetLines, some: Sequence[SetLines], kept: Floats, work: Work) -> SetReport:
+def _set(first: SetLines, some: Sequence[SetLines], kept: Floats, work: CutRecord) -> SetReport:
     plan, area = first.plan, first.window.area
     ends = np.concatenate([one.ends for one in some])
     lengths = _lengths(ends)
@@ -241,7 +241,7 @@ def frequency(ends: Floats, scanline: Floats, area: float) -> float:
     return float(np.abs(way[:, 0] * scanline[1] - way[:, 1] * scanline[0]).sum() / area)
 
 
-def _coincident(work: Work) -> Finding:
+def _coincident(work: CutRecord) -> Finding:
     """Return the edges on which lines of different joints coincide, boundaries not counted."""
     table = work.table[work.net.of[:, 1]]
     inner = np.array([one.joint is not None for one in work.tables])[table]

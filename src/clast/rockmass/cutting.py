@@ -28,8 +28,8 @@ from clast.rockmass.cut_lines import (
     OVER,
     TOGETHER,
     WELDED,
+    LineTable,
     Site,
-    Table,
     joints_of,
     plan_of,
     set_lines,
@@ -37,19 +37,19 @@ from clast.rockmass.cut_lines import (
     tables,
     trace_lines,
 )
-from clast.rockmass.cut_report import Before, Work, report_of
+from clast.rockmass.cut_report import Before, CutRecord, report_of
 from clast.rockmass.domain import Domain, Opening, Region, Trace
 from clast.rockmass.estimate import check_counted, check_expected
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import NONE
-from clast.rockmass.network.graph_faces import NOTHING, Place, sided
+from clast.rockmass.network.graph_faces import NOTHING, FaceOutlines, sided
 from clast.rockmass.network.holes import Whole, without_holes
 from clast.rockmass.network.loose_ends import loose_ends
 from clast.rockmass.network.noding import Noded, noded
 from clast.rockmass.network.planar import Graph, bordering, straightened
 from clast.rockmass.network.snapping import Snapped, snapped
-from clast.rockmass.report_of_cut import Report
+from clast.rockmass.report_of_cut import CutReport
 from clast.rockmass.sizes import Limits, limits_of
 
 MOST_REVERTS = 20
@@ -88,7 +88,7 @@ class Cut:
     """Names of the joints; "welded" is the last."""
     opening_names: tuple[str, ...]
     """Names of the openings."""
-    report: Report
+    report: CutReport
     """What was cut and what was changed."""
 
     @property
@@ -133,7 +133,7 @@ def _drawn(
     traces: Sequence[Trace],
     seed: int,
     patterns: Sequence[BlockPattern],
-) -> tuple[list[Table], Before]:
+) -> tuple[list[LineTable], Before]:
     """Return all lines by their tables, and what is known before they meet."""
     for one in sets:
         one.check()
@@ -152,7 +152,7 @@ def _drawn(
     )
 
 
-def _cut(at: Site, found: Sequence[Table], before: Before, stages: Stages) -> Cut:
+def _cut(at: Site, found: Sequence[LineTable], before: Before, stages: Stages) -> Cut:
     ends = np.concatenate([one.ends for one in found])
     table = np.repeat(np.arange(len(found)), [len(one.ends) for one in found])
     names, joint = joints_of(found)
@@ -177,7 +177,7 @@ def _cut(at: Site, found: Sequence[Table], before: Before, stages: Stages) -> Cu
         )
     with stages("vertices"):
         vertices = _vertices(blocks, held.places, at.grid)
-    work = Work(
+    work = CutRecord(
         site=at,
         before=before,
         tables=found,
@@ -206,7 +206,7 @@ def _met(at: Site, ends: Floats, free: int) -> Snapped:
     return replace(found, ends=np.concatenate([found.ends, lines[free:]]))
 
 
-def _ranks(at: Site, found: Sequence[Table]) -> Ints:
+def _ranks(at: Site, found: Sequence[LineTable]) -> Ints:
     """Return 2 for tables that are outlines of the rock, 1 for those of openings in it, else 0."""
     cut = [1 + one.excavated for one in at.openings if one.cut]
     return np.array([*[0] * (len(found) - len(cut) - 1), *cut, 2], np.int64)
@@ -242,7 +242,7 @@ def _in_one_block(at: Site, graph: Graph) -> Bools:
 
 def _faces(at: Site, graph: Graph, limits: Limits) -> tuple[Whole, Graph]:
     """Return the faces without holes, and the edges that border nothing, which are taken out."""
-    place = Place(
+    place = FaceOutlines(
         domain=_in_cells(at, at.window.polygon),
         openings=[_in_cells(at, one) for one in at.polygons(at.opening_outlines)],
         excavated=[one.excavated for one in at.openings],
@@ -323,7 +323,7 @@ def _vertices(blocks: block_loops.Tidied, places: Sequence[Floats], grid: float)
     return at[worst, blocks.node]
 
 
-def _assembled(work: Work, names: tuple[str, ...], stages: Stages) -> Cut:
+def _assembled(work: CutRecord, names: tuple[str, ...], stages: Stages) -> Cut:
     """Return the blocks with rocks, joints and openings, as frozen arrays."""
     blocks, at = work.blocks, work.site
     with stages("blocks"):
@@ -350,7 +350,7 @@ def _assembled(work: Work, names: tuple[str, ...], stages: Stages) -> Cut:
     )
 
 
-def _edge_joints(work: Work, names: tuple[str, ...]) -> Ints:
+def _edge_joints(work: CutRecord, names: tuple[str, ...]) -> Ints:
     """Return the joint of each edge, -1 where only one block is, shape (nv,)."""
     blocks = work.blocks
     here, there = blocks.node, blocks.node[block_loops.following(blocks.start)]
@@ -360,7 +360,7 @@ def _edge_joints(work: Work, names: tuple[str, ...]) -> Ints:
     return np.where(shared, joint, -1)
 
 
-def _rocks(work: Work) -> tuple[tuple[str, ...], Ints]:
+def _rocks(work: CutRecord) -> tuple[tuple[str, ...], Ints]:
     """Return the names of all rocks, and the rock of each block (nb,): that of most of it."""
     at = work.site
     given = [at.domain.rock if one.rock is None else one.rock for one in at.regions]
@@ -370,7 +370,7 @@ def _rocks(work: Work) -> tuple[tuple[str, ...], Ints]:
     return names, index[owner]
 
 
-def _uncut_openings(work: Work) -> Ints:
+def _uncut_openings(work: CutRecord) -> Ints:
     """Return for each block the opening without cut outline that it lies in, -1, shape (nb,)."""
     at = work.site
     some = [k for k, one in enumerate(at.openings) if not one.cut]
@@ -378,7 +378,7 @@ def _uncut_openings(work: Work) -> Ints:
     return np.array([*some, -1], np.int64)[_owners(work, polygons)]
 
 
-def _owners(work: Work, polygons: Sequence[shapely.Polygon]) -> Ints:
+def _owners(work: CutRecord, polygons: Sequence[shapely.Polygon]) -> Ints:
     """Return which polygon holds most of each block, and more than half of it, else -1, (nb,)."""
     blocks = work.blocks
     count = len(blocks.group)

@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 
 from clast.errors import ModelError
 from clast.model.model import Bools, Floats, Ints
-from clast.rockmass.cut_lines import Table
+from clast.rockmass.cut_lines import LineTable
 from clast.rockmass.joints.joint_set import JointSet
 from clast.rockmass.joints.masonry import BlockPattern
 from clast.rockmass.joints.plan import Plan
@@ -82,7 +82,7 @@ def check_expected(
         raise _too_many(expected, most, where)
 
 
-def check_counted(tables: Sequence[Table], sets: Sequence[JointSet], most: int) -> int:
+def check_counted(tables: Sequence[LineTable], sets: Sequence[JointSet], most: int) -> int:
     """Return how many blocks lines make; ModelError where it exceeds ``most``.
 
     Euler's formula for L lines with X crossings, B of whose 2 L ends lie on the boundary, in C
@@ -123,7 +123,7 @@ def _too_many(expected: _Expected, most: int, where: JointSet | str) -> ModelErr
     )
 
 
-def _of_lines(tables: Sequence[Table], boundary: Table) -> int:
+def _of_lines(tables: Sequence[LineTable], boundary: LineTable) -> int:
     """Return how many blocks more lines make, crossings within cells and courses not counted."""
     if not tables:
         return 0

@@ -85,7 +85,7 @@ class SetReport:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Report:
+class CutReport:
     """What was cut, how well, and what was changed on the way."""
 
     blocks: int

@@ -1,24 +1,29 @@
-"""What happens in a run, as far as what acts on blocks can tell."""
+"""Events of a run: those that actions report, and bonds that break."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from clast.actions.acting import actions_of, own_states
-from clast.actions.action import Telling
+from clast.actions.action import ReportsEvents
 from clast.model.model import Model
 from clast.model.stages.records import Event
 from clast.model.state import State
+from clast.renamed import warn_of
 from clast.step.method import Method, StepResult
+
+Reporter = Callable[[Model, Any, Any], Iterable[tuple[str, str, str]]]
+"""The method ``events`` of an action."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Listener:
-    """Hears of actions what happens to what they act by."""
+    """Collects the events that actions report."""
 
     model: Model
     method: Method
@@ -26,20 +31,32 @@ class Listener:
     """Name of the stage."""
 
     @cached_property
-    def _telling(self) -> tuple[tuple[int, Telling], ...]:
-        """The actions that have something to tell, with their numbers."""
+    def _reporters(self) -> tuple[tuple[int, Reporter], ...]:
+        """The methods of the actions that report events, with the numbers of the actions."""
         actions = actions_of(self.model, self.method.fixed_point_stiffness, self.method.damping)
-        return tuple((k, one) for k, one in enumerate(actions) if isinstance(one, Telling))
+        found = ((number, _reporter(action)) for number, action in enumerate(actions))
+        return tuple((number, reporter) for number, reporter in found if reporter is not None)
 
     def heard(self, before: State, after: State) -> Iterator[Event]:
-        """Give what has happened in a step from one state to another."""
-        if not self._telling:
+        """Yield the events of a step from one state to another."""
+        if not self._reporters:
             return
         actions = actions_of(self.model, self.method.fixed_point_stiffness, self.method.damping)
         own = own_states(actions, self.model, before)
-        for number, action in self._telling:
-            for kind, what, text in action.told(self.model, own[number], after.actions[number]):
+        for number, events in self._reporters:
+            for kind, what, text in events(self.model, own[number], after.actions[number]):
                 yield Event(time=after.time, stage=self.stage, kind=kind, what=what, text=text)
+
+
+def _reporter(action: Any) -> Reporter | None:
+    """Return the method by which an action reports events; None where it has none."""
+    if isinstance(action, ReportsEvents):
+        return action.events
+    if hasattr(action, "told"):
+        warn_of("the method told of an action", "events")
+        earlier: Reporter = action.told
+        return earlier
+    return None
 
 
 def bonds_break(model: Model, stage: str, result: StepResult, load: float) -> Event:

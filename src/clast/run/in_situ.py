@@ -26,8 +26,8 @@ import numpy as np
 
 from clast.actions.acting import actions_of, own_states
 from clast.actions.damping import Undamped
-from clast.actions.in_situ import Outline, tractions
-from clast.actions.viscous_edges import ViscousBoundary
+from clast.actions.in_situ import InSituBoundary, tractions
+from clast.actions.viscous_edges import BoundaryDashpots
 from clast.block import elasticity, polygon
 from clast.block.displacement import basis
 from clast.compute.stopwatch import Stages
@@ -353,11 +353,11 @@ def _held(model: Model, method: Method, state: State, unknowns: Floats) -> tuple
     centroid = _centroids(model, state)
     found = []
     for action, own in zip(actions, state.actions, strict=True):
-        if isinstance(action, Outline):
+        if isinstance(action, InSituBoundary):
             rows = basis(state.vertices[own.vertex] - centroid[own.block])
             moved = np.einsum("kxi,ki->kx", rows, unknowns[own.block])
             own = replace(own, force=own.force - np.einsum("kxy,ky->kx", own.hold, moved))
-        if isinstance(action, ViscousBoundary):
+        if isinstance(action, BoundaryDashpots):
             own = action.after(model, own, state.vertices, centroid, unknowns)
         found.append(own)
     return tuple(found)

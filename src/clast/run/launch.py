@@ -26,7 +26,7 @@ from clast.results.checkpoints.checkpoint_files import (
     checkpoint_path,
     write_checkpoint,
 )
-from clast.results.recorder import Mark
+from clast.results.recorder import RecordMark
 from clast.run.progress import Warner, Watch, shown
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
@@ -140,7 +140,7 @@ class Checkpointing:
     """Wall time between checkpoints, s; None: only when the run ends before its time."""
     tell: Callable[[str], None] | None = None
     """Called with what goes wrong, as soon as it does."""
-    _now: tuple[RunState, Mark] | None = None
+    _now: tuple[RunState, RecordMark] | None = None
     _written: float = field(default_factory=monotonic)
     _started: float = field(default_factory=working_time)
     _time: float | None = None

@@ -39,7 +39,7 @@ QUICKEST = 1e-5, 5e-6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sanity:
+class CaseSummary:
     """What a case consists of, and warnings."""
 
     title: str
@@ -94,7 +94,7 @@ class Sanity:
     """What clast changed or chose by itself."""
 
 
-def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
+def examine(model: Model, method: Method, schedule: Schedule) -> CaseSummary:
     """Return what a case consists of, and the warnings about it.
 
     Raises ModelError where blocks overlap by more than contacts of this stiffness explain, and for
@@ -110,7 +110,7 @@ def examine(model: Model, method: Method, schedule: Schedule) -> Sanity:
     low = model.vertices.min(axis=0) + model.origin
     high = model.vertices.max(axis=0) + model.origin
     smallest, largest = int(model.area.argmin()), int(model.area.argmax())
-    return Sanity(
+    return CaseSummary(
         title=model.title,
         blocks=model.block_count,
         vertices=len(model.vertices),

@@ -74,12 +74,12 @@ def _on_stderr() -> Iterator[Watch | None]:
         return
     columns = (BarColumn(bar_width=24), TextColumn(SHARE_OF_TIME), TextColumn("{task.description}"))
     with Bar(*columns, console=console, transient=True) as bar:
-        line = Line(bar)
+        line = ProgressLine(bar)
         with COMPILATION.telling(line.compiling):
             yield line
 
 
-class Line:
+class ProgressLine:
     """Turns the progress of a run into a bar and a sentence of numbers."""
 
     def __init__(self, bar: Bar) -> None:

@@ -30,9 +30,9 @@ from clast.run.method_warnings import check_overlaps
 from clast.run.run_checks import Watch, reject_created_energy
 from clast.run.run_state import Keeper, RunState
 from clast.run.schedule import Progress, Schedule
-from clast.run.stages.equilibrium import Judge
-from clast.run.stages.position import Held, Position
-from clast.run.stages.stage_sequence import Course, fails, failure_warning
+from clast.run.stages.equilibrium import EquilibriumCheck
+from clast.run.stages.position import EquilibriumStreak, Position
+from clast.run.stages.stage_sequence import StageSequence, fails, failure_warning
 from clast.run.stages.static_path import StaticPath
 from clast.run.stages.transition import Setting
 from clast.step import energy_balance
@@ -60,7 +60,7 @@ class Stepping:
     watch: Watch
     workspace: Workspace
     listener: Listener
-    judge: Judge | None = None
+    judge: EquilibriumCheck | None = None
     """Judges the steps of a stage."""
     statics: StaticPath | None = None
     """Leads a static run, or a static stage."""
@@ -76,7 +76,9 @@ class Stepping:
             watch=Watch(model=model, method=method),
             workspace=workspace,
             listener=Listener(model=model, method=method, stage=stage.name if stage else ""),
-            judge=None if stage is None else Judge(model=model, method=method, stage=stage),
+            judge=None
+            if stage is None
+            else EquilibriumCheck(model=model, method=method, stage=stage),
             statics=StaticPath.of(model, method, setting.schedule, stage),
         )
 
@@ -177,7 +179,7 @@ class Stepping:
         path = statics.cut(path, clock, cuts)
         path = statics.after(path, now.state, result, (after.taken, clock), judged)
         if unfinished and after.position is not None:
-            after = replace(after, position=replace(after.position, held=Held()))
+            after = replace(after, position=replace(after.position, held=EquilibriumStreak()))
         if path.failure is not None and (now.path is None or now.path.failure is None):
             events = (*events, fails(stage, after.state.time, path.failure))
         step = statics.next_step(path, after.taken, result)
@@ -261,7 +263,7 @@ def simulate(
     schedule that has it as ``begin`` goes on from there, and records from there on.
     """
     check_overlaps(model, method)
-    course = Course(base=Setting(model=model, method=method, schedule=schedule))
+    course = StageSequence(base=Setting(model=model, method=method, schedule=schedule))
     start = working_time()
     march = _March.begun(course, recorder or RunRecorder(model), begin)
     march.watch, march.keep = watch, keep
@@ -310,7 +312,7 @@ def _by(number: int) -> str:
 class _March:
     """A run on its way: where it is, and who is told."""
 
-    course: Course
+    course: StageSequence
     setting: Setting
     stepping: Stepping
     recorder: RunRecorder
@@ -321,7 +323,7 @@ class _March:
     """Contacts of the last step that had any, which a law of one's own is tried on."""
 
     @classmethod
-    def begun(cls, course: Course, recorder: RunRecorder, begin: RunState | None) -> _March:
+    def begun(cls, course: StageSequence, recorder: RunRecorder, begin: RunState | None) -> _March:
         """Return a run before its first step, or where it is to go on."""
         position = begin.position if begin else None
         setting = course.setting_at(position, begin.state) if begin else course.first

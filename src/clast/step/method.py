@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
-from clast.actions.acting import Acting
+from clast.actions.acting import ActiveActions
 from clast.actions.action import Action
 from clast.actions.damping import Undamped
 from clast.block.rotation import RotationRule
@@ -46,7 +46,7 @@ class Workspace:
     """Pairs of blocks near each other."""
     patterns: Patterns = field(default_factory=Patterns)
     """Orders and fill of the last factors, and the aggregates of the last coarse space."""
-    acting: Acting = field(default_factory=Acting)
+    acting: ActiveActions = field(default_factory=ActiveActions)
     """What acts on the blocks beside contacts."""
     _inexact: tuple[Any, Any] = (None, None)
     clock: Clock = working_time

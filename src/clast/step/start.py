@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from clast.actions.acting import acceleration_of, add_shares, own_states, shares_of
-from clast.actions.action import Action, Share, StepStart
+from clast.actions.action import Action, Contribution, StepStart
 from clast.block import equations
 from clast.block.inertia import BlockFrames, block_frames
 from clast.compute.stopwatch import Stages
@@ -52,7 +52,7 @@ class StepContext:
     """What acts on the blocks beside contacts."""
     own: tuple[Any, ...]
     """Own state of each action."""
-    shares: tuple[Share, ...]
+    shares: tuple[Contribution, ...]
     """What each action adds to the equations."""
     drift: Floats
     """Displacement that the velocities would bring, h v, m, shape (n, 6)."""
@@ -137,7 +137,7 @@ def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> Diago
     return DiagonalTerms(diagonal=matrix, force=force, momentum=momentum, centroid=frames.centroid)
 
 
-def springs_between(shares: Sequence[Share]) -> Springs | None:
+def springs_between(shares: Sequence[Contribution]) -> Springs | None:
     """Return the springs of all actions as one table, None where there are none."""
     tables = [one.springs for one in shares if one.springs is not None and len(one.springs)]
     return merged(tables[0], tables[1:])[0] if tables else None

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from clast import spelling
 from clast.case.case_file import Case
 from clast.errors import CaseError, RunStopped
-from clast.inputs.declaring.alternatives import Chosen, Given
+from clast.inputs.declaring.alternatives import Chosen, GivenObject
 from clast.inputs.method import CONTACT_LAWS, PROCESSES
 from clast.model.model import Bools, Floats, Ints
 from clast.results import Report, Run
@@ -239,7 +239,7 @@ def _row(case: Case, combination: Combination, run: Run) -> Row:
     )
 
 
-def _numbers(chosen: Chosen | Given) -> dict[str, Any]:
+def _numbers(chosen: Chosen | GivenObject) -> dict[str, Any]:
     """Return the numbers that a case gives for a choice, as the file writes them."""
     written = chosen.as_written()
     if not isinstance(written, dict):

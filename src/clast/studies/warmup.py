@@ -28,7 +28,7 @@ from clast.compute.roots import Root, TypingError, listed, statements
 from clast.linear.solvers import PCG
 from clast.run.simulate import simulate
 from clast.studies.bench.scenes import SCENES
-from clast.studies.bench.settings import Settings, method_for, schedule_of
+from clast.studies.bench.settings import BenchSettings, method_for, schedule_of
 
 Watch = Callable[[str, float], None]
 """Called with what has been compiled last, and how much of all that is, 0 to 1."""
@@ -58,7 +58,7 @@ class Larger:
     """Name of the scene."""
     size: int = 60
     """Blocks."""
-    settings: Settings
+    settings: BenchSettings
     """Length of the step and stiffness."""
     solver: PCG
     """Solver."""
@@ -75,16 +75,16 @@ Trial = SmallCase | Larger
 FIRST: tuple[Trial, ...] = (SmallCase("convex", ("method.process=convex", "time.end=0.5")),)
 """What the first case of all needs."""
 CONVEX: tuple[Trial, ...] = (
-    Larger(title="conjugate gradients", settings=Settings(steps=1), solver=PCG()),
-    Larger(title="coarse system", settings=Settings(steps=1), solver=PCG(plain=0)),
-    Larger(title="slow motion", settings=Settings(step=1.0, steps=1), solver=PCG(plain=0)),
+    Larger(title="conjugate gradients", settings=BenchSettings(steps=1), solver=PCG()),
+    Larger(title="coarse system", settings=BenchSettings(steps=1), solver=PCG(plain=0)),
+    Larger(title="slow motion", settings=BenchSettings(step=1.0, steps=1), solver=PCG(plain=0)),
     Larger(
         title="interior point method",
         scene="slope",
-        settings=Settings(step=1e-2, steps=1, share=1e3),
+        settings=BenchSettings(step=1e-2, steps=1, share=1e3),
         solver=PCG(),
     ),
-    Larger(title="many blocks", size=1600, settings=Settings(steps=1), solver=PCG()),
+    Larger(title="many blocks", size=1600, settings=BenchSettings(steps=1), solver=PCG()),
 )
 OTHERS: tuple[Trial, ...] = (
     SmallCase("modified", ("method.process=modified",)),
@@ -146,7 +146,7 @@ def cores() -> int:
 
 
 @dataclass(frozen=True)
-class Job:
+class CompileJob:
     """Kernels that one process compiles."""
 
     roots: tuple[Root, ...]
@@ -169,7 +169,7 @@ class Job:
                 root.compile()
 
 
-def shared_out(roots: Iterable[Root], workers: int) -> list[Job]:
+def shared_out(roots: Iterable[Root], workers: int) -> list[CompileJob]:
     """Return what is compiled together, the largest first.
 
     A file that has more than half of what a process has to do is taken apart.
@@ -183,7 +183,7 @@ def shared_out(roots: Iterable[Root], workers: int) -> list[Job]:
     for own in files.values():
         whole = sum(weight for _, weight in own)
         parts = [[one] for one in own] if whole > fair else [own]
-        jobs += [Job(tuple(r for r, _ in part), sum(w for _, w in part)) for part in parts]
+        jobs += [CompileJob(tuple(r for r, _ in part), sum(w for _, w in part)) for part in parts]
     return sorted(jobs, key=lambda job: -job.weight)
 
 

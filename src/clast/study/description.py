@@ -59,7 +59,7 @@ RUNS = 100
 
 
 @dataclass(frozen=True, kw_only=True)
-class Factor:
+class FactorSettings:
     """How a factor of safety, or a load at collapse, is looked for."""
 
     by: str = "strength"
@@ -98,7 +98,7 @@ class Description:
     """Name -> expression."""
     fail: str = ""
     """Expression that is true where a run fails; "": none is asked for."""
-    factor: Factor | None = None
+    factor: FactorSettings | None = None
     """How factors are looked for where the study, or a measure, asks for one."""
     keep: str = "none"
     """Of which runs the result files are kept: "none", "failed" or "all"."""
@@ -205,7 +205,7 @@ class Description:
         if self.measure:
             content["measure"] = dict(self.measure)
         if self.factor is not None:
-            given = {one.name: getattr(self.factor, one.name) for one in fields(Factor)}
+            given = {one.name: getattr(self.factor, one.name) for one in fields(FactorSettings)}
             content["factor"] = {
                 key: list(value) if isinstance(value, tuple) else value
                 for key, value in given.items()
@@ -385,7 +385,7 @@ def described(text: str, file: str) -> Description:
             measure=dict(content.get("measure", {})),
             factor=None
             if factor is None
-            else Factor(**{**factor, "joints": tuple(factor.get("joints", ()))}),
+            else FactorSettings(**{**factor, "joints": tuple(factor.get("joints", ()))}),
             **own,
         ).checked()
     except (KeyError, TypeError, ValueError, AttributeError) as error:

@@ -39,7 +39,7 @@ TELL_EVERY = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class Progress:
+class StudyProgress:
     """How far a study is."""
 
     done: int
@@ -61,7 +61,7 @@ class Progress:
         return (self.total - self.done) * self.seconds / self.made
 
 
-Watch = Callable[[Progress], None]
+Watch = Callable[[StudyProgress], None]
 """Called with how far a study is, again and again."""
 
 
@@ -264,7 +264,7 @@ class Driver:
         )
         made = self._handed - at_work
         self.watch(
-            Progress(
+            StudyProgress(
                 done=self._before + made,
                 total=self.folder.study.n,
                 lost=len(self.tries),
@@ -287,7 +287,7 @@ def in_this_process(folder: StudyFolder, runs: Iterator[int], watch: Watch | Non
         if watch is not None:
             seconds = time.monotonic() - began
             total = folder.study.n
-            watch(Progress(done=made, total=total, lost=0, seconds=seconds, made=made))
+            watch(StudyProgress(done=made, total=total, lost=0, seconds=seconds, made=made))
 
 
 @contextmanager

@@ -32,11 +32,11 @@ from clast.inputs.declaring import text as case_text
 from clast.model.model import Floats
 from clast.study.description import parameters_of
 from clast.study.executors import start_worker
-from clast.study.judging.measures import Measured
+from clast.study.judging.measures import RunResults
 from clast.study.probabilities import CONFIDENCE
 from clast.study.trial_cases import changed, content_of, given_case
 from clast.study.variables.distributions import Distribution, Range, Values
-from clast.study.variables.parameters import Parameter, Settings
+from clast.study.variables.parameters import Parameter, ParameterPlaces
 
 STEP = 1e-3
 """Change of a parameter, as a share of its range, by which derivatives are taken."""
@@ -158,7 +158,7 @@ def _number(text: str, where: str, column: str) -> float | None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scale:
+class ParameterScale:
     """How a parameter is sought: from 0 to 1 over its range, or that of its logarithm."""
 
     low: float
@@ -167,7 +167,7 @@ class Scale:
     """Largest value."""
 
     @classmethod
-    def of(cls, one: Parameter) -> Scale:
+    def of(cls, one: Parameter) -> ParameterScale:
         """Return the range of a parameter; raises CaseError where it has none."""
         drawn: Distribution = one.drawn
         if not drawn.CONTINUOUS or isinstance(drawn, Values | Range):
@@ -205,7 +205,7 @@ class Task:
 def predicted(task: Task) -> list[float]:
     """Return what a case does where it was measured, m; raises ClastError where it cannot."""
     case = Case.from_text(task.text, task.file)
-    measured = Measured(case.run(warn=lambda _text: None))
+    measured = RunResults(case.run(warn=lambda _text: None))
     found = []
     for one in task.observations:
         history = measured.run.history(one.point)
@@ -222,8 +222,8 @@ class Fitting:
     """A back-analysis on its way."""
 
     case: Case
-    settings: Settings
-    scales: tuple[Scale, ...]
+    settings: ParameterPlaces
+    scales: tuple[ParameterScale, ...]
     observations: tuple[Observation, ...]
     pool: Executor
     watch: Callable[[int, float], None] | None = None
@@ -295,8 +295,8 @@ def fit(
     with _pool(executor, workers) as pool:
         fitting = Fitting(
             case=loaded,
-            settings=Settings.of(content_of(loaded), parameters),
-            scales=tuple(map(Scale.of, parameters)),
+            settings=ParameterPlaces.of(content_of(loaded), parameters),
+            scales=tuple(map(ParameterScale.of, parameters)),
             observations=observations,
             pool=pool,
             watch=watch,

@@ -50,7 +50,7 @@ class Probability:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Columns:
+class StudyResults:
     """The results of a study as arrays; k runs with a result."""
 
     study: Description
@@ -74,7 +74,7 @@ class Columns:
         return sum(self.reasons.values())
 
 
-def columns_of(folder: StudyFolder) -> Columns:
+def columns_of(folder: StudyFolder) -> StudyResults:
     """Return the results of a study."""
     study = folder.study
     run: list[int] = []
@@ -100,7 +100,7 @@ def columns_of(folder: StudyFolder) -> Columns:
         for name, values in parameters.items()
         if values and not any(isinstance(one, str) for one in values)
     }
-    return Columns(
+    return StudyResults(
         study=study,
         run=np.array(run, np.float64),
         parameters=numeric,
@@ -111,7 +111,7 @@ def columns_of(folder: StudyFolder) -> Columns:
     )
 
 
-def probability(columns: Columns) -> Probability | None:
+def probability(columns: StudyResults) -> Probability | None:
     """Return the probability of failure; None where the study has none.
 
     Independent runs have Wilson's interval (1927), Latin hypercubes that of Student's t of their
@@ -151,7 +151,7 @@ def wilson(failed: int, runs: int) -> tuple[float, float]:
     )
 
 
-def _of_replicates(columns: Columns) -> tuple[float, float]:
+def _of_replicates(columns: StudyResults) -> tuple[float, float]:
     """Return the interval of the mean of replicates, runs without a result as either."""
     study = columns.study
     group = np.array([study.replicate(int(run)) for run in columns.run])
@@ -187,7 +187,7 @@ class Influence:
         return abs(self.high - self.low)
 
 
-def influences(columns: Columns, values: Floats) -> list[Influence]:
+def influences(columns: StudyResults, values: Floats) -> list[Influence]:
     """Return how values (k,) of the runs go with each parameter, the strongest first."""
     found = []
     sound = np.isfinite(values)
@@ -224,7 +224,7 @@ class Spread:
     """Largest value."""
 
 
-def spread(columns: Columns, values: Floats) -> Spread | None:
+def spread(columns: StudyResults, values: Floats) -> Spread | None:
     """Return the spread of a measure (k,); None where it has no values.
 
     Of point estimates mean and standard deviation are those of their weights (Rosenblueth 1975).
@@ -262,7 +262,7 @@ def cumulative(study: Description, values: Floats) -> tuple[Floats, Floats, Floa
     return ordered, share, np.full(len(ordered), half if independent else 0.0)
 
 
-def worst(columns: Columns) -> int | None:
+def worst(columns: StudyResults) -> int | None:
     """Return the number of the worst run, None where no run has a result.
 
     It has the largest first measure, of those that fail if any; of factors of safety the least.

@@ -25,14 +25,14 @@ from clast.study.description import (
     RUNS,
     SWEEP,
     Description,
-    Factor,
+    FactorSettings,
     parameters_of,
     sampling_of,
 )
 from clast.study.executors import Driver, Watch, in_this_process, workers_of
 from clast.study.folder import StudyFolder
 from clast.study.trial_cases import given_case
-from clast.study.trial_table import Table
+from clast.study.trial_table import TrialTable
 from clast.study.work import Bench
 
 
@@ -74,7 +74,7 @@ class Study:
         correlate: Sequence[tuple[str, str, float]] = (),
         measure: Mapping[str, str] | None = None,
         fail: str = "",
-        factor: Factor | None = None,
+        factor: FactorSettings | None = None,
         keep: str = "none",
         together: bool = False,
     ) -> None:
@@ -112,7 +112,7 @@ class Study:
         sampling: str = "random",
         how: HowMade = USUAL,
         **numbers: int,
-    ) -> Table:
+    ) -> TrialTable:
         """Make all runs that are not done in a folder, and return the table of their results.
 
         ``n`` is the number of runs, ``sampling`` "random", "latin-hypercube", "sobol" or
@@ -125,7 +125,7 @@ class Study:
         return go_on(made, how)
 
 
-def go_on(folder: StudyFolder, how: HowMade = USUAL) -> Table:
+def go_on(folder: StudyFolder, how: HowMade = USUAL) -> TrialTable:
     """Make the runs of a study that are not done; return its table, also written as CSV."""
     make(folder, how)
     if how.array is None:
@@ -158,6 +158,6 @@ def _again(folder: StudyFolder, runs: Iterator[int]) -> Iterator[int]:
         yield run
 
 
-def resume(folder: str | Path, how: HowMade = USUAL) -> Table:
+def resume(folder: str | Path, how: HowMade = USUAL) -> TrialTable:
     """Go on with the study in a folder; return its table."""
     return go_on(StudyFolder.opened(Path(folder)), how)

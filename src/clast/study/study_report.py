@@ -26,9 +26,9 @@ from clast.rockmass.drawings.dxf_out import write_blocks_dxf
 from clast.study import probabilities
 from clast.study.collapsing.collapse import Collapse, ends
 from clast.study.folder import StudyFolder
-from clast.study.probabilities import Columns, columns_of
+from clast.study.probabilities import StudyResults, columns_of
 from clast.study.trial_cases import changed, content_of
-from clast.study.variables.parameters import Settings
+from clast.study.variables.parameters import ParameterPlaces
 from clast.study.work import RUN_FILE
 
 REPORT, FIGURES, WORST = "report.html", "figures", "worst"
@@ -128,7 +128,7 @@ def write_report(folder: StudyFolder) -> Path:
     return write_html(page.text(), folder.path / REPORT)
 
 
-def _answer(page: Page, columns: Columns) -> None:
+def _answer(page: Page, columns: StudyResults) -> None:
     """Say what the study has found."""
     found = probabilities.probability(columns)
     if found is not None:
@@ -144,7 +144,7 @@ def _answer(page: Page, columns: Columns) -> None:
         page.table(["why", "runs"], list(columns.reasons.items())[:MOST_ROWS])
 
 
-def _spread(page: Page, columns: Columns, values: Any) -> None:
+def _spread(page: Page, columns: StudyResults, values: Any) -> None:
     """Say how a measure is spread."""
     found = probabilities.spread(columns, values)
     if found is None:
@@ -154,7 +154,7 @@ def _spread(page: Page, columns: Columns, values: Any) -> None:
     page.table(heads, [[found.mean, found.sd, found.least, *found.quantiles, found.largest]])
 
 
-def _figures(columns: Columns, name: str, values: Any, folder: Path) -> list[tuple[Path, str]]:
+def _figures(columns: StudyResults, name: str, values: Any, folder: Path) -> list[tuple[Path, str]]:
     """Return the figures of a measure, and what they show."""
     safe = "".join(sign if sign.isalnum() or sign in "-_" else "_" for sign in name)
     x, share, half = probabilities.cumulative(columns.study, values)
@@ -174,7 +174,7 @@ def _figures(columns: Columns, name: str, values: Any, folder: Path) -> list[tup
     return drawn
 
 
-def _influence(page: Page, columns: Columns, values: Any) -> None:
+def _influence(page: Page, columns: StudyResults, values: Any) -> None:
     """Say how a measure goes with each parameter."""
     found = probabilities.influences(columns, values)
     rows = [[one.parameter, one.low, one.high, one.rank] for one in found]
@@ -184,7 +184,7 @@ def _influence(page: Page, columns: Columns, values: Any) -> None:
         page.say("Least and largest: the fifth of the runs with such values of it.", "remark")
 
 
-def _blocks(page: Page, folder: StudyFolder, columns: Columns, pictures: Path) -> None:
+def _blocks(page: Page, folder: StudyFolder, columns: StudyResults, pictures: Path) -> None:
     """Say how often which block fails, and draw it where all runs have the same blocks."""
     runs = max(1, len(columns.run))
     rows = [[name, count, count / runs] for name, count in columns.blocks.items()]
@@ -199,7 +199,7 @@ def _blocks(page: Page, folder: StudyFolder, columns: Columns, pictures: Path) -
         return
     model = folder.base.model()
     share = np.array([columns.blocks.get(name, 0) / runs for name in model.block_name])
-    section = figures.Section(
+    section = figures.FailureSection(
         vertices=model.vertices + model.origin, block_start=model.block_start, share=share
     )
     path = pictures / "failing-blocks.png"
@@ -209,7 +209,7 @@ def _blocks(page: Page, folder: StudyFolder, columns: Columns, pictures: Path) -
 
 def _same_blocks(folder: StudyFolder) -> bool:
     """Return whether nothing that varies changes the blocks."""
-    places = Settings.of(content_of(folder.base), folder.study.vary).places
+    places = ParameterPlaces.of(content_of(folder.base), folder.study.vary).places
     shaping = {"domain", "joint_set", "trace", "opening", "block", "geometry", "block_pattern"}
     return not any(keys[0] in shaping for own in places for keys in own)
 
@@ -243,7 +243,7 @@ def _worst(page: Page, folder: StudyFolder, number: int) -> None:
 
 def _made_again(folder: StudyFolder, number: int) -> Run | None:
     """Return a run, made again."""
-    settings = Settings.of(content_of(folder.base), folder.study.vary)
+    settings = ParameterPlaces.of(content_of(folder.base), folder.study.vary)
     case = changed(folder.base, settings.case(folder.study.values(number)))
     try:
         return case.run(warn=lambda _text: None)
@@ -261,7 +261,7 @@ def write_collapse(folder: StudyFolder, found: Collapse) -> Path:
     pictures = folder.path / FIGURES
     pictures.mkdir(exist_ok=True)
     marks = [
-        figures.Mark(factor=one.factor, displacement=one.displacement, verdict=one.verdict)
+        figures.TrialMark(factor=one.factor, displacement=one.displacement, verdict=one.verdict)
         for one in found.trials
     ]
     path = pictures / "displacement.png"
@@ -296,7 +296,7 @@ def _failing(page: Page, folder: StudyFolder, found: Collapse) -> None:
             continue
         fails = np.isin(model.block_name, trial.blocks)
         place = folder.place(k)
-        section = figures.Section(
+        section = figures.FailureSection(
             vertices=vertices, block_start=model.block_start, share=fails.astype(np.float64)
         )
         try:

@@ -125,7 +125,7 @@ def _batches(rows: Iterable[list[Any]]) -> Iterator[list[list[Any]]]:
         yield batch
 
 
-class Table(dict[str, list[Any]]):
+class TrialTable(dict[str, list[Any]]):
     """The results of a study: column name -> values, in the order of the runs.
 
     ``pandas.DataFrame(table)`` takes it as it is.
@@ -145,7 +145,7 @@ class Table(dict[str, list[Any]]):
         return f"Table({len(self)} runs in {self.folder}: {', '.join(self)})"
 
 
-def table_of(folder: StudyFolder) -> Table:
+def table_of(folder: StudyFolder) -> TrialTable:
     """Return the table of a study in memory."""
     rows = (row(folder.study, one) for one in folder.results())
-    return Table(columns(folder.study), rows, folder.path)
+    return TrialTable(columns(folder.study), rows, folder.path)

@@ -18,13 +18,13 @@ from clast.errors import ClastError, RunStopped, shortened
 from clast.inputs.declaring import text as case_text
 from clast.results import Run
 from clast.study.collapsing.reduction import Reduction, reduction
-from clast.study.collapsing.search import Search, Trials
+from clast.study.collapsing.search import FactorSearch, Trials
 from clast.study.collapsing.trial import standing, tried
-from clast.study.description import Factor
+from clast.study.description import FactorSettings
 from clast.study.folder import CASE, DONE, NO_RESULT, StudyFolder, with_files
-from clast.study.judging.measures import ARGUMENTS, FOS, Measured, check, known_names
+from clast.study.judging.measures import ARGUMENTS, FOS, RunResults, check, known_names
 from clast.study.trial_cases import changed, content_of
-from clast.study.variables.parameters import Settings
+from clast.study.variables.parameters import ParameterPlaces
 
 RUN_FILE = "run.vtkhdf"
 """Result file of a run that is kept."""
@@ -54,7 +54,7 @@ class Bench:
 
     folder: StudyFolder
     """Where the study is kept."""
-    settings: Settings
+    settings: ParameterPlaces
     """Where its parameters are set."""
 
     @classmethod
@@ -66,7 +66,7 @@ class Bench:
     def of(cls, folder: StudyFolder) -> Bench:
         """Return the bench of a study; raises CaseError where its parameters lead nowhere."""
         content = content_of(folder.base)
-        return cls(folder=folder, settings=Settings.of(content, folder.study.vary))
+        return cls(folder=folder, settings=ParameterPlaces.of(content, folder.study.vary))
 
     def check(self) -> None:
         """Raise CaseError where the first run has wrong numbers or nothing to measure."""
@@ -76,7 +76,7 @@ class Bench:
         for expression in study.expressions:
             check(expression, known)
         if any(name == FOS for one in study.expressions for name, _ in one.calls()):
-            factor_of(study.factor or Factor()).check(content_of(case))
+            factor_of(study.factor or FactorSettings()).check(content_of(case))
 
     def make(self, run: int) -> dict[str, Any]:
         """Make a run; return what came of it, which is written down."""
@@ -116,7 +116,7 @@ class Bench:
         functions: dict[str, Callable[..., Any]] = {
             name: partial(_called, one, name) for name in ARGUMENTS
         }
-        functions[FOS] = lambda: factor_of_safety_of(one.case, study.factor or Factor())
+        functions[FOS] = lambda: factor_of_safety_of(one.case, study.factor or FactorSettings())
         found: dict[str, Any] = {}
         for name, expression in study.measures.items():
             found[name] = expression.value(found, functions)
@@ -136,7 +136,7 @@ class One:
     """Its case."""
     output: Path | None
     """Its result file."""
-    made: list[Measured] = field(default_factory=list)
+    made: list[RunResults] = field(default_factory=list)
 
     @property
     def is_made(self) -> bool:
@@ -144,31 +144,31 @@ class One:
         return bool(self.made)
 
     @property
-    def measured(self) -> Measured:
+    def measured(self) -> RunResults:
         """Its results."""
         if not self.made:
             run: Run = self.case.run(output=self.output, warn=lambda _text: None)
             if not run.report.finished:
                 raise KeyboardInterrupt
-            self.made.append(Measured(run))
+            self.made.append(RunResults(run))
         return self.made[0]
 
 
-def factor_of(how: Factor) -> Reduction:
+def factor_of(how: FactorSettings) -> Reduction:
     """Return what a factor acts on."""
     return reduction(how.by, how.joints)
 
 
-def search_of(how: Factor, by: Reduction) -> Search:
+def search_of(how: FactorSettings, by: Reduction) -> FactorSearch:
     """Return where and how well a factor is looked for; raises CaseError for wrong numbers."""
-    return Search(
+    return FactorSearch(
         start=by.START if how.start is None else how.start,
         growth=by.GROWTH if how.growth is None else how.growth,
         tolerance=how.tolerance,
     )
 
 
-def factor_of_safety_of(case: Case, how: Factor) -> float:
+def factor_of_safety_of(case: Case, how: FactorSettings) -> float:
     """Return the factor with which the blocks of a case were last seen to stand."""
     by = factor_of(how)
     by.check(content_of(case))

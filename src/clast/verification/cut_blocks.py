@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.rockmass import Cut, Domain, JointSet
 from clast.rockmass.cut_lines import set_lines, site
@@ -23,7 +23,7 @@ def rectangle(width: float, height: float, **settings: Any) -> Domain:
 
 def drawing_of(found: Cut, title: str) -> Model:
     """Return the blocks of a cut as a model, for a picture of them."""
-    builder = ModelBuilder(title=title)
+    builder = InputBuilder(title=title)
     for name in found.rock_names:
         builder.add_rock(name, young=50e9, poisson=0.2, density=2700.0)
     rock = [found.rock_names[k] for k in found.rock]

@@ -39,7 +39,7 @@ STYLE = (
 
 
 @dataclass(frozen=True)
-class Section:
+class ProblemSection:
     """A problem and everything that was found for it."""
 
     problem: Problem
@@ -59,7 +59,7 @@ def write_report(findings: Sequence[Findings], directory: Path) -> list[Path]:
         figure = folder / f"{problem.name}.png"
         draw_problem(problem.set_up(), [chart for one in found for chart in one.charts], figure)
         rows = tuple(row for one in found for row in one.rows)
-        sections.append(Section(problem, rows, f"{FIGURES}/{figure.name}"))
+        sections.append(ProblemSection(problem, rows, f"{FIGURES}/{figure.name}"))
         written.append(figure)
     for suffix, page in ((".md", markdown(sections)), (".html", html(sections))):
         path = directory / f"{PAGE}{suffix}"
@@ -94,7 +94,7 @@ def _listed(quantities: Sequence[str]) -> str:
 SUMMARY_HEADINGS = ("problem", "compared", *(verdict.value for verdict in Verdict))
 
 
-def markdown(sections: Sequence[Section]) -> str:
+def markdown(sections: Sequence[ProblemSection]) -> str:
     """Return the page as Markdown."""
     lines = ["# Verification", "", INTRODUCTION, ""]
     summary = [
@@ -125,7 +125,7 @@ def _markdown_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> l
     return ["| " + " | ".join(text.replace("|", "\\|") for text in line) + " |" for line in lines]
 
 
-def html(sections: Sequence[Section]) -> str:
+def html(sections: Sequence[ProblemSection]) -> str:
     """Return the page as HTML."""
     parts = [
         "<!doctype html>",

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.actions.action import Done, Share, Solution, StepStart, energy_of_springs
+from clast.actions.action import ActionResult, Contribution, Solution, StepStart, energy_of_springs
 from clast.actions.bolts.bolt_events import happened
 from clast.actions.bolts.bolt_states import BoltStates, untouched
 from clast.contact.clipped_spring import Clipped, Springs, table
@@ -35,13 +35,15 @@ class Bolting:
         none = untouched(len(model.bolts.stiffness))
         return taken_up(model, none, lengths(model, model.bolts.at))
 
-    def share(self, start: StepStart, own: BoltStates) -> Share:
+    def share(self, start: StepStart, own: BoltStates) -> Contribution:
         """Return the springs of all bolts that bear between blocks that can move."""
         points = start.state.points[start.model.point_slices.bolts]
         length = lengths(start.model, points)
-        return Share(springs=_springs(start, taken_up(start.model, own, length), length))
+        return Contribution(springs=_springs(start, taken_up(start.model, own, length), length))
 
-    def finish(self, start: StepStart, own: BoltStates, share: Share, solution: Solution) -> Done:
+    def finish(
+        self, start: StepStart, own: BoltStates, share: Contribution, solution: Solution
+    ) -> ActionResult:
         """Return what the bolts have done: they store energy, yield and break.
 
         What jacks do, and what bolts are installed with, comes from outside as ``loads``; what was
@@ -69,9 +71,9 @@ class Bolting:
             yielding=float(np.sum(plastic + broken)),
             removed=float(np.sum(was[begun.lost])),
         )
-        return Done(work=work, ledger=ledger, own=ended)
+        return ActionResult(work=work, ledger=ledger, own=ended)
 
-    def told(
+    def events(
         self, model: Model, before: BoltStates, after: BoltStates
     ) -> Iterator[tuple[str, str, str]]:
         """Give kind, name and sentence of what has happened to bolts in a step."""

@@ -37,12 +37,12 @@ from clast import spelling
 from clast.errors import shortened
 from clast.inputs.declaring.field_docs import field_docstrings
 from clast.inputs.declaring.validation_messages import Fault, faults_of, refusal
-from clast.model.ranges import Range
+from clast.model.ranges import AllowedRange
 
 Number = Annotated[float, Strict()]
 
 
-def within(limits: Range) -> AfterValidator:
+def within(limits: AllowedRange) -> AfterValidator:
     """Return the annotation of a number that is refused outside its range."""
 
     def validate(value: Any) -> Any:
@@ -99,7 +99,7 @@ class Chosen:
     def build(self, **provided: Any) -> Any:
         """Return the object that was chosen; ``provided`` are the values of fields on "auto"."""
         given = {
-            key: value.build() if isinstance(value, Chosen | Given) else value
+            key: value.build() if isinstance(value, Chosen | GivenObject) else value
             for key, value in self.numbers.items()
         }
         return class_at(self.path)(**{**given, **provided})
@@ -113,13 +113,13 @@ class Chosen:
         if not self.numbers:
             return self.name
         numbers = {
-            key: value.as_written() if isinstance(value, Chosen | Given) else value
+            key: value.as_written() if isinstance(value, Chosen | GivenObject) else value
             for key, value in self.numbers.items()
         }
         return {"name": self.name, **numbers}
 
 
-class Given:
+class GivenObject:
     """An object of a script in the place of a name; a file can hold it if its class has a name."""
 
     # no dataclass: pydantic would take it, and the object with it, to pieces when it is written
@@ -142,7 +142,7 @@ class Given:
         """Return False: nothing is left to clast."""
         return False
 
-    def as_written(self) -> str | dict[str, Any] | Given:
+    def as_written(self) -> str | dict[str, Any] | GivenObject:
         """Return its name or table in a file; itself where it has none."""
         written = self.choice.written(self.value)
         return self if written is None else written
@@ -174,9 +174,9 @@ class Choice:
         """Name -> "module:class"."""
         return self.alternatives.classes[self.key]
 
-    def validate(self, value: Any) -> Chosen | Given:
+    def validate(self, value: Any) -> Chosen | GivenObject:
         """Return the choice that a name, a table or an object makes; hand faults to pydantic."""
-        if isinstance(value, Chosen | Given):
+        if isinstance(value, Chosen | GivenObject):
             return value
         if not isinstance(value, PLAIN):
             return self._given(value)
@@ -222,7 +222,7 @@ class Choice:
             numbers[one.name] = number
         return {"name": name, **numbers} if numbers else name
 
-    def _given(self, value: Any) -> Given:
+    def _given(self, value: Any) -> GivenObject:
         """Return an object of a script, if it is one of the kind that is wanted."""
         if isinstance(value, type):
             what = f"{value.__name__} is a class, not an object"
@@ -233,7 +233,7 @@ class Choice:
             what = f"{type(value).__name__} is no {self.key}: it has no {', '.join(missing)}"
             remedy = f"a {self.key} has {', '.join(needed)}; see clast.step.method"
             raise refusal(Fault(what=what, remedy=remedy))
-        return Given(value, self)
+        return GivenObject(value, self)
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
@@ -241,7 +241,9 @@ class Choice:
         return core_schema.no_info_plain_validator_function(
             self.validate,
             serialization=core_schema.plain_serializer_function_ser_schema(
-                lambda chosen: chosen.as_written() if isinstance(chosen, Chosen | Given) else chosen
+                lambda chosen: (
+                    chosen.as_written() if isinstance(chosen, Chosen | GivenObject) else chosen
+                )
             ),
         )
 

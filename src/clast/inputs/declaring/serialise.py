@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from clast.errors import CaseError
-from clast.inputs.declaring.alternatives import Given
+from clast.inputs.declaring.alternatives import GivenObject
 from clast.inputs.declaring.text import is_tables
 from clast.inputs.declaring.validation_messages import Place, place_text
 
@@ -48,7 +48,9 @@ def without_objects(content: Mapping[str, Any], instead: Instead) -> dict[str, A
         if is_tables(value):
             return [without(inner, (*place, number)) for number, inner in enumerate(value)]
         return (
-            instead(value.value, place_text(place, content)) if isinstance(value, Given) else value
+            instead(value.value, place_text(place, content))
+            if isinstance(value, GivenObject)
+            else value
         )
 
     return {key: without(value, (key,)) for key, value in content.items()}

@@ -33,7 +33,7 @@ def check_actions(actions: Sequence[object]) -> None:
 
 
 def check_numbers(
-    values: Any, count: int, where: str, limits: ranges.Range = ranges.COORDINATE
+    values: Any, count: int, where: str, limits: ranges.AllowedRange = ranges.COORDINATE
 ) -> Floats:
     """Return ``count`` finite numbers as an array, shape (count,), or say which is none."""
     try:

@@ -10,12 +10,12 @@ import shapely
 
 from clast.errors import ModelError
 from clast.inputs.declaring.values import number_of
-from clast.model.checks import TOUCHING, Outlines, locate, point_text
+from clast.model.checks import TOUCHING, BlockOutlines, locate, point_text
 from clast.model.model import Floats, Ints
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pieces:
+class LinePieces:
     """The parts of a line that lie in blocks, in their order along it."""
 
     block: Ints
@@ -31,7 +31,7 @@ class Pieces:
 class Ground:
     """The blocks that things between blocks are set in, about the origin."""
 
-    outlines: Outlines
+    outlines: BlockOutlines
     tree: Any
     """shapely.STRtree of their polygons."""
     moved: float = 0.0
@@ -65,7 +65,7 @@ class Ground:
             raise ModelError(error.what, where=error.where, remedy=remedy) from None
         return [int(one) for one in found]
 
-    def pieces(self, line: Floats) -> Pieces:
+    def pieces(self, line: Floats) -> LinePieces:
         """Return the parts of a line (2, 2) that lie in blocks."""
         length = float(np.hypot(*(line[1] - line[0])))
         along, shape = (line[1] - line[0]) / length, shapely.linestrings(line)
@@ -82,7 +82,7 @@ class Ground:
         return _joined(near[owner][order].astype(np.int64), ends[order], TOUCHING * length)
 
 
-def _joined(block: Ints, ends: Floats, close: float) -> Pieces:
+def _joined(block: Ints, ends: Floats, close: float) -> LinePieces:
     """Return the parts with those of one block that follow each other as one."""
     kept_block: list[int] = []
     kept_ends: list[list[float]] = []
@@ -92,12 +92,14 @@ def _joined(block: Ints, ends: Floats, close: float) -> Pieces:
             continue
         kept_block.append(number)
         kept_ends.append([first, last])
-    return Pieces(
+    return LinePieces(
         block=np.array(kept_block, np.int64), ends=np.array(kept_ends, float).reshape(-1, 2)
     )
 
 
-def joints_between(pieces: Pieces, line: Floats, ground: Ground, label: str, widest: float) -> None:
+def joints_between(
+    pieces: LinePieces, line: Floats, ground: Ground, label: str, widest: float
+) -> None:
     """Refuse a grouted line that begins or ends in no block, leaves rock, or crosses no joint.
 
     Joints may be open by ``widest``, m.
@@ -136,7 +138,7 @@ def joints_between(pieces: Pieces, line: Floats, ground: Ground, label: str, wid
         )
 
 
-def _outside(pieces: Pieces, length: float) -> list[tuple[str, float]]:
+def _outside(pieces: LinePieces, length: float) -> list[tuple[str, float]]:
     """Return how far the rock is from start and end of a line, m, along it; all of it for none."""
     if not len(pieces):
         return [("start", length), ("end", length)]

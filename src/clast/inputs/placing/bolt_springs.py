@@ -11,7 +11,7 @@ from clast.errors import ModelError, shortened
 from clast.inputs.bolts import Bolt, BoltKind, BoltPattern
 from clast.inputs.declaring.table import Inputs
 from clast.inputs.declaring.values import number_of
-from clast.inputs.placing.bolt_lines import Ground, Pieces, joints_between
+from clast.inputs.placing.bolt_lines import Ground, LinePieces, joints_between
 from clast.inputs.placing.bolt_patterns import bolts_round
 from clast.model import ranges
 from clast.model.bolts import Bolts
@@ -158,7 +158,7 @@ def _grouted(label: str, bolt: Bolt, line: Floats, ground: Ground) -> Anchored:
     return _crossings(pieces, line, free)
 
 
-def _crossings(pieces: Pieces, line: Floats, free: float) -> Anchored:
+def _crossings(pieces: LinePieces, line: Floats, free: float) -> Anchored:
     """Return the head, two points beside each joint, and the toe."""
     length = float(np.hypot(*(line[1] - line[0])))
     along = (line[1] - line[0]) / length

@@ -10,7 +10,7 @@ import shapely
 from clast.errors import ModelError
 from clast.inputs.declaring.table import Loop, Point
 from clast.inputs.viscous_boundaries import ViscousBoundary, Where
-from clast.model.checks import Geometries, Outlines, point_text
+from clast.model.checks import BlockOutlines, Geometries, point_text
 from clast.model.ground_motion import GroundMotion, IncomingWave
 from clast.model.model import Bools, Ints
 from clast.model.outline import outline_edges
@@ -25,7 +25,10 @@ OUTSIDE = np.array([0.05, 0.5, 0.95])
 
 
 def viscous_edges(
-    boundaries: Sequence[ViscousBoundary], outlines: Outlines, polygons: Geometries, fixed: Bools
+    boundaries: Sequence[ViscousBoundary],
+    outlines: BlockOutlines,
+    polygons: Geometries,
+    fixed: Bools,
 ) -> ViscousEdges:
     """Return the edges of viscous boundaries, in their order.
 
@@ -60,7 +63,7 @@ def viscous_edges(
     return ViscousEdges(**joined, stage=sum((one.stage for one in found), ()))
 
 
-def check_incoming(motion: GroundMotion, edges: ViscousEdges, outlines: Outlines) -> None:
+def check_incoming(motion: GroundMotion, edges: ViscousEdges, outlines: BlockOutlines) -> None:
     """Refuse a wave from below where no viscous edge faces down."""
     if not isinstance(motion, IncomingWave):
         return
@@ -76,7 +79,7 @@ def check_incoming(motion: GroundMotion, edges: ViscousEdges, outlines: Outlines
         )
 
 
-def _edges(label: str, place: Where, outlines: Outlines, polygons: Geometries) -> Ints:
+def _edges(label: str, place: Where, outlines: BlockOutlines, polygons: Geometries) -> Ints:
     """Return the edges of a boundary, in their order."""
     if place.side is not None:
         edge = _on_side(label, place.side, outlines)
@@ -94,7 +97,7 @@ def _edges(label: str, place: Where, outlines: Outlines, polygons: Geometries) -
     return np.unique(edge)
 
 
-def _on_side(label: str, side: str, outlines: Outlines) -> Ints:
+def _on_side(label: str, side: str, outlines: BlockOutlines) -> Ints:
     edge = outline_edges(outlines.vertices, outlines.start, (side,))[:, 0]
     if len(edge) == 0:
         raise ModelError(
@@ -105,7 +108,7 @@ def _on_side(label: str, side: str, outlines: Outlines) -> Ints:
     return edge
 
 
-def _on_lines(label: str, lines: Sequence[tuple[Point, Point]], outlines: Outlines) -> Ints:
+def _on_lines(label: str, lines: Sequence[tuple[Point, Point]], outlines: BlockOutlines) -> Ints:
     """Return the edges that lie along straight lines."""
     here, there = outlines.vertices, outlines.vertices[outlines.following]
     near = BESIDE * np.sqrt(np.abs(outlines.area))[outlines.owner]
@@ -140,7 +143,7 @@ def _on_lines(label: str, lines: Sequence[tuple[Point, Point]], outlines: Outlin
     return np.concatenate(found)
 
 
-def _within(label: str, polygon: Loop, outlines: Outlines, polygons: Geometries) -> Ints:
+def _within(label: str, polygon: Loop, outlines: BlockOutlines, polygons: Geometries) -> Ints:
     """Return the outer edges whose middle lies in a polygon."""
     where = f"{label}, where, polygon"
     if len(polygon) < 3:
@@ -164,7 +167,7 @@ def _within(label: str, polygon: Loop, outlines: Outlines, polygons: Geometries)
     return edge
 
 
-def _is_outer(edge: Ints, outlines: Outlines, polygons: Geometries) -> Bools:
+def _is_outer(edge: Ints, outlines: BlockOutlines, polygons: Geometries) -> Bools:
     """Return which edges (k,) have no other block right behind them, shape (k,)."""
     first = outlines.vertices[edge]
     line = outlines.vertices[outlines.following[edge]] - first
@@ -178,7 +181,7 @@ def _is_outer(edge: Ints, outlines: Outlines, polygons: Geometries) -> Bools:
     return outer
 
 
-def _refuse_fixed(label: str, edge: Ints, outlines: Outlines, fixed: Bools) -> None:
+def _refuse_fixed(label: str, edge: Ints, outlines: BlockOutlines, fixed: Bools) -> None:
     """Refuse edges of blocks that do not move."""
     for one in edge[fixed[outlines.owner[edge]]][:1].tolist():
         raise ModelError(
@@ -189,7 +192,7 @@ def _refuse_fixed(label: str, edge: Ints, outlines: Outlines, fixed: Bools) -> N
         )
 
 
-def _edge_text(edge: int, outlines: Outlines) -> str:
+def _edge_text(edge: int, outlines: BlockOutlines) -> str:
     """Return how a message calls an edge."""
     ends = " to ".join(point_text(outlines.at(k)) for k in (edge, int(outlines.following[edge])))
     return f"{ends} of {outlines.label(int(outlines.owner[edge]))}"

@@ -179,7 +179,7 @@ class ManyBlocks:
             raise self._error("does not run from 0 up to the number of vertices", "start")
         return np.diff(start).astype(np.int64), vertices
 
-    def _rows(self, values: Any, key: str, limits: ranges.Range) -> Floats:
+    def _rows(self, values: Any, key: str, limits: ranges.AllowedRange) -> Floats:
         """Return three numbers for each block (k, 3), the same for all where three are given."""
         try:
             rows = np.asarray(values, np.float64)

@@ -20,7 +20,7 @@ import shapely
 from clast import spelling
 from clast.errors import CaseError, ModelError
 from clast.inputs.blocks import BlockTable
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.inputs.declaring.validation_messages import Fault
 from clast.inputs.joint_sets import JointSetTable
 from clast.inputs.placing.plausibility import doubted_sets
@@ -38,7 +38,7 @@ from clast.model.model import Bools, Floats
 
 if TYPE_CHECKING:
     from clast.rockmass import Cut, Opening, Region, Trace
-    from clast.rockmass.report_of_cut import Finding, Report
+    from clast.rockmass.report_of_cut import CutReport, Finding
 
 SIDES: dict[str, tuple[int, Callable[[Floats], Any]]] = {
     "left": (0, np.min),
@@ -252,7 +252,7 @@ class CutCase:
                     "a [[region]] with one_block = true in its place",
                 )
 
-    def add_to(self, builder: ModelBuilder) -> None:
+    def add_to(self, builder: InputBuilder) -> None:
         """Add the blocks, with joints that hold where edges are welded."""
         from clast.rockmass import CONSTRUCTION, WELDED
 
@@ -418,7 +418,7 @@ DONE = {
 """Finding of the report -> what was done."""
 
 
-def _findings(report: Report) -> Iterator[str]:
+def _findings(report: CutReport) -> Iterator[str]:
     """Give what was done to lines and blocks, each with its first place."""
     from clast.rockmass.report_of_cut import place_text
 

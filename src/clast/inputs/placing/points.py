@@ -14,14 +14,14 @@ from clast.inputs.declaring.table import Inputs, Point, Table
 from clast.inputs.declaring.values import number_of
 from clast.inputs.loads import FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.measurements import MeasuredPoint
-from clast.model.checks import Geometries, Outlines, locate, point_text
+from clast.model.checks import BlockOutlines, Geometries, locate, point_text
 from clast.model.factors import NO_FACTOR
 from clast.model.model import Floats, Ints
 from clast.model.names import check_text
 
 
 @dataclass(frozen=True)
-class Place:
+class LoadPlace:
     """A point, or a line from ``at`` to ``end``, on a block; ``load`` is its force or traction."""
 
     label: str
@@ -34,7 +34,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Places:
+class LoadPlaces:
     """Where points or lines ended up: blocks (k,), ends (k, 2), loads (k, 2), factors, names."""
 
     block: Ints
@@ -45,23 +45,23 @@ class Places:
     name: tuple[str, ...]
 
 
-def places_of(given: Inputs) -> dict[type[Table], list[Place]]:
+def places_of(given: Inputs) -> dict[type[Table], list[LoadPlace]]:
     """Return where everything is that is at points or along lines, by its kind."""
     return {
         FixedPoint: [
-            Place(f"fixed point {k}", one.at, one.block)
+            LoadPlace(f"fixed point {k}", one.at, one.block)
             for k, one in enumerate(given.all(FixedPoint), 1)
         ],
         MeasuredPoint: [
-            Place(f"measured point '{shortened(one.name)}'", one.at, one.block)
+            LoadPlace(f"measured point '{shortened(one.name)}'", one.at, one.block)
             for one in given.all(MeasuredPoint)
         ],
         PointLoad: [
-            Place(label, one.at, one.block, load=one.force, factor=one.factor, name=name)
+            LoadPlace(label, one.at, one.block, load=one.force, factor=one.factor, name=name)
             for label, name, one in named_loads(given.all(PointLoad), "point load")
         ],
         LineLoad: [
-            Place(label, one.start, one.block, one.end, one.traction, one.factor, name)
+            LoadPlace(label, one.start, one.block, one.end, one.traction, one.factor, name)
             for label, name, one in named_loads(given.all(LineLoad), "line load")
         ],
     }
@@ -80,13 +80,13 @@ def named_loads(loads: Sequence[L], kind: str) -> Iterator[tuple[str, str, L]]:
 
 
 def located(
-    entries: list[Place],
+    entries: list[LoadPlace],
     block_number: dict[str, int],
     factor_number: dict[str, int],
-    outlines: Outlines,
+    outlines: BlockOutlines,
     polygons: Geometries,
     moved: float,
-) -> Places:
+) -> LoadPlaces:
     """Return blocks and coordinates about the origin of points or lines.
 
     ``moved``, m, is how far vertices may have moved since they were drawn.
@@ -108,10 +108,10 @@ def located(
     if lines.any():
         shapes = np.array(shapely.linestrings(np.stack([at, end], axis=1)))
     if count == 0:
-        return Places(np.zeros(0, np.int64), at, end, load, factor, ())
+        return LoadPlaces(np.zeros(0, np.int64), at, end, load, factor, ())
 
     def where(k: int) -> str:
         return f"{entries[k].label} at {point_text(at[k] + outlines.origin)}"
 
     block = locate(shapes, named, where, outlines, shapely.STRtree(polygons), moved)
-    return Places(block, at, end, load, factor, tuple(entry.name for entry in entries))
+    return LoadPlaces(block, at, end, load, factor, tuple(entry.name for entry in entries))

@@ -13,7 +13,7 @@ from clast.errors import ModelError
 from clast.inputs.declaring.values import number_of
 from clast.inputs.loads import Pressure
 from clast.inputs.placing.points import named_loads
-from clast.model.checks import TOUCHING, Outlines, point_text
+from clast.model.checks import TOUCHING, BlockOutlines, point_text
 from clast.model.factors import NO_FACTOR
 from clast.model.model import EdgePressures, Floats, Ints
 
@@ -36,7 +36,7 @@ def pressed_edges(
     pressures: Sequence[Pressure],
     block_number: dict[str, int],
     factor_number: dict[str, int],
-    outlines: Outlines,
+    outlines: BlockOutlines,
 ) -> tuple[EdgePressures, tuple[str, ...]]:
     """Return the parts of edges on which pressures act, and notes of lines that leave edges.
 
@@ -75,19 +75,19 @@ def pressed_edges(
     return EdgePressures(**joined, name=names), tuple(notes)
 
 
-def _line(pressure: Pressure, outlines: Outlines) -> _Line:
+def _line(pressure: Pressure, outlines: BlockOutlines) -> _Line:
     """Return the line of a pressure about the origin."""
     start, end = (np.array(one) - outlines.origin for one in (pressure.start, pressure.end))
     length = float(np.hypot(*(end - start)))
     return _Line(start, (end - start) / length, length)
 
 
-def _reach(outlines: Outlines, edges: Ints) -> Floats:
+def _reach(outlines: BlockOutlines, edges: Ints) -> Floats:
     """Return how far edges may lie beside a line, m: as far as loads may beside their blocks."""
     return np.asarray(TOUCHING * np.sqrt(np.abs(outlines.area)))[outlines.owner[edges]]
 
 
-def _parts(line: _Line, edges: Ints, outlines: Outlines) -> tuple[Ints, Floats, Floats]:
+def _parts(line: _Line, edges: Ints, outlines: BlockOutlines) -> tuple[Ints, Floats, Floats]:
     """Return the edges along a line, the shares of them, and where these are on the line.
 
     Shapes (k,), (k, 2), -, in the direction of the edge, and (k, 2), m.
@@ -110,7 +110,7 @@ def _parts(line: _Line, edges: Ints, outlines: Outlines) -> tuple[Ints, Floats, 
     return edges[chosen], share, first[0][chosen, None] + share * way[near, None]
 
 
-def _refuse_no_edge(label: str, line: _Line, edges: Ints, outlines: Outlines) -> NoReturn:
+def _refuse_no_edge(label: str, line: _Line, edges: Ints, outlines: BlockOutlines) -> NoReturn:
     """Raise ModelError for a line along no edge, with the edge that comes nearest."""
     here, there = outlines.vertices[edges], outlines.vertices[outlines.following[edges]]
     end = line.start + line.length * line.along
@@ -135,7 +135,7 @@ def _refuse_no_edge(label: str, line: _Line, edges: Ints, outlines: Outlines) ->
 
 
 def _refuse_two_blocks(
-    label: str, line: _Line, edge: Ints, place: Floats, outlines: Outlines
+    label: str, line: _Line, edge: Ints, place: Floats, outlines: BlockOutlines
 ) -> None:
     """Refuse a line along which edges of two blocks lie in the same place (k, 2), m."""
     order = np.argsort(place[:, 0], kind="stable")

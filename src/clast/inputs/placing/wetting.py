@@ -11,7 +11,7 @@ import numpy as np
 from clast import spelling
 from clast.errors import ModelError, shortened
 from clast.inputs.water import SHARE, Water
-from clast.model.checks import Outlines, point_text
+from clast.model.checks import BlockOutlines, point_text
 from clast.model.factors import Factor
 from clast.model.joints import JointTable
 from clast.model.model import Floats, Ints
@@ -40,7 +40,7 @@ CLOSED = 1e-3
 class Bed:
     """What water is found in: blocks, their joints, and gravity."""
 
-    outlines: Outlines
+    outlines: BlockOutlines
     table: JointTable
     edge_joint: Ints
     """Joint of each edge, -1: none of its own, shape (nv,)."""
@@ -99,7 +99,7 @@ def _water(
     return water, [*notes, _said(label, water, edges)]
 
 
-def _surface(label: str, given: Water, outlines: Outlines) -> Floats:
+def _surface(label: str, given: Water, outlines: BlockOutlines) -> Floats:
     """Return the points of the phreatic line about the origin, x rising, shape (m, 2)."""
     if given.level is not None:
         return np.array([[0.0, given.level - outlines.origin[1]]])
@@ -158,7 +158,7 @@ def _share(label: str, given: Water, factors: tuple[Factor, ...]) -> tuple[float
     return name, None
 
 
-def _refuse_dry(label: str, surface: Floats, outlines: Outlines) -> None:
+def _refuse_dry(label: str, surface: Floats, outlines: BlockOutlines) -> None:
     """Refuse water that lies below all blocks."""
     x, y = outlines.vertices.T
     depth = surface_at(surface, x) - y

@@ -18,7 +18,7 @@ import numpy as np
 
 from clast.errors import CaseError
 from clast.inputs.declaring.text import read_text
-from clast.inputs.records.series import UNITS, Series, number_of, numbers_of
+from clast.inputs.records.series import UNITS, RecordSeries, number_of, numbers_of
 from clast.inputs.records.unit_names import unit_of_heading
 
 HEADING = 12
@@ -39,7 +39,7 @@ NO_SECONDS = re.compile(
 """An interval that is not in s."""
 
 
-def read_at2(path: Path) -> Series:
+def read_at2(path: Path) -> RecordSeries:
     """Return the record in a file; raises CaseError with file, line and remedy.
 
     The first value is at 0 s.  What the heading says of quantity and unit is taken over.
@@ -70,7 +70,7 @@ def read_at2(path: Path) -> Series:
             remedy="the file is cut short or was edited: get it anew, or put NPTS right",
         )
     heading = " ".join(lines[: last + 1])
-    return Series(
+    return RecordSeries(
         name=name,
         format="at2",
         time=interval * np.arange(len(values), dtype=np.float64),

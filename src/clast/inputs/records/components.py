@@ -11,7 +11,7 @@ from clast.errors import CaseError, shortened
 from clast.inputs.records.conversion import CONVERSIONS, Samples
 from clast.inputs.records.formats import READERS, format_of
 from clast.inputs.records.instants import check_sizes, doubted_times
-from clast.inputs.records.series import UNITS, Series
+from clast.inputs.records.series import UNITS, RecordSeries
 from clast.model.model import Floats
 
 SAME = 0.01
@@ -86,7 +86,7 @@ def component(wanted: Wanted) -> Component:
     )
 
 
-def _doubt(series: Series, wanted: Wanted, unit: str, name: str) -> str | None:
+def _doubt(series: RecordSeries, wanted: Wanted, unit: str, name: str) -> str | None:
     """Return what the heading of columns seems to say against the unit, or None."""
     size = abs(wanted.scale) * UNITS["acceleration"].get(unit, 0.0)
     if series.guess is None or size == 0.0:
@@ -100,7 +100,7 @@ def _doubt(series: Series, wanted: Wanted, unit: str, name: str) -> str | None:
     )
 
 
-def _quantity(series: Series, wanted: str | None) -> str:
+def _quantity(series: RecordSeries, wanted: str | None) -> str:
     """Return the quantity of a record; what case and file say must not contradict each other."""
     if wanted is not None and series.quantity not in (None, wanted):
         raise CaseError(
@@ -111,7 +111,7 @@ def _quantity(series: Series, wanted: str | None) -> str:
     return wanted or series.quantity or DEFAULT_QUANTITY
 
 
-def _unit(series: Series, quantity: str, wanted: Wanted) -> str:
+def _unit(series: RecordSeries, quantity: str, wanted: Wanted) -> str:
     """Return the unit of a record, which must be one of its quantity."""
     unit, known = wanted.unit or series.unit or wanted.unit_else, UNITS[quantity]
     listed = ", ".join(f'"{name}"' for name in known)

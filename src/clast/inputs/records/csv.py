@@ -8,13 +8,13 @@ import numpy as np
 
 from clast.errors import CaseError
 from clast.inputs.records.columns import Record, read_record
-from clast.inputs.records.series import Series
+from clast.inputs.records.series import RecordSeries
 
 UNEVEN = 0.1
 """Share of the interval by which instants may be off: times are rounded where they are printed."""
 
 
-def read_csv(path: Path) -> Series:
+def read_csv(path: Path) -> RecordSeries:
     """Return the record in a file of two or three columns; raises CaseError with file and line.
 
     Instants must rise by the same interval.
@@ -22,7 +22,7 @@ def read_csv(path: Path) -> Series:
     record = read_record(path)
     check_rising(record, path)
     _check_even(record, path)
-    return Series(
+    return RecordSeries(
         name=str(path),
         format="csv",
         time=record.time,

@@ -11,9 +11,9 @@ from clast.inputs.records.columns import BESIDE
 from clast.inputs.records.csv import read_csv
 from clast.inputs.records.knet import is_knet, read_knet
 from clast.inputs.records.sac import read_sac
-from clast.inputs.records.series import Series
+from clast.inputs.records.series import RecordSeries
 
-READERS: dict[str, Callable[[Path], Series]] = {
+READERS: dict[str, Callable[[Path], RecordSeries]] = {
     "csv": read_csv,
     "at2": read_at2,
     "k-net": read_knet,

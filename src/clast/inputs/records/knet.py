@@ -13,7 +13,7 @@ import numpy as np
 
 from clast.errors import CaseError
 from clast.inputs.declaring.text import read_text
-from clast.inputs.records.series import Series, header_number, numbers_of
+from clast.inputs.records.series import RecordSeries, header_number, numbers_of
 
 HEADING = 17
 """Lines of the heading."""
@@ -30,7 +30,7 @@ BEGINNINGS = {
 LAYOUT = "K-NET has 17 lines of heading, from 'Origin Time' to 'Memo.', then counts, eight a line"
 
 
-def read_knet(path: Path) -> Series:
+def read_knet(path: Path) -> RecordSeries:
     """Return the record in a file, acceleration in gal; raises CaseError with file, line, remedy.
 
     The first value is at 0 s.  The number of counts must be that of duration and frequency, to
@@ -64,7 +64,7 @@ def read_knet(path: Path) -> Series:
             where=f"{name}: line {DURATION}",
             remedy="the file is cut short or was edited: get it anew, or put the duration right",
         )
-    return Series(
+    return RecordSeries(
         name=name,
         format="k-net",
         time=np.arange(len(counts)) / frequency,

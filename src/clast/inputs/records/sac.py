@@ -10,12 +10,12 @@ import numpy as np
 
 from clast.errors import CaseError
 from clast.inputs.declaring.text import read_bytes
-from clast.inputs.records.series import Series
+from clast.inputs.records.series import RecordSeries
 
 LAYOUT = "SAC is binary, with a header of 632 bytes; name such a file, or the format that it has"
 
 
-def read_sac(path: Path) -> Series:
+def read_sac(path: Path) -> RecordSeries:
     """Return the record in a file; raises CaseError where it is none, or obspy is not installed.
 
     The first value is at 0 s.  Files do not say in a reliable way which unit they are in.
@@ -34,7 +34,7 @@ def read_sac(path: Path) -> Series:
         first = int(np.flatnonzero(~np.isfinite(values))[0])
         what = f"value {first + 1} is not finite"
         raise CaseError(what, where=name, remedy="fill the gap, or cut the record before it")
-    return Series(
+    return RecordSeries(
         name=name,
         format="sac",
         # the header holds the interval in single precision: 0.01 s is 0.00999999978

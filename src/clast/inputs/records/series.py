@@ -29,7 +29,7 @@ UNITS: dict[str, dict[str, float]] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Series:
+class RecordSeries:
     """What a file says of the ground over time."""
 
     name: str

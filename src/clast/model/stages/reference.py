@@ -9,7 +9,7 @@ from clast.model.state import State
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Reference:
+class ReferenceState:
     """Where displacements and rotations count from."""
 
     vertices: Floats
@@ -20,6 +20,6 @@ class Reference:
     """Rotation of each block since the start of the run, rad, shape (n,)."""
 
 
-def here(state: State) -> Reference:
+def here(state: State) -> ReferenceState:
     """Return a state as what displacements count from."""
-    return Reference(vertices=state.vertices, points=state.points, rotation=state.rotation)
+    return ReferenceState(vertices=state.vertices, points=state.points, rotation=state.rotation)

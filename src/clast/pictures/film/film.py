@@ -9,7 +9,7 @@ from pathlib import Path
 
 from clast.errors import CaseError
 from clast.pictures.film.encoders import ENCODERS
-from clast.pictures.film.film_frames import Drawing, FilmLook, Pixels
+from clast.pictures.film.film_frames import FilmLook, FrameDrawer, Pixels
 from clast.pictures.film.timing import frames_of, timing
 from clast.results import Recording
 from clast.rockmass.drawings.drawing_files import replaced_path
@@ -75,7 +75,7 @@ def write_film(
         )
     shown = timing(results.times, frames_of(results, stage), speed.fps, speed.speed)
     frames = [frame for frame, _ in shown]
-    drawing = Drawing(results, frames, look, WIDTHS[ending])
+    drawing = FrameDrawer(results, frames, look, WIDTHS[ending])
 
     def pictures() -> Iterator[Pixels]:
         for number, frame in enumerate(frames, 1):

@@ -23,7 +23,7 @@ from clast.pictures.figure_options import CM, Look
 from clast.pictures.joints.joint_edges import edges_by_joint
 from clast.pictures.joints.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces, together
 from clast.pictures.plot import TOGETHER, draw_points, legend_handles, places_of_points
-from clast.pictures.scale import Scale, scale_of
+from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import GROUND, draw_edges, handles_of
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
@@ -76,7 +76,7 @@ class FilmLook:
         return Look(limits=self.limits, zoom=self.zoom, size=size, dpi=DOTS)
 
 
-class Drawing:
+class FrameDrawer:
     """Draws frames of a run alike: part, colours and legend are those of the whole film."""
 
     def __init__(
@@ -222,7 +222,7 @@ def _part(results: Recording, frames: Sequence[int], look: FilmLook) -> canvas.P
 
 def _scale(
     results: Recording, frames: Sequence[int], seen: canvas.Part, look: FilmLook
-) -> Scale | None:
+) -> ColourScale | None:
     """Return one scale for all frames, from the free blocks or joints seen in some of them."""
     if look.field in JOINT_FIELDS:
         faces = together([JOINT_FIELDS[look.field].faces(results, frame) for frame in frames])
@@ -240,7 +240,7 @@ def _scale(
     return scale_of(every, np.concatenate(areas), look.limits) if len(every) else None
 
 
-def _explain(figure: Figure, sheet: canvas.Sheet, scale: Scale, field: str) -> None:
+def _explain(figure: Figure, sheet: canvas.Sheet, scale: ColourScale, field: str) -> None:
     """Draw the colour bar of a scale."""
     from matplotlib.collections import PolyCollection
 

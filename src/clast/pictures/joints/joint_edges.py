@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from clast.model.model import Bools, Floats
-from clast.pictures.strokes import Edges, following, groups, partners, strokes_of
+from clast.pictures.strokes import EdgeGroup, following, groups, partners, strokes_of
 from clast.results import Recording
 
 
 def edges_by_joint(
     results: Recording, here: Floats, start: Floats, apart: float, gone: Bools
-) -> tuple[Edges, ...]:
+) -> tuple[EdgeGroup, ...]:
     """Return the edges of all blocks in the places ``here`` (nv, 2), m, in groups by joint.
 
     Edges of two blocks that ran along each other at the ``start`` (nv, 2) are one as long as they

@@ -15,7 +15,7 @@ import numpy as np
 
 from clast.model.model import Bools, Floats
 from clast.pictures.draw_blocks import paint
-from clast.pictures.scale import Scale, scale_of
+from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import following, partners
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
@@ -126,7 +126,7 @@ JOINT_FIELDS = {
 """Fields that colour joints, and not blocks."""
 
 
-def scale_of_faces(faces: Faces, shown: Bools, limits: tuple[float, float] | None) -> Scale:
+def scale_of_faces(faces: Faces, shown: Bools, limits: tuple[float, float] | None) -> ColourScale:
     """Return one scale for the faces that are ``shown`` (k,), weighted by their lengths."""
     counted = shown if shown.any() else np.ones(len(shown), np.bool_)
     length = faces.length[counted]
@@ -134,7 +134,9 @@ def scale_of_faces(faces: Faces, shown: Bools, limits: tuple[float, float] | Non
     return scale_of(faces.value[counted], weight, limits)
 
 
-def draw_faces(axes: Axes, faces: Faces, scale: Scale, field: str) -> tuple[LineCollection, str]:
+def draw_faces(
+    axes: Axes, faces: Faces, scale: ColourScale, field: str
+) -> tuple[LineCollection, str]:
     """Draw faces on a scale; return them, and the unit with its prefix."""
     from matplotlib.collections import LineCollection
 

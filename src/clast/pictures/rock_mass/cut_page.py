@@ -14,7 +14,7 @@ from clast.pictures.figure_options import DEFAULT, Look
 from clast.pictures.html_files import html_path, write_html
 from clast.pictures.rock_mass.cut_statistics import statistics_figure
 from clast.pictures.rock_mass.section import BY, cut_figure
-from clast.rockmass import Cut, Finding, Report, Sizes
+from clast.rockmass import Cut, CutReport, Finding, Sizes
 from clast.rockmass.report_of_cut import place_text
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def _figure(figure: Figure, caption: str, wide: str = "") -> str:
     return f"<figure{wide}>{image}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
-def _summary(report: Report) -> str:
+def _summary(report: CutReport) -> str:
     return (
         f"{report.blocks:,} blocks cover {report.area:.9g} m²; the domain has "
         f"{report.domain_area:.9g} m² of rock, a difference of {abs(report.area_error):.1g} of it. "
@@ -136,7 +136,7 @@ def _summary(report: Report) -> str:
     )
 
 
-def _limits(report: Report) -> str:
+def _limits(report: CutReport) -> str:
     return (
         f"Lines were rounded to {report.tolerance:g} m. Edges below {report.smallest_edge:.4g} m "
         f"are collapsed ({report.short_edges:,} stayed shorter), blocks below "
@@ -144,7 +144,7 @@ def _limits(report: Report) -> str:
     )
 
 
-def _sizes(report: Report) -> _Table:
+def _sizes(report: CutReport) -> _Table:
     named: dict[str, Sizes] = {
         "Area of block, m²": report.block_area,
         "Length of edge, m": report.edge_length,
@@ -159,7 +159,7 @@ def _sizes(report: Report) -> _Table:
     )
 
 
-def _joint_sets(report: Report) -> list[str]:
+def _joint_sets(report: CutReport) -> list[str]:
     if not report.sets:
         return []
     table = _Table(
@@ -192,7 +192,7 @@ def _joint_sets(report: Report) -> list[str]:
     return ["<h2>Joint sets and traces</h2>", table.html()]
 
 
-def _changes(report: Report) -> _Table:
+def _changes(report: CutReport) -> _Table:
     found: dict[str, Finding] = {text: getattr(report, name) for name, text in FINDINGS.items()}
     return _Table(
         headings=("", "times", "length, m", "first places (x, y), m"),
@@ -209,7 +209,7 @@ def _changes(report: Report) -> _Table:
     )
 
 
-def _notes(report: Report) -> list[str]:
+def _notes(report: CutReport) -> list[str]:
     found = []
     for heading, texts in (("Warnings", report.warnings), ("Notes", report.notes)):
         if texts:

@@ -14,7 +14,7 @@ from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
 from clast.pictures.fields import round_below
 from clast.pictures.rock_mass.edge_groups import edges_of
 from clast.pictures.rock_mass.section import counted
-from clast.pictures.strokes import DASHES, Edges, following
+from clast.pictures.strokes import DASHES, EdgeGroup, following
 from clast.rockmass import Cut
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def _about(cut: Cut) -> str:
     )
 
 
-def _handles(joints: Sequence[Edges], limits: Sequence[float]) -> list[Any]:
+def _handles(joints: Sequence[EdgeGroup], limits: Sequence[float]) -> list[Any]:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -109,12 +109,12 @@ def _handles(joints: Sequence[Edges], limits: Sequence[float]) -> list[Any]:
     return handles
 
 
-def _hatch(one: Edges) -> str | None:
+def _hatch(one: EdgeGroup) -> str | None:
     """Return the hatching of a joint whose colour another one has, too."""
     return HATCHES[DASHES.index(one.stroke.dashes)]
 
 
-def sectors(joints: Sequence[Edges]) -> Floats:
+def sectors(joints: Sequence[EdgeGroup]) -> Floats:
     """Return the length of each joint by direction, m, shape (joints, 180/SECTOR).
 
     Directions are taken from 0 to 180 degrees, counter-clockwise from +x; the first sector is
@@ -130,7 +130,7 @@ def sectors(joints: Sequence[Edges]) -> Floats:
     return found
 
 
-def _draw_rose(axes: PolarAxes, joints: Sequence[Edges]) -> None:
+def _draw_rose(axes: PolarAxes, joints: Sequence[EdgeGroup]) -> None:
     """Draw the share of the length in each direction, one joint upon the other.
 
     Areas are as the lengths, not radii, or the largest set would hide the others.

@@ -11,7 +11,7 @@ from clast.pictures.canvas import INK
 from clast.pictures.strokes import (
     CONSTRUCTED,
     WELD,
-    Edges,
+    EdgeGroup,
     Stroke,
     following,
     groups,
@@ -28,9 +28,9 @@ RIM = Stroke(label="boundary", colour=INK, width=1.5, above=3)
 class Sorted:
     """All edges of a cut, each once."""
 
-    joints: tuple[Edges, ...]
+    joints: tuple[EdgeGroup, ...]
     """Those of each joint that has some, then those along which no joint is named."""
-    others: tuple[Edges, ...]
+    others: tuple[EdgeGroup, ...]
     """Welds, construction joints, and the rim where only one block is."""
 
     @property
@@ -40,10 +40,10 @@ class Sorted:
         return found[0] if found else np.zeros((0, 2, 2))
 
     @property
-    def plain(self) -> tuple[Edges, ...]:
+    def plain(self) -> tuple[EdgeGroup, ...]:
         """The joints all alike."""
         ends = [one.ends for one in self.joints]
-        return (Edges(ends=np.concatenate(ends), stroke=PLAIN),) if ends else ()
+        return (EdgeGroup(ends=np.concatenate(ends), stroke=PLAIN),) if ends else ()
 
 
 def edges_of(cut: Cut) -> Sorted:

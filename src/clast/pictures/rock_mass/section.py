@@ -17,7 +17,7 @@ from clast.pictures import canvas, draw_blocks
 from clast.pictures.canvas import FAINT, INK, NAME_BOX, SMALL_SIZE
 from clast.pictures.figure_options import DEFAULT, Look
 from clast.pictures.rock_mass.edge_groups import Sorted, edges_of
-from clast.pictures.strokes import GROUND, Edges, draw_edges, handles_of, label
+from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, handles_of, label
 from clast.rockmass import Cut
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class _Paint:
     """Colour of each rock."""
     rocks: bool
     """Whether the legend names the rocks."""
-    edges: tuple[Edges, ...]
+    edges: tuple[EdgeGroup, ...]
     """Edges with their looks."""
     about: str
     """What the picture says of its colours."""

@@ -51,7 +51,7 @@ class Bar:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mark:
+class TrialMark:
     """A trial of a study of collapse."""
 
     factor: float
@@ -63,7 +63,7 @@ class Mark:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Section:
+class FailureSection:
     """A section of n blocks, nv vertices, coloured by how often each fails."""
 
     vertices: Floats
@@ -114,7 +114,7 @@ def draw_tornado(bars: Sequence[Bar], middle: float, name: str, path: Path) -> P
 
 
 def draw_factors(
-    marks: Sequence[Mark], bracket: tuple[float, float], path: Path, name: str
+    marks: Sequence[TrialMark], bracket: tuple[float, float], path: Path, name: str
 ) -> Path:
     """Draw displacement against factor, with the bracket shaded; return the picture's path."""
     axes = _axes(path, name, "largest displacement (m)")
@@ -151,7 +151,7 @@ def draw_factors(
     return _saved(axes, path)
 
 
-def draw_frequency(section: Section, label: str, path: Path) -> Path:
+def draw_frequency(section: FailureSection, label: str, path: Path) -> Path:
     """Draw the section, blocks darker the more often they fail; return the picture's path."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import LinearSegmentedColormap

@@ -25,11 +25,15 @@ from clast.results.checkpoints.field_types import wrong_field
 Arrays = list[NDArray[Any]]
 """Arrays that a text refers to by their numbers."""
 MOVED = {
-    "clast.run.simulate:RunState": "clast.run.run_state",
-    "clast.run.tally:Tally": "clast.run.run_state",
-    "clast.results.report:Report": "clast.results.run_report",
+    "clast.run.simulate:RunState": "clast.run.run_state:RunState",
+    "clast.run.tally:Tally": "clast.run.run_state:Tally",
+    "clast.results.report:Report": "clast.results.run_report:Report",
+    "clast.run.stages.position:Held": "clast.run.stages.position:EquilibriumStreak",
+    "clast.actions.damping:Motion": "clast.actions.damping:DampingState",
+    "clast.model.stages.reference:Reference": "clast.model.stages.reference:ReferenceState",
+    "clast.results.recorder:Mark": "clast.results.recorder:RecordMark",
 }
-"""Where classes are now that older checkpoints name by another module."""
+"""Earlier names of classes, module and name, in older checkpoints -> present names."""
 OURS = re.compile(r"clast\.(actions|contact|model|results|run|step)(\.[a-z][a-z0-9_]*)+")
 """Modules whose classes a run may carry; to import one does nothing else."""
 
@@ -141,9 +145,8 @@ def _class(name: str, known: Mapping[str, type]) -> type:
     """Return the class of a name: a dataclass or an enumeration."""
     if not isinstance(name, str):
         raise TypeError("no name of a class")
-    module, _, inner = name.partition(":")
+    module, _, inner = MOVED.get(name, name).partition(":")
     found: Any = known.get(name)
-    module = MOVED.get(name, module)
     if found is None and OURS.fullmatch(module):
         try:
             found = import_module(module)

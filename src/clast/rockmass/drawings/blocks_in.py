@@ -22,7 +22,7 @@ import shapely
 from clast.errors import CaseError
 from clast.rockmass.drawings.block_arrays import Blocks, blocks_of, counter_clockwise
 from clast.rockmass.drawings.blocks_out import read_blocks_npz
-from clast.rockmass.drawings.csv_lines import CsvTable, Row, table_of
+from clast.rockmass.drawings.csv_lines import CsvRow, CsvTable, table_of
 from clast.rockmass.drawings.drawing import DEFAULT_JOINT, DEFAULT_ROCK, Floats, LeftOut
 from clast.rockmass.drawings.drawn_loops import without_repeats
 from clast.rockmass.drawings.dxf import DxfReading, role_of
@@ -94,7 +94,7 @@ def read_blocks_csv(path: str | Path) -> Blocks:
     return replace(found, notes=table.notes, left_out=_spare(table))
 
 
-def _check_together(rows: tuple[Row, ...], names: list[str], first: list[int]) -> None:
+def _check_together(rows: tuple[CsvRow, ...], names: list[str], first: list[int]) -> None:
     """Refuse rows without a block, and blocks whose rows stand apart or are too few."""
     seen: set[str] = set()
     for number, k in enumerate(first):

@@ -46,7 +46,7 @@ LARGEST = 1e12
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class CsvRow:
     """A row of a table."""
 
     values: Mapping[str, str]
@@ -90,7 +90,7 @@ class CsvTable:
 
     file: str
     columns: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[CsvRow, ...]
     notes: tuple[str, ...]
 
 
@@ -189,7 +189,9 @@ def table_of(path: Path) -> CsvTable:
             remedy="begin it with a heading, such as x,y or id,x,y; only x1,y1,x2,y2 need none",
         )
     rows = [
-        Row(values=dict(zip(columns, cells, strict=False)), line=k, file=file, decimal_comma=comma)
+        CsvRow(
+            values=dict(zip(columns, cells, strict=False)), line=k, file=file, decimal_comma=comma
+        )
         for k, cells in split
         if _fits(cells, columns, file, k)
     ]
@@ -251,7 +253,7 @@ def _misspelt(columns: Sequence[str]) -> str:
     return f"{'; '.join(close)}; " if close else ""
 
 
-def _left_out(table: CsvTable, kind: Kind) -> tuple[LeftOut, ...]:
+def _left_out(table: CsvTable, kind: TableKind) -> tuple[LeftOut, ...]:
     """Return the columns that are not read; refuse those that look like one that is."""
     known = (*kind.needed, *kind.optional)
     spare = [name for name in table.columns if name not in known]
@@ -288,7 +290,7 @@ def _straight(table: CsvTable, left: tuple[LeftOut, ...]) -> Drawing:
 
 def _polylines(table: CsvTable, left: tuple[LeftOut, ...]) -> Drawing:
     """Return one trace for the rows of an id."""
-    groups: dict[tuple[str, str], list[Row]] = {}
+    groups: dict[tuple[str, str], list[CsvRow]] = {}
     for row in table.rows:
         name = row.text("id")
         if not name:
@@ -310,7 +312,7 @@ def _polylines(table: CsvTable, left: tuple[LeftOut, ...]) -> Drawing:
     return _drawing(table, traces, dropped)
 
 
-def _keep(points: Floats, row: Row, traces: list[Polyline], dropped: list[LeftOut]) -> None:
+def _keep(points: Floats, row: CsvRow, traces: list[Polyline], dropped: list[LeftOut]) -> None:
     """Add a trace, or say that it has no length."""
     kept = without_repeats(points, 0.0)
     place = f"line {row.line}"
@@ -355,7 +357,7 @@ def _survey(table: CsvTable, left: tuple[LeftOut, ...]) -> Drawing:
     return Drawing(file=table.file, orientations=orientations, notes=table.notes, left_out=left)
 
 
-def _within(row: Row, column: str, most: float) -> float:
+def _within(row: CsvRow, column: str, most: float) -> float:
     value = row.number(column)
     if not 0.0 <= value <= most:
         raise CaseError(
@@ -366,7 +368,7 @@ def _within(row: Row, column: str, most: float) -> float:
     return value
 
 
-def _length(row: Row) -> float:
+def _length(row: CsvRow) -> float:
     """Return a length above 0, NaN where it is empty."""
     if not row.text("length"):
         return math.nan
@@ -380,7 +382,7 @@ def _length(row: Row) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Kind:
+class TableKind:
     """A kind of table: what it is called, its columns, and how it is read."""
 
     name: str
@@ -390,18 +392,18 @@ class Kind:
 
 
 KINDS = (
-    Kind(name="a table of traces", needed=PLAIN, optional=("joint", "set"), read=_straight),
-    Kind(
+    TableKind(name="a table of traces", needed=PLAIN, optional=("joint", "set"), read=_straight),
+    TableKind(
         name="a table of traces",
         needed=("id", "x", "y"),
         optional=("part", "joint", "set"),
         read=_polylines,
     ),
-    Kind(
+    TableKind(
         name="a joint survey",
         needed=("dip", "dip_direction"),
         optional=("length", "joint", "set"),
         read=_survey,
     ),
-    Kind(name="an outline", needed=("x", "y"), optional=(), read=_outline),
+    TableKind(name="an outline", needed=("x", "y"), optional=(), read=_outline),
 )

@@ -50,7 +50,7 @@ class Polyline:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Outline:
+class DrawnOutline:
     """A closed line round an opening or a region of one rock."""
 
     name: str
@@ -102,7 +102,7 @@ class Orientations:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class BoltKind:
+class DrawnBoltKind:
     """Stiffness and strength of bolts, per metre of thickness."""
 
     name: str
@@ -207,10 +207,10 @@ class Drawing:
     boundary_rock: str = DEFAULT_ROCK
     """Rock of all blocks that no region names."""
     traces: tuple[Polyline, ...] = ()
-    openings: tuple[Outline, ...] = ()
-    regions: tuple[Outline, ...] = ()
+    openings: tuple[DrawnOutline, ...] = ()
+    regions: tuple[DrawnOutline, ...] = ()
     bolts: tuple[Segment, ...] = ()
-    bolt_kinds: tuple[BoltKind, ...] = ()
+    bolt_kinds: tuple[DrawnBoltKind, ...] = ()
     fixed_points: tuple[Spot, ...] = ()
     fixed_lines: tuple[Segment, ...] = ()
     """Every block that such a line crosses is held at one point of it."""

@@ -24,7 +24,7 @@ INSIDE = 1e-7
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Line:
+class DrawnLine:
     """A line that is part of an outline, or all of it."""
 
     points: Floats
@@ -54,7 +54,7 @@ def closure_of(lines: Sequence[Floats], given: float | None) -> float:
     return CLOSURE * float(np.hypot(*np.ptp(corners, axis=0)))
 
 
-def loops_of(lines: Sequence[Line], tolerance: float, file: str) -> list[Loop]:
+def loops_of(lines: Sequence[DrawnLine], tolerance: float, file: str) -> list[Loop]:
     """Return the loops that lines make: closed ones by themselves, open ones end to end.
 
     Ends nearer than ``tolerance``, m, meet; lines drawn twice are taken once; both are noted.
@@ -70,7 +70,7 @@ def loops_of(lines: Sequence[Line], tolerance: float, file: str) -> list[Loop]:
             gap = 0.0 if line.closed else float(np.hypot(*(points[-1] - points[0])))
             loops.append(_loop(points[:-1] if meets else points, line.place, gap, tolerance))
         elif len(points) > 1:
-            opened.append(Line(points=points, closed=False, place=line.place))
+            opened.append(DrawnLine(points=points, closed=False, place=line.place))
     once = _drawn_once(opened, tolerance)
     if once:
         loops += _joined(once, tolerance, file)
@@ -97,9 +97,9 @@ def _loop(points: Floats, place: str, gap: float, tolerance: float) -> Loop:
     return Loop(points=points, place=place, notes=(note,) if gap > 0.0 else ())
 
 
-def _drawn_once(lines: Sequence[Line], tolerance: float) -> list[Line]:
+def _drawn_once(lines: Sequence[DrawnLine], tolerance: float) -> list[DrawnLine]:
     """Return the lines without those of two points that lie on an earlier one."""
-    kept: list[Line] = []
+    kept: list[DrawnLine] = []
     seen: set[tuple[tuple[int, int], ...]] = set()
     largest = max((float(np.abs(line.points).max()) for line in lines), default=0.0)
     grid = max(tolerance, 1e-12 * largest)
@@ -114,7 +114,7 @@ def _drawn_once(lines: Sequence[Line], tolerance: float) -> list[Line]:
     return kept
 
 
-def _joined(lines: Sequence[Line], tolerance: float, file: str) -> list[Loop]:
+def _joined(lines: Sequence[DrawnLine], tolerance: float, file: str) -> list[Loop]:
     """Return the loops of open lines; end 2 k is the beginning of line k, 2 k + 1 its end."""
     ends = np.array([line.points[side] for line in lines for side in (0, -1)])
     meeting = _partners(ends, lines, tolerance, file)
@@ -135,7 +135,7 @@ def _joined(lines: Sequence[Line], tolerance: float, file: str) -> list[Loop]:
     return loops
 
 
-def _partners(ends: Floats, lines: Sequence[Line], tolerance: float, file: str) -> Ints:
+def _partners(ends: Floats, lines: Sequence[DrawnLine], tolerance: float, file: str) -> Ints:
     """Return the end that each end meets, shape (n,), or say where one meets none or several."""
     tree = cKDTree(ends)
     pairs = tree.query_pairs(tolerance, output_type="ndarray")
@@ -160,7 +160,7 @@ def _partners(ends: Floats, lines: Sequence[Line], tolerance: float, file: str) 
 
 
 def _open_end(
-    ends: Floats, alone: Ints, lines: Sequence[Line], tolerance: float, file: str
+    ends: Floats, alone: Ints, lines: Sequence[DrawnLine], tolerance: float, file: str
 ) -> CaseError:
     """Return the error of an outline that is not closed: the narrowest gap first."""
     end, gap, other = int(alone[0]), np.inf, -1

@@ -27,15 +27,15 @@ from clast.errors import CaseError
 from clast.rockmass.drawings.drawing import (
     DEFAULT_JOINT,
     Drawing,
+    DrawnOutline,
     Floats,
     LeftOut,
-    Outline,
     Polyline,
     Segment,
     Spot,
 )
 from clast.rockmass.drawings.drawn_loops import (
-    Line,
+    DrawnLine,
     closure_of,
     cutting,
     lengthened,
@@ -241,7 +241,7 @@ class _Collected:
     content: DxfContent
     reading: DxfReading
     traces: list[Polyline] = field(default_factory=list)
-    lines: dict[tuple[str, str], list[Line]] = field(default_factory=dict)
+    lines: dict[tuple[str, str], list[DrawnLine]] = field(default_factory=dict)
     """Role and name -> lines of outlines."""
     bolts: list[Segment] = field(default_factory=list)
     fixed_lines: list[Segment] = field(default_factory=list)
@@ -282,7 +282,7 @@ class _Collected:
         if len(piece.points) < 2:
             self.leave(piece, piece.kind, "an outline is drawn by lines")
             return
-        line = Line(points=self.flat(piece), closed=piece.closed, place=piece.place)
+        line = DrawnLine(points=self.flat(piece), closed=piece.closed, place=piece.place)
         self.lines.setdefault((role, name), []).append(line)
 
     def region(self, piece: Piece, name: str) -> None:
@@ -322,14 +322,14 @@ class _Collected:
         name = f"{letter}{len(found) + 1}"
         found.append(Spot(name=name, at=self.flat(piece)[0], place=piece.place))
 
-    def outlines(self) -> dict[tuple[str, str], list[Outline]]:
+    def outlines(self) -> dict[tuple[str, str], list[DrawnOutline]]:
         """Return the closed outlines by role and name, counter-clockwise."""
-        found: dict[tuple[str, str], list[Outline]] = {}
+        found: dict[tuple[str, str], list[DrawnOutline]] = {}
         for (role, name), lines in self.lines.items():
             for loop in loops_of(lines, self.tolerance, str(self.path)):
                 points, notes = ring(loop, "the outline", str(self.path))
                 self.notes += notes
-                one = Outline(name=name, points=points, place=loop.place)
+                one = DrawnOutline(name=name, points=points, place=loop.place)
                 found.setdefault((role, name), []).append(one)
         return found
 
@@ -356,7 +356,7 @@ class _Collected:
             left_out=(*self.left_out, *self.content.elsewhere),
         )
 
-    def _boundary(self, found: Sequence[Outline]) -> Floats:
+    def _boundary(self, found: Sequence[DrawnOutline]) -> Floats:
         if len(found) == 1:
             return found[0].points
         corners = "; ".join(f"{one.place} at {point(one.points[0])}" for one in found[:3])
@@ -378,11 +378,11 @@ TAKE: dict[str, Callable[[_Collected, Piece, str], None]] = {
 """What becomes of a piece on the layers of each role."""
 
 
-def _of(role: str, outlines: dict[tuple[str, str], list[Outline]]) -> list[Outline]:
+def _of(role: str, outlines: dict[tuple[str, str], list[DrawnOutline]]) -> list[DrawnOutline]:
     return [one for key, group in outlines.items() if key[0] == role for one in group]
 
 
-def _numbered(outlines: Iterable[Outline], kind: str) -> list[Outline]:
+def _numbered(outlines: Iterable[DrawnOutline], kind: str) -> list[DrawnOutline]:
     """Return outlines with names of their own: those without one, and twins, get a number."""
     given = list(outlines)
     times = Counter(one.name for one in given)
@@ -394,7 +394,7 @@ def _numbered(outlines: Iterable[Outline], kind: str) -> list[Outline]:
             number += 1
             name = f"{one.name or kind}-{number}"
         used.add(name)
-        named.append(Outline(name=name, points=one.points, place=one.place))
+        named.append(DrawnOutline(name=name, points=one.points, place=one.place))
     return named
 
 

@@ -61,13 +61,13 @@ class Scatter(Protocol):
         """Raise ModelError for numbers that it cannot have."""
         ...
 
-    def angles(self, mean: Direction, rng: np.random.Generator, count: int) -> Floats:
+    def angles(self, mean: MeanDirection, rng: np.random.Generator, count: int) -> Floats:
         """Return angles in the section, radians, shape (count,)."""
         ...
 
 
 @dataclass(frozen=True, kw_only=True)
-class Direction:
+class MeanDirection:
     """The mean direction of a set in the section."""
 
     angle: float | None
@@ -128,7 +128,7 @@ class VonMises:
         """Refuse a concentration that is not above 0."""
         _check_kappa(self.kappa, where)
 
-    def angles(self, mean: Direction, rng: np.random.Generator, count: int) -> Floats:
+    def angles(self, mean: MeanDirection, rng: np.random.Generator, count: int) -> Floats:
         """Return angles in the section, radians, shape (count,)."""
         return (mean.angle or 0.0) + rng.vonmises(0.0, self.kappa, count)
 
@@ -150,7 +150,7 @@ class Fisher:
         """Refuse a concentration that is not above 0."""
         _check_kappa(self.kappa, where)
 
-    def angles(self, mean: Direction, rng: np.random.Generator, count: int) -> Floats:
+    def angles(self, mean: MeanDirection, rng: np.random.Generator, count: int) -> Floats:
         """Return angles in the section, radians, shape (count,)."""
         u, turn = rng.uniform(size=count), rng.uniform(0.0, 2.0 * math.pi, count)
         cosine = np.clip(

@@ -12,9 +12,15 @@ import numpy as np
 from clast.errors import ModelError
 from clast.model import ranges
 from clast.model.model import Floats
-from clast.rockmass.joints.directions import LARGEST_FACTOR, Direction, Scatter, apparent, normal_of
+from clast.rockmass.joints.directions import (
+    LARGEST_FACTOR,
+    MeanDirection,
+    Scatter,
+    apparent,
+    normal_of,
+)
 from clast.rockmass.joints.parallel_sets import Parallel, number_or
-from clast.rockmass.joints.plan import Model, Plan, Window
+from clast.rockmass.joints.plan import JointModel, Plan, Window
 from clast.rockmass.joints.spacing_distributions import Distribution, Scaled
 
 KEYS = (
@@ -44,7 +50,7 @@ class JointSet:
 
     name: str
     """Name, to which ``terminates_at`` of other sets refers."""
-    model: Model = field(default_factory=Parallel)
+    model: JointModel = field(default_factory=Parallel)
     """Parallel, CrossJointed, Baecher, Veneziano, PoissonLines or Voronoi."""
     joint: str | None = None
     """Joint of its edges; None: that of the pair of blocks, the rocks, or the default."""
@@ -168,11 +174,11 @@ class JointSet:
             if self.dip is None and self.angle is None:
                 self._refuse("angle_spread", "there is no angle to scatter about", "give angle")
 
-    def direction(self, section_azimuth: float | None) -> Direction:
+    def direction(self, section_azimuth: float | None) -> MeanDirection:
         """Return its direction in the section; ModelError where the section does not show it."""
         if self.dip is None or self.dip_direction is None:
             angle = None if self.angle is None else math.radians(self.angle)
-            return Direction(angle=angle, scatter=self.angle_spread)
+            return MeanDirection(angle=angle, scatter=self.angle_spread)
         if section_azimuth is None:
             self._refuse(
                 "dip",
@@ -188,7 +194,7 @@ class JointSet:
                 "times the true one",
                 "give the set by angle and apparent spacing, or cut along another section_azimuth",
             )
-        return Direction(
+        return MeanDirection(
             angle=math.radians(angle),
             factor=factor,
             normal=normal_of(self.dip, self.dip_direction),

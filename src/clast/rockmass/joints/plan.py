@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from clast.model.model import Floats
-from clast.rockmass.joints.directions import Direction
+from clast.rockmass.joints.directions import MeanDirection
 from clast.rockmass.joints.spacing_distributions import Distribution
 
 
@@ -71,7 +71,7 @@ class Window:
 class Plan:
     """The numbers of one set, as the section shows them."""
 
-    direction: Direction
+    direction: MeanDirection
     """Direction of its lines."""
     spacing: Distribution | None
     """Spacing in the section, m."""
@@ -118,7 +118,7 @@ class Drawn:
 NONE = np.zeros((0, 2, 2))
 
 
-class Model(Protocol):
+class JointModel(Protocol):
     """A model of joints: where the lines of a set are."""
 
     @property

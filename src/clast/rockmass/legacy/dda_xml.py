@@ -41,7 +41,7 @@ from clast.rockmass.drawings.drawing import Analysis, Drawing, DrawnRock, LeftOu
 from clast.rockmass.drawings.numbers import number_of
 from clast.rockmass.legacy.words import (
     LegacyGeometry,
-    Numbers,
+    NumberRow,
     check_mass_unit,
     legacy_drawing,
     legacy_joint,
@@ -118,7 +118,7 @@ def _geometry(root: Element, file: str, scale: float) -> LegacyGeometry:
         material_lines=_typed(root, "matlinelist", "line", file),
         bolts=_rows(root, "boltlist", ("bolt",), file, (4, 7)),
         fixed=tuple(
-            Numbers(values=(*one.values, *one.values)[:4], place=one.place) for one in fixed
+            NumberRow(values=(*one.values, *one.values)[:4], place=one.place) for one in fixed
         ),
         load_points=_rows(root, "loadpointlist", ("point",), file, (2, 2)),
         measured_points=_rows(root, "measuredpointlist", ("point",), file, (2, 2)),
@@ -129,10 +129,10 @@ def _geometry(root: Element, file: str, scale: float) -> LegacyGeometry:
 
 def _rows(
     root: Element, group: str, names: tuple[str, ...], file: str, sizes: tuple[int, ...]
-) -> tuple[Numbers, ...]:
+) -> tuple[NumberRow, ...]:
     """Return the coordinates of the elements of a list, each of one of the sizes."""
     elements = [one for found in root.all(group) for one in found.children if one.name in names]
-    rows = tuple(Numbers(values=_numbers(e.text, e, file), place=e.place) for e in elements)
+    rows = tuple(NumberRow(values=_numbers(e.text, e, file), place=e.place) for e in elements)
     wrong = next((row for row in rows if len(row.values) not in sizes), None)
     if wrong is not None:
         due = " or ".join(str(size) for size in sorted(set(sizes)))
@@ -144,12 +144,12 @@ def _rows(
     return rows
 
 
-def _typed(root: Element, group: str, name: str, file: str) -> tuple[Numbers, ...]:
+def _typed(root: Element, group: str, name: str, file: str) -> tuple[NumberRow, ...]:
     """Return lines with the number of their type or material behind their coordinates."""
     rows = _rows(root, group, (name,), file, (4, 4))
     elements = [one for found in root.all(group) for one in found.children if one.name == name]
     return tuple(
-        Numbers(
+        NumberRow(
             values=(*row.values, _single(one.attributes.get("type", ""), one, file, "a type")),
             place=row.place,
         )
@@ -213,7 +213,7 @@ def _rock(
                 what = f"{name} {_written(one)} of block material {number}"
                 left.append(LeftOut(what=what, place=one.place, reason=reason))
     values = (*given.values, *parts["istress"], *parts["ivelocity"])
-    return legacy_rock(number, Numbers(values=values, place=given.place), scale)
+    return legacy_rock(number, NumberRow(values=values, place=given.place), scale)
 
 
 def _several(material: Element, name: str, file: str) -> tuple[float, ...]:
@@ -232,7 +232,7 @@ def _several(material: Element, name: str, file: str) -> tuple[float, ...]:
     return values
 
 
-def _values(parent: Element, names: tuple[str, ...], file: str) -> Numbers:
+def _values(parent: Element, names: tuple[str, ...], file: str) -> NumberRow:
     """Return one number for each name among the children of an element."""
     values = []
     for name in names:
@@ -243,7 +243,7 @@ def _values(parent: Element, names: tuple[str, ...], file: str) -> Numbers:
                 f"has no {name}", where=f"{file}: {parent.place}", remedy=f"it has {have}"
             )
         values.append(_single(_written(found), found, file))
-    return Numbers(values=tuple(values), place=parent.place)
+    return NumberRow(values=tuple(values), place=parent.place)
 
 
 def _type_of_analysis(root: Element, file: str) -> float | None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from clast.errors import CaseError, mistyped, shortened
 from clast.rockmass.drawings.drawing_files import text_of
 from clast.rockmass.drawings.numbers import number_of
-from clast.rockmass.legacy.words import Numbers
+from clast.rockmass.legacy.words import NumberRow
 
 
 class NumberText:
@@ -58,13 +58,13 @@ class NumberText:
             )
         return int(value)
 
-    def row(self, width: int, what: str) -> Numbers:
+    def row(self, width: int, what: str) -> NumberRow:
         """Return the next ``width`` numbers."""
         first = self._words[min(self._next, len(self._words) - 1)][1] if self._words else 1
         values = tuple(self.number(what) for _ in range(width))
-        return Numbers(values=values, place=f"line {first}")
+        return NumberRow(values=values, place=f"line {first}")
 
-    def rows(self, count: int, width: int, what: str) -> tuple[Numbers, ...]:
+    def rows(self, count: int, width: int, what: str) -> tuple[NumberRow, ...]:
         """Return the next ``count`` rows of ``width`` numbers."""
         return tuple(self.row(width, f"{what} {k}") for k in range(1, count + 1))
 

@@ -27,7 +27,7 @@ from clast.rockmass.drawings.drawing import Analysis, LeftOut
 from clast.rockmass.legacy.number_text import NumberText
 from clast.rockmass.legacy.shi_geometry import rest_of
 from clast.rockmass.legacy.words import (
-    Numbers,
+    NumberRow,
     check_mass_unit,
     legacy_joint,
     legacy_rock,
@@ -87,5 +87,5 @@ def check_step(steps: int, step: float, ratio: float, file: str) -> None:
             raise CaseError(f"the {what} is {value:g}", where=file, remedy="give a number above 0")
 
 
-def _without_columns_8_to_10(given: Numbers) -> Numbers:
-    return Numbers(values=(*given.values[:7], *given.values[10:]), place=given.place)
+def _without_columns_8_to_10(given: NumberRow) -> NumberRow:
+    return NumberRow(values=(*given.values[:7], *given.values[10:]), place=given.place)

@@ -24,7 +24,7 @@ from clast.errors import CaseError
 from clast.rockmass.drawings.block_arrays import Blocks, blocks_of
 from clast.rockmass.drawings.drawing import Floats, LeftOut
 from clast.rockmass.legacy.number_text import NumberText
-from clast.rockmass.legacy.words import Numbers
+from clast.rockmass.legacy.words import NumberRow
 
 
 def read_shi_blocks(path: str | Path) -> Blocks:
@@ -62,8 +62,8 @@ def read_shi_blocks(path: str | Path) -> Blocks:
 
 
 def _of_block(
-    row: Numbers, number: int, corners: tuple[Numbers, ...], file: str
-) -> tuple[Numbers, ...]:
+    row: NumberRow, number: int, corners: tuple[NumberRow, ...], file: str
+) -> tuple[NumberRow, ...]:
     """Return the vertices of a block, or say that its row names none."""
     _, first, last = row.values
     whole = first == round(first) and last == round(last)
@@ -76,7 +76,7 @@ def _of_block(
     return corners[int(first) - 1 : int(last)]
 
 
-def _joint(corner: Numbers, file: str) -> str:
+def _joint(corner: NumberRow, file: str) -> str:
     """Return the name of the joint of a vertex, empty for 0."""
     if corner.values[0] == 0.0:
         return ""

@@ -33,13 +33,13 @@ import shapely
 
 from clast.errors import CaseError
 from clast.rockmass.drawings.drawing import (
-    BoltKind,
     Drawing,
+    DrawnBoltKind,
     DrawnJoint,
+    DrawnOutline,
     DrawnRock,
     Floats,
     LeftOut,
-    Outline,
     Polyline,
     Segment,
     Spot,
@@ -51,7 +51,7 @@ LIGHT = 100.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Numbers:
+class NumberRow:
     """Numbers that stand together in a file."""
 
     values: tuple[float, ...]
@@ -80,17 +80,17 @@ class LegacyGeometry:
 
     file: str
     node_distance: float | None
-    boundary: tuple[Numbers, ...]
+    boundary: tuple[NumberRow, ...]
     """x1, y1, x2, y2 and a type where the file gives one."""
-    joints: tuple[Numbers, ...]
+    joints: tuple[NumberRow, ...]
     """x1, y1, x2, y2, type; without the boundary lines."""
-    material_lines: tuple[Numbers, ...]
-    bolts: tuple[Numbers, ...]
-    fixed: tuple[Numbers, ...]
+    material_lines: tuple[NumberRow, ...]
+    bolts: tuple[NumberRow, ...]
+    fixed: tuple[NumberRow, ...]
     """x1, y1, x2, y2."""
-    load_points: tuple[Numbers, ...]
-    measured_points: tuple[Numbers, ...]
-    hole_points: tuple[Numbers, ...]
+    load_points: tuple[NumberRow, ...]
+    measured_points: tuple[NumberRow, ...]
+    hole_points: tuple[NumberRow, ...]
     mass_unit: float = 1.0
     """Kilograms in the unit of mass of what bolts bear."""
     notes: tuple[str, ...] = ()
@@ -142,7 +142,7 @@ def legacy_drawing(given: LegacyGeometry) -> Drawing:
     )
 
 
-def _traces(joints: Sequence[Numbers], file: str) -> tuple[list[Polyline], list[LeftOut]]:
+def _traces(joints: Sequence[NumberRow], file: str) -> tuple[list[Polyline], list[LeftOut]]:
     """Return joints of some length as traces, and the others."""
     traces, left = [], []
     for one in joints:
@@ -155,9 +155,9 @@ def _traces(joints: Sequence[Numbers], file: str) -> tuple[list[Polyline], list[
     return traces, left
 
 
-def _with_type(line: Numbers) -> Numbers:
+def _with_type(line: NumberRow) -> NumberRow:
     """Return a boundary line with its type, 1 where the file gives none."""
-    return Numbers(values=(*line.values, 1.0)[:5], place=line.place)
+    return NumberRow(values=(*line.values, 1.0)[:5], place=line.place)
 
 
 def _outside(joint: Polyline) -> LeftOut:
@@ -209,12 +209,12 @@ def _domain(
 
 
 def _openings(
-    holes: Sequence[Numbers], faces: Sequence[Floats]
-) -> tuple[list[Outline], list[Numbers]]:
+    holes: Sequence[NumberRow], faces: Sequence[Floats]
+) -> tuple[list[DrawnOutline], list[NumberRow]]:
     """Return the faces with a hole point in them, and the hole points in none."""
-    openings: list[Outline] = []
+    openings: list[DrawnOutline] = []
     taken: set[int] = set()
-    left: list[Numbers] = []
+    left: list[NumberRow] = []
     for hole in holes:
         place = shapely.Point(hole.values[:2])
         face = next((k for k, f in enumerate(faces) if shapely.Polygon(f).contains(place)), None)
@@ -223,13 +223,13 @@ def _openings(
         elif face not in taken:
             taken.add(face)
             name = f"opening-{len(openings) + 1}"
-            openings.append(Outline(name=name, points=faces[face], place=hole.place))
+            openings.append(DrawnOutline(name=name, points=faces[face], place=hole.place))
     return openings, left
 
 
-def _bolts(given: LegacyGeometry, notes: list[str]) -> tuple[list[BoltKind], list[Segment]]:
+def _bolts(given: LegacyGeometry, notes: list[str]) -> tuple[list[DrawnBoltKind], list[Segment]]:
     """Return the kinds of bolts and the bolts."""
-    kinds: dict[tuple[float, ...], BoltKind] = {}
+    kinds: dict[tuple[float, ...], DrawnBoltKind] = {}
     segments = []
     for one in given.bolts:
         length = float(np.hypot(*(one.ends[1] - one.ends[0])))
@@ -241,7 +241,7 @@ def _bolts(given: LegacyGeometry, notes: list[str]) -> tuple[list[BoltKind], lis
                 remedy="a bolt has two ends; its stiffness and strength are 0 or more",
             )
         key = (float(f"{e0 / length:.9g}"), t0, f0)
-        kind = BoltKind(
+        kind = DrawnBoltKind(
             name=f"bolt-{len(kinds) + 1}",
             stiffness=key[0],
             yield_force=t0 if t0 > 0.0 else math.inf,
@@ -254,14 +254,14 @@ def _bolts(given: LegacyGeometry, notes: list[str]) -> tuple[list[BoltKind], lis
     return list(kinds.values()), segments
 
 
-def _spots(points: Sequence[Numbers], letter: str) -> tuple[Spot, ...]:
+def _spots(points: Sequence[NumberRow], letter: str) -> tuple[Spot, ...]:
     return tuple(
         Spot(name=f"{letter}{k}", at=np.array(one.values[:2]), place=one.place)
         for k, one in enumerate(points, 1)
     )
 
 
-def legacy_rock(number: int, given: Numbers, mass_unit: float) -> DrawnRock:
+def legacy_rock(number: int, given: NumberRow, mass_unit: float) -> DrawnRock:
     """Return the rock of mass, weight, E, nu, three stresses; then velocities, if there are any."""
     mass, weight, young, poisson, *more = given.values
     s11, s22, s12, u, v, omega = (*more, *([0.0] * 6))[:6]
@@ -278,7 +278,7 @@ def legacy_rock(number: int, given: Numbers, mass_unit: float) -> DrawnRock:
     )
 
 
-def legacy_joint(number: int, given: Numbers, mass_unit: float) -> DrawnJoint:
+def legacy_joint(number: int, given: NumberRow, mass_unit: float) -> DrawnJoint:
     """Return the joint of friction angle, cohesion and tensile strength."""
     friction, cohesion, tension = given.values
     return DrawnJoint(

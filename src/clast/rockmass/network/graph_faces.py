@@ -24,7 +24,7 @@ Geometries = NDArray[Any]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Place:
+class FaceOutlines:
     """The outlines that decide what a face is, as shapely polygons in cells."""
 
     domain: Any
@@ -84,7 +84,7 @@ def polygons(graph: Graph, loops: Loops, which: Ints) -> Geometries:
     return np.asarray(shapely.polygons(rings))
 
 
-def sided(graph: Graph, place: Place) -> Graph:
+def sided(graph: Graph, place: FaceOutlines) -> Graph:
     """Return the graph with what lies on both sides of each edge.
 
     Faces between which no outline runs are alike: the largest of them decides for all, so that no

@@ -11,7 +11,7 @@ from clast.rockmass.block_loops import following
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Loops:
+class Cycles:
     """Loops of places; entry k stands for a vertex and for the edge from it to the next."""
 
     start: Ints
@@ -31,10 +31,10 @@ class Loops:
         """Place of the entry after each in its block, shape (nv,)."""
         return np.asarray(self.node[_next(self.start)])
 
-    def only(self, keep: Bools) -> Loops:
+    def only(self, keep: Bools) -> Cycles:
         """Return the loops with some of their entries (nv,)."""
         count = np.bincount(self.owner[keep], minlength=len(self.start) - 1)
-        return Loops(
+        return Cycles(
             start=np.concatenate([[0], np.cumsum(count)]),
             node=self.node[keep],
             edge=self.edge[keep],
@@ -47,7 +47,7 @@ def _next(start: Ints) -> Ints:
     return following(filled) if len(filled) > 1 else np.zeros(0, np.int64)
 
 
-def without_folds(loops: Loops) -> tuple[Loops, Ints]:
+def without_folds(loops: Cycles) -> tuple[Cycles, Ints]:
     """Return loops without edges of no length and without spikes, and the places of those, (k,).
 
     A spike goes out along an edge and comes back along it: it encloses nothing.
@@ -79,19 +79,19 @@ def _before(start: Ints) -> Ints:
     return before
 
 
-def _spikes(loops: Loops) -> Ints:
+def _spikes(loops: Cycles) -> Ints:
     """Return entries at tips of spikes, one a block at most, (k,)."""
     tips = np.flatnonzero(loops.node[_before(loops.start)] == loops.after)
     return tips[np.unique(loops.owner[tips], return_index=True)[1]]
 
 
-def with_places(loops: Loops, entry: Ints, node: Ints) -> Loops:
+def with_places(loops: Cycles, entry: Ints, node: Ints) -> Cycles:
     """Return loops with places (k,) put in after entries (k,), in the order given."""
     count = np.bincount(loops.owner[entry], minlength=len(loops.start) - 1)
     every = np.concatenate([np.arange(len(loops.node)), entry])
     # Stable: an entry goes before what is put in after it.
     order = np.argsort(every, kind="stable")
-    return Loops(
+    return Cycles(
         start=loops.start + np.concatenate([[0], np.cumsum(count)]),
         node=np.concatenate([loops.node, node])[order],
         edge=np.concatenate([loops.edge, loops.edge[entry]])[order],

@@ -17,7 +17,7 @@ from clast.model.model import Floats, Ints
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Corners:
+class SharedCorners:
     """Vertices by their common places."""
 
     node: Ints
@@ -26,7 +26,7 @@ class Corners:
     """Where each place is, m, shape (nn, 2)."""
 
 
-def corners_of(points: Floats, reach: float) -> Corners:
+def corners_of(points: Floats, reach: float) -> SharedCorners:
     """Return the common places of vertices (nv, 2), m, that lie within ``reach`` of each other.
 
     A place is where most of its vertices are, else their mean; where that would bring a vertex too
@@ -39,7 +39,7 @@ def corners_of(points: Floats, reach: float) -> Corners:
     # Round-off may put a vertex at the tolerance just beyond it.
     owner = cKDTree(picked).query(single, distance_upper_bound=reach * (1.0 + 1e-9))[1]
     place = _better(picked, single, owner, times, reach)
-    return Corners(node=owner[of], at=place)
+    return SharedCorners(node=owner[of], at=place)
 
 
 def _picked(at: Floats, times: Ints, reach: float) -> Ints:

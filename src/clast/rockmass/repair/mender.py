@@ -1,4 +1,4 @@
-"""The repair of blocks as a ModelBuilder takes it: ``builder.mending = Mender(tolerance=1e-3)``."""
+"""The repair of blocks as a ModelBuilder takes it: ``builder.repair = Mender(tolerance=1e-3)``."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.model.checks import Mended, Outlines
+from clast.model.checks import BlockOutlines, RepairedBlocks
 from clast.model.repairs import Repair
 from clast.rockmass.repair.repair import RepairReport, repaired
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mender:
+class BlockRepair:
     """Puts the blocks of a ModelBuilder together where they are nearer than a tolerance."""
 
     tolerance: float
     """Distance within which things are meant to touch, m."""
 
-    def __call__(self, outlines: Outlines) -> Mended:
+    def __call__(self, outlines: BlockOutlines) -> RepairedBlocks:
         """Return the blocks as they are meant, and what was done."""
         found = repaired(outlines.vertices, outlines.start, self.tolerance, outlines.label)
         vertices = np.ascontiguousarray(found.vertices)
-        return Mended(
+        return RepairedBlocks(
             outlines=replace(outlines, start=found.start, vertices=vertices),
             edge=found.edge,
             moved=found.report.largest_movement,

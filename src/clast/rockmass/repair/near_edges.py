@@ -13,8 +13,8 @@ import numpy as np
 import shapely
 
 from clast.model.model import Bools, Floats, Ints
-from clast.rockmass.repair.block_cycles import Loops, with_places
-from clast.rockmass.repair.corners import Corners, kept_apart
+from clast.rockmass.repair.block_cycles import Cycles, with_places
+from clast.rockmass.repair.corners import SharedCorners, kept_apart
 
 EXACT = 1e-6
 """Vertices nearer to an edge than this share of the tolerance lie on it."""
@@ -33,7 +33,7 @@ class Pieces:
     """Piece of each entry of the loops, shape (nv,)."""
 
 
-def pieces_of(loops: Loops) -> Pieces:
+def pieces_of(loops: Cycles) -> Pieces:
     """Return the edges of loops, each once."""
     here, after = loops.node, loops.after
     key, of = np.unique(
@@ -68,7 +68,7 @@ class Near:
         )
 
 
-def near_edges(loops: Loops, pieces: Pieces, at: Floats, reach: float) -> Near:
+def near_edges(loops: Cycles, pieces: Pieces, at: Floats, reach: float) -> Near:
     """Return the places of ``at`` (nn, 2) beside an edge of another block, within ``reach``, m.
 
     Places that lie on the edge to round-off are not beside it, nor those of all blocks that have
@@ -97,7 +97,7 @@ def aside(point: Floats, line: Floats) -> tuple[Floats, Floats]:
     return np.asarray(gap), np.asarray((way * to).sum(axis=1) / length**2)
 
 
-def _blocks_with(loops: Loops, pieces: Pieces, piece: Ints) -> tuple[Ints, Ints]:
+def _blocks_with(loops: Cycles, pieces: Pieces, piece: Ints) -> tuple[Ints, Ints]:
     """Return for pieces (k,) the blocks that have them: number of the piece and block, (m,)."""
     number, entry = _entries_with(pieces, piece)
     return number, loops.owner[entry]
@@ -116,7 +116,7 @@ def _entries_with(pieces: Pieces, piece: Ints) -> tuple[Ints, Ints]:
 # Vertices onto edges -----------------------------------------------------------------------------
 
 
-def onto_edges(loops: Loops, corners: Corners, drawn: Floats, reach: float) -> Floats:
+def onto_edges(loops: Cycles, corners: SharedCorners, drawn: Floats, reach: float) -> Floats:
     """Return the places (nn, 2) with those beside an edge moved onto it, m.
 
     ``drawn`` (nv, 2) are all vertices as drawn, ``corners`` their places: none moves further than
@@ -144,7 +144,7 @@ def onto_edges(loops: Loops, corners: Corners, drawn: Floats, reach: float) -> F
     return kept_apart(place, corners.at, reach)
 
 
-def _largest_movement(node: Ints, to: Floats, corners: Corners, drawn: Floats) -> Floats:
+def _largest_movement(node: Ints, to: Floats, corners: SharedCorners, drawn: Floats) -> Floats:
     """Return how far the vertices of places (k,) are at most from points (k, 2), m, shape (k,)."""
     order = np.argsort(corners.node, kind="stable")
     start = np.searchsorted(corners.node[order], np.arange(len(corners.at) + 1))
@@ -164,7 +164,7 @@ def _largest_movement(node: Ints, to: Floats, corners: Corners, drawn: Floats) -
 class Bent:
     """Loops whose edges run through the places beside them."""
 
-    loops: Loops
+    loops: Cycles
     """The loops."""
     put_in: Ints
     """Places that were put in, once for each block, shape (k,)."""
@@ -172,7 +172,7 @@ class Bent:
     """Places that are still beside an edge, each once, shape (m,)."""
 
 
-def through_places(loops: Loops, at: Floats, reach: float) -> Bent:
+def through_places(loops: Cycles, at: Floats, reach: float) -> Bent:
     """Return the loops whose edges run through the places beside them; ``at`` (nn, 2), m."""
     ends = at[np.stack([loops.node, loops.after], axis=1)]
     # Entries are numbered as drawn, but those that are gone leave gaps.
@@ -191,7 +191,7 @@ def through_places(loops: Loops, at: Floats, reach: float) -> Bent:
 
 
 def _fitting(
-    loops: Loops, pieces: Pieces, near: Near, at: tuple[Floats, Floats], reach: float
+    loops: Cycles, pieces: Pieces, near: Near, at: tuple[Floats, Floats], reach: float
 ) -> Bools:
     """Return whether a place may become a vertex of all blocks with a piece, shape (k,).
 
@@ -209,7 +209,7 @@ def _fitting(
     return np.asarray(~near.own & (np.bincount(number[bent], minlength=len(near.node)) == 0))
 
 
-def _put_in(loops: Loops, pieces: Pieces, near: Near) -> tuple[Loops, Ints]:
+def _put_in(loops: Cycles, pieces: Pieces, near: Near) -> tuple[Cycles, Ints]:
     """Return the loops with places put into the edges beside them, and these places, (k,)."""
     number, entry = _entries_with(pieces, near.piece)
     forward = loops.node[entry] == pieces.ends[near.piece[number], 0]

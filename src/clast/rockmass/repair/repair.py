@@ -23,7 +23,7 @@ import numpy as np
 from clast.errors import ModelError
 from clast.model.model import Floats, Ints
 from clast.rockmass.block_loops import areas, sound
-from clast.rockmass.repair.block_cycles import Loops, without_folds
+from clast.rockmass.repair.block_cycles import Cycles, without_folds
 from clast.rockmass.repair.corners import corners_of
 from clast.rockmass.repair.near_edges import onto_edges, through_places
 from clast.rockmass.report_of_cut import Finding, finding
@@ -100,7 +100,7 @@ def repaired(
     called = label or (lambda block: f"block {block + 1}")
     origin = np.floor(drawn.min(axis=0))
     local = drawn - origin
-    loops = Loops(start=first, node=np.arange(len(drawn)), edge=np.arange(len(drawn)))
+    loops = Cycles(start=first, node=np.arange(len(drawn)), edge=np.arange(len(drawn)))
     reach = checked(tolerance, _lengths(local, loops))
     corners = corners_of(local, reach)
     loops, closed = without_folds(replace(loops, node=corners.node))
@@ -133,7 +133,7 @@ def _found(at: Floats, node: Ints) -> Finding:
     return finding(at[np.unique(node)], count=len(node))
 
 
-def _lengths(at: Floats, loops: Loops) -> Floats:
+def _lengths(at: Floats, loops: Cycles) -> Floats:
     return np.asarray(np.hypot(*(at[loops.after] - at[loops.node]).T))
 
 
@@ -166,12 +166,12 @@ class _Refusal:
     reach: float
     label: Callable[[int], str]
 
-    def vanished(self, loops: Loops) -> None:
+    def vanished(self, loops: Cycles) -> None:
         """Refuse blocks of which fewer than three corners are left."""
         gone = np.flatnonzero(np.diff(loops.start) < 3)
         self._refuse(gone, "would vanish", self.drawn[self.start[gone]])
 
-    def unsound(self, loops: Loops, at: Floats) -> None:
+    def unsound(self, loops: Cycles, at: Floats) -> None:
         """Refuse blocks that turn over or cross themselves with places (nn, 2), and did not."""
         vertices = at[loops.node]
         bad = ~sound(vertices, loops.start) & sound(self.drawn, self.start)

@@ -37,7 +37,7 @@ from clast.model.stages.records import Mover, towards
 from clast.model.stages.stage import EQUILIBRIUM, Stage
 from clast.model.state import ContactMemory, State, contact_keys
 from clast.run.stages.balance import ForceSums, forces_of
-from clast.run.stages.position import Held, Judged, Position
+from clast.run.stages.position import EquilibriumStreak, Judged, Position
 from clast.step.method import Method, StepResult
 
 STANDARD_GRAVITY = 9.8
@@ -59,7 +59,7 @@ MODES = {OPEN: "open", SLIDE: "slide", LOCK: "lock"}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Judge:
+class EquilibriumCheck:
     """Judges the steps of one stage."""
 
     model: Model
@@ -72,12 +72,12 @@ class Judge:
         sums = forces_of(self.model, still, result, step)
         way = result.state.vertices - before.vertices
         judged = self._judged((before, result), sums, way, step)
-        held = Held()
+        held = EquilibriumStreak()
         if not judged.hindrance:
             held = self._held(position.held, result, sums, way, step)
             if not self.is_static and held.steps >= self.hold and (name := self._creeping(held)):
                 judged = replace(judged, hindrance=f"block '{name}' slides and does not slow down")
-                held = Held()
+                held = EquilibriumStreak()
         return replace(
             position,
             steps=position.steps + 1,
@@ -300,8 +300,8 @@ class Judge:
         )
 
     def _held(
-        self, held: Held, result: StepResult, sums: ForceSums, way: Floats, step: float
-    ) -> Held:
+        self, held: EquilibriumStreak, result: StepResult, sums: ForceSums, way: Floats, step: float
+    ) -> EquilibriumStreak:
         """Return the steps in equilibrium with one more."""
         model, memory = self.model, result.state.memory
         start = model.block_start
@@ -313,7 +313,7 @@ class Judge:
         first = held.steps == 0
         path = np.hypot(*moved.T) if first else held.path + np.hypot(*moved.T)
         steps = held.steps + 1
-        return Held(
+        return EquilibriumStreak(
             steps=steps,
             time=held.time + step,
             sliding=sliding if first else held.sliding & sliding,
@@ -322,7 +322,7 @@ class Judge:
             half=path if steps <= self.stage.hold // 2 else held.half,
         )
 
-    def _creeping(self, held: Held) -> str:
+    def _creeping(self, held: EquilibriumStreak) -> str:
         """Return the name of a block that slides on, "" where none does."""
         if self.stage.hold < 2:
             return ""

@@ -8,7 +8,7 @@ import numpy as np
 
 from clast.model.model import Bools, Floats
 from clast.model.stages.records import Mechanism, Mover, StageRecord
-from clast.model.stages.reference import Reference
+from clast.model.stages.reference import ReferenceState
 
 
 def _nothing() -> Floats:
@@ -42,7 +42,7 @@ class Judged:
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Held:
+class EquilibriumStreak:
     """Steps in a row that ended in equilibrium; n blocks, none where there are no such steps."""
 
     steps: int = 0
@@ -71,7 +71,7 @@ class Position:
     """Wall time of these steps, s."""
     broken: int = 0
     """Bonds that have broken in it."""
-    held: Held = field(default_factory=Held)
+    held: EquilibriumStreak = field(default_factory=EquilibriumStreak)
     """Steps in a row in equilibrium."""
     judged: Judged = field(default_factory=Judged)
     """How the last step ended."""
@@ -81,7 +81,7 @@ class Position:
     """How the stages before went."""
     failures: tuple[tuple[str, Mechanism], ...] = ()
     """Stages that had no equilibrium, and how they failed."""
-    reference: Reference | None = None
+    reference: ReferenceState | None = None
     """Where displacements count from; None: the start of the run."""
 
     @property

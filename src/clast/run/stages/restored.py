@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from clast.actions.acting import actions_of
-from clast.actions.damping import Motion
+from clast.actions.damping import DampingState
 from clast.actions.relaxation import SupportForces
 from clast.model.model import Model
 from clast.model.state import POINTS, ContactMemory, State
 from clast.run.run_checks import Watch
 from clast.run.run_state import RunState
 from clast.run.schedule import Schedule
-from clast.run.stages.position import Held, Position
+from clast.run.stages.position import EquilibriumStreak, Position
 from clast.run.stages.static_path import OnPath
 from clast.step.method import Method
 
@@ -118,7 +118,7 @@ def _of_memory(memory: ContactMemory, model: Model) -> Iterator[str]:
 
 def _own_fits(own: Any, begun: Any, model: Model) -> bool:
     """Return whether an action can have a state of its own, given that at the start of a run."""
-    if isinstance(own, Motion):  # any stage may have damped
+    if isinstance(own, DampingState):  # any stage may have damped
         free = own.force.shape in ((0, 6), (model.block_count, 6))
         return begun is None and free and bool(np.isfinite(own.force).all())
     if isinstance(own, SupportForces):
@@ -190,7 +190,7 @@ def _of_path(path: OnPath | None, model: Model) -> Iterator[str]:
         yield "the numbers of its path of equilibria are none of a run"
 
 
-def _held_fits(held: Held, blocks: int) -> bool:
+def _held_fits(held: EquilibriumStreak, blocks: int) -> bool:
     """Return whether steps in equilibrium are those of so many blocks."""
     count = blocks if held.steps else 0
     arrays, shapes = [held.sliding, held.net, held.path], [(count,), (count, 2), (count,)]

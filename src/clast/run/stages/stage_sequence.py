@@ -21,8 +21,8 @@ from clast.model.stages.records import (
 from clast.model.stages.reference import here
 from clast.model.stages.stage import TIME, Stage
 from clast.model.state import State
-from clast.run.stages.equilibrium import Judge
-from clast.run.stages.position import Held, Judged, Position
+from clast.run.stages.equilibrium import EquilibriumCheck
+from clast.run.stages.position import EquilibriumStreak, Judged, Position
 from clast.run.stages.stage_checks import check_stages
 from clast.run.stages.transition import (
     Setting,
@@ -34,7 +34,7 @@ from clast.run.stages.transition import (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Course:
+class StageSequence:
     """The stages of a run, of which there may be none."""
 
     base: Setting
@@ -80,14 +80,18 @@ class Course:
             steps=0,
             seconds=0.0,
             broken=0,
-            held=Held(),
+            held=EquilibriumStreak(),
             judged=Judged(),
             over=False,
         )
         return setting, state, position, tuple(events_at_start(self.stage(position), state.time))
 
     def leave(
-        self, position: Position, state: State, judge: Judge, failure: Mechanism | None = None
+        self,
+        position: Position,
+        state: State,
+        judge: EquilibriumCheck,
+        failure: Mechanism | None = None,
     ) -> tuple[Position, tuple[Event, ...]]:
         """Return the position where a stage is over, and what happens.
 

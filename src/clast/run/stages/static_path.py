@@ -38,7 +38,7 @@ from clast.model.state import State
 from clast.run.schedule import Schedule
 from clast.run.stages import failing
 from clast.run.stages.balance import out_of_balance
-from clast.run.stages.equilibrium import STANDARD_GRAVITY, Judge
+from clast.run.stages.equilibrium import STANDARD_GRAVITY, EquilibriumCheck
 from clast.run.stages.position import Judged, Position
 from clast.run.stages.transition import WELL_BELOW
 from clast.step.integration import ConstantAcceleration, forces_at
@@ -128,7 +128,7 @@ class StaticPath:
     method: Method
     schedule: Schedule
     stage: Stage | None
-    judge: Judge
+    judge: EquilibriumCheck
 
     @classmethod
     def of(
@@ -137,7 +137,7 @@ class StaticPath:
         """Return what leads a run or a stage; None where it is not static."""
         if method.dynamic_ratio > 0.0:
             return None
-        judge = Judge(model=model, method=method, stage=stage or Stage(name=""))
+        judge = EquilibriumCheck(model=model, method=method, stage=stage or Stage(name=""))
         return cls(model=model, method=method, schedule=schedule, stage=stage, judge=judge)
 
     def begin(self, state: State) -> OnPath:
@@ -162,7 +162,7 @@ class StaticPath:
             method = replace(method, damping=held_back)
         return model, method
 
-    def judge_of(self, now: OnPath) -> Judge:
+    def judge_of(self, now: OnPath) -> EquilibriumCheck:
         """Return what judges a step."""
         model, method = self.at(now, 0.0)
         return replace(self.judge, model=model, method=method)

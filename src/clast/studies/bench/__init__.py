@@ -9,10 +9,10 @@ bench.benchmark(bench.Settings(scenes=("whole",), sizes=(100,))).wholes[0].proce
 from __future__ import annotations
 
 from clast.studies.bench.cuts import CUTS, CutScene, MeasuredCut, measure_cut
-from clast.studies.bench.measured import Benchmark, Measured
+from clast.studies.bench.measured import Benchmark, Measurement
 from clast.studies.bench.measuring import benchmark, measure, warm_up
 from clast.studies.bench.scenes import SCENES, Scene
-from clast.studies.bench.settings import Settings, sizes_in
+from clast.studies.bench.settings import BenchSettings, sizes_in
 from clast.studies.bench.whole import MeasuredWhole, deepest_overlap, measure_whole, method_of
 from clast.studies.bench.whole_scenes import WHOLE_SCENES, WholeScene
 
@@ -20,13 +20,13 @@ __all__ = [
     "CUTS",
     "SCENES",
     "WHOLE_SCENES",
+    "BenchSettings",
     "Benchmark",
     "CutScene",
-    "Measured",
     "MeasuredCut",
     "MeasuredWhole",
+    "Measurement",
     "Scene",
-    "Settings",
     "WholeScene",
     "benchmark",
     "deepest_overlap",

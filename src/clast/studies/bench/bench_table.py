@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from clast.studies.bench.cuts import MeasuredCut
-from clast.studies.bench.measured import Benchmark, Measured
+from clast.studies.bench.measured import Benchmark, Measurement
 from clast.studies.bench.whole import MeasuredWhole
 
 NOTHING = "-"
@@ -131,7 +131,7 @@ def whole_stage_cells(rows: Sequence[MeasuredWhole], row: MeasuredWhole) -> tupl
     return (row.scene.name, str(row.blocks), _number(row.processor_seconds), *shares)
 
 
-def cells(row: Measured) -> tuple[str, ...]:
+def cells(row: Measurement) -> tuple[str, ...]:
     """Return the texts of a row, in the order of the headings."""
     return (
         row.scene.name,
@@ -152,7 +152,7 @@ def stage_headings(benchmark: Benchmark) -> tuple[str, ...]:
     return ("scene", "blocks", "ms/step", *_stages(benchmark.rows))
 
 
-def stage_cells(benchmark: Benchmark, row: Measured) -> tuple[str, ...]:
+def stage_cells(benchmark: Benchmark, row: Measurement) -> tuple[str, ...]:
     """Return the texts of a row of the second table."""
     used = row.stages
     return (
@@ -163,7 +163,7 @@ def stage_cells(benchmark: Benchmark, row: Measured) -> tuple[str, ...]:
     )
 
 
-def memory_cells(benchmark: Benchmark, row: Measured) -> tuple[str, ...]:
+def memory_cells(benchmark: Benchmark, row: Measurement) -> tuple[str, ...]:
     """Return the texts of a row of the third table: memory and its bandwidth."""
     product = row.product
     rates = (NOTHING, NOTHING, NOTHING)
@@ -221,7 +221,7 @@ def _remarks_of_runs(benchmark: Benchmark) -> list[str]:
     return said
 
 
-def _stages(rows: Sequence[Measured]) -> tuple[str, ...]:
+def _stages(rows: Sequence[Measurement]) -> tuple[str, ...]:
     """Return all stages that a row has, in the order of a step."""
     named = _in_order(name for row in rows for name in row.stages)
     return (*(name for name in named if name != "other"), "other")
@@ -233,7 +233,7 @@ def _in_order(names: Iterable[str]) -> tuple[str, ...]:
     return (*(one for one in STAGES if one in found), *(one for one in found if one not in STAGES))
 
 
-def _steps(row: Measured) -> str:
+def _steps(row: Measurement) -> str:
     cut = row.report.cut_steps
     return f"{row.costs.steps} ({cut} cut)" if cut else str(row.costs.steps)
 

@@ -13,7 +13,7 @@ from clast.studies.bench.cuts import MeasuredCut
 from clast.studies.bench.footprint import Footprint
 from clast.studies.bench.machine import Machine
 from clast.studies.bench.scenes import Scene
-from clast.studies.bench.settings import Settings
+from clast.studies.bench.settings import BenchSettings
 from clast.studies.bench.whole import MeasuredWhole
 
 FORMAT = 1
@@ -21,7 +21,7 @@ FORMAT = 1
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measured:
+class Measurement:
     """What one scene of one size cost."""
 
     scene: Scene
@@ -111,9 +111,9 @@ class Benchmark:
 
     machine: Machine
     """Where it was measured."""
-    settings: Settings
+    settings: BenchSettings
     """How it was measured."""
-    rows: tuple[Measured, ...]
+    rows: tuple[Measurement, ...]
     """Scenes and sizes, in the order in which they ran."""
     cuts: tuple[MeasuredCut, ...] = ()
     """The same for networks that were only cut."""

@@ -27,9 +27,9 @@ from clast.studies.bench.counting import Counted
 from clast.studies.bench.cuts import measure_cut
 from clast.studies.bench.footprint import footprint
 from clast.studies.bench.machine import forget_peak, peak_memory, this_machine
-from clast.studies.bench.measured import Benchmark, Measured
+from clast.studies.bench.measured import Benchmark, Measurement
 from clast.studies.bench.scenes import SCENES, Scene
-from clast.studies.bench.settings import Settings, method_for, schedule_of
+from clast.studies.bench.settings import BenchSettings, method_for, schedule_of
 from clast.studies.bench.whole import WARM, measure_whole
 from clast.studies.bench.whole_scenes import WHOLE_SCENES
 
@@ -44,7 +44,7 @@ Watch = Callable[[str], None]
 """Called with what is going on."""
 
 
-def benchmark(settings: Settings, watch: Watch = lambda _: None) -> Benchmark:
+def benchmark(settings: BenchSettings, watch: Watch = lambda _: None) -> Benchmark:
     """Return what all scenes and sizes of the settings cost, compilation not counted."""
     cuts = []
     for network in settings.cuts:
@@ -94,7 +94,7 @@ def _simulated(found: Benchmark, watch: Watch) -> Benchmark:
     )
 
 
-def warm_up(scenes: Sequence[Scene], settings: Settings) -> None:
+def warm_up(scenes: Sequence[Scene], settings: BenchSettings) -> None:
     """Run small scenes, so that kernels are compiled and loaded before anything is measured."""
     short = replace(settings, steps=WARM_STEPS, end=None, settle=0, results=None)
     for size in WARM_SIZES:
@@ -102,7 +102,7 @@ def warm_up(scenes: Sequence[Scene], settings: Settings) -> None:
             measure(scene, size, short)
 
 
-def measure(scene: Scene, size: int, settings: Settings) -> Measured:
+def measure(scene: Scene, size: int, settings: BenchSettings) -> Measurement:
     """Build a scene, run it and return what that cost."""
     gc.collect()
     forget_peak()
@@ -116,7 +116,7 @@ def measure(scene: Scene, size: int, settings: Settings) -> Measured:
     peak = peak_memory()
     system = system_of_step(model, method, run.state, settings.step)
     moved = run.state.vertices[:, 0] - model.vertices[:, 0]
-    return Measured(
+    return Measurement(
         scene=scene,
         wanted=size,
         blocks=model.block_count,
@@ -140,7 +140,7 @@ def _product(system: BlockSystem) -> Product | None:
         return None
 
 
-def _run(model: Model, method: Method, settings: Settings, recorder: RunRecorder) -> Run:
+def _run(model: Model, method: Method, settings: BenchSettings, recorder: RunRecorder) -> Run:
     """Return the run, also where it could not go on; interrupting it interrupts everything."""
     try:
         run = simulate(model, method, schedule_of(settings), recorder=recorder)

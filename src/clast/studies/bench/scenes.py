@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 
 YOUNG = 5e9
@@ -188,9 +188,9 @@ SCENES = {
 """All scenes by name."""
 
 
-def begun(title: str) -> ModelBuilder:
+def begun(title: str) -> InputBuilder:
     """Return a builder with the rock and the joints of all scenes."""
-    builder = ModelBuilder(title=title, gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title=title, gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
     builder.add_joint(friction_angle=FRICTION_ANGLE)
     return builder

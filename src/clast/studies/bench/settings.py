@@ -32,7 +32,7 @@ WHOLE = "whole"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settings:
+class BenchSettings:
     """Scenes, sizes and how they are simulated."""
 
     scenes: tuple[str, ...] = tuple(SCENES)
@@ -162,7 +162,7 @@ def sizes_in(listed: str) -> tuple[int, ...]:
     return tuple(sizes)
 
 
-def method_for(model: Model, settings: Settings) -> Method:
+def method_for(model: Model, settings: BenchSettings) -> Method:
     """Return the convex process with the stiffness and the solver of the settings."""
     law = {"name": "penalty", "normal_stiffness": settings.share * model.stiffest}
     table = MethodTable(process="convex", contact_law=law, solver=settings.solver)
@@ -170,7 +170,7 @@ def method_for(model: Model, settings: Settings) -> Method:
     return table.method(model, step=settings.step, max_displacement=TRAVEL_SHARE * smallest)
 
 
-def schedule_of(settings: Settings) -> Schedule:
+def schedule_of(settings: BenchSettings) -> Schedule:
     """Return the schedule of a run; only the first and the last state are frames."""
     end = settings.end
     if end is None:

@@ -20,7 +20,7 @@ from clast.run.schedule import Progress, Schedule
 from clast.run.simulate import simulate
 from clast.step.method import Method, StepProcess, StepResult, Workspace
 from clast.studies.bench.machine import forget_peak, peak_memory
-from clast.studies.bench.settings import Settings, method_for
+from clast.studies.bench.settings import BenchSettings, method_for
 from clast.studies.bench.whole_scenes import SHARE, STEP, TRAVEL, WholeScene
 
 IMPACTS = "impacts"
@@ -136,7 +136,7 @@ class ByProcessor:
 
 def method_of(model: Model) -> Method:
     """Return the method with which whole scenes are simulated."""
-    method = method_for(model, Settings(step=STEP, share=SHARE))
+    method = method_for(model, BenchSettings(step=STEP, share=SHARE))
     return replace(method, max_displacement=TRAVEL * method.max_displacement)
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from clast.studies.paper import iteration, rest, stiffness_study, table_1
-from clast.studies.paper.jobs import Finding, Findings, Job, run_all
+from clast.studies.paper.jobs import JobResult, JobResults, PaperRun, run_all
 from clast.studies.paper.paper_page import write_page
 
 STUDIES = (table_1, stiffness_study, rest, iteration)
@@ -26,4 +26,4 @@ def reproduce(folder: Path, page: Path) -> None:
     write_page([study.section(findings, images) for study in STUDIES], page)
 
 
-__all__ = ["STUDIES", "Finding", "Findings", "Job", "reproduce", "run_all", "write_page"]
+__all__ = ["STUDIES", "JobResult", "JobResults", "PaperRun", "reproduce", "run_all", "write_page"]

@@ -9,8 +9,8 @@ from clast.case.case_file import Case
 from clast.pictures.comparison import Panel, SideBySide, draw_side_by_side
 from clast.studies.comparing import Combination
 from clast.studies.comparison_pages import markdown_table
-from clast.studies.paper.jobs import LAWS, PROCESSES, Finding, Findings, Job
-from clast.studies.paper.paper_page import PASSES, Claim, Section, listed
+from clast.studies.paper.jobs import LAWS, PROCESSES, JobResult, JobResults, PaperRun
+from clast.studies.paper.paper_page import PASSES, Claim, StudySection, listed
 from clast.studies.paper.stiffness_study import LIMIT
 
 STIFFNESSES = (5e7, 2e8, 5e8, 5e9, 5e10)
@@ -25,7 +25,7 @@ Stood = Mapping[str, list[bool]]
 """Label -> whether the wall stood, by stiffness."""
 
 
-def jobs(folder: Path) -> Iterable[Job]:
+def jobs(folder: Path) -> Iterable[PaperRun]:
     """Yield the wall: one solve a step, open-close iteration, convex, repeated solves."""
     repeated = (f'method.process={{name="modified", passes={PASSES}}}',)
     ways: list[tuple[str, str, tuple[str, ...]]] = [(name, "", ()) for name in PROCESSES]
@@ -33,7 +33,7 @@ def jobs(folder: Path) -> Iterable[Job]:
     for law in LAWS:
         for process, variant, settings in ways:
             for value in STIFFNESSES:
-                yield Job(
+                yield PaperRun(
                     study="iteration",
                     file=folder / "wall.toml",
                     combination=Combination(process, law),
@@ -43,11 +43,11 @@ def jobs(folder: Path) -> Iterable[Job]:
                 )
 
 
-def section(findings: Findings, images: Path) -> Section:
+def section(findings: JobResults, images: Path) -> StudySection:
     """Return the section of the page; draw its figure."""
     series = findings.series("iteration")
     _draw({label: found[STIFFNESSES.index(YOUNG)] for label, found in series.items()}, images)
-    return Section(
+    return StudySection(
         title="With and without open-close iteration",
         text="A wall of 18 bricks, 1 m x 0.5 m, in running bond, E = 5e9 Pa, undamped, for 0.2 s "
         "from the moment gravity acts. The table has the largest horizontal movement of a corner "
@@ -60,12 +60,12 @@ def section(findings: Findings, images: Path) -> Section:
     )
 
 
-def stood(finding: Finding) -> bool:
+def stood(finding: JobResult) -> bool:
     """Return True for a wall that has stood."""
     return finding.finished and finding.drift < STILL
 
 
-def _claims(series: Mapping[str, list[Finding]]) -> list[Claim]:
+def _claims(series: Mapping[str, list[JobResult]]) -> list[Claim]:
     stands = {label: [stood(one) for one in found] for label, found in series.items()}
     stable = [one.stability <= LIMIT for one in next(iter(series.values()))]
 
@@ -110,7 +110,7 @@ def _stood_at(stands: Stood) -> str:
     return "the wall stands at p/E = " + listed(texts)
 
 
-def _table(series: Mapping[str, list[Finding]]) -> list[str]:
+def _table(series: Mapping[str, list[JobResult]]) -> list[str]:
     first = next(iter(series.values()))
     rows = [
         (
@@ -124,14 +124,14 @@ def _table(series: Mapping[str, list[Finding]]) -> list[str]:
     return markdown_table(("p, N/m per m", "p/E", "p h²/m", *series), rows)
 
 
-def _text(finding: Finding) -> str:
+def _text(finding: JobResult) -> str:
     """Return how far the wall moved sideways, mm, and the passes, or when the run stopped."""
     return finding.text_if_finished(
         f"{1e3 * finding.drift:.2g} mm, passes: {finding.row.passes_per_step:.2g}"
     )
 
 
-def _draw(findings: Mapping[str, Finding], images: Path) -> None:
+def _draw(findings: Mapping[str, JobResult], images: Path) -> None:
     """Draw the walls at one stiffness side by side, a row for each law."""
     model = Case.from_toml(next(iter(findings.values())).job.file).model()
     panels = [

@@ -25,7 +25,7 @@ EVERY_COMBINATION = tuple(Combination(process, law) for law in LAWS for process 
 
 
 @dataclass(frozen=True, kw_only=True)
-class Job:
+class PaperRun:
     """One run of a study."""
 
     study: str
@@ -48,10 +48,10 @@ class Job:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finding:
+class JobResult:
     """The result of a job."""
 
-    job: Job
+    job: PaperRun
     """What was run."""
     row: Row
     """Its row of the comparison."""
@@ -76,27 +76,27 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Findings:
+class JobResults:
     """All findings, by study."""
 
-    by_study: Mapping[str, Sequence[Finding]] = field(default_factory=dict)
+    by_study: Mapping[str, Sequence[JobResult]] = field(default_factory=dict)
     """Name of a study -> its findings, in the order of its jobs."""
 
-    def series(self, study: str) -> dict[str, list[Finding]]:
+    def series(self, study: str) -> dict[str, list[JobResult]]:
         """Return the findings of a study by label, in the order of their values."""
-        found: dict[str, list[Finding]] = {}
+        found: dict[str, list[JobResult]] = {}
         for finding in self.by_study[study]:
             found.setdefault(finding.job.label, []).append(finding)
         return {label: sorted(s, key=lambda one: one.job.value) for label, s in found.items()}
 
 
-def found(job: Job) -> Finding:
+def found(job: PaperRun) -> JobResult:
     """Run a job."""
     case = Case.from_toml(job.file, job.settings)
     applied = job.combination.applied_to(case)
     model = applied.model()
     row = row_of(case, job.combination)
-    return Finding(
+    return JobResult(
         job=job,
         row=row,
         stability=examine(model, applied.method(model), applied.schedule()).stability_number,
@@ -104,10 +104,10 @@ def found(job: Job) -> Finding:
     )
 
 
-def run_all(jobs: Sequence[Job], workers: int = WORKERS) -> Findings:
+def run_all(jobs: Sequence[PaperRun], workers: int = WORKERS) -> JobResults:
     """Run all jobs, some at a time; what comes of them does not depend on how many."""
-    by_study: dict[str, list[Finding]] = {}
+    by_study: dict[str, list[JobResult]] = {}
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         for finding in pool.map(found, jobs, chunksize=1):
             by_study.setdefault(finding.job.study, []).append(finding)
-    return Findings(by_study)
+    return JobResults(by_study)

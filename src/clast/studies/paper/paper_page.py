@@ -54,7 +54,7 @@ class Claim:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Section:
+class StudySection:
     """A study on the page."""
 
     title: str
@@ -69,7 +69,7 @@ class Section:
     """File name of its figure, among the images."""
 
 
-def write_page(sections: Sequence[Section], page: Path) -> None:
+def write_page(sections: Sequence[StudySection], page: Path) -> None:
     """Write the page; its figures are in ``images`` beside it."""
     lines = ["# The paper's studies", "", INTRODUCTION, "", "## Claims", ""]
     claims = [claim for section in sections for claim in section.claims]

@@ -12,8 +12,8 @@ from clast.model.model import Floats
 from clast.pictures.curves import Diagram, Rule, Series, draw_diagrams
 from clast.studies.comparing import Combination
 from clast.studies.comparison_pages import markdown_table
-from clast.studies.paper.jobs import EVERY_COMBINATION, PROCESSES, Finding, Findings, Job
-from clast.studies.paper.paper_page import Claim, Section, listed, percent, series_of
+from clast.studies.paper.jobs import EVERY_COMBINATION, PROCESSES, JobResult, JobResults, PaperRun
+from clast.studies.paper.paper_page import Claim, StudySection, listed, percent, series_of
 
 STIFFNESSES = (1e8, 1e9, 1e10)
 """Normal stiffnesses, N/m per m."""
@@ -37,19 +37,19 @@ LAW = "augmented-lagrangian"
 FIGURE = "paper-rest.png"
 
 
-def jobs(folder: Path) -> Iterable[Job]:
+def jobs(folder: Path) -> Iterable[PaperRun]:
     """Yield the block at rest over the stiffness with both laws, and over the number of solves."""
     file = folder / "rest.toml"
     for combination in EVERY_COMBINATION:
         for value in STIFFNESSES:
             settings = (f"method.contact_law.normal_stiffness={value}",)
-            yield Job(
+            yield PaperRun(
                 study="rest", file=file, combination=combination, settings=settings, value=value
             )
     for process in PROCESSES:
         for count in COUNTS:
             law = f'{{name="{LAW}", normal_stiffness={STIFFNESSES[0]}, solves={count}}}'
-            yield Job(
+            yield PaperRun(
                 study="solves",
                 file=file,
                 combination=Combination(process, LAW),
@@ -68,14 +68,14 @@ def share(stiffness: float, solves: float) -> float:
     return beta(stiffness) / ((1.0 + beta(stiffness)) ** solves - 1.0)
 
 
-def section(findings: Findings, images: Path) -> Section:
+def section(findings: JobResults, images: Path) -> StudySection:
     """Return the section of the page; draw its figure."""
     series, counted = findings.series("rest"), findings.series("solves")
     plain = {process: _penetrations(series[f"{process}, penalty"]) for process in PROCESSES}
     over_p = {p: _penetrations(series[f"{p}, ALM"]) / plain[p] for p in PROCESSES}
     over_n = {p: _penetrations(counted[f"{p}, ALM"]) / plain[p][0] for p in PROCESSES}
     draw_diagrams(_diagrams(over_n, over_p), images / FIGURE)
-    return Section(
+    return StudySection(
         title="Penalty against augmented Lagrangian",
         text="A block of 1 m x 1 m at rest on two corners, static. With the penalty law each "
         "corner sinks in by W/(2p). Multipliers that begin at zero in every step leave, after n "
@@ -88,7 +88,7 @@ def section(findings: Findings, images: Path) -> Section:
     )
 
 
-def _penetrations(found: list[Finding]) -> Floats:
+def _penetrations(found: list[JobResult]) -> Floats:
     """Return the penetrations at the end, m, shape (k,); nan where a run stopped."""
     return np.array([one.row.penetration if one.finished else np.nan for one in found])
 
@@ -98,7 +98,7 @@ def _left(share: float) -> str:
     return f"{share:.4f}" if np.isfinite(share) else "stopped"
 
 
-def _claims(series: Mapping[str, list[Finding]], over_p: Mapping[str, Floats]) -> list[Claim]:
+def _claims(series: Mapping[str, list[JobResult]], over_p: Mapping[str, Floats]) -> list[Claim]:
     exact = np.array([share(value, PAPER_SOLVES) for value in STIFFNESSES])
     off = np.abs(np.array(list(over_p.values())) / exact - 1.0).max(axis=0)
     unbalanced = {

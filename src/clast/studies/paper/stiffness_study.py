@@ -10,8 +10,8 @@ import numpy as np
 from clast.model.model import Floats
 from clast.pictures.curves import Diagram, draw_diagrams
 from clast.studies.comparison_pages import markdown_table
-from clast.studies.paper.jobs import EVERY_COMBINATION, Finding, Findings, Job
-from clast.studies.paper.paper_page import Claim, Section, listed, percent, series_of
+from clast.studies.paper.jobs import EVERY_COMBINATION, JobResult, JobResults, PaperRun
+from clast.studies.paper.paper_page import Claim, StudySection, listed, percent, series_of
 from clast.studies.paper.table_1 import error, exact_distance, ranges
 
 STIFFNESSES = (1e7, 1e8, 1e9, 1e10, 3e10, 5e10, 1e11, 1e12, 5e12)
@@ -29,11 +29,11 @@ LIMIT = 6.0
 FIGURE = "paper-stiffness.png"
 
 
-def jobs(folder: Path) -> Iterable[Job]:
+def jobs(folder: Path) -> Iterable[PaperRun]:
     """Yield the incline at 20 degrees with every stiffness, process and law."""
     for combination in EVERY_COMBINATION:
         for value in STIFFNESSES:
-            yield Job(
+            yield PaperRun(
                 study="stiffness",
                 file=folder / "incline.toml",
                 combination=combination,
@@ -42,7 +42,7 @@ def jobs(folder: Path) -> Iterable[Job]:
             )
 
 
-def section(findings: Findings, images: Path) -> Section:
+def section(findings: JobResults, images: Path) -> StudySection:
     """Return the section of the page; draw its figure."""
     series = findings.series("stiffness")
     exact = exact_distance(ANGLE)
@@ -51,7 +51,7 @@ def section(findings: Findings, images: Path) -> Section:
     }
     depths = {label: np.array([one.depth for one in found]) for label, found in series.items()}
     draw_diagrams(_diagrams(errors, depths), images / FIGURE)
-    return Section(
+    return StudySection(
         title="Contact stiffness",
         text="The same incline at φ = 20 degrees with p from far below E (5e10 Pa) to far above. "
         "First the error, or when the run stopped; then the largest penetration of the run, at "
@@ -65,7 +65,7 @@ def section(findings: Findings, images: Path) -> Section:
     )
 
 
-def _claims(series: Mapping[str, list[Finding]], errors: Mapping[str, Floats]) -> list[Claim]:
+def _claims(series: Mapping[str, list[JobResult]], errors: Mapping[str, Floats]) -> list[Claim]:
     soft = np.array(STIFFNESSES) <= SOFT
     at_soft = {label: each[soft] for label, each in errors.items()}
     stability = [one.stability for one in next(iter(series.values()))]
@@ -101,7 +101,7 @@ def _words(low: float, high: float) -> str:
     return f"up to p h²/m = {low:.3g}, no longer at {high:.3g}"
 
 
-def _table(series: Mapping[str, list[Finding]], text: Callable[[Finding], str]) -> list[str]:
+def _table(series: Mapping[str, list[JobResult]], text: Callable[[JobResult], str]) -> list[str]:
     first = next(iter(series.values()))
     rows = [
         (

@@ -10,8 +10,8 @@ import numpy as np
 from clast.model.model import Floats
 from clast.pictures.curves import Diagram, Rule, draw_diagrams
 from clast.studies.comparison_pages import markdown_table
-from clast.studies.paper.jobs import EVERY_COMBINATION, Finding, Findings, Job
-from clast.studies.paper.paper_page import Claim, Section, listed, percent, series_of
+from clast.studies.paper.jobs import EVERY_COMBINATION, JobResult, JobResults, PaperRun
+from clast.studies.paper.paper_page import Claim, StudySection, listed, percent, series_of
 
 ANGLES = (0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
 """Friction angles of the table, degrees."""
@@ -24,11 +24,11 @@ STAYS = 0.01
 FIGURE = "paper-table-1.png"
 
 
-def jobs(folder: Path) -> Iterable[Job]:
+def jobs(folder: Path) -> Iterable[PaperRun]:
     """Yield the incline at all angles with every process and law."""
     for combination in EVERY_COMBINATION:
         for angle in ANGLES:
-            yield Job(
+            yield PaperRun(
                 study="table 1",
                 file=folder / "incline.toml",
                 combination=combination,
@@ -43,7 +43,7 @@ def exact_distance(friction_angle: float) -> float:
     return float(0.5 * downhill * np.cos(np.radians(45.0)) * DURATION**2)
 
 
-def miss(finding: Finding, exact: float) -> float:
+def miss(finding: JobResult, exact: float) -> float:
     """Return the distance of the slider from its exact place, m; nan where the run stopped."""
     if not finding.finished:
         return float("nan")
@@ -51,7 +51,7 @@ def miss(finding: Finding, exact: float) -> float:
     return float(np.hypot(u - exact, v + exact))
 
 
-def error(finding: Finding, exact: float) -> float:
+def error(finding: JobResult, exact: float) -> float:
     """Return the miss over the exact distance, -."""
     return miss(finding, exact) / (np.sqrt(2.0) * exact)
 
@@ -66,7 +66,7 @@ def tangent(degrees: float) -> float:
     return float(np.tan(np.radians(degrees)))
 
 
-def section(findings: Findings, images: Path) -> Section:
+def section(findings: JobResults, images: Path) -> StudySection:
     """Return the section of the page; draw its figure."""
     series = findings.series("table 1")
     moving = np.array(ANGLES[:-1])
@@ -76,7 +76,7 @@ def section(findings: Findings, images: Path) -> Section:
     }
     stays = {label: miss(found[-1], 0.0) for label, found in series.items()}
     draw_diagrams([_diagram(moving, errors)], images / FIGURE)
-    return Section(
+    return StudySection(
         title="Table 1: the incline",
         text="A block slides down 45 degrees for 1 s from rest; p = 1e9 N/m per m (E/50). The "
         "error is the distance between the computed and the exact place of the slider over the "
@@ -89,7 +89,7 @@ def section(findings: Findings, images: Path) -> Section:
 
 
 def _claims(
-    series: Mapping[str, list[Finding]], errors: Mapping[str, Floats], stays: Mapping[str, float]
+    series: Mapping[str, list[JobResult]], errors: Mapping[str, Floats], stays: Mapping[str, float]
 ) -> list[Claim]:
     flat = {label: each[:-1] for label, each in errors.items()}
     last = {label: float(each[-1]) for label, each in errors.items()}

@@ -19,7 +19,7 @@ from clast.errors import CaseError
 from clast.inputs.declaring import text as case_text
 from clast.rockmass.drawings.drawing_files import replaced
 from clast.study.collapsing.reduction import Reduction
-from clast.study.collapsing.search import Bracket, Trials, bracket_of
+from clast.study.collapsing.search import FactorBracket, Trials, bracket_of
 from clast.study.collapsing.trial import (
     FAILED,
     STANDS,
@@ -30,7 +30,7 @@ from clast.study.collapsing.trial import (
     trial_content,
     tried,
 )
-from clast.study.description import COLLAPSE, Description, Factor
+from clast.study.description import COLLAPSE, Description, FactorSettings
 from clast.study.folder import CASE, DONE, StudyFolder, with_files
 from clast.study.trial_cases import content_of, given_case
 from clast.study.work import RUN_FILE, factor_of, search_of
@@ -122,7 +122,7 @@ def factor_of_safety(
     ``start``, ``growth`` and ``refine``.  Raises CaseError for a case that cannot be used, and
     where its blocks do not come to rest.
     """
-    given = Factor(joints=_names(joints), tolerance=tolerance, **how)
+    given = FactorSettings(joints=_names(joints), tolerance=tolerance, **how)
     return collapse(given_case(case), given, folder, watch)
 
 
@@ -140,12 +140,12 @@ def collapse_load(
     ``by`` is "gravity", "load NAME", "pga" (a push to the right of so much of the weight) or "pga
     left"; all else as in ``factor_of_safety``.
     """
-    given = Factor(by=by, tolerance=tolerance, **how)
+    given = FactorSettings(by=by, tolerance=tolerance, **how)
     return collapse(given_case(case), given, folder, watch)
 
 
 def collapse(
-    case: Case, how: Factor, folder: str | Path | None = None, watch: Watch | None = None
+    case: Case, how: FactorSettings, folder: str | Path | None = None, watch: Watch | None = None
 ) -> Collapse:
     """Return the factor with which the blocks of a case fail; raises CaseError as above."""
     by = factor_of(how)
@@ -163,7 +163,7 @@ def collapse(
 
 def go_on(folder: StudyFolder, watch: Watch | None = None) -> Collapse:
     """Go on with the trials in a folder; return what they add up to."""
-    how = folder.study.factor or Factor()
+    how = folder.study.factor or FactorSettings()
     with folder.driven():
         found = TrialMaker(
             case=folder.base, how=how, by=factor_of(how), watch=watch, folder=folder
@@ -179,7 +179,7 @@ class TrialMaker:
 
     case: Case
     """The case."""
-    how: Factor
+    how: FactorSettings
     """How the factor is looked for."""
     by: Reduction
     """What it acts on."""
@@ -213,7 +213,7 @@ class TrialMaker:
             self.watch(number, trial)
         return trial
 
-    def _more(self, found: Bracket) -> list[float]:
+    def _more(self, found: FactorBracket) -> list[float]:
         """Return the factors of more trials near the bracket."""
         count = self.how.refine
         if not count or not found.is_closed:

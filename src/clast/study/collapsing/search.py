@@ -20,7 +20,7 @@ MOST_TRIALS = 100
 
 
 @dataclass(frozen=True, kw_only=True)
-class Search:
+class FactorSearch:
     """Where and how well a factor is looked for."""
 
     start: float
@@ -52,7 +52,7 @@ class Search:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bracket:
+class FactorBracket:
     """What trials say of the factor at which blocks fail."""
 
     low: float
@@ -77,16 +77,16 @@ class Bracket:
         return (self.high - self.low) / self.high if self.is_closed else math.inf
 
 
-def bracket_of(trials: Sequence[Trial]) -> Bracket:
+def bracket_of(trials: Sequence[Trial]) -> FactorBracket:
     """Return the bracket that trials leave."""
     failed = [one.factor for one in trials if one.verdict == FAILED]
     high = min(failed, default=math.inf)
     low = max((t.factor for t in trials if t.verdict == STANDS and t.factor < high), default=0.0)
     open_ = sorted(t.factor for t in trials if t.verdict == UNDECIDED and low < t.factor < high)
-    return Bracket(low=low, high=high, undecided=tuple(open_))
+    return FactorBracket(low=low, high=high, undecided=tuple(open_))
 
 
-def next_factor(search: Search, trials: Sequence[Trial]) -> float | None:
+def next_factor(search: FactorSearch, trials: Sequence[Trial]) -> float | None:
     """Return the factor to try next; None where enough is known, or no more can be."""
     if not trials:
         return search.start
@@ -113,12 +113,12 @@ def next_factor(search: Search, trials: Sequence[Trial]) -> float | None:
 class Trials:
     """Makes the trials of a search, each once, in their order."""
 
-    search: Search
+    search: FactorSearch
     make: Callable[[int, float], Trial]
     """Makes the trial of a number, from 1, with a factor."""
     done: list[Trial] = field(default_factory=list)
 
-    def all(self) -> Bracket:
+    def all(self) -> FactorBracket:
         """Return the bracket when all trials have been made."""
         while (factor := next_factor(self.search, self.done)) is not None:
             self.done.append(self.make(len(self.done) + 1, factor))

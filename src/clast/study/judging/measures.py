@@ -31,7 +31,7 @@ FOS = "factor_of_safety"
 
 
 @dataclass(frozen=True)
-class Measured:
+class RunResults:
     """The results of a run, as measures see them."""
 
     run: Run

@@ -168,7 +168,7 @@ def _replaced(here: Any, keys: Keys, value: Any) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settings:
+class ParameterPlaces:
     """The places of all parameters in a case."""
 
     content: Mapping[str, Any]
@@ -179,7 +179,7 @@ class Settings:
     """Where each of them is set."""
 
     @classmethod
-    def of(cls, content: Mapping[str, Any], parameters: Sequence[Parameter]) -> Settings:
+    def of(cls, content: Mapping[str, Any], parameters: Sequence[Parameter]) -> ParameterPlaces:
         """Return them; raises CaseError for paths that lead nowhere, or twice to one key."""
         found: list[tuple[Keys, ...]] = []
         taken: dict[Keys, str] = {}

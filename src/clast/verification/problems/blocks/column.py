@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model, Plane, PlaneStrain, PlaneStress
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -33,7 +33,7 @@ STRAINED = "the weight acts on the shortened column: of the size of its strain, 
 
 def column(plane: Plane = PLANES[0]) -> Model:
     """Return a column of 2 m x 10 m on a fixed, smooth floor."""
-    builder = ModelBuilder(title="Column", plane=plane, gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Column", plane=plane, gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=YOUNG, poisson=POISSON, density=DENSITY)
     builder.block(name="floor", vertices=[(-1, -1), (3, -1), (3, 0), (-1, 0)], fixed=True)
     corners = [(0, 0), (WIDTH, 0), (WIDTH, HEIGHT), (0, HEIGHT)]

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory
@@ -39,7 +39,7 @@ OF_STEP = "70 to 80 steps a period: (w h)^2/24 is 3e-4"
 
 def raft(down: float, tilt: float) -> Model:
     """Return a raft over a fixed bed, ``down`` m too low and turned by ``tilt``, rad."""
-    builder = ModelBuilder(title="Raft", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Raft", gravity=(0.0, -GRAVITY))
     builder.add_rock("wood", young=1e9, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=30.0)
     builder.block(name="bed", vertices=[(-6, -5), (6, -5), (6, -4), (-6, -4)], fixed=True)

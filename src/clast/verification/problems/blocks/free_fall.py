@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, Curve, curve, exact_curve
 from clast.results import PointHistory
@@ -29,7 +29,7 @@ ROUND_OFF = "round-off of up to 200 additions"
 
 def block_in_the_air(velocity: tuple[float, float, float] = THROWN) -> Model:
     """Return a block of 1 m x 1 m with a velocity (u, v, omega) in m/s and rad/s."""
-    builder = ModelBuilder(title="Free fall", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Free fall", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.block(name="block", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)], velocity=velocity)
     builder.measured_point("centroid", (0.5, 0.5))

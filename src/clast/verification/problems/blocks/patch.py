@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model, Plane, PlaneStrain, PlaneStress
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -28,7 +28,7 @@ STRAINED = "the traction acts on the strained outline: of the size of the strain
 
 def loaded_block(plane: Plane = PLANES[0]) -> Model:
     """Return a free pentagon with the traction of a uniform stress on every edge."""
-    builder = ModelBuilder(title="Patch test", plane=plane, gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Patch test", plane=plane, gravity=(0.0, 0.0))
     builder.add_rock("granite", young=YOUNG, poisson=POISSON, density=2700.0)
     builder.block(name="block", vertices=CORNERS)
     tensor = np.array([[STRESS[0], STRESS[2]], [STRESS[2], STRESS[1]]])

@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 from scipy.special import ellipk
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory
@@ -56,7 +56,7 @@ def hung_block(amplitude: float = 30.0) -> Model:
     rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
     half = 0.5 * WIDTH
     corners = np.array([(-half, -HEIGHT), (half, -HEIGHT), (half, 0.0), (-half, 0.0)])
-    builder = ModelBuilder(title="Pendulum", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Pendulum", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=DENSITY)
     builder.block(name="block", vertices=corners @ rotation.T)
     builder.fixed_point((0.0, 0.0))

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -39,7 +39,7 @@ ROUND_OFF = "round-off of 1,000 steps"
 
 def spinning_block() -> Model:
     """Return a free, uneven block that turns 10 rad/s, its corners measured."""
-    builder = ModelBuilder(title="Spin", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Spin", gravity=(0.0, 0.0))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.block(name="block", vertices=CORNERS, velocity=(0.0, 0.0, SPIN))
     for number, corner in enumerate(CORNERS):

@@ -19,7 +19,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -51,7 +51,7 @@ ARRIVALS = np.arange(8) / 8.0
 
 def block_above_floor(gap: float = 0.1) -> Model:
     """Return a block of 1 m x 1 m moving down towards a fixed floor ``gap``, m, below it."""
-    builder = ModelBuilder(title="Bounce", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Bounce", gravity=(0.0, 0.0))
     builder.add_rock("granite", young=5000.0 * STIFFNESS, poisson=0.2, density=DENSITY)
     builder.block(name="floor", vertices=[(-1, -0.5), (2, -0.5), (2, 0), (-1, 0)], fixed=True)
     corners = [(0, gap), (1, gap), (1, 1 + gap), (0, 1 + gap)]

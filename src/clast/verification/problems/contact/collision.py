@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from clast.block import polygon
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.model.state import State, initial_state
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -35,7 +35,7 @@ MOMENT = (
 
 def two_blocks(friction_angle: float = 30.0) -> Model:
     """Return a block that flies towards a larger one at rest and hits it off its centre."""
-    builder = ModelBuilder(title="Collision", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Collision", gravity=(0.0, 0.0))
     builder.add_rock("granite", young=5e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=friction_angle)
     arriving = [(-0.1, 0.3), (-0.1, 1.3), (-1.1, 1.2), (-1.0, 0.2)]

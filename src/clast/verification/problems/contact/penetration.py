@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -44,7 +44,7 @@ REASON = "at rest after 0.3 s, velocities being dropped after every step"
 
 def block_on_floor() -> Model:
     """Return a block of 1 m x 1 m on a fixed floor."""
-    builder = ModelBuilder(title="Block at rest", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Block at rest", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=5e15, poisson=0.2, density=MASS)
     builder.block(name="floor", vertices=[(-1, -0.5), (2, -0.5), (2, 0), (-1, 0)], fixed=True)
     builder.block(name="block", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])

@@ -15,7 +15,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -46,7 +46,7 @@ ROW = 5
 
 def two_squares(gap: float = 0.1, mass: float = 1.0) -> Model:
     """Return a square that flies at another one, ``gap``, m, away and ``mass`` times as heavy."""
-    builder = ModelBuilder(title="Restitution", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Restitution", gravity=(0.0, 0.0))
     builder.add_rock("rock", young=YOUNG, poisson=0.2, density=DENSITY)
     density = DENSITY if mass == FIXED else mass * DENSITY
     builder.add_rock("other", young=YOUNG, poisson=0.2, density=density)
@@ -80,7 +80,7 @@ def parting(
 
 def height(variant: Variant, restitution: float, stiffness: float, step: float) -> float:
     """Return how high a square rebounds that falls from 1 m, m."""
-    builder = ModelBuilder(title="Fall", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Fall", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=YOUNG, poisson=0.2, density=DENSITY)
     builder.block(name="ground", vertices=[(-3, -0.5), (3, -0.5), (3, 0), (-3, 0)], fixed=True)
     builder.block(name="square", vertices=[(-0.5, 1), (0.5, 1), (0.5, 2), (-0.5, 2)])
@@ -98,7 +98,7 @@ def height(variant: Variant, restitution: float, stiffness: float, step: float) 
 
 def last_of_row(variant: Variant, gap: float) -> float:
     """Return the speed of the last square of a row that one hits with e = 1, as a share of its."""
-    builder = ModelBuilder(title="Newton's cradle", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Newton's cradle", gravity=(0.0, 0.0))
     builder.add_rock("rock", young=YOUNG, poisson=0.2, density=DENSITY)
     for k in range(ROW + 1):
         x = k * (1.0 + gap) + (0.0 if k == 0 else 0.003)

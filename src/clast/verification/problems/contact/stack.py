@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.model.state import State
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -41,7 +41,7 @@ REASON = "what is left of the vibration after 1.2 s"
 
 def stack() -> Model:
     """Return five blocks on a fixed floor, some as wide as the one below."""
-    builder = ModelBuilder(title="Stack at rest", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Stack at rest", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=30.0)
     builder.block(name="floor", vertices=[(-2, -0.5), (2, -0.5), (2, 0), (-2, 0)], fixed=True)

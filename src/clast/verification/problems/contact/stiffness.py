@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from clast.errors import RunStopped
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -48,7 +48,7 @@ SOFT = "the paper's 0.66 %, and what the springs give, W cos 45/(2p)"
 
 def dropped_block() -> Model:
     """Return a stiff block of 1 m x 1 m, 0.1 mm above a fixed floor."""
-    builder = ModelBuilder(title="Dropped block", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Dropped block", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=5e13, poisson=0.2, density=MASS)
     builder.block(name="floor", vertices=[(-1, -0.5), (2, -0.5), (2, 0), (-1, 0)], fixed=True)
     corners = [(0, DROP), (1, DROP), (1, 1 + DROP), (0, 1 + DROP)]

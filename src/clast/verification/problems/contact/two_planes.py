@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -38,7 +38,7 @@ SETTLED = "at rest; the block turns by about 1e-5 on its springs"
 def trough(dip_b: float = 45.0) -> Model:
     """Return two fixed planes and a triangular block that fills the trough between them."""
     a, b = DEPTH / np.tan(np.radians(DIP_A)), DEPTH / np.tan(np.radians(dip_b))
-    builder = ModelBuilder(title="Block on two planes", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Block on two planes", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=50e9, poisson=0.2, density=DENSITY)
     below = -0.3
     left = [(-a - 0.3, below), (0.0, below), (0.0, 0.0), (-a, DEPTH), (-a - 0.3, DEPTH)]

@@ -30,7 +30,7 @@ ROUND_OFF = "round-off"
 
 
 @dataclass(frozen=True)
-class Plane:
+class JointPlane:
     """A joint plane and the section that it is seen in, degrees."""
 
     dip: float
@@ -54,14 +54,14 @@ class Plane:
 
 
 PLANES = (
-    Plane(60, 90, 90),
-    Plane(60, 270, 90),
-    Plane(60, 130, 90),
-    Plane(35, 150, 90),
-    Plane(75, 10, 90),
-    Plane(60, 0, 90),
-    Plane(90, 45, 90),
-    Plane(5, 200, 120),
+    JointPlane(60, 90, 90),
+    JointPlane(60, 270, 90),
+    JointPlane(60, 130, 90),
+    JointPlane(35, 150, 90),
+    JointPlane(75, 10, 90),
+    JointPlane(60, 0, 90),
+    JointPlane(90, 45, 90),
+    JointPlane(5, 200, 120),
 )
 
 
@@ -71,7 +71,7 @@ def section(azimuth: float) -> Domain:
     return Domain(boundary=corners, section_azimuth=azimuth)
 
 
-def joints(plane: Plane) -> JointSet:
+def joints(plane: JointPlane) -> JointSet:
     """Return the joints along a plane at their spacing in space."""
     return JointSet(
         name=str(plane),
@@ -82,7 +82,7 @@ def joints(plane: Plane) -> JointSet:
     )
 
 
-def measured(plane: Plane) -> tuple[float, float]:
+def measured(plane: JointPlane) -> tuple[float, float]:
     """Return angle, degrees in (-90, 90], and spacing, m, of the lines that a section shows."""
     ends = lines_of(joints(plane), section(plane.azimuth))
     way = ends[:, 1] - ends[:, 0]
@@ -110,7 +110,7 @@ def _chart(variant: Variant) -> Chart:
         return [apparent(dip, float(one), 0.0)[0] for one in off]
 
     exact = [
-        exact_curve(f"dip {dip:g}", fine, [Plane(dip, one, 0.0).angle() for one in fine])
+        exact_curve(f"dip {dip:g}", fine, [JointPlane(dip, one, 0.0).angle() for one in fine])
         for dip in DIPS
     ]
     found = np.concatenate([seen(dip, marks) for dip in DIPS])

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -66,7 +66,7 @@ def exact_height() -> float:
 
 def dam(level: float = 8.0, friction_angle: float = ROUGH) -> Model:
     """Return a fixed foundation and the dam on it, with water to its left."""
-    builder = ModelBuilder(title="Dam", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Dam", gravity=(0.0, -GRAVITY))
     builder.add_rock("concrete", young=20e9, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=friction_angle)
     ground = [(-2.0, -2.0), (WIDTH + 2.0, -2.0), (WIDTH + 2.0, 0.0), (-2.0, 0.0)]

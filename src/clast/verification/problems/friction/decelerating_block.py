@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory
@@ -53,7 +53,7 @@ def slope_with_block() -> Model:
     """Return a fixed wedge at 20 degrees and a block of 1 m x 0.5 m sliding down it."""
     along = np.array([np.cos(SLOPE), np.sin(SLOPE)])
     up = np.array([-along[1], along[0]])
-    builder = ModelBuilder(title="Decelerating block", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Decelerating block", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=FRICTION_ANGLE)
     builder.block(name="slope", vertices=[0 * along, (4 * along[0], 0), 4 * along], fixed=True)

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -56,7 +56,7 @@ def sheared_block(force: float = PEAK) -> Model:
     stretch it along the joint: shear is the same all over the joint, whose bonds break where it is
     largest.
     """
-    builder = ModelBuilder(title="Direct shear", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Direct shear", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.0, density=DENSITY)
     builder.add_joint(
         "default", friction_angle=FRICTION_ANGLE, cohesion=COHESION, residual_cohesion=0.0

@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -46,7 +46,7 @@ PAPER = "the paper's own errors are 0.06 to 0.66 %"
 
 def incline(friction_angle: float = 20.0) -> Model:
     """Return the paper's Fig. 1, legs of 10 m and 3 m; ``friction_angle`` in degrees."""
-    builder = ModelBuilder(title="Block on an incline", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Block on an incline", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=friction_angle)
     builder.block(name="incline", vertices=[(0, 0), (10, 0), (0, 10)])

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, limit, unbalanced
@@ -49,7 +49,7 @@ def exact_limit(angle: float, width: float = WIDTH) -> float:
 
 def ladder(angle: float = ANGLES[1], friction_angle: float = 20.0) -> Model:
     """Return floor, wall and ladder; angles in degrees."""
-    builder = ModelBuilder(title="Ladder", gravity=(0.0, -9.8))
+    builder = InputBuilder(title="Ladder", gravity=(0.0, -9.8))
     builder.add_rock("wood", young=10e9, poisson=0.3, density=600.0)
     builder.add_joint("default", friction_angle=friction_angle)
     builder.block(name="floor", vertices=[(0, -0.5), (5, -0.5), (5, 0), (0, 0)], fixed=True)

@@ -19,7 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, limit, unbalanced
@@ -59,7 +59,7 @@ def exact_strength(dip: float) -> float:
 def specimen(dip: float = 60.0, planes: int = 1, difference: float | None = None) -> Model:
     """Return a specimen cut by planes, under s3 and s1 = s3 + ``difference``, Pa."""
     difference = exact_strength(dip) if difference is None else difference
-    builder = ModelBuilder(title="Plane of weakness", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Plane of weakness", gravity=(0.0, 0.0))
     builder.add_rock("rock", young=20e9, poisson=0.0, density=DENSITY)
     builder.add_joint("default", friction_angle=FRICTION_ANGLE, cohesion=COHESION)
     rise = 0.5 * WIDTH * float(np.tan(np.radians(dip)))

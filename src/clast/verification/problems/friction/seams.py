@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
@@ -77,7 +77,7 @@ def rest_on(
         left, right, low, top = x, x + width, y, y + height
         return np.array([(left, low), (right, low), (right, top), (left, top)]) @ turn.T
 
-    builder = ModelBuilder(title="Seams", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Seams", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=YOUNG, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=friction_angle)
     width = (TOTAL - (pieces - 1) * joint) / pieces

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory
@@ -66,7 +66,7 @@ def motion(push: float, time: Floats) -> Floats:
 def block_on_slope(push: float = 0.0) -> Model:
     """Return a fixed wedge and a block of 1 m x 0.5 m on it, pushed downwards, m/s."""
     up = np.array([ALONG[1], -ALONG[0]])
-    builder = ModelBuilder(title="Slip weakening", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Slip weakening", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint(
         friction_angle=PEAK, residual_friction_angle=RESIDUAL, slip_weakening=WEAKENING

@@ -11,7 +11,7 @@ and a lighter one rises by a t^2/2 with a = (rho_w - rho) g/rho: water has no in
 
 from __future__ import annotations
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -36,7 +36,7 @@ STEP, DURATION = 2e-3, 0.5
 def under_water(density: float, above: float) -> Model:
     """Return a block of a density, kg/m3, in a basin, ``above`` m over its bottom."""
     width, height = SIZE
-    builder = ModelBuilder(title="Block under water", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Block under water", gravity=(0.0, -GRAVITY))
     builder.add_rock("bottom", young=5e9, poisson=0.2, density=HEAVY)
     builder.add_rock("block", young=5e9, poisson=0.2, density=density)
     builder.add_joint("default", friction_angle=30.0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, limit, unbalanced
@@ -33,7 +33,7 @@ def table(width: float = 0.4, tilt: float = 15.0) -> Model:
     """Return a fixed table and the block on it; gravity is tilted instead of the table."""
     down = np.radians(tilt)
     gravity = (GRAVITY * np.sin(down), -GRAVITY * np.cos(down))
-    builder = ModelBuilder(title="Tilt table", gravity=gravity)
+    builder = InputBuilder(title="Tilt table", gravity=gravity)
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=FRICTION_ANGLE)
     ground = [(-1.0, -0.3), (2.0, -0.3), (2.0, 0.0), (-1.0, 0.0)]

@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, limit, unbalanced
@@ -49,7 +49,7 @@ def arch(share: float = 0.12) -> Model:
     """Return a fixed base and the voussoirs of an arch with t/R = ``share``."""
     inner, outer = joint_ends(RADIUS, share, 180.0, VOUSSOIRS)
     reach = RADIUS * (1.0 + share)
-    builder = ModelBuilder(title="Semicircular arch", gravity=(0.0, -9.8))
+    builder = InputBuilder(title="Semicircular arch", gravity=(0.0, -9.8))
     builder.add_rock("stone", young=50e9, poisson=0.2, density=2400.0)
     builder.add_joint("default", friction_angle=FRICTION_ANGLE)
     builder.block(

@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, limit, unbalanced
@@ -52,7 +52,7 @@ def loaded_arch(place: int = PLACES[1], load: float = 2e4) -> Model:
     """Return a fixed base and the voussoirs, one of them with a load, N/m."""
     inner, outer = joints()
     reach = RADIUS * (1.0 + SHARE)
-    builder = ModelBuilder(title="Loaded arch", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Loaded arch", gravity=(0.0, -GRAVITY))
     builder.add_rock("stone", young=50e9, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=FRICTION_ANGLE)
     builder.block(

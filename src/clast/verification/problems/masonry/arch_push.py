@@ -15,7 +15,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, limit, unbalanced
@@ -83,7 +83,7 @@ def exact_factor(arch: Arch) -> float:
     return largest_factor(blocks, blocks.body_force((0.0, -1.0)), blocks.body_force((1.0, 0.0)))
 
 
-def add_arch(builder: ModelBuilder, arch: Arch, carried: str = "") -> None:
+def add_arch(builder: InputBuilder, arch: Arch, carried: str = "") -> None:
     """Add an arch between abutments, fixed but the ``carried`` one, which two fixed points hold."""
     inner, outer = arch.joints()
     for name, end, side in (("right", 0, -1.0), ("left", arch.voussoirs, 1.0)):
@@ -106,7 +106,7 @@ def add_arch(builder: ModelBuilder, arch: Arch, carried: str = "") -> None:
 
 def pushed(arch: Arch = OPPENHEIM, factor: float = 0.3) -> Model:
     """Return two fixed abutments and the voussoirs, with ``factor`` of their weight across."""
-    builder = ModelBuilder(title="Arch under push", gravity=(factor * GRAVITY, -GRAVITY))
+    builder = InputBuilder(title="Arch under push", gravity=(factor * GRAVITY, -GRAVITY))
     builder.add_rock("stone", young=50e9, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=arch.friction_angle)
     add_arch(builder, arch)

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -63,7 +63,7 @@ def on_moving_support(arch: Arch = OPPENHEIM, spread: float = SPREAD) -> Model:
         time=DURATION * np.array([0.0, 0.25, 0.75, 1.0]),
         acceleration=np.stack([across, np.zeros(4)], axis=1),
     )
-    builder = ModelBuilder(title="Arch on a support that moves", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Arch on a support that moves", gravity=(0.0, -GRAVITY))
     builder.ground_motion = MovingBase(record)
     builder.add_rock("stone", young=50e9, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=arch.friction_angle)

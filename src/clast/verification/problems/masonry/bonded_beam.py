@@ -20,7 +20,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -57,7 +57,7 @@ def beam(
     blocks: int = 1, force: float = 0.0, moment: float = 0.0, joint: dict[str, float] = STIFF
 ) -> Model:
     """Return the beam on a wall of so many blocks, with N, N/m, and M, N m/m, at its joint."""
-    builder = ModelBuilder(title="Bonded beam", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Bonded beam", gravity=(0.0, 0.0))
     builder.add_rock("rock", young=1e13, poisson=0.0, density=2500.0)
     builder.add_joint("default", **joint)
     for low, high in pairwise(np.linspace(0.0, HEIGHT, blocks + 1)):

@@ -15,7 +15,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -48,7 +48,7 @@ def exact_bed(share: float) -> tuple[float, float, float]:
 
 def pier(share: float = 0.25) -> Model:
     """Return a bed of fixed blocks and the pier on it, with its force at e/b to the right."""
-    builder = ModelBuilder(title="Pier on a bed", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Pier on a bed", gravity=(0.0, 0.0))
     builder.add_rock("stiff rock", young=1e13, poisson=0.0, density=2500.0)
     builder.add_joint(
         "default", friction_angle=30.0, normal_stiffness=BEDDING, shear_stiffness=BEDDING

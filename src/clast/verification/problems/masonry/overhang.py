@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, unbalanced
@@ -33,7 +33,7 @@ BRACKETED = "bracketed by 0.99 and 1.01 of it; the joints are springs"
 
 def pile(share: float = 0.99) -> Model:
     """Return a table with its edge at x = 0 and bricks that reach ``share`` of the limit."""
-    builder = ModelBuilder(title="Overhang", gravity=(0.0, -9.8))
+    builder = InputBuilder(title="Overhang", gravity=(0.0, -9.8))
     builder.add_rock("brick", young=20e9, poisson=0.2, density=2000.0)
     builder.add_joint("default", friction_angle=35.0)
     builder.block(name="table", vertices=[(-2, -0.5), (0, -0.5), (0, 0), (-2, 0)], fixed=True)

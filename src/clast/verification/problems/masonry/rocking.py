@@ -19,7 +19,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory
@@ -75,7 +75,7 @@ def tilted_block() -> Model:
     """Return a block standing on its right lower corner, tilted to the right, on a fixed floor."""
     turn = np.array([[np.cos(TILT), np.sin(TILT)], [-np.sin(TILT), np.cos(TILT)]])
     corners = np.array([(-WIDTH, 0.0), (0.0, 0.0), (0.0, HEIGHT), (-WIDTH, HEIGHT)])
-    builder = ModelBuilder(title="Rocking block", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Rocking block", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=60.0)
     builder.block(name="floor", vertices=[(-2, -0.4), (1.5, -0.4), (1.5, 0), (-2, 0)], fixed=True)

@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.model.state import State
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -47,7 +47,7 @@ def exact_thrust(slenderness: float) -> float:
 def beam(slenderness: float = 6.0) -> Model:
     """Return two fixed abutments with noses and two blocks bridging ``slenderness`` x d."""
     half, low, high = 0.5 * slenderness * DEPTH, -0.3, DEPTH + 0.3
-    builder = ModelBuilder(title="Three-hinged beam", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Three-hinged beam", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=50e9, poisson=0.0, density=DENSITY)
     abutment = [(half - NOSE, low), (half + 0.5, low), (half + 0.5, high), (half, high)]
     abutment += [(half, -0.1), (half - NOSE, 0.0)]

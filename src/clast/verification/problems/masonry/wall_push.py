@@ -17,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, limit, unbalanced
@@ -93,7 +93,7 @@ def exact_push(wall: Wall) -> float:
 
 def pushed(wall: Wall = WALLS[2], share: float = 0.3) -> Model:
     """Return the fixed ground and the bricks, with a share of their weight to the right."""
-    builder = ModelBuilder(title="Wall under push", gravity=(share * GRAVITY, -GRAVITY))
+    builder = InputBuilder(title="Wall under push", gravity=(share * GRAVITY, -GRAVITY))
     builder.add_rock("brick", young=20e9, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=FRICTION_ANGLE)
     builder.add_joint("head", friction_angle=0.0)

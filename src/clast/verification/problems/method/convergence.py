@@ -23,7 +23,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import eigh
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -69,7 +69,7 @@ def blocks_at_rest(young: float, stiffness: float, count: int = 1) -> Model:
     Young's modulus in Pa, normal stiffness in N/m per m.  One block alone is strained and sagged by
     its weight from the start.
     """
-    builder = ModelBuilder(title="Convergence", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Convergence", gravity=(0.0, -GRAVITY))
     weight = DENSITY * GRAVITY
     borne = (0.0, -0.5 * weight if count == 1 else 0.0, 0.0)
     builder.add_rock("rock", young=young, poisson=0.0, density=DENSITY, initial_stress=borne)

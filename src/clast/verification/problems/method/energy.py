@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -39,7 +39,7 @@ FOUND_INSIDE = (
 
 def struck_pile() -> Model:
     """Return a turned block thrown against a pile of three on a fixed floor."""
-    builder = ModelBuilder(title="Struck pile", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Struck pile", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=5e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=30.0)
     builder.block(name="floor", vertices=[(-3, -0.5), (4, -0.5), (4, 0), (-3, 0)], fixed=True)

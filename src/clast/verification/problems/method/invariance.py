@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -85,7 +85,7 @@ def written_down(view: View) -> Model:
     """Return the decelerating block as seen by a view."""
     original = decelerating_block.slope_with_block()
     rock = original.rocks[0]
-    builder = ModelBuilder(title=view.name, gravity=view.vectors(original.gravity[None])[0])
+    builder = InputBuilder(title=view.name, gravity=view.vectors(original.gravity[None])[0])
     builder.add_rock(
         rock.name,
         young=rock.young * view.mass,

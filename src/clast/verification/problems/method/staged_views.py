@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.model.model import Floats, Model
 from clast.model.stages.stage import TIME, Stage
@@ -80,7 +80,7 @@ def written_down(view: View) -> Model:
     """Return the case as seen by a view."""
     force = view.mass * view.length
     down = view.vectors(np.array([[0.0, -GRAVITY]]))[0]
-    builder = ModelBuilder(title=view.name, gravity=down)
+    builder = InputBuilder(title=view.name, gravity=down)
     builder.add_rock(
         "rock",
         young=YOUNG * view.mass,

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, limit, unbalanced
@@ -98,7 +98,7 @@ def exact_factor(flat: float) -> float:
 def slope(flat: float = FLATS[1], angles: tuple[float, float, float] = (20.0, 20.0, 20.0)) -> Model:
     """Return the base with both blocks; dip and friction angles as for ``missing``."""
     (back, front), upper, lower = outlines(flat)
-    builder = ModelBuilder(title="Active and passive block", gravity=(0.0, -9.8))
+    builder = InputBuilder(title="Active and passive block", gravity=(0.0, -9.8))
     builder.add_rock("rock", young=20e9, poisson=0.2, density=2500.0)
     builder.add_joint("default", friction_angle=angles[2])
     builder.add_joint("steep", friction_angle=angles[0], between=[("back", "upper")])

@@ -22,7 +22,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -76,7 +76,7 @@ def train(divided_by: float = 1.0) -> Model:
     """Return the plane and the blocks on it, the friction divided."""
     along = np.array([np.cos(DIP), np.sin(DIP)])
     out = np.array([-along[1], along[0]])
-    builder = ModelBuilder(title="Blocks on a plane", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Blocks on a plane", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=5e9, poisson=0.0, density=DENSITY)
     builder.add_joint("default", friction_angle=0.0)
     for number, tangent in enumerate(FRICTION, 1):

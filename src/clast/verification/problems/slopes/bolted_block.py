@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, limit, unbalanced
@@ -64,7 +64,7 @@ def bolted(
     """Return the plane, a wall above it, and the block on it with its bolt."""
     toe = 2.0 * ALONG
     head, up = toe + LENGTH * ALONG, HEIGHT * UP
-    builder = ModelBuilder(title="Bolted block", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Bolted block", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=20e9, poisson=0.2, density=DENSITY)
     builder.add_joint(friction_angle=float(np.degrees(np.arctan(reduced(factor)))))
     foot, right = head + 2.0 * ALONG, head + 6.0 * ALONG

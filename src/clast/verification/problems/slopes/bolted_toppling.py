@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
@@ -36,7 +36,7 @@ def exact_force() -> float:
 
 def bolted(force: float | None = None) -> Model:
     """Return the slope with its bolt."""
-    builder = ModelBuilder()
+    builder = InputBuilder()
     toppling.build(builder, float(np.degrees(np.arctan(FRICTION))))
     column = toppling.place(0.5 * toppling.WIDTH, toppling.RISE + 0.5 * toppling.height(1))
     builder.add_bolt_kind("cable", stiffness=2e7, pretension=force or exact_force())

@@ -24,7 +24,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -59,7 +59,7 @@ WEDGES = f"bracket of {100 * 4 * SPAN / 2**BISECTIONS:.2g} %"
 def slab(pieces: tuple[int, int], divided_by: float = 1.0) -> Model:
     """Return a slab on a plane, cut into so many pieces, the strength of its joints divided."""
     up, out = np.array([np.cos(DIP), np.sin(DIP)]), np.array([-np.sin(DIP), np.cos(DIP)])
-    builder = ModelBuilder(title="Slab with cohesion", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Slab with cohesion", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=5e9, poisson=0.2, density=DENSITY)
     angle = float(np.degrees(np.arctan(FRICTION / divided_by)))
     builder.add_joint(friction_angle=angle, cohesion=COHESION / divided_by)
@@ -149,7 +149,7 @@ def wedges(divided_by: float = 1.0) -> Model:
     """Return the two wedges with the strength of all joints divided."""
     (back, front), upper, lower = outlines(FLAT)
     base = np.vstack([back[:1], front[1:], back[3:]])
-    builder = ModelBuilder(title="Two wedges with cohesion", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Two wedges with cohesion", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=20e9, poisson=0.2, density=DENSITY)
     angle = float(np.degrees(np.arctan(WEDGE_FRICTION / divided_by)))
     builder.add_joint(friction_angle=angle, cohesion=WEDGE_COHESION / divided_by)

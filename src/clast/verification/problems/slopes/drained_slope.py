@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -51,7 +51,7 @@ FULL = 4.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Water:
+class WaterHead:
     """Heads of water over a plane, and how they are entered."""
 
     name: str
@@ -97,10 +97,10 @@ class Water:
 
 
 WATERS = (
-    Water(name="line to the toe", share=(0.0, 1.0), head=(0.0, FULL)),
-    Water(name="line with a corner", share=(0.0, 0.4, 1.0), head=(1.0, 3.0, FULL)),
-    Water(name="drain at the toe", share=(0.0, 1.0), head=(0.0, FULL), drains=(0.0,)),
-    Water(
+    WaterHead(name="line to the toe", share=(0.0, 1.0), head=(0.0, FULL)),
+    WaterHead(name="line with a corner", share=(0.0, 0.4, 1.0), head=(1.0, 3.0, FULL)),
+    WaterHead(name="drain at the toe", share=(0.0, 1.0), head=(0.0, FULL), drains=(0.0,)),
+    WaterHead(
         name="drains at the toe and at 0.4 A",
         share=(0.0, 0.4, 1.0),
         head=(0.0, 0.0, FULL),
@@ -109,14 +109,14 @@ WATERS = (
 )
 
 
-def wet(water: Water, divided_by: float = FIRM) -> Model:
+def wet(water: WaterHead, divided_by: float = FIRM) -> Model:
     """Return the slope of 15 m with water, its strength divided."""
-    builder: ModelBuilder = dry_slope(steep_slope(), divided_by)
+    builder: InputBuilder = dry_slope(steep_slope(), divided_by)
     builder.water(acts_on="joints", **water.keys(steep_slope()))
     return builder.build()
 
 
-def borne(water: Water, variant: Variant) -> tuple[float, float]:
+def borne(water: WaterHead, variant: Variant) -> tuple[float, float]:
     """Return N' and T that the plane bears, N/m."""
     model, slope = wet(water), steep_slope()
     method = variant.method(
@@ -132,7 +132,7 @@ def borne(water: Water, variant: Variant) -> tuple[float, float]:
     return float(force @ across), float(force @ along)
 
 
-def safety(water: Water, bisections: int, variant: Variant) -> Bracket:
+def safety(water: WaterHead, bisections: int, variant: Variant) -> Bracket:
     """Return by what the strength is divided where the slab begins to slide."""
     slope = steep_slope()
     exact = water.factor(slope)
@@ -152,7 +152,7 @@ def safety(water: Water, bisections: int, variant: Variant) -> Bracket:
     return Bracket(exact / found.low, exact / found.high)
 
 
-def examine(waters: tuple[Water, ...], bisections: int, variant: Variant) -> Outcome:
+def examine(waters: tuple[WaterHead, ...], bisections: int, variant: Variant) -> Outcome:
     """Compare forces on the plane and factors of safety."""
     rows: list[Comparison] = []
     slope = steep_slope()

@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, limit, unbalanced
@@ -57,7 +57,7 @@ def slab(level: float = 1.0, friction_angle: float = 35.0) -> Model:
     """Return a fixed slope and the slab on it with its water pressures."""
     toe = 2.0 * ALONG
     head, up = toe + LENGTH * ALONG, np.array([0.0, DEPTH])
-    builder = ModelBuilder(title="Plane failure", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Plane failure", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=20e9, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=friction_angle)
     right = head + 1.0 * ALONG

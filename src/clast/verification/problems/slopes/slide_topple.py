@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -88,7 +88,7 @@ def _integrated(rates: Callable[[float, Floats], tuple[float, ...]], count: int)
 def inclined_block(ratio: float = 0.2, friction_angle: float = 18.0) -> Model:
     """Return a fixed wedge and a block on it; ``friction_angle`` in degrees."""
     along, up = np.array([np.cos(DIP), np.sin(DIP)]), np.array([-np.sin(DIP), np.cos(DIP)])
-    builder = ModelBuilder(title="Slide or topple", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Slide or topple", gravity=(0.0, -GRAVITY))
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=friction_angle)
     builder.block(name="slope", vertices=[0 * along, (3 * along[0], 0), 3 * along], fixed=True)

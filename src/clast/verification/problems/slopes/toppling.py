@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -84,12 +84,12 @@ def place(along: float, up: float) -> tuple[float, float]:
 
 def slope(friction_angle: float = SHOWN) -> Model:
     """Return the stepped base and its columns; ``friction_angle`` in degrees."""
-    builder = ModelBuilder()
+    builder = InputBuilder()
     build(builder, friction_angle)
     return builder.build()
 
 
-def build(builder: ModelBuilder, friction_angle: float) -> None:
+def build(builder: InputBuilder, friction_angle: float) -> None:
     """Add the stepped base and its columns, each with a measured point, to a builder."""
     builder.title, builder.gravity = "Toppling slope", (0.0, -GRAVITY)
     builder.add_rock("rock", young=20e9, poisson=0.25, density=UNIT_WEIGHT / GRAVITY)

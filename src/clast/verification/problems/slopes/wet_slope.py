@@ -17,7 +17,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, limit, unbalanced
@@ -102,12 +102,12 @@ def steep_slope() -> Slope:
     )
 
 
-def dry_slope(slope: Slope, divided_by: float = 1.0) -> ModelBuilder:
+def dry_slope(slope: Slope, divided_by: float = 1.0) -> InputBuilder:
     """Return the slope without water, its strength divided."""
     crest = (slope.height / float(np.tan(np.radians(slope.face))), slope.height)
     foot, top = tuple(slope.foot.tolist()), (slope.crack, slope.height)
     back = slope.crack + 0.5 * slope.height
-    builder = ModelBuilder(title="Wet slope", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Wet slope", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=20e9, poisson=0.2, density=WEIGHT / GRAVITY)
     friction = np.tan(np.radians(slope.friction_angle)) / divided_by
     angle = float(np.degrees(np.arctan(friction)))

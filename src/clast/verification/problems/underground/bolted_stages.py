@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.model.stages.stage import TIME, Stage
 from clast.pictures.verification import Chart, Curve, curve, exact_curve
@@ -68,7 +68,7 @@ ORDERS: dict[str, tuple[tuple[str, ...], ...]] = {
 
 def roof() -> Model:
     """Return a beam on two ledges and a pillar, and the rock above, on which its bolt hangs."""
-    builder = ModelBuilder(title="Bolted roof", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Bolted roof", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
     builder.add_joint("default", friction_angle=0.0)
     foot, half = -PILLAR[1], 0.5 * PILLAR[0]

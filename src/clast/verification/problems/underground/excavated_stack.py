@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.excavation import excavated
@@ -43,7 +43,7 @@ REASON = "the blocks are compressed by 2e-5 already when the load is taken off: 
 
 def stack() -> Model:
     """Return five blocks on a wider floor; the upper three are an opening."""
-    builder = ModelBuilder(title="Excavated stack", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Excavated stack", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
     builder.add_joint("default", friction_angle=30.0)
     builder.block(name="floor", vertices=[(-1, -1), (2, -1), (2, 0), (-1, 0)], fixed=True)

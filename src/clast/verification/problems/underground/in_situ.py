@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.inputs.in_situ import Overburden
 from clast.model.in_situ import InSituStress
 from clast.model.model import Model
@@ -51,7 +51,7 @@ def rock_mass(seed: int = 1, *, weighed: bool = False) -> Model:
     ]
     boundary = np.array([(0.0, 0.0), (WIDTH, 0.0), (WIDTH, HEIGHT), (0.0, HEIGHT)])
     found = cut(Domain(boundary=boundary), sets=sets, seed=seed)
-    builder = ModelBuilder(title="In-situ stress", gravity=(0.0, -GRAVITY if weighed else 0.0))
+    builder = InputBuilder(title="In-situ stress", gravity=(0.0, -GRAVITY if weighed else 0.0))
     builder.add_rock("rock", young=50e9, poisson=0.25, density=DENSITY)
     builder.add_joint("default", friction_angle=60.0, cohesion=1e8)
     builder.blocks(vertices=found.vertices, start=found.block_start)

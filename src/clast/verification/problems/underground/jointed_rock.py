@@ -15,7 +15,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -38,7 +38,7 @@ AT_REST = "at rest; Poisson's ratio 0, so that nothing holds the blocks sideways
 
 def column(ratio: float = 1.0) -> Model:
     """Return a floor and a column under pressure, without gravity; ``ratio`` is E/(k s)."""
-    builder = ModelBuilder(title="Jointed rock", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Jointed rock", gravity=(0.0, 0.0))
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
     stiffness = YOUNG / (ratio * SPACING)
     builder.add_joint(

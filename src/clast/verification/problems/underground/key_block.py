@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.verification.collapse_load import AT_REST, limit, unbalanced
@@ -37,7 +37,7 @@ def exact_force(friction_angle: float) -> float:
 
 def roof(force: float = 2e5, friction_angle: float = 35.0) -> Model:
     """Return wedge, two blocks that slide on rails without friction, and their forces."""
-    builder = ModelBuilder(title="Key block", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Key block", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=20e9, poisson=0.2, density=DENSITY)
     builder.add_joint("default", friction_angle=0.0)
     pairs = [("wedge", "left"), ("wedge", "right")]

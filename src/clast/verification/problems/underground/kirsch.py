@@ -21,7 +21,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.in_situ import InSituStress
 from clast.model.model import Floats, Model, PlaneStrain
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -101,7 +101,7 @@ def closure(angle: Floats | float, ratio: float) -> Floats:
 def tunnel(rings: Rings = FINE, ratio: float = 0.5) -> Model:
     """Return the rings under stress, with a support of the wall that fades out."""
     stiffness = STIFFER * YOUNG / (2.0 * np.pi * RADIUS / rings.round)
-    builder = ModelBuilder(title="Kirsch", plane=PlaneStrain(), gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Kirsch", plane=PlaneStrain(), gravity=(0.0, 0.0))
     builder.add_rock("rock", young=YOUNG, poisson=POISSON, density=2700.0)
     builder.add_joint(
         "default",

@@ -16,7 +16,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -52,7 +52,7 @@ def exact_moved(load: float, pretension: float) -> float:
 
 def pulled(pretension: float = 0.0) -> Model:
     """Return the wall, the block, the grouted bolt and the frame, under a load that grows."""
-    builder = ModelBuilder(title="Pull test of a grouted bolt", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Pull test of a grouted bolt", gravity=(0.0, 0.0))
     builder.add_rock("rock", young=5e13, poisson=0.0, density=2500.0)
     builder.add_joint("default", friction_angle=30.0)
     builder.block(name="wall", vertices=[(-2, 0), (0, 0), (0, 1), (-2, 1)], fixed=True)

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.excavation import excavated
@@ -30,7 +30,7 @@ STEP, SETTLING = 1e-3, 0.5
 
 def propped() -> Model:
     """Return a block on a prop of its width, over a fixed floor far below."""
-    builder = ModelBuilder(title="Prop taken out", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Prop taken out", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=5e10, poisson=0.0, density=2500.0)
     builder.add_joint("default", friction_angle=30.0)
     builder.block(name="floor", vertices=[(-1, -1), (2, -1), (2, 0), (-1, 0)], fixed=True)

@@ -19,7 +19,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.in_situ import InSituStress
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -74,7 +74,7 @@ FEW = (Wedge(20.0, 1.0), Wedge(20.0, 10.0))
 def roof(wedge: Wedge = FEW[1]) -> Model:
     """Return the wedge between two fixed blocks, without gravity, with a load that grows."""
     lean = float(np.tan(np.radians(wedge.lean)))
-    builder = ModelBuilder(title="Roof wedge", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Roof wedge", gravity=(0.0, 0.0))
     builder.add_rock("stiff rock", young=1e14, poisson=0.0, density=2600.0)
     builder.add_joint(
         "default",

@@ -22,7 +22,7 @@ from functools import partial
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -87,7 +87,7 @@ def exact_rest(stiffness: float, nose: float = NOSE) -> tuple[float, float]:
 def beam() -> Model:
     """Return the fixed abutment with its nose, the plane of symmetry and a half between them."""
     low, high = -2.0, DEPTH + 1.0
-    builder = ModelBuilder(title="Snap-through", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Snap-through", gravity=(0.0, -GRAVITY))
     builder.add_rock("stiff rock", young=1e13, poisson=0.0, density=DENSITY)
     abutment = [(HALF - NOSE, low), (HALF + 1.0, low), (HALF + 1.0, high), (HALF, high)]
     abutment += [(HALF, -NOSE), (HALF - NOSE, 0.0)]

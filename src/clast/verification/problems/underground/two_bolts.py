@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -37,7 +37,7 @@ REASON = "blocks give by 1e-4 of what bolts do"
 
 def hung_block() -> Model:
     """Return a block on three vertical bolts under a fixed one, pulled down by a load."""
-    builder = ModelBuilder(title="Two kinds of bolts", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Two kinds of bolts", gravity=(0.0, 0.0))
     builder.add_rock("rock", young=5e10, poisson=0.0, density=2500.0)
     builder.add_joint("default", friction_angle=30.0)
     builder.block(name="roof", vertices=[(0, 2), (2, 2), (2, 3), (0, 3)], fixed=True)

@@ -18,7 +18,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -49,7 +49,7 @@ ORDERS, LATER = (20, 40), 1.1
 
 def chain() -> Model:
     """Return the blocks, with the velocities of the lowest mode, and the wall."""
-    builder = ModelBuilder(title="Chain", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Chain", gravity=(0.0, 0.0))
     builder.add_rock("stone", young=RIGID, poisson=0.0, density=DENSITY)
     builder.add_joint(
         friction_angle=30.0,

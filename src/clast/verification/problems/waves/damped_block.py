@@ -20,7 +20,7 @@ import numpy as np
 
 from clast.actions.action import Action
 from clast.actions.damping import Adaptive, Kinetic, Rayleigh
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -53,7 +53,7 @@ NOT_ADDED = "peaks are those of parabolas through three steps"
 
 def block() -> Model:
     """Return the block, pressed along x."""
-    builder = ModelBuilder(title="Damped block", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Damped block", gravity=(0.0, 0.0))
     stress = (PRESSED, 0.0, 0.0)
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY, initial_stress=stress)
     half = 0.5 * LENGTH

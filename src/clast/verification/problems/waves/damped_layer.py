@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from clast.actions.damping import Rayleigh
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -55,7 +55,7 @@ def layer() -> Model:
     swell = np.where(time < SWELLING, np.sin(0.5 * np.pi * time / SWELLING) ** 2, 1.0)
     shake = [PEAK * swell * np.sin(2.0 * np.pi * f * time) for f in FREQUENCIES]
     motion = MovingBase(Accelerogram(time, np.stack(shake, axis=1)))
-    builder = ModelBuilder(title="Damped layer", gravity=(0.0, 0.0), ground_motion=motion)
+    builder = InputBuilder(title="Damped layer", gravity=(0.0, 0.0), ground_motion=motion)
     builder.add_rock("soil", young=YOUNG, poisson=0.0, density=DENSITY)
     builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
     thick = HEIGHT / BLOCKS

@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model, PlaneStrain
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -73,7 +73,7 @@ def running(case: Incidence, rows: int) -> Model:
 
     The points of all columns are where the surface of a strip of the case is.
     """
-    builder = ModelBuilder(title="Free surface", gravity=(0.0, 0.0), plane=PlaneStrain())
+    builder = InputBuilder(title="Free surface", gravity=(0.0, 0.0), plane=PlaneStrain())
     builder.add_rock("rock", young=YOUNG, poisson=POISSON, density=DENSITY)
     builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
     triangles = triangles_of(case, rows)

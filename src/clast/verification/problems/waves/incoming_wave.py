@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from clast.actions.damping import Rayleigh
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, IncomingWave
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -41,7 +41,7 @@ OF_STEP = "20 steps a period: (w h)^2/12 is 0.8 % of the wave's way"
 
 
 @dataclass(frozen=True)
-class Kind:
+class WaveKind:
     """A kind of wave."""
 
     name: str
@@ -51,8 +51,8 @@ class Kind:
 
 
 KINDS = (
-    Kind("sideways", 0, SPEED, RIGID),
-    Kind("up and down", 1, float(np.sqrt(2.0)) * SPEED, 1.0),
+    WaveKind("sideways", 0, SPEED, RIGID),
+    WaveKind("up and down", 1, float(np.sqrt(2.0)) * SPEED, 1.0),
 )
 
 
@@ -63,12 +63,12 @@ def burst(time: Floats) -> Floats:
     return np.asarray(np.where(within, PEAK * bell * np.sin(2.0 * np.pi * FREQUENCY * time), 0.0))
 
 
-def pile(kind: Kind) -> Model:
+def pile(kind: WaveKind) -> Model:
     """Return the pile, and the burst that comes in."""
     time = np.linspace(0.0, LENGTH, 1601)
     rate = np.zeros((len(time), 2))
     rate[:, kind.axis] = np.gradient(burst(time), time, edge_order=2)
-    builder = ModelBuilder(
+    builder = InputBuilder(
         title="Incoming wave",
         gravity=(0.0, 0.0),
         ground_motion=IncomingWave(Accelerogram(time, rate)),
@@ -85,7 +85,7 @@ def pile(kind: Kind) -> Model:
     return builder.build()
 
 
-def surface(kind: Kind, damping: float, variant: Variant) -> PointHistory:
+def surface(kind: WaveKind, damping: float, variant: Variant) -> PointHistory:
     """Return how the surface moves, with stiffness damping, s."""
     model = pile(kind)
     method = variant.method(model, normal_stiffness=STIFF, max_displacement=0.05)

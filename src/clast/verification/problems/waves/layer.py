@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, GroundMotion, IncomingWave, MovingBase
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -53,7 +53,7 @@ def pile(motion: GroundMotion, blocks: int = BLOCKS) -> Model:
 
     These move with the ground.
     """
-    builder = ModelBuilder(title="Layer on rock", gravity=(0.0, 0.0), ground_motion=motion)
+    builder = InputBuilder(title="Layer on rock", gravity=(0.0, 0.0), ground_motion=motion)
     for name, (speed, density) in (("soft", SOFT), ("rock", ROCK)):
         builder.add_rock(name, young=2.0 * density * speed**2, poisson=0.0, density=density)
     builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)

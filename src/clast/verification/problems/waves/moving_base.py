@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, MovingBase
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -81,7 +81,7 @@ def shaken_block() -> Model:
     time = np.arange(0.0, DURATION + 0.5 * SAMPLING, SAMPLING)
     shaking = np.stack([PEAK * np.sin(CIRCULAR * time), np.zeros(len(time))], axis=1)
     motion = MovingBase(Accelerogram(time, shaking))
-    builder = ModelBuilder(title="Moving base", gravity=(0.0, -GRAVITY), ground_motion=motion)
+    builder = InputBuilder(title="Moving base", gravity=(0.0, -GRAVITY), ground_motion=motion)
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=FRICTION_ANGLE)
     builder.block(name="base", vertices=[(-1, -0.5), (2, -0.5), (2, 0), (-1, 0)])

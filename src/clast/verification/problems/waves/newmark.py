@@ -17,7 +17,7 @@ from functools import partial
 import numpy as np
 from scipy.optimize import brentq
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, InertialForce, MovingBase
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -104,7 +104,7 @@ def shaken_slope(acts: str = "moving base", cycles: int = 2) -> Model:
     up = np.array([-along[1], along[0]])
     time = np.arange(0.0, cycles + 0.5 * SAMPLING, SAMPLING)
     shaking = np.stack([PEAK * np.sin(CIRCULAR * time), np.zeros(len(time))], axis=1)
-    builder = ModelBuilder(
+    builder = InputBuilder(
         title="Newmark's block",
         gravity=(0.0, -GRAVITY),
         ground_motion=ACTS[acts](Accelerogram(time, shaking)),

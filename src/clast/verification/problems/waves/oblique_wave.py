@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model, PlaneStrain
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -115,7 +115,7 @@ def reflected(kind: str, angle: float) -> float:
 
 def strip(case: Incidence, dashpot: float) -> Model:
     """Return a strip of triangles between rollers, dashpots at both ends."""
-    builder = ModelBuilder(title="Oblique wave", gravity=(0.0, 0.0), plane=PlaneStrain())
+    builder = InputBuilder(title="Oblique wave", gravity=(0.0, 0.0), plane=PlaneStrain())
     builder.add_rock("rock", young=YOUNG, poisson=POISSON, density=DENSITY)
     builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
     builder.blocks(vertices=triangles_of(case))

@@ -18,7 +18,7 @@ from functools import partial
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.ground_motion import Accelerogram, InertialForce
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -128,7 +128,7 @@ def standing_block(pulse: Pulse = SINE, amplitude: float = 0.7) -> Model:
     time, along = np.append(time, pulse.period + 1e-6), np.append(along, 0.0)
     shaking = Accelerogram(time, np.stack([along, np.zeros(len(time))], axis=1))
     motion = InertialForce(shaking)
-    builder = ModelBuilder(title="Rocking block", gravity=(0.0, -GRAVITY), ground_motion=motion)
+    builder = InputBuilder(title="Rocking block", gravity=(0.0, -GRAVITY), ground_motion=motion)
     builder.add_rock("granite", young=50e9, poisson=0.2, density=2700.0)
     builder.add_joint("default", friction_angle=70.0)
     builder.block(name="floor", vertices=[(-4, -0.4), (4, -0.4), (4, 0), (-4, 0)], fixed=True)

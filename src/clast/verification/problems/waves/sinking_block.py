@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -32,7 +32,7 @@ STEP, DURATION = TIME / 400.0, 4.0 * TIME
 def on_dashpots() -> Model:
     """Return a block with dashpots at its bottom, and nothing else that holds it."""
     width, height = SIZE
-    builder = ModelBuilder(title="Sinking block", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Sinking block", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=DENSITY)
     builder.block(name="block", vertices=[(0, 0), (width, 0), (width, height), (0, height)])
     builder.viscous_boundary(side="bottom", normal=SHARE, static="none")

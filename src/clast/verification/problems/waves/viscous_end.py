@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
@@ -47,7 +47,7 @@ def bell(place: float) -> float:
 
 def bar(dashpot: float) -> Model:
     """Return a bar with a wave that runs to the right, to an end with a dashpot in rho c."""
-    builder = ModelBuilder(title="Viscous end", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Viscous end", gravity=(0.0, 0.0))
     builder.add_rock("granite", young=YOUNG, poisson=0.0, density=DENSITY)
     builder.add_joint(friction_angle=45.0, cohesion=1e12, tensile_strength=1e12)
     for k in range(BLOCKS):

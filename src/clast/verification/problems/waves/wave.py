@@ -23,7 +23,7 @@ from functools import partial
 import numpy as np
 
 from clast.contact.laws import Penalty
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Model, Rock
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import PointHistory, Run
@@ -82,7 +82,7 @@ def bar(soft: Mapping[int, float], rock: Rock = GRANITE) -> Model:
 
     ``soft`` is the normal stiffness, Pa/m, of the joints at some places, m.
     """
-    builder = ModelBuilder(title="P-wave", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="P-wave", gravity=(0.0, 0.0))
     builder.add_rock(rock.name, young=rock.young, poisson=rock.poisson, density=rock.density)
     builder.add_joint("default", **BOND)
     for joint, stiffness in soft.items():

@@ -1,0 +1,52 @@
+"""Earlier names of public objects: they work for one version more, with a DeprecationWarning."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import Any
+
+
+def warn_of(earlier: str, name: str, depth: int = 3) -> None:
+    """Warn that ``earlier`` is called ``name`` now; ``depth`` frames above is who used it."""
+    text = f"{earlier} is called {name} now; the earlier name will go in the next version"
+    warnings.warn(text, DeprecationWarning, stacklevel=depth)
+
+
+def names_of(module: str, names: Mapping[str, str]) -> Callable[[str], Any]:
+    """Return the ``__getattr__`` of a module that also knows ``names``, earlier -> present name."""
+
+    def attribute(name: str) -> Any:
+        if name not in names:
+            raise AttributeError(f"module '{module}' has no attribute '{name}'")
+        warn_of(f"{module}.{name}", names[name])
+        return getattr(import_module(module), names[name])
+
+    return attribute
+
+
+class Renamed:
+    """An attribute of a dataclass by its earlier name; its field takes this as its default."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        """Present name of the attribute."""
+        self.earlier = name
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        """Learn the earlier name."""
+        self.earlier = name
+
+    def __get__(self, one: Any, owner: type | None = None) -> Any:
+        """Return the value of the attribute, with a warning."""
+        if one is None:
+            return self
+        warn_of(self.earlier, self.name)
+        return getattr(one, self.name)
+
+    def __set__(self, one: Any, value: Any) -> None:
+        """Set the attribute, with a warning; the default of a dataclass sets nothing."""
+        if value is not self:
+            warn_of(self.earlier, self.name)
+            setattr(one, self.name, value)

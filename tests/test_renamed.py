@@ -1,0 +1,55 @@
+"""Names that have changed work for one version more, and say by which name to call them."""
+
+import importlib
+import warnings
+
+import pytest
+
+from clast import rockmass
+from clast.case.api import ModelBuilder
+from clast.results.checkpoints.encode import MOVED
+from clast.rockmass import BlockRepair
+
+EARLIER = [
+    ("clast.rockmass", "Mender", "BlockRepair"),
+    ("clast.rockmass", "Report", "CutReport"),
+    ("clast.actions.action", "Share", "Contribution"),
+    ("clast.actions.action", "Done", "ActionResult"),
+    ("clast.actions.action", "Telling", "ReportsEvents"),
+]
+
+
+@pytest.mark.parametrize(("module", "earlier", "name"), EARLIER)
+def test_an_earlier_name_gives_the_object_and_warns(module: str, earlier: str, name: str):
+    home = importlib.import_module(module)
+    with pytest.warns(DeprecationWarning, match=f"is called {name} now"):
+        assert getattr(home, earlier) is getattr(home, name)
+
+
+def test_a_name_that_never_was_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="has no attribute 'Menders'"):
+        rockmass.Menders  # noqa: B018
+
+
+def test_a_builder_takes_mending_as_repair():
+    with pytest.warns(DeprecationWarning, match="mending is called repair now"):
+        builder = ModelBuilder(mending={"tolerance": 2e-3})
+    assert builder.repair == BlockRepair(tolerance=2e-3)
+    with pytest.warns(DeprecationWarning):
+        builder.mending = {"tolerance": 3e-3}
+    with pytest.warns(DeprecationWarning):
+        assert builder.mending == BlockRepair(tolerance=3e-3)
+
+
+def test_a_builder_without_earlier_names_warns_of_nothing():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        builder = ModelBuilder(repair={"tolerance": 2e-3})
+        assert "mending" not in repr(builder)
+        assert builder == builder
+
+
+@pytest.mark.parametrize("present", MOVED.values())
+def test_classes_that_older_checkpoints_name_are_there(present: str):
+    module, _, name = present.partition(":")
+    assert isinstance(getattr(importlib.import_module(module), name), type)
