@@ -51,6 +51,13 @@ class EachBlock:
 
     def excess(self, potential: Potential, point: Point) -> Floats:
         """Return what is out of balance on each block, in units of what may be, shape (n,)."""
+        return self.shares(potential, point) / self.share
+
+    def shares(self, potential: Potential, point: Point) -> Floats:
+        """Return what is out of balance on each block, as a share of the forces on it, (n,).
+
+        Forces of which rounding alone makes more than may be out of balance count as larger.
+        """
         base, springs = potential.base, potential.springs
         count = len(potential.fixed)
         own = base.force - base.momentum
@@ -60,4 +67,4 @@ class EachBlock:
             size += np.bincount(block, between, count)
         left = point.residual
         out = np.hypot(np.hypot(left[:, 0], left[:, 1]), left[:, 2] / self.gyration)
-        return np.asarray(out / (self.share * size + self.noise))
+        return np.asarray(out / (size + self.noise / self.share))

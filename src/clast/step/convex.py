@@ -44,6 +44,7 @@ from clast.linear.system import (
     inverse_of_blocks,
 )
 from clast.minimise.each_block import TRIES, EachBlock
+from clast.minimise.fixed_point import Guesses
 from clast.minimise.islands import islands_of
 from clast.minimise.newton import Newton, Work, best_of
 from clast.minimise.potential import Point, Potential
@@ -65,6 +66,10 @@ AT_REST = 1.0
 """Slip rate below which a new contact is taken to hold at first, in units of g h."""
 LANDING = 1e-3
 """Closing velocity from which a new contact is one that lands, in units of g h."""
+MOST_UPDATES = 20
+"""Times at most that the friction bounds of a static step are renewed until they agree."""
+AGREES = 0.02
+"""Share of the forces on each block which new bounds may bring out of balance where they agree."""
 
 NO_COUNTS = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}
 """What a step counts, before it has counted anything."""
@@ -121,7 +126,7 @@ class Convex:
             taken=taken,
             rows=rows,
             schedule=self.schedule(factor),
-            friction=self.friction(),
+            friction=self.friction(method),
             tolerance=self.tolerated(context, potential),
             each=self.each_block(context, len(potential.springs)),
             work=Work(factor=factor, counts=counts, stages=stages),
@@ -192,9 +197,16 @@ class Convex:
             floor=round_off(model, method, context.state, links),
         )
 
-    def friction(self) -> FrictionLoop:
-        """Return how friction bounds are brought into accord with the normal forces."""
-        return FrictionLoop(updates=self.friction_updates)
+    def friction(self, method: Method) -> FrictionLoop:
+        """Return how friction bounds are brought into accord with the normal forces.
+
+        A static step may be as long as it likes, and what slips in it has slipped for good: by
+        bounds that are not those of its forces blocks slide as far as the step lets them.
+        """
+        once = FrictionLoop(updates=self.friction_updates)
+        if method.dynamic_ratio > 0.0 or method.balance is None or self.friction_updates == 0:
+            return once
+        return changed(once, updates=max(MOST_UPDATES, self.friction_updates), agrees=AGREES)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -209,6 +221,15 @@ class FrictionLoop:
     """Energy left open in the end, in units of what new friction bounds bring in."""
     sharper: float = 0.1
     """Energy left open at the next try, in units of that at the last, at most."""
+    agrees: float = 0.0
+    """Share of the forces on each block that new bounds may bring out of balance where they agree;
+    0: they are renewed all ``updates`` times."""
+
+    def agree(self, each: EachBlock | None, potential: Potential, point: Point) -> bool:
+        """Return whether bounds just renewed agree with the forces at the point before."""
+        if each is None:
+            return False
+        return float(each.shares(potential, point).max(initial=0.0)) <= self.agrees
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -246,8 +267,9 @@ class Search:
         updates = self.friction.updates + int(multipliers.has_multipliers(law))
         solves = 0
         while True:
-            for _ in range(updates):
-                potential, contacts, point = within.with_new_bounds(potential, contacts, point)
+            potential, contacts, point = within.with_bounds_renewed(
+                potential, contacts, point, updates
+            )
             point = within.solved(potential, point)
             stages("law")
             gap, slip = point.gap[within.rows], point.slip[within.rows]
@@ -295,6 +317,31 @@ class Search:
             if self.each is not None:
                 tolerance = self.each.sharper(potential, point, tolerance)
         return point
+
+    def with_bounds_renewed(
+        self, potential: Potential, contacts: Contacts, point: Point, updates: int
+    ) -> tuple[Potential, Contacts, Point]:
+        """Return potential and contacts with friction bounds renewed, and the minimum before.
+
+        They are renewed ``updates`` times, or until they agree with the forces of the minimum that
+        they lead to.
+        """
+        guesses, begins = Guesses(), True
+        for left in reversed(range(updates)):
+            given = contacts.friction_base
+            potential, contacts, point = self.with_new_bounds(potential, contacts, point)
+            if self.friction.agrees == 0.0:
+                continue
+            if left == 0 or self.friction.agree(self.each, potential, point):
+                break
+            if not begins:  # the first bounds hold whatever comes
+                guesses = guesses.with_one(given, contacts.friction_base)
+                guess = np.maximum(0.0, guesses.next_guess())
+                contacts = changed(contacts, friction_base=guess)
+                potential = self.bound(potential, contacts)
+                point = potential.again(point)
+            begins = False
+        return potential, contacts, point
 
     def with_new_bounds(
         self, potential: Potential, contacts: Contacts, point: Point

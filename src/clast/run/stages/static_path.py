@@ -44,7 +44,7 @@ from clast.run.stages.transition import WELL_BELOW
 from clast.step.integration import ConstantAcceleration, forces_at
 from clast.step.method import Method, StepResult, bears_any_step
 
-FIRST = 0.1
+FIRST = 0.5
 """Fall of a free block in the first step of a stage, in units of max_displacement."""
 LONGEST = 300.0
 """Longest pseudo time step, in units of that in which a free block falls by max_displacement."""
