@@ -14,6 +14,7 @@ from scipy import stats
 from clast.model.model import Floats
 from clast.study.description import MONTECARLO, Description
 from clast.study.folder import DONE, StudyFolder
+from clast.study.variables.distributions import Numbered
 from clast.study.variables.random_draws import LatinHypercube, PointEstimate, Random
 
 CONFIDENCE = 0.95
@@ -188,10 +189,16 @@ class Influence:
 
 
 def influences(columns: StudyResults, values: Floats) -> list[Influence]:
-    """Return how values (k,) of the runs go with each parameter, the strongest first."""
+    """Return how values (k,) of the runs go with each parameter, the strongest first.
+
+    The number of a run orders nothing: a parameter that is one is left out.
+    """
     found = []
     sound = np.isfinite(values)
+    numbers = {one.name for one in columns.study.vary if isinstance(one.drawn, Numbered)}
     for name, given in columns.parameters.items():
+        if name in numbers:
+            continue
         x, y = given[sound], values[sound]
         if len(x) < 2 or np.ptp(x) == 0.0:
             continue

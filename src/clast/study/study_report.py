@@ -25,7 +25,9 @@ from clast.results import Run, read_results
 from clast.rockmass.drawings.dxf_out import write_blocks_dxf
 from clast.study import probabilities
 from clast.study.collapsing.collapse import Collapse, ends
+from clast.study.description import MONTECARLO, SWEEP
 from clast.study.folder import StudyFolder
+from clast.study.places import share_of_places
 from clast.study.probabilities import StudyResults, columns_of
 from clast.study.trial_cases import changed, content_of
 from clast.study.variables.parameters import ParameterPlaces
@@ -33,6 +35,8 @@ from clast.study.work import RUN_FILE
 
 REPORT, FIGURES, WORST = "report.html", "figures", "worst"
 """The page, the folder of its figures, and that of the worst run."""
+KIND_TITLES = {SWEEP: "sweep", MONTECARLO: "Monte Carlo"}
+"""Kind of study -> its title."""
 MOST_ROWS = 20
 """Most rows of a table of blocks or reasons."""
 PAGE_BUDGET = 6e6
@@ -106,7 +110,7 @@ def write_report(folder: StudyFolder) -> Path:
     Its worst run is made again for its page, the same as it was.
     """
     study, columns = folder.study, columns_of(folder)
-    page = Page(f"{folder.base.title or 'Study'}: {study.kind}")
+    page = Page(f"{folder.base.title or 'Study'}: {KIND_TITLES[study.kind]}")
     _answer(page, columns)
     pictures = folder.path / FIGURES
     pictures.mkdir(exist_ok=True)
@@ -185,24 +189,28 @@ def _influence(page: Page, columns: StudyResults, values: Any) -> None:
 
 
 def _blocks(page: Page, folder: StudyFolder, columns: StudyResults, pictures: Path) -> None:
-    """Say how often which block fails, and draw it where all runs have the same blocks."""
+    """Say and draw how often which block fails, or which place where runs have other blocks."""
     runs = max(1, len(columns.run))
     rows = [[name, count, count / runs] for name, count in columns.blocks.items()]
     if not rows:
         page.say("None.")
         return
+    path = pictures / "failing-blocks.png"
+    if not _same_blocks(folder):
+        places = share_of_places(folder)
+        label = "share of the runs in which the rock at a place fails"
+        if places is not None:
+            _drawn(page, lambda: [(figures.draw_places(places, label, path), label)])
+        page.say("Blocks differ from run to run, so that places are counted.", "remark")
+        return
     page.table(["block", "runs", "share of the runs"], rows[:MOST_ROWS])
     if len(rows) > MOST_ROWS:
         page.say(f"{len(rows) - MOST_ROWS} more are in the results of the runs.", "remark")
-    if not _same_blocks(folder):
-        page.say("The blocks are others from run to run, so that there is no picture.", "remark")
-        return
     model = folder.base.model()
     share = np.array([columns.blocks.get(name, 0) / runs for name in model.block_name])
     section = figures.FailureSection(
         vertices=model.vertices + model.origin, block_start=model.block_start, share=share
     )
-    path = pictures / "failing-blocks.png"
     label = "share of the runs in which a block fails"
     _drawn(page, lambda: [(figures.draw_frequency(section, label, path), label)])
 
@@ -223,7 +231,7 @@ def _what_varies(page: Page, folder: StudyFolder) -> None:
     if study.correlate:
         pairs = [(f"{a}, {b}", value) for a, b, value in study.correlate]
         page.table(["correlated", "of normal scores"], pairs)
-    if study.kind == "montecarlo":
+    if study.kind == MONTECARLO:
         numbers = ", ".join(f"{key} {value}" for key, value in vars(study.sampling).items())
         page.say(f"{study.n} runs, {type(study.sampling).WORD}, {numbers}.")
     if study.fail:

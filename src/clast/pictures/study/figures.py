@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from clast.pictures.canvas import FAINT, INK, SMALL_SIZE, TEXT_SIZE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.figure import Figure
 
 BLUE, RED, GREEN = "#1f6f8b", "#c1440e", "#6a8d2f"
 SIZE = (5.4, 3.5)
@@ -72,6 +74,20 @@ class FailureSection:
     """Index of each block's first vertex; the last entry is the vertex count, shape (n + 1,)."""
     share: Floats
     """Share of the runs in which each block fails, shape (n,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Places:
+    """Places of a section, coloured by how often each fails."""
+
+    x: Floats
+    """Centres of the cells, m, evenly spaced, shape (nx,)."""
+    y: Floats
+    """The same along y, shape (ny,)."""
+    share: Floats
+    """Share of the runs in which each cell fails, shape (ny, nx); NaN where there is no rock."""
+    outline: Sequence[Floats]
+    """Rings round the rock, m, each of shape (k, 2)."""
 
 
 def draw_histogram(values: Floats, label: str, path: Path) -> Path:
@@ -154,23 +170,55 @@ def draw_factors(
 def draw_frequency(section: FailureSection, label: str, path: Path) -> Path:
     """Draw the section, blocks darker the more often they fail; return the picture's path."""
     from matplotlib.collections import PolyCollection
-    from matplotlib.colors import LinearSegmentedColormap
 
-    low, high = section.vertices.min(axis=0), section.vertices.max(axis=0)
+    axes = _section(section.vertices.min(axis=0), section.vertices.max(axis=0))
+    blocks = [section.vertices[a:b] for a, b in pairwise(section.block_start)]
+    drawn = PolyCollection(blocks, edgecolors=FAINT, linewidths=0.4)
+    drawn.set_array(section.share)
+    axes.add_collection(drawn)
+    return _coloured(axes, drawn, label, path)
+
+
+def draw_places(places: Places, label: str, path: Path) -> Path:
+    """Draw the section, places darker the more often they fail; return the picture's path."""
+    half = 0.5 * np.array([_spaced(places.x), _spaced(places.y)])
+    low = np.array([places.x[0], places.y[0]]) - half
+    high = np.array([places.x[-1], places.y[-1]]) + half
+    axes = _section(low, high)
+    for ring in places.outline:
+        axes.plot(*ring.T, color=INK, lw=0.8)
+    extent = (low[0], high[0], low[1], high[1])
+    drawn = axes.imshow(places.share, origin="lower", extent=extent, aspect="auto", zorder=0)
+    return _coloured(axes, drawn, label, path)
+
+
+def _spaced(centres: Floats) -> float:
+    """Return the distance between centres of cells (k,), m."""
+    return float(centres[1] - centres[0]) if len(centres) > 1 else 1.0
+
+
+def _section(low: Floats, high: Floats) -> Axes:
+    """Return axes of a section from ``low`` to ``high`` (2,), m, with room for a scale below."""
     width, extent = 6.4, high - low
     box = (width - 1.0, max(1.2, min(6.0, (width - 1.0) * extent[1] / max(extent[0], 1e-9))))
     size = (width, box[1] + 1.5)
     figure = canvas.new_figure(size, DOTS)
     axes = figure.add_axes((0.7 / size[0], 1.05 / size[1], box[0] / size[0], box[1] / size[1]))
     canvas.view(axes, *canvas.seen(low, high, box), box)
-    start = section.block_start
-    blocks = [section.vertices[a:b] for a, b in pairwise(start)]
-    colours = LinearSegmentedColormap.from_list("fails", ["#f4f4f2", "#f0b08c", RED])
-    drawn = PolyCollection(blocks, edgecolors=FAINT, linewidths=0.4, cmap=colours)
-    drawn.set_array(section.share)
-    drawn.set_clim(0.0, max(1e-9, float(section.share.max(initial=0.0))))
-    axes.add_collection(drawn)
-    bar = figure.add_axes((0.7 / size[0], 0.44 / size[1], box[0] / size[0], 0.12 / size[1]))
+    return axes
+
+
+def _coloured(axes: Axes, drawn: ScalarMappable, label: str, path: Path) -> Path:
+    """Colour shares from none to the largest, with their scale; return the picture's path."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    shares = np.asarray(drawn.get_array())
+    largest = float(np.max(shares, where=np.isfinite(shares), initial=0.0))
+    drawn.set_cmap(LinearSegmentedColormap.from_list("fails", ["#f4f4f2", "#f0b08c", RED]))
+    drawn.set_clim(0.0, max(1e-9, largest))
+    figure = cast("Figure", axes.get_figure(root=True))
+    size, place = figure.get_size_inches(), axes.get_position()
+    bar = figure.add_axes((place.x0, 0.44 / size[1], place.width, 0.12 / size[1]))
     scale = figure.colorbar(drawn, cax=bar, orientation="horizontal")
     scale.set_label(label, fontsize=SMALL_SIZE, color=INK)
     bar.tick_params(labelsize=SMALL_SIZE, labelcolor=INK)
