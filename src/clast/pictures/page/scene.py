@@ -84,10 +84,10 @@ def _colours() -> dict[str, Any]:
     shares = (np.arange(COLOURS) + 0.5) / COLOURS
     scales = {name: colours_between(*pair) for name, pair in ends.items()}
     found: dict[str, Any] = {
-        name: [to_hex(tuple(colour)) for colour in scale(shares)] for name, scale in scales.items()
+        name: [to_hex(colour) for colour in scale(shares)] for name, scale in scales.items()
     }
     found["beyond"] = {
-        name: [to_hex(scale.get_under()), to_hex(scale.get_over())]
+        name: [to_hex(tuple(scale.get_under())), to_hex(tuple(scale.get_over()))]
         for name, scale in scales.items()
     }
     return found
