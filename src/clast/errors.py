@@ -1,4 +1,4 @@
-"""What can go wrong, said so that the reader can act on it."""
+"""Errors, worded so that the reader can act on them."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import re
 from enum import Enum
 
 LONGEST_LINE = 400
-"""Most characters of a line of a message: what is echoed from the input may be of any length."""
+"""Most characters of a line of a message: text echoed from the input may be of any length."""
 
 
 def shortened(text: str, most: int = 40) -> str:
-    """Return a text of at most ``most`` characters: what is longer loses its middle."""
+    """Return a text of at most ``most`` characters: a longer one loses its middle."""
     if len(text) <= most:
         return text
     kept = most - 3
@@ -18,11 +18,11 @@ def shortened(text: str, most: int = 40) -> str:
 
 
 SLIP = re.compile(r"[^A-Za-z]*([A-Za-z][^A-Za-z]*){0,3}")
-"""What is mistyped for numbers: three letters at most.  Other text of a file is not repeated."""
+"""Letters that are mistyped for digits: three at most.  Other text of a file is not repeated."""
 
 
 def mistyped(text: str) -> str:
-    """Return in quotes what stands in the place of numbers, or that it is not shown.
+    """Return in quotes the text in the place of a number, or a note that it is not shown.
 
     A path may name any file: messages repeat nothing of it that is no slip in a number.
     """
@@ -36,9 +36,9 @@ class ClastError(Exception):
 
 
 class CaseError(ClastError):
-    """A case file or command line that cannot be used: says where and what to do.
+    """A case file or command line that cannot be used: says where and how to correct it.
 
-    ``where`` names file, table and key (or block and vertex), ``what`` the fault and ``remedy``
+    ``where`` names file, table and key (or block and vertex), ``what`` is the fault and ``remedy``
     the way out; the message is made of the three.
     """
 
@@ -58,15 +58,15 @@ class ModelError(CaseError):
 
 
 class ResultsLost(CaseError):
-    """A result file that cannot be written any further: what was written before is kept."""
+    """A result file that cannot be written any further: all frames written before are kept."""
 
 
 class ActionFault(CaseError):
-    """An action of a script that edits what it is given, or hands back what no step can use."""
+    """An action of a script that edits its arguments, or returns something that no step can use."""
 
 
 class RunWarning(UserWarning):
-    """The category of what a run warns a script of: Python's ``warnings`` filter it by this."""
+    """The category of a run's warnings to a script:  Python's ``warnings`` filter them by it."""
 
 
 class StepOutcome(Enum):
@@ -85,7 +85,7 @@ class StepOutcome(Enum):
 class StepRejected(ClastError):
     """A step that must not be kept; the caller retries from the same state with ``cut`` of h.
 
-    ``remedy`` is what a user can do where no retry is left; ``cuts`` then counts those there were.
+    ``remedy`` is the advice where no retry is left; ``cuts`` is the number of retries.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ class StepRejected(ClastError):
 
 
 class RunStopped(ClastError):
-    """A run that could not go on; what it had computed until then is kept in ``run``."""
+    """A run that could not go on; its results until then are kept in ``run``."""
 
     def __init__(self, message: str, run: object) -> None:
         self.run = run

@@ -1,8 +1,8 @@
 """Arrays that nobody writes into, and frozen dataclasses that are replaced.
 
-The arrays are those of a model, and of the states that a run goes through.  What a state says is
-what the next step, a rejected step that is tried again, and a checkpoint go on from.  An array that
-is edited in place would change them without a word.
+The arrays are those of a model, and of the states that a run goes through.  The next step, a
+rejected step that is tried again, and a checkpoint rely on the state.  An array that is edited in
+place would change them without a word.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def read_only(value: Any) -> Any:
 
 
 def seal(thing: Any, but: tuple[str, ...] = ()) -> None:
-    """Make the arrays of a dataclass read-only, and those of what it holds; ``but`` some fields."""
+    """Make the arrays of a dataclass read-only, and those of its fields; ``but`` some fields."""
     held = thing.__dict__
     for name, value in held.items():
         kind = type(value)
@@ -55,8 +55,7 @@ def seal(thing: Any, but: tuple[str, ...] = ()) -> None:
 def changed(thing: Value, **fields: Any) -> Value:
     """Return a frozen dataclass with other ``fields``: dataclasses.replace, in a third of its time.
 
-    For classes that look at nothing when they are made; what was computed once of ``thing`` is
-    computed anew.
+    For classes without ``__post_init__``; cached properties of ``thing`` are computed anew.
     """
     before: Any = thing
     made = object.__new__(before.__class__)

@@ -1,1 +1,1 @@
-"""The case file: what may be in it, how it is read, judged and written."""
+"""The case file: its tables, reading, checks and writing."""

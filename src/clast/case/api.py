@@ -1,4 +1,4 @@
-"""What scripts begin with: a builder that makes cases, and a run of any model in one line.
+"""The interface for scripts: a builder that makes cases, and a run of any model in one line.
 
     import clast
 
@@ -9,9 +9,9 @@
     run.block("falling").displacement[-1]
     builder.case(end=0.5, process="modified").run()
 
-What a script does not say is chosen as follows: the methods of a case file without [method]; a step
-of a 300th of the time in which the smallest block falls by half its own size, rounded to 1, 2 or 5
-times a power of ten (1 ms for blocks of 1 m); an end at 1 s; a hundred frames.
+Defaults of a script: the methods of a case file without [method]; a step of a 300th of the time in
+which the smallest block falls by half its own size, rounded to 1, 2 or 5 times a power of ten (1 ms
+for blocks of 1 m); an end at 1 s; a hundred frames.
 """
 
 from __future__ import annotations
@@ -61,11 +61,11 @@ TABLES: dict[str, type[Table]] = {"time": TimeTable, "method": MethodTable, "out
 WHOLE = ("damping",)
 """Tables that a script gives as a whole."""
 takes_keys = with_keys(*TABLES.values(), whole=WHOLE)
-"""Decorator of what takes these keys: ``help`` shows them."""
+"""Decorator of functions that take these keys:  ``help`` shows them."""
 
 
 class ModelBuilder(model_builder.InputBuilder):
-    """Collects what a system of blocks is made of, and makes the Model or a case of it.
+    """Collects the parts of a system of blocks, and makes the Model or a case of it.
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
     yy, xy), angles in degrees, velocities in m/s and rad/s.  Polygons are counter-clockwise.
@@ -90,8 +90,8 @@ class ModelBuilder(model_builder.InputBuilder):
     def to_toml(self, *, stages: Sequence[Stage] = (), **keys: Any) -> str:
         """Return these blocks as the text of a case file, which gives the same Model to the bit.
 
-        ``stages`` and ``keys`` as in ``case``.  Raises CaseError for what no file can hold: objects
-        of a script.
+        ``stages`` and ``keys`` as in ``case``.  Raises CaseError for objects of a script, which no
+        file can hold.
         """
         return self.case(stages=stages, **keys).to_toml()
 
@@ -123,7 +123,7 @@ class ModelBuilder(model_builder.InputBuilder):
         return {key: found[key] for key in Case.model_fields if key in found}
 
     def _tables_given(self) -> dict[str, Any]:
-        """Return the tables that hold what was given, by their keys in a case file."""
+        """Return the tables of all inputs, by their keys in a case file."""
         found: dict[str, Any] = {}
         for key, entry in Case.model_fields.items():
             kind: Any = table_in(entry.annotation)
@@ -152,7 +152,7 @@ class ModelBuilder(model_builder.InputBuilder):
         }
 
     def _unnumbered(self) -> BlockOutlines:
-        """Return what messages need to know of the blocks: their names."""
+        """Return the names of the blocks for messages."""
         names = tuple(self._names())
         return BlockOutlines(names, np.zeros(1, np.int64), np.zeros((0, 2)), np.zeros(2))
 
@@ -167,7 +167,7 @@ class ModelBuilder(model_builder.InputBuilder):
 
 
 def _values(entry: Entry, label: Label) -> Iterator[dict[str, Any]]:
-    """Give what is known of each block of an entry, but for its name."""
+    """Yield the properties of each block of an entry, but for its name."""
     counts, vertices = entry.loops(label)
     past = np.cumsum(counts)
     velocity, stress = entry.velocities(label), entry.stresses(label)
@@ -200,16 +200,16 @@ def simulate(
 ) -> Run:
     """Return the run of a model from rest, or its initial velocities, to the end.
 
-    ``clast.simulate(model, end=2.0, process="modified", contact_law=MyLaw())``: ``keys`` are those
-    of [time], [method] and [output] of a case file, and what is not given follows from the model
-    (the step, 1 s for the end).  ``method`` and ``schedule`` are in the place of these keys where
-    they are given.  ``output`` is the result file to write (.vtkhdf); without it frames are kept in
-    memory.  ``progress`` is True for a line on the terminal, or a function to call after every
-    step.  ``stages`` are the parts of the run, one after the other.  What the run warns of are
-    Python warnings of the category ``clast.RunWarning``, each of them once.
+    ``clast.simulate(model, end=2.0, process="modified", contact_law=MyLaw())``:  ``keys`` are those
+    of [time], [method] and [output] of a case file; defaults follow from the model (the step, 1 s
+    for the end).  ``method`` and ``schedule`` are in the place of these keys where they are given.
+    ``output`` is the result file to write (.vtkhdf); without it frames are kept in memory.
+    ``progress`` is True for a line on the terminal, or a function to call after every step.
+    ``stages`` are the parts of the run, one after the other.  Warnings of the run are Python
+    warnings of the category ``clast.RunWarning``, each of them once.
 
-    Raises CaseError and ModelError for what cannot be simulated, RunStopped where the run cannot go
-    on, with the partial results in its ``run``.
+    Raises CaseError and ModelError for input that cannot be simulated, RunStopped where the run
+    cannot go on, with the partial results in its ``run``.
     """
     model = model.build() if isinstance(model, model_builder.InputBuilder) else model
     if not isinstance(model, Model):
@@ -289,7 +289,7 @@ def _tables(keys: dict[str, Any]) -> dict[str, Any]:
 
 
 def _refuse_both(tables: dict[str, Any], given: dict[str, Any]) -> None:
-    """Refuse keys that say what an object says already."""
+    """Refuse keys for something that an object gives already."""
     for name, value in given.items():
         if value is not None and tables.get(name):
             said = name if name in WHOLE else ", ".join(tables[name])

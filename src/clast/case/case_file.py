@@ -1,4 +1,4 @@
-"""The case file: what to simulate and how, as TOML; to Model, Method, Schedule and Run.
+"""The case file, TOML, turned into Model, Method, Schedule and Run.
 
     run = clast.load("incline.toml").run()
 
@@ -60,7 +60,7 @@ PLANES: dict[str, type[PlaneStress] | type[PlaneStrain]] = {
     "strain": PlaneStrain,
 }
 SAME_SYSTEM = frozenset({"schema", "title", "time", "method", "damping", "output", "reference"})
-"""Tables and keys that leave the system of blocks, and with it what is known of it, as it is."""
+"""Tables and keys that leave the system of blocks, and with it all checks of it, as it is."""
 
 
 class Case(BaseModel):
@@ -135,12 +135,12 @@ class Case(BaseModel):
     stage: list[StageTable] = []
     """Parts of the run, one after the other."""
     damping: Damping = "none"
-    """What takes energy from all blocks: "none", "adaptive", "kinetic", or a table: [damping] with
-    mass and stiffness is Rayleigh's."""
+    """Damping, which takes energy from all blocks: "none", "adaptive", "kinetic", or a table:
+    [damping] with mass and stiffness is Rayleigh's."""
     method_: MethodTable = Field(default_factory=MethodTable, alias="method")
     """How to simulate."""
     output: OutputTable = Field(default_factory=OutputTable)
-    """How often to keep a frame, and what is in it."""
+    """How often to keep a frame, and the content of frames."""
 
     _file: str = PrivateAttr("case")
     _text: str | None = PrivateAttr(None)
@@ -260,7 +260,7 @@ class Case(BaseModel):
         return self._written(lambda value, where: repr(value))
 
     def to_toml(self) -> str:
-        """Return the case as a TOML text, with what differs from the defaults.
+        """Return the case as a TOML text, without values that are defaults.
 
         Raises CaseError where the case holds an object of a script.
         """
@@ -302,7 +302,7 @@ class Case(BaseModel):
 
     @property
     def _rock_mass(self) -> RockMass | None:
-        """What is cut, and by what; None where the case has all its blocks."""
+        """The domain and the lines that cut it; None where the case has all its blocks."""
         if self.domain is None:
             return None
         return RockMass(
@@ -325,7 +325,7 @@ class Case(BaseModel):
 
     @property
     def file(self) -> str:
-        """The file that the case stands in, or what is said in its place."""
+        """The file of the case, or another name for it in messages."""
         return self._file
 
     @property
@@ -339,7 +339,7 @@ class Case(BaseModel):
         return Path(self._file).parent
 
     def method(self, model: Model | None = None) -> Method:
-        """Return how to simulate; what the case leaves open follows from its model."""
+        """Return the method of the run; options left out of the case follow from its model."""
         model = model or self.model()
         method = self.method_.method(
             model,
@@ -351,17 +351,17 @@ class Case(BaseModel):
         return dataclasses.replace(method, damping=chosen_damping(self.damping).build())
 
     def examine(self) -> CaseSummary:
-        """Return what the case consists of, with warnings of what seems unsound about it."""
+        """Return a summary of the case, with warnings of anything that seems unsound."""
         model = self.model()
         sanity = self._examined(model, self.method(model))
         return dataclasses.replace(sanity, warnings=(*sanity.warnings, *self._not_compared()))
 
     def foreseen(self, model: Model, method: Method) -> tuple[str, ...]:
-        """Return what is to be warned of before the first step of a run."""
+        """Return the warnings known before the first step of a run."""
         return self._examined(model, method).warnings
 
     def _examined(self, model: Model, method: Method) -> CaseSummary:
-        """Return what the case consists of, with what its run warns of."""
+        """Return a summary of the case, with the warnings of its run."""
         from clast.run.preflight import examine
 
         with self._located():

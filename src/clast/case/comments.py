@@ -1,4 +1,4 @@
-"""What stands in a case file beside its tables: comments, and values that are to be given."""
+"""Text of a case file beside its tables: comments, and values that are to be given."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
     found = put_together(read_blocks("wall.dxf"))
     text = blocks_text(found, "wall.npz")
 
-As of a drawing, what the blocks do not say (moduli, strengths, times) stands as "to be given".
+As of a drawing, quantities that the blocks lack (moduli, strengths, times) stand as "to be given".
 """
 
 from __future__ import annotations
@@ -39,16 +39,16 @@ class DrawnBlocks:
     file: str
     """The file."""
     blocks: Blocks
-    """The blocks, counter-clockwise, with what was noted and left out."""
+    """The blocks, counter-clockwise, with notes and omissions."""
     tolerance: float
     """Distance within which they were put together, m."""
     repairs: tuple[Repair, ...]
-    """What was done for it, each with its first places."""
+    """The repairs, each with its first places."""
     largest_movement: float
     """How far a vertex moved at most, m."""
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what was taken over and what was changed, for JSON."""
+        """Return the imported parts and all changes, for JSON."""
         rocks = self.blocks.rock
         return {
             "file": self.file,

@@ -1,7 +1,7 @@
-"""The case file of a drawing: what it says as tables, and the rest as comments with the reason.
+"""The case file of a drawing: its content as tables, and the rest as comments with the reason.
 
-A drawing has no moduli and no strengths.  What it cannot know stands in the text as "to be given",
-so that the case is refused, key by key, until a number is there: nothing is made up.
+A drawing has no moduli and no strengths.  Unknown values stand in the text as "to be given", so
+that the case is refused, key by key, until a number is there: nothing is made up.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ HOLE = "the block with this point in it is removed: draw an [[opening]] round it
 
 
 def case_text(drawing: Drawing) -> str:
-    """Return the text of a case file (TOML) with what a drawing says, in SI units.
+    """Return the text of a case file (TOML) with the content of a drawing, in SI units.
 
-    What was taken otherwise than given, and what was not taken over, stands in comments.  Keys that
-    a drawing cannot know have the value "to be given".
+    Changes to the drawing and omissions stand in comments.  Keys that a drawing cannot know have
+    the value "to be given".
     """
     parts = [
         _head(drawing),
@@ -86,7 +86,7 @@ def cut_of(drawing: Drawing) -> CutCase:
 
 
 def _head(drawing: Drawing) -> str:
-    """Return where the case is from, what was taken otherwise than given, what was left out."""
+    """Return the source of the case, the changes to it and the omissions."""
     analysis = drawing.analysis
     lines = [*comment(f"From {drawing.file}; {drawing.unit_source}. Lengths are metres.")]
     unknown = [TO_BE_GIVEN] if TO_BE_GIVEN in str((_rocks(drawing), _joints(drawing))) else []
@@ -99,17 +99,17 @@ def _head(drawing: Drawing) -> str:
 
 
 def notes_of(drawing: Drawing) -> list[str]:
-    """Return what was taken otherwise than it was given."""
+    """Return the notes on values that were changed."""
     return [*drawing.notes, *drawing.analysis.notes]
 
 
 def left_out_of(drawing: Drawing) -> list[LeftOut]:
-    """Return what was not taken over: what no drawing says, and what no case file says."""
+    """Return the omissions: values that no drawing has, and parts that no case file has."""
     return [*drawing.left_out, *drawing.analysis.left_out, *_unsaid(drawing)]
 
 
 def _unsaid(drawing: Drawing) -> Iterator[LeftOut]:
-    """Yield what a drawing holds and a case file has no table for."""
+    """Yield the parts of a drawing for which a case file has no table."""
     for line in drawing.fixed_lines:
         yield LeftOut(what=f"fixed line {_ends(line)}", place=line.place, reason=HELD)
     for line in drawing.material_lines:
@@ -182,7 +182,7 @@ def _top(drawing: Drawing) -> dict[str, Any]:
 
 
 def _gravity(analysis: Analysis) -> float | None:
-    """Return gravity, m/s2 downwards: what is given, or weight over density of the first rock."""
+    """Return gravity, m/s2 downwards: as given, or weight over density of the first rock."""
     if analysis.gravity is not None:
         return analysis.gravity
     first = next((rock for rock in analysis.rocks if rock.density > 0.0), None)

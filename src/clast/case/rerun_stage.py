@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from clast.run.schedule import Schedule
 
 KEPT = (*SHAPE, "measured_points")
-"""Parts of a model that are what they were."""
+"""Parts of a model that must be unchanged."""
 
 
 def stage_before(
@@ -28,8 +28,8 @@ def stage_before(
 ) -> tuple[Path, Checkpoint]:
     """Return the checkpoint of the end of the stage before ``stage``, beside another of the run.
 
-    Raises CaseError where there is no such stage, or none before it, and where what lies there is
-    not of this run or of another moment.  ``known`` are classes of scripts.
+    Raises CaseError where there is no such stage, or none before it, and where that checkpoint is
+    of another run or of another moment.  ``known`` are classes of scripts.
     """
     names = [one.name for one in _stages(checkpoint.source.schedule)]
     if stage not in names:
@@ -85,7 +85,7 @@ def _at_its_end(checkpoint: Checkpoint, path: Path, names: Sequence[str]) -> Che
 def check_fits(
     checkpoint: Checkpoint, path: Path, model: Model, schedule: Schedule, stiffness: float
 ) -> None:
-    """Raise CaseError where a model and its stages do not fit what a checkpoint carries.
+    """Raise CaseError where a model and its stages do not fit a checkpoint.
 
     ``stiffness`` is that of the supports, N/m per m.
     """

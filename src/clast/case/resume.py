@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from clast.step.method import Method
 
 LATER = frozenset({"time.end", "output.checkpoint_every"})
-"""Keys that change nothing of what a run has done before a checkpoint."""
+"""Keys that change nothing before a checkpoint."""
 NAMED = 6
 """Parts that a message lists, at most."""
 
@@ -45,7 +45,7 @@ NAMED = 6
 
 @dataclass(frozen=True, kw_only=True)
 class ScriptParts:
-    """What a script gives again, where a text cannot hold it."""
+    """Objects that a script must give again, as no text can hold them."""
 
     model: Model | None = None
     method: Method | None = None
@@ -53,16 +53,16 @@ class ScriptParts:
 
 @dataclass(frozen=True, kw_only=True)
 class Prepared:
-    """What a run goes on with."""
+    """A run that is ready to go on."""
 
     model: Model
     method: Method
     source: Source
     """Where it comes from, with its changed settings."""
     output: OutputTable | None
-    """What it keeps; None where a script gave no keys."""
+    """Its output settings; None where a script gave no keys."""
     warnings: tuple[str, ...]
-    """What is said of it beforehand."""
+    """Warnings known before the first step."""
 
 
 def resume(
@@ -78,17 +78,17 @@ def resume(
 ) -> Run:
     """Return the run that a checkpoint is of, from there to its end.
 
-    It appends to its result file, which is first cut back to the checkpoint: what it holds in the
-    end is what it would hold if the run had never been interrupted, to the bit.  ``output`` is
-    another file to go on in: a copy, or without the old one a file of what comes from there on.
-    ``settings`` may be ``["time.end=2"]``, which lets the run go on for longer.  With ``stage``,
-    the name of one, the run goes on from the end of the stage before it, with any settings that
-    leave the blocks and the stages before as they are.  A script gives its
-    ``model`` again, and its ``method`` where that holds objects of its own.  ``progress`` and
-    ``warn`` are those of ``Case.run``.
+    It appends to its result file, which is first cut back to the checkpoint: the file in the end is
+    that of a run that was never interrupted, to the bit.  ``output`` is another file to go on in: a
+    copy, or, if the old file is missing, a file of the steps after the checkpoint.  ``settings``
+    may be ``["time.end=2"]``, which lets the run go on for longer.  With ``stage``, the name of
+    one, the run goes on from the end of the stage before it, with any settings that leave the
+    blocks and the stages before as they are.  A script gives its ``model`` again, and its
+    ``method`` where that holds objects of its own.  ``progress`` and ``warn`` are those of
+    ``Case.run``.
 
-    Raises CaseError for what is no checkpoint, for a model that is not the same, and for a result
-    file that does not fit; RunStopped where the run cannot go on.
+    Raises CaseError for a file that is no checkpoint, for a model that has changed, and for a
+    result file that does not fit; RunStopped where the run cannot go on.
     """
     path = Path(path)
     known = {} if model is None else classes_near(model.actions)
@@ -130,7 +130,7 @@ def resume(
 def _prepared(
     checkpoint: Checkpoint, path: Path, settings: Sequence[str], given: ScriptParts
 ) -> Prepared:
-    """Return what a run goes on with; raises CaseError where it is not what it was."""
+    """Rebuild model and method; raises CaseError unless they are unchanged."""
     source = checkpoint.source
     _check_settings(settings)
     _check_given(source, path, given)
@@ -157,7 +157,7 @@ def _prepared(
 def _prepared_again(
     source: Source, checkpoint: Checkpoint, path: Path, settings: Sequence[str]
 ) -> Prepared:
-    """Return what a stage is run again with; raises CaseError where it does not fit.
+    """Return the parts for running a stage again; raises CaseError where they do not fit.
 
     The checkpoint is that of the end of the stage before, ``source`` where the run came from whose
     stage it is.
@@ -197,7 +197,7 @@ def _known(case: Case | None) -> Case:
 def _warnings(
     case: Case | None, model: Model, method: Method, schedule: Schedule
 ) -> tuple[str, ...]:
-    """Return what is said of a run before its first step."""
+    """Return the warnings of a run before its first step."""
     if case is not None:
         return case.foreseen(model, method)
     from clast.run.preflight import examine
@@ -217,7 +217,7 @@ def _of_versions(checkpoint: Checkpoint) -> Iterator[str]:
 
 
 def _of_case_file(source: Source) -> Iterator[str]:
-    """Say where the case file is no longer what the run was begun with."""
+    """Warn where the case file has changed since the run began."""
     now = print_of_text_in(Path(source.file), LARGEST_NAMED)
     if now and source.file_text and now != source.file_text:
         yield (
@@ -227,7 +227,7 @@ def _of_case_file(source: Source) -> Iterator[str]:
 
 
 def _check_content(checkpoint: Checkpoint, path: Path, now: Prepared) -> None:
-    """Raise CaseError where what a checkpoint carries cannot be of this model and its stages.
+    """Raise CaseError where a checkpoint does not fit this model and its stages.
 
     Nothing has been written until here, and no kernel has seen it.
     """
@@ -272,7 +272,7 @@ def _as_it_was(source: Source, path: Path) -> Case:
 
 
 def _check_given(source: Source, path: Path, given: ScriptParts) -> None:
-    """Raise CaseError where a script must give what no text holds."""
+    """Raise CaseError where a script must give objects that no text holds."""
     missing = {
         TEXT: (),
         SETTINGS: ("model",) * (given.model is None),
@@ -288,7 +288,7 @@ def _check_given(source: Source, path: Path, given: ScriptParts) -> None:
 
 
 def _check_settings(settings: Sequence[str]) -> None:
-    """Refuse settings that would have changed what was done before."""
+    """Refuse settings that would have changed the run before the checkpoint."""
     for setting in settings:
         key, equals, _ = setting.partition("=")
         key = key.strip()
@@ -333,7 +333,7 @@ def _folder(source: Source, path: Path) -> Path:
 
 
 def _end(case: Case | None, settings: Sequence[str], checkpoint: Checkpoint, path: Path) -> float:
-    """Return the end of the run, s: that of before, or what the settings say."""
+    """Return the end of the run, s: as before, or from the settings."""
     end: float = checkpoint.source.schedule.end
     if not any(setting.partition("=")[0].strip() == "time.end" for setting in settings):
         return end
@@ -348,7 +348,7 @@ def _end(case: Case | None, settings: Sequence[str], checkpoint: Checkpoint, pat
 
 
 def _check_same(path: Path, checkpoint: Checkpoint, now: Mapping[str, str]) -> None:
-    """Raise CaseError where model or method are not what they were, and name what differs."""
+    """Raise CaseError where model or method have changed, and name the differences."""
     before = checkpoint.source.fingerprints
     names = sorted(set(before) | set(now))
     other = [name for name in names if before.get(name) != now.get(name)]

@@ -161,4 +161,4 @@ TEMPLATES: dict[str, Callable[[], str]] = {
     "dominoes": dominoes,
     "heap": heap,
 }
-"""What ``clast new --template`` offers."""
+"""The templates of ``clast new --template``."""

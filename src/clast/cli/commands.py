@@ -29,7 +29,7 @@ from clast.errors import ClastError, RunStopped, RunWarning, shortened
 from clast.spelling import visible
 
 USAGE_ERROR: Any = typer.BadParameter.__base__
-"""What the parser of the command line raises."""
+"""The error that the parser of the command line raises."""
 LONGEST_USAGE = 200
 """Most characters that are said of a command line that cannot be read."""
 COLLECT_AFTER = 20_000, 50, 100

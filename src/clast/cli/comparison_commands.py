@@ -108,7 +108,7 @@ def bench(
     threads: Threads = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure what scenes of any size cost: time by stage, iterations, accuracy, memory.
+    """Measure the cost of scenes of any size: time by stage, iterations, accuracy, memory.
 
     Of scenes from beginning to end: time of the processor by stage, share of impacts, steps,
     iterations, overlap, energy lost unaccounted; they have a step and a stiffness of their own.
@@ -149,7 +149,7 @@ def warmup(
         bool, typer.Option("--first", help="Compile only what the case of the incline needs.")
     ] = False,
 ) -> None:
-    """Compile ahead of the first run what cases need, by as many threads as they will run."""
+    """Compile the kernels of cases ahead of the first run, by as many threads as they will run."""
     from time import perf_counter
 
     from clast.studies.warmup import warm_up

@@ -1,4 +1,4 @@
-"""What the terminal shows of a cut, as tables and as JSON."""
+"""Terminal output of a cut, as tables and as JSON."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FINDINGS = {
     "coincident": "edges of several joints",
     "snapped": "points moved",
 }
-"""Finding of the report -> what the table calls it."""
+"""Finding of the report -> its name in the table."""
 
 
 def cut_content(found: CutCase) -> dict[str, Any]:
@@ -36,7 +36,7 @@ def cut_content(found: CutCase) -> dict[str, Any]:
 
 
 def cut_table(found: CutCase, title: str) -> Table:
-    """Return what was cut, and what was done to lines and blocks with the first places of each."""
+    """Return the number of blocks, and changes to lines and blocks with their first places."""
     report = found.cut.report
     rows = {
         "blocks": f"{report.blocks} ({int(found.fixed.sum())} fixed)",
@@ -79,7 +79,7 @@ HEADINGS = ("set", "lines", "length, m", "P21, m/m2", "asked", "P10, 1/m", "pers
 
 
 def sets_table(found: CutCase) -> Table:
-    """Return what each joint set came to."""
+    """Return the statistics of each joint set."""
     from rich.table import Table
     from rich.text import Text
 

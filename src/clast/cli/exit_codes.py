@@ -12,7 +12,7 @@ MISSED = 1
 BAD_INPUT = 2
 STOPPED = 3
 SIGNALLED = 128
-"""What systems add to the number of the signal that ended a program: 130 for the interrupt key."""
+"""Systems add this to the number of the signal that ended a program: 130 for the interrupt key."""
 
 
 def interrupted_by(error: BaseException) -> int:

@@ -31,7 +31,7 @@ class _Form:
     several: str
     """Ending of the name for several frames."""
     frames: Frames
-    """What is written unless something else is asked for."""
+    """The default frames."""
 
 
 def export(

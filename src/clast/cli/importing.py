@@ -96,14 +96,14 @@ def import_(
 
 @dataclass(frozen=True, kw_only=True)
 class Imported:
-    """What was made of a file."""
+    """The result of importing a file."""
 
     text: str
     """Text of the case."""
     taken: str
-    """What was taken over."""
+    """The imported parts."""
     lines: tuple[str, ...]
-    """Repairs, notes, and what was left out."""
+    """Repairs, notes and omissions."""
     blocks: Path | None
     """File that the blocks were written to."""
     content: dict[str, Any]
@@ -188,7 +188,7 @@ def _blocks(
 
 
 def _next(text: str, output: Path) -> str:
-    """Return what is to be done with a case that was imported."""
+    """Return the next steps for a case that was imported."""
     from clast.case.comments import TO_BE_GIVEN
 
     if f'"{TO_BE_GIVEN}"' in text.partition("[")[2]:

@@ -26,7 +26,7 @@ from clast.errors import CaseError, shortened
 
 
 def info(file: ResultFile, as_json: AsJson = False) -> None:
-    """Say what a result file contains."""
+    """Show the contents of a result file."""
     from clast.results import read_results, summary
     from clast.results.provenance import texts
 
@@ -93,7 +93,7 @@ def plot(
         str, typer.Option(metavar="NAME", help="Draw what this bolt bore over time.")
     ] = "",
 ) -> None:
-    """Draw a frame of a result file, or over time how a point moved or what a bolt bore."""
+    """Draw a frame of a result file, or over time the motion of a point or the force of a bolt."""
     from clast.pictures.plot import Look, plot_bolt_history, plot_history, plot_results
     from clast.results import read_results
 

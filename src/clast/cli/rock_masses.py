@@ -34,7 +34,7 @@ def cut(
     settings: Settings = None,
     as_json: AsJson = False,
 ) -> None:
-    """Cut the domain of a case into blocks, and say what was cut and what was changed."""
+    """Cut the domain of a case into blocks, and report the blocks and all changes."""
     from clast.case.case_file import Case
 
     writers = {**WRITERS, **pictures(by, case.stem)}
@@ -73,7 +73,7 @@ def _arrays(found: CutCase) -> Arrays:
 
 
 def _of_cut(write: Callable[[Path, Arrays], None]) -> Writer:
-    """Return what writes the blocks of a cut, from what writes arrays."""
+    """Return the writer of the blocks of a cut, made from a writer of arrays."""
 
     def written(path: Path, found: CutCase) -> None:
         write(path, _arrays(found))

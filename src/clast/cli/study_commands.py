@@ -260,7 +260,7 @@ def collect(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Write table and report of what is done of a study."""
+    """Write table and report of the finished runs of a study."""
     from clast.study.description import COLLAPSE
     from clast.study.folder import StudyFolder
 
@@ -284,7 +284,7 @@ def _study(
     measure: Sequence[str] | None,
     correlate: Sequence[str] | None,
 ) -> Callable[..., Any]:
-    """Return what makes the study of a command line."""
+    """Return the study of a command line."""
     from functools import partial
 
     from clast.case.case_file import Case
@@ -366,7 +366,7 @@ def _how(workers: int | None, scheduler: str, array: str, retry: bool = False) -
 def _make(
     study: Any, drawn: dict[str, Any], folder: Path, how: HowMade, as_json: bool, quiet: bool
 ) -> None:
-    """Make a study in a folder; print what it has found."""
+    """Run a study in a folder; print its results."""
     from clast.study.folder import StudyFolder
     from clast.study.work import Bench
 
@@ -376,7 +376,7 @@ def _make(
 
 
 def _go_on(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None:
-    """Make the runs that are not done; print what has been found."""
+    """Run the remaining runs; print the results."""
     from dataclasses import replace
 
     from clast.study import study_api
@@ -391,7 +391,7 @@ def _go_on(there: StudyFolder, how: HowMade, as_json: bool, quiet: bool) -> None
 
 @contextmanager
 def _watched(quiet: bool) -> Iterator[Callable[[StudyProgress], None] | None]:
-    """Give what shows how far a study is."""
+    """Yield a function that shows the progress of a study."""
     if quiet:
         yield None
         return
@@ -413,7 +413,7 @@ def _duration(seconds: float) -> str:
 
 
 def _collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool) -> None:
-    """Write table and report; print what has been found."""
+    """Write table and report; print the results."""
     from clast.study import probabilities, trial_table
     from clast.study.study_report import write_report
 
@@ -445,7 +445,7 @@ def _collected(there: StudyFolder, parquet: bool, as_json: bool, quiet: bool) ->
 
 
 def _told_collapse(found: Collapse, as_json: bool, quiet: bool) -> None:
-    """Write the report of a study of collapse; print what it has found."""
+    """Write the report of a study of collapse; print its result."""
     from clast.study.folder import StudyFolder
     from clast.study.study_report import write_collapse
 

@@ -1,4 +1,4 @@
-"""What clast study shows on the terminal."""
+"""Terminal output of clast study."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def print_collapse(found: Collapse) -> None:
 
 
 def print_fit(found: Fit) -> None:
-    """Print what a back-analysis has found."""
+    """Print the result of a back-analysis."""
     from rich.table import Table
 
     table = Table(title=f"{len(found.observed)} observations, {found.runs} runs")
@@ -46,7 +46,7 @@ def print_fit(found: Fit) -> None:
 
 
 def print_results(columns: StudyResults, rows: int) -> None:
-    """Print what a sweep or a Monte Carlo study has found."""
+    """Print the result of a sweep or a Monte Carlo study."""
     from rich.table import Table
 
     from clast.study import probabilities

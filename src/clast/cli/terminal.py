@@ -1,4 +1,4 @@
-"""What reaches the terminal: tables, JSON, messages; never a foreign control character."""
+"""Output to the terminal: tables, JSON, messages; never a foreign control character."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def print_table(table: Table) -> None:
 
 @contextmanager
 def status() -> Iterator[Callable[[str], None]]:
-    """Give a function that shows what is going on, where stderr is a terminal.
+    """Yield a function that shows the progress, where stderr is a terminal.
 
-    What is compiled meanwhile is shown beside it, and by lines where there is no terminal.
+    Compilation meanwhile is shown beside it, and by lines where there is no terminal.
     """
     from rich.console import Console
     from rich.text import Text
@@ -68,9 +68,9 @@ def status() -> Iterator[Callable[[str], None]]:
 
 @contextmanager
 def compiling() -> Iterator[Callable[[str, float], None]]:
-    """Give a function that shows how much has been compiled, and what last: a bar and its time.
+    """Yield a function that shows the progress of compilation: a bar and its time.
 
-    Where there is no terminal, a line that says what is waited for.
+    Where there is no terminal, a line that names the kernel that is compiled.
     """
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -124,7 +124,7 @@ def json_text(content: Any) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value made of what JSON knows."""
+    """Return a value made of types that JSON knows."""
     if isinstance(value, dict):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -148,5 +148,5 @@ def say(message: str) -> None:
 
 
 def tell(message: str) -> None:
-    """Print what was asked for on stdout."""
+    """Print the requested output on stdout."""
     typer.echo(visible(message))

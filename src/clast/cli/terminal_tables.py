@@ -1,4 +1,4 @@
-"""What the terminal shows of runs, cases, verification, comparisons and benchmarks, as tables."""
+"""Terminal output of runs, cases, verification, comparisons and benchmarks, as tables."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def _entries_text(ledger: Ledger, names: Sequence[str]) -> str:
 
 
 def _counts_text(report: Report) -> str:
-    """Return what the process counted, with the number per step where it is no whole one."""
+    """Return the counts of the process, with the number per step where it is no whole one."""
     steps = max(1, report.steps)
     texts = []
     for name, number in {"passes": report.passes, **report.counts}.items():
@@ -110,16 +110,16 @@ COUNTED = {
     "interior": "minimisations by the interior point method",
     "local": "iterations of few blocks by themselves",
 }
-"""What a count of the report is called."""
+"""Names of the counts of the report."""
 
 
 def _notes_rows(notes: Sequence[str]) -> dict[str, str]:
-    """Return what clast chose by itself as a row of a table, or none."""
+    """Return the choices that clast made by itself as a row of a table, or none."""
     return {"chosen by clast": "\n".join(notes)} if notes else {}
 
 
 def repair_rows(repairs: Sequence[Repair]) -> dict[str, str]:
-    """Return what was done to blocks so that they touch as a row of a table, or none."""
+    """Return the repairs of blocks as a row of a table, or none."""
     return {"repairs": "\n".join(map(str, repairs))} if repairs else {}
 
 
@@ -163,7 +163,7 @@ def print_stages(stages: Sequence[StageRecord]) -> None:
 
 
 def sanity_table(sanity: CaseSummary) -> Table:
-    """Return what a case consists of and what clast chose by itself, as a table."""
+    """Return the contents of a case and the choices that clast made by itself, as a table."""
     left, low, right, high = sanity.box
     names = ", ".join(sanity.unsupported[:5]) + (", ..." if len(sanity.unsupported) > 5 else "")
     rows = {
@@ -216,7 +216,7 @@ def verification_table(title: str, rows: Sequence[Row]) -> Table:
 
 
 def comparison_table(comparison: Comparison) -> Table:
-    """Return what each process and law made of a case, and what is to be said of it below."""
+    """Return the results of each process and law for a case, and the remarks on them."""
     from rich.table import Table
     from rich.text import Text
 
@@ -239,7 +239,7 @@ def comparison_table(comparison: Comparison) -> Table:
 
 
 def print_benchmark(measured: Benchmark) -> None:
-    """Print what scenes cost, by stage below, and what is to be said of it."""
+    """Print the cost of scenes by stage, and the remarks on it."""
     from clast.studies.bench import bench_table
 
     rows, cuts = measured.rows, measured.cuts

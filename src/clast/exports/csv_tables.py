@@ -35,10 +35,9 @@ def write_csv(
     ``histories`` and ``bolts`` one for each measured point, or bolt, and instant; ``energy`` and
     ``steps`` one for each instant or step of the run.  Blocks have the mark ``gone`` once they are
     excavated, and the name of the ``stage`` of the frame where the run has stages; ``stages`` and
-    ``events`` have a row for each of them.  Units are SI, numbers have every digit.  The
-    folder is made if it does not exist.  Tables of which the results hold nothing are left out, or
-    refused where they are named: raises CaseError then, and for what exists already or cannot be
-    written.
+    ``events`` have a row for each of them.  Units are SI, numbers have every digit.  The folder is
+    made if it does not exist.  Tables without rows are left out, or refused where they are named:
+    raises CaseError then, and for files that exist already or cannot be written.
     """
     folder = Path(folder)
     if folder.suffix.casefold() == ".csv":
@@ -80,7 +79,7 @@ def _check_folder(folder: Path, paths: Iterable[Path]) -> None:
 
 
 def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
-    """Give the tables of which results hold nothing, and what is to be said of them."""
+    """Yield the tables without rows, with the reason."""
     if not any(len(results.contacts(frame)) for frame in range(len(results.times))):
         yield "contacts", "no contacts are recorded: none bore a force, or they were left out"
     for one in OVER_TIME:
@@ -98,7 +97,7 @@ def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
 
 
 IN_BLOCKS = ("block", "name", "rock", "fixed")
-"""What the table of blocks says of each beside its fields."""
+"""Columns of the table of blocks beside their fields."""
 
 
 def _blocks(results: Recording, frames: Sequence[int]) -> Rows:
@@ -142,7 +141,7 @@ def _contacts(results: Recording, frames: Sequence[int]) -> Rows:
 
 
 def _over_time(table: TableSchema) -> Callable[[Recording, Sequence[int]], Rows]:
-    """Return what gives the rows of a table with a row per instant or step."""
+    """Return the function that gives the rows of a table with a row per instant or step."""
 
     def given(results: Recording, frames: Sequence[int]) -> Rows:
         if table.of is None:

@@ -1,4 +1,4 @@
-"""What is exported: frames by number, joints where they are known."""
+"""The selection to export: frames by number, joints where they are known."""
 
 from __future__ import annotations
 

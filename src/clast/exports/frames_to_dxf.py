@@ -28,11 +28,10 @@ def write_dxf(
 
     A block is a closed LWPOLYLINE on the layer of its rock, edges with a joint are LINEs on the
     layer JOINTS_name, contact forces LINEs on CONTACTS: in the direction of the force, as long as
-    it is large, the contact in the middle; the layer's description says what 1 m stands for.
-    Blocks that have been excavated are left out.  For
-    several frames (None: all) ``path`` out.dxf becomes out-0000.dxf and so on, of one scale.
-    Raises CaseError for what exists already or cannot be written, and where ezdxf is not
-    installed.
+    it is large, the contact in the middle; the layer's description gives the scale of 1 m.  Blocks
+    that have been excavated are left out.  For several frames (None: all) ``path`` out.dxf becomes
+    out-0000.dxf and so on, of one scale.  Raises CaseError for files that exist already or cannot
+    be written, and where ezdxf is not installed.
     """
     path = Path(path)
     check_ending(path, ".dxf", "a drawing")

@@ -1,4 +1,4 @@
-"""What exports are written to: names that are still free."""
+"""Targets of exports: names that are still free."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from clast.rockmass.drawings.drawing_files import replaced
 POLYGON = 7
 """VTK's number for a polygonal cell."""
 KINDS = {"f": "Float64", "i": "Int64", "u": "UInt8"}
-"""numpy's letter for a kind of number -> what VTK calls the type that it is written as."""
+"""numpy's letter for a kind of number -> VTK's name for the type that it is written as."""
 PLANE = ("displacement", "velocity")
 """Vectors, which VTK wants with a third component."""
 HEAD = '<?xml version="1.0"?>\n<VTKFile type="{kind}" version="0.1" byte_order="LittleEndian">\n'
@@ -32,10 +32,9 @@ def write_vtu(
     Points: displacement, m, and the number of the joint of the edge that begins there (-1: none of
     its own).  Cells: number of block and rock, fixed, displacement, velocity, rotation, stress (xx,
     yy, xy) and its principal values, SI, and gone (1 where it has been excavated), as in the result
-    file.  One frame goes to ``path``
-    out.vtu; several to out-0000.vtu and so on, listed with their times in ``path`` out.pvd, which
-    is the first of the paths returned.  Raises CaseError for what exists already or cannot be
-    written.
+    file.  One frame goes to ``path`` out.vtu; several to out-0000.vtu and so on, listed with their
+    times in ``path`` out.pvd, which is the first of the paths returned.  Raises CaseError for files
+    that exist already or cannot be written.
     """
     path = Path(path)
     chosen = frames_in(results, frames)

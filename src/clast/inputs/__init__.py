@@ -1,1 +1,1 @@
-"""Inputs: what a user gives, each thing declared once, with what it becomes in a model."""
+"""The inputs of a user, each declared once, and their conversion into a model."""

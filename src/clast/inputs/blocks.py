@@ -34,7 +34,7 @@ class Numbers(Table):
 
 
 class Properties(Table):
-    """What a block is, wherever it is."""
+    """Properties of a block, wherever it is."""
 
     name: StrictStr | None = None
     """Name; the block's number if absent."""
@@ -183,7 +183,7 @@ class RepairTable(Table):
 
     @classmethod
     def judge(cls, value: Any, key: str) -> None:
-        """Refuse what puts no blocks together, and a tolerance that is none."""
+        """Refuse an object that cannot repair blocks, and an invalid tolerance."""
         keys = cls.keys_of(value)
         if keys is not None:
             record_of(cls, keys, (key,))

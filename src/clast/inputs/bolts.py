@@ -1,4 +1,4 @@
-"""[bolt_kind.NAME], [[bolt]], [[bolt_pattern]]: what bolts bear, and where they are.
+"""[bolt_kind.NAME], [[bolt]], [[bolt_pattern]]: stiffness, strength and position of bolts.
 
 Forces are N per metre of thickness, tension positive.
 """
@@ -20,11 +20,11 @@ from clast.model.model import Floats
 BoltForce = Annotated[Number, Field(ge=0.0), within(ranges.FORCE)]
 Degrees = Annotated[Number, Field(ge=-360.0, le=720.0)]
 AXIAL = ("young", "area", "out_of_plane_spacing")
-"""What a stiffness is made of."""
+"""The properties from which a stiffness is computed."""
 
 
 class BoltKind(Table):
-    """What a kind of bolt bears; stiffness, or young, area and out_of_plane_spacing."""
+    """Stiffness and strength of bolts; stiffness, or young, area and out_of_plane_spacing."""
 
     NAMED: ClassVar[bool] = True
 
@@ -152,7 +152,7 @@ class BoltPattern(Table):
     from_: Degrees = Field(0.0, alias="from")
     """First direction, degrees, counter-clockwise from +x."""
     to: Degrees = 360.0
-    """Last direction, degrees; what the spacing leaves is left at both ends alike."""
+    """Last direction, degrees; the remainder of the spacing is left at both ends alike."""
     kind: StrictStr
     """Kind: [bolt_kind.NAME]."""
     anchorage: Literal["ends", "grouted"] = "ends"

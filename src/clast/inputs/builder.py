@@ -11,7 +11,7 @@
     builder.measured_point("A", (1, 9), block="slider")
     model = builder.build()
 
-Methods take the keys of the tables of a case file, and refuse what a table cannot say by itself;
+Methods take the keys of the tables of a case file, and refuse values that a table alone can judge;
 how things fit together is judged by ``InputBuilder.build``, so they may be added in any order.
 """
 
@@ -91,19 +91,18 @@ FAR = 10.0
 
 @dataclass
 class InputBuilder(Inputs):
-    """Collects what a system of blocks is made of; ``build`` checks it and makes the Model.
+    """Collects the parts of a system of blocks; ``build`` checks it and makes the Model.
 
     Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx,
     yy, xy), angles in degrees, velocities in m/s and rad/s.  ``actions`` are objects of one's own
     that act on blocks beside gravity, loads, supports and the ground (clast.actions.action).
-    ``gravity_factor`` names the table by which gravity is multiplied.
-    ``ground_motion`` is what an earthquake or a shaking table does: the keys of ``[ground_motion]``
-    or an object, e.g. ``clast.MovingBase``.
-    ``in_situ`` is the stress in the rock before anything is dug: the keys of ``[in_situ]``,
-    ``clast.InSituStress`` or ``clast.Overburden``.  ``line_joints`` are joints that
-    lines have whether or not they become edges of blocks; ``notes`` say what was done to the blocks
-    before they came here; ``repair`` puts them together where they are drawn a little apart: the
-    keys of ``[repair]``, or ``clast.rockmass.BlockRepair``.
+    ``gravity_factor`` names the table by which gravity is multiplied.  ``ground_motion`` is an
+    earthquake or the motion of a shaking table: the keys of ``[ground_motion]`` or an object, e.g.
+    ``clast.MovingBase``.  ``in_situ`` is the stress in the rock before anything is dug: the keys of
+    ``[in_situ]``, ``clast.InSituStress`` or ``clast.Overburden``.  ``line_joints`` are joints of
+    lines, whether or not these become edges of blocks; ``notes`` list earlier changes to the
+    blocks; ``repair`` puts them together where they are drawn a little apart: the keys of
+    ``[repair]``, or ``clast.rockmass.BlockRepair``.
     """
 
     title: str = ""
@@ -126,10 +125,10 @@ class InputBuilder(Inputs):
     add_joint = gives_named("joint", materials.Joint, usual="default")
     """Add a joint, ``[joint.NAME]``, and return its name.
 
-    The joint called "default" serves every contact that no other joint names with
-    ``between`` (pairs of blocks) or ``between_rocks`` (pairs of rocks, equal ones allowed);
-    a pair of blocks goes before what edges say for themselves (``edge_joint`` of blocks), and
-    that before a pair of rocks.  Without any default, contacts are frictionless.
+    The joint called "default" serves every contact that no other joint names with ``between``
+    (pairs of blocks) or ``between_rocks`` (pairs of rocks, equal ones allowed); a pair of blocks
+    takes precedence over the joints of edges (``edge_joint`` of blocks), and these over a pair of
+    rocks.  Without any default, contacts are frictionless.
     """
     add_bolt_kind = gives_named("bolt_kind", BoltKind)
     """Add a kind of bolt, ``[bolt_kind.NAME]``, and return its name."""
@@ -144,8 +143,8 @@ class InputBuilder(Inputs):
     opening = gives("opening", OpeningTable, "name", "blocks", "weld", turned=of_blocks)
     """Let stages excavate ``blocks`` together under a name: ``[[opening]]``.
 
-    ``weld`` names a joint (``add_weld``): the edges that have it hold together what is inside
-    and outside until the opening is excavated, and then have no joint of their own any more.
+    ``weld`` names a joint (``add_weld``): edges with it hold the inside and the outside together
+    until the opening is excavated, and have no joint of their own afterwards.
     """
     fixed_point = gives("fixed_point", FixedPoint, "at", "block")
     """Hold a point of a block in place: ``[[fixed_point]]``."""
@@ -160,7 +159,7 @@ class InputBuilder(Inputs):
     measured_point = gives("measured_point", MeasuredPoint, "name", "at", "block")
     """Record displacement, velocity and rotation of a point, every step: ``[[measured_point]]``."""
     water = gives("water", Water, "level")
-    """Let water press on what lies below a level or a phreatic line: ``[[water]]``."""
+    """Let water press on all edges below a level or a phreatic line:  ``[[water]]``."""
 
     def count(self, kind: type[Table]) -> int:
         """Return how many tables of a kind there are; blocks are counted with those of arrays."""
@@ -200,9 +199,9 @@ class InputBuilder(Inputs):
         numbers or (k, 3); ``edge_joint`` is (nv,).  Everything else, and every check, is that of
         ``block``: arrays of a million blocks have no table.
 
-        A run is gone on from with another load, joint or method by making its last state a model;
-        the contact penetration in it is no bad geometry (what contacts of the stiffness that is
-        then chosen cannot have left is refused by the next run):
+        A run is continued with another load, joint or method by making its last state a model; the
+        contact penetration in it is no bad geometry (the next run refuses a penetration that
+        contacts of the stiffness then chosen cannot have left):
 
             state, model = run.final, run.model
             builder.blocks(
@@ -364,7 +363,7 @@ class InputBuilder(Inputs):
         return [name for entry in self._entries for name in entry.names]
 
     def _labelled(self, outlines: BlockOutlines) -> Iterator[tuple[Entry, Label]]:
-        """Give every entry with the function that says what messages call its blocks."""
+        """Yield every entry with the function that names its blocks in messages."""
         first = 0
         for entry in self._entries:
 

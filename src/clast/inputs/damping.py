@@ -1,4 +1,4 @@
-"""[damping]: what takes energy from all blocks."""
+"""[damping]: energy taken from all blocks."""
 
 from __future__ import annotations
 

@@ -74,19 +74,19 @@ class VerticalRecordTable(Table):
     format: Format = "auto"
     """Format, as that of the first component."""
     unit: Unit | None = None
-    """Unit of the values; else what the file says, or that of the first component."""
+    """Unit of the values; by default that of the file, or of the first component."""
     scale: Scale = 1.0
     """Factor on all values."""
 
 
 @dataclass(frozen=True)
 class _Said:
-    """What comes of reading a record, for the user."""
+    """The result of reading a record, for the user."""
 
     notes: list[str] = field(default_factory=list)
-    """What was read, assumed and changed."""
+    """Notes on values that were read, assumed and changed."""
     doubts: list[str] = field(default_factory=list)
-    """What seems unsound, with the remedy."""
+    """Doubts, each with its remedy."""
 
 
 class GroundMotionTable(Table):
@@ -108,12 +108,12 @@ class GroundMotionTable(Table):
     """"csv": columns of numbers; "at2": PEER, with NPTS and DT; "k-net": K-NET and KiK-net; "sac":
     SAC, needs the extra records; "auto": by the ending of the name, else by how the file begins."""
     quantity: Quantity | None = None
-    """What the file holds; else what it says itself, else acceleration.  Velocity is taken as
+    """Quantity of the file; by default as the file states, else acceleration.  Velocity is taken as
     linear between the instants, displacement as a cubic spline through them."""
     unit: Unit | None = None
-    """Unit of the values; else what the file says.  Columns of numbers need it as soon as one of
-    format, quantity, direction, vertical as a file, baseline, after is given; without all of them
-    they are in m/s2."""
+    """Unit of the values; by default that of the file.  Columns of numbers need it as soon as one
+    of format, quantity, direction, vertical as a file, baseline, after is given; without all of
+    them they are in m/s2."""
     direction: tuple[Number, Number] | None = None
     """Direction [x, y] of the ground's motion for a file of one component; [1, 0] if absent."""
     time: list[Instant] | None = None
@@ -132,9 +132,9 @@ class GroundMotionTable(Table):
     scale: Scale = 1.0
     """Factor on all values: 9.81 for a record in g whose unit is not given."""
     baseline: Annotated[StrictStr, AfterValidator(_known_baseline)] = "none"
-    """What is taken from the accelerations: "none"; "linear": the straight line that fits them
-    best; "highpass:0.1": what is slower than 0.1 Hz, by a Butterworth filter of order 4 that runs
-    forwards and backwards."""
+    """Correction of the accelerations: "none"; "linear": subtract the straight line that fits them
+    best; "highpass:0.1": remove frequencies below 0.1 Hz, by a Butterworth filter of order 4 that
+    runs forwards and backwards."""
     after: Literal["hold", "stop"] = "hold"
     """After the last instant the ground keeps its velocity, "hold", or comes to rest within 1 s,
     "stop"."""
@@ -182,7 +182,7 @@ class GroundMotionTable(Table):
         return {**keys, "vertical": upwards} if upwards.any() else keys
 
     def add_to(self, builder: Any, key: str, folder: Path) -> None:
-        """Let the ground move, and note what was read."""
+        """Set the motion of the ground, and note how it was read."""
         said = _Said()
         builder.ground_motion = GROUND_MOTIONS[self.acts](self._record(folder, said))
         builder.notes += [f"[ground_motion] {note}" for note in said.notes]
@@ -194,7 +194,7 @@ class GroundMotionTable(Table):
         return (f"[ground_motion] {doubt}" for doubt in said.doubts)
 
     def _record(self, folder: Path, said: _Said) -> Accelerogram:
-        """Return the record, corrected, with what follows on it."""
+        """Return the record, corrected, with its notes and doubts."""
         samples = self._samples(folder, said)
         with _placed("baseline"):
             corrected = correction_of(self.baseline)(samples)
@@ -314,7 +314,7 @@ def _offset(samples: Samples, file: str) -> Iterator[str]:
 
 @contextmanager
 def _placed(key: str) -> Iterator[None]:
-    """Name the table and the key in errors of records; ``key`` is what was being read."""
+    """Name the table and the key in errors of records; ``key`` is the one that is read."""
     try:
         yield
     except CaseError as error:

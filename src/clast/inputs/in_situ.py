@@ -42,7 +42,7 @@ class InSituTable(Table):
     contacts: Literal["in-equilibrium", "none"] = "in-equilibrium"
     """Whether contacts begin with the forces of the stress, or have to find them by moving."""
     boundary: Literal["roller", "fixed", "traction"] = "roller"
-    """What holds the outline beside the stress that loads it: springs along its normal, in both
+    """Support of the outline beside the stress that loads it: springs along its normal, in both
     directions, or none."""
     sides: list[Side] = Field([])
     """Sides of the box around all blocks that are loaded; all edges on the convex hull if empty."""
@@ -78,7 +78,7 @@ class InSituTable(Table):
 
     @classmethod
     def judge(cls, value: Any, key: str) -> None:
-        """Refuse what is no stress, and what the table cannot say but for its springs."""
+        """Refuse an object that is no stress, and one that only differs by its springs."""
         if not isinstance(value, InSituStress | Overburden):
             raise ModelError(
                 f"{shortened(repr(value))} is no stress in the rock",

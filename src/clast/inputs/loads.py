@@ -1,4 +1,4 @@
-"""[[fixed_point]], [[point_load]], [[line_load]], [[pressure]]: what holds and pushes blocks."""
+"""[[fixed_point]], [[point_load]], [[line_load]], [[pressure]]: supports and loads of blocks."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class FactorOverTime(Table):
         return self
 
     def factor(self, name: str) -> Factor:
-        """Return what it is in a model."""
+        """Return it as a factor of the model."""
         time, value = (np.array(one, np.float64) for one in (self.time, self.value))
         return Factor(name=name, time=time, value=value)
 

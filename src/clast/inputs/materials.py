@@ -1,4 +1,4 @@
-"""[rock.NAME] and [joint.NAME]: what blocks are made of, and what their contacts bear."""
+"""[rock.NAME] and [joint.NAME]: materials of blocks, and strength of their contacts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Rock(Table):
     """Stress (xx, yy, xy) in the blocks at the start, Pa, tension positive."""
 
     def rock(self, name: str) -> model.Rock:
-        """Return what it is in a model."""
+        """Return it as a rock of the model."""
         return model.Rock(name=name, **dict(self))
 
 
@@ -47,7 +47,7 @@ class Joint(Table):
     residual_cohesion: Strength | None = None
     """Cohesion left after slip, Pa; 0: brittle, as mortar; else all of it: ideally plastic."""
     residual_friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
-    """Friction angle left after sliding, degrees; else friction stays what it was."""
+    """Residual friction angle, degrees; if absent, friction does not weaken."""
     slip_weakening: Annotated[Number, Field(ge=0.0), within(ranges.LENGTH)] = 0.0
     """Way of sliding over which strengths fall from peak to residual, m; 0: at once."""
     restitution: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
@@ -71,12 +71,12 @@ class Joint(Table):
         return self
 
     def joint(self, name: str) -> joints.Joint:
-        """Return what it is in a model."""
+        """Return it as a joint of the model."""
         return joints.Joint(name=name, **self.model_dump(exclude=PLACES))
 
 
 PLACES = {"between", "between_rocks", "allow_small_friction_angle"}
-"""Keys of a joint that say where it is, and not what it bears."""
+"""Keys of a joint for its place, not for its strength."""
 
 
 def check_rock(rock: model.Rock, plane: model.Plane) -> None:

@@ -1,4 +1,4 @@
-"""[[measured_point]] and [[reference]]: what is recorded, and what is known elsewhere of it."""
+"""[[measured_point]] and [[reference]]: points to record, and values known from elsewhere."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Reference(Table):
 def point_faults(
     points: Sequence[MeasuredPoint], references: Sequence[Reference]
 ) -> Iterator[Fault]:
-    """Give what a case file cannot say of points: names with a slash, references to none."""
+    """Yield faults of points in a case file: names with a slash, references to none."""
     for number, point in enumerate(points):
         if "/" in point.name:  # scripts may: only a file's names are typed in again
             yield Fault(

@@ -137,7 +137,7 @@ class MethodTable(Table):
     def method(
         self, model: Model, *, step: float, max_displacement: float, dynamic_ratio: float = 1.0
     ) -> Method:
-        """Return how to simulate; what the table leaves open follows from the model."""
+        """Return the method of the run; options left out of the table follow from the model."""
         from clast.contact.joints.along_joint import range_of_springs
         from clast.step.method import Method
 

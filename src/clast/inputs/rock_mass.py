@@ -1,4 +1,4 @@
-"""[domain], [[trace]], [[opening]], [[region]], [[block_pattern]]: what is cut, and by what.
+"""[domain], [[trace]], [[opening]], [[region]], [[block_pattern]]: domain and cuts.
 
 They add nothing to the system of blocks by themselves: ``placing/rock_mass.py`` cuts them all at
 once.

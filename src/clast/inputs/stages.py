@@ -20,7 +20,7 @@ from clast.model.stages.stage import Stage
 
 
 class StrengthTable(Table):
-    """Strengths of a joint from a stage on; what is left out stays."""
+    """Strengths of a joint from a stage on; those left out stay."""
 
     friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
     """Coulomb friction angle, degrees."""
@@ -31,7 +31,7 @@ class StrengthTable(Table):
     residual_cohesion: Strength | None = None
     """Cohesion of bonds that have slipped, Pa."""
     residual_friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
-    """Friction angle of what has slid, degrees."""
+    """Friction angle after sliding, degrees."""
 
     @model_validator(mode="after")
     def _changes_something(self) -> Self:
@@ -44,7 +44,7 @@ class StrengthTable(Table):
 
 
 class StageTable(Table):
-    """A part of the run: what is done when it begins, how it is simulated, and when it ends."""
+    """A part of the run: changes at its start, the way it is simulated, and its end."""
 
     name: StrictStr
     """Name."""
@@ -72,7 +72,7 @@ class StageTable(Table):
     excavate: list[StrictStr] = Field([])
     """Openings and blocks that are taken out at its start."""
     relax: Annotated[Number, Field(ge=0.0, le=1.0)] = 1.0
-    """Share of the support forces of what is taken out that is released at once."""
+    """Share of the support forces of excavated blocks that is released at once."""
     relax_time: Annotated[Number, Field(ge=0.0), within(ranges.INTERVAL)] = 0.0
     """Time over which the rest is released, s."""
     install: list[StrictStr] = Field([])
@@ -102,7 +102,7 @@ class StageTable(Table):
 def given_stages(stages: Any) -> tuple[Stage, ...]:
     """Return the stages that a script gives; their damping may be a name or a table, as in a file.
 
-    Raises CaseError for what are no stages, and for what their table refuses.
+    Raises CaseError for objects that are no stages, and for stages that their table refuses.
     """
     if isinstance(stages, str | Stage) or not isinstance(stages, Iterable):
         stages = [stages]

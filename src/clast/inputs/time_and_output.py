@@ -1,4 +1,4 @@
-"""[time] and [output]: when to simulate and what to keep."""
+"""[time] and [output]: times to simulate and results to keep."""
 
 from __future__ import annotations
 
@@ -67,12 +67,12 @@ class TimeTable(Table):
         return self
 
     def largest_movement(self, model: Model) -> float:
-        """Return max_displacement, m, or what it is by default for the blocks of a model."""
+        """Return max_displacement, m, or its default for the blocks of a model."""
         return self.max_displacement or TRAVEL_SHARE * float(np.sqrt(model.smallest))
 
 
 class OutputTable(Table):
-    """What to keep of a run."""
+    """Results to keep."""
 
     every: Interval | None = None
     """Time between frames, s; a hundredth of the run, or a step, if absent."""

@@ -49,7 +49,8 @@ class ViscousBoundary(Table):
     tangential: Multiple = 1.0
     """Multiple of rho c_s; 0: free along the edge."""
     static: Literal["hold", "none"] = "hold"
-    """What springs bear when the dashpots begin stays as a traction, "hold", or goes, "none"."""
+    """Forces of the springs when the dashpots begin: kept as a traction, "hold", or removed,
+    "none"."""
     begins: Annotated[Instant, Field(ge=0.0)] = 0.0
     """Time, s, from which the dashpots act; springs as stiff as those of fixed points hold the
     edges before it, in the directions that have dashpots."""

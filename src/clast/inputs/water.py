@@ -16,7 +16,7 @@ from clast.model import ranges
 LIGHTEST = 100.0
 """Densities below are no kg/m3."""
 UNITS = ((0.1, 3.0, "t/m3 or g/cm3", 1000.0), (3.0, 30.0, "kN/m3", 1000.0 / 9.81))
-"""What densities between two numbers look like, and what they are to be multiplied by."""
+"""Ranges of density in other units, and the factors that convert them."""
 SHARE = "give a share of the full head from 0 to 1, or the name of a table of such shares"
 
 
@@ -33,7 +33,7 @@ def _kind_of_factor(value: Any) -> str:
 
 
 class Water(Table):
-    """Water that presses on what lies below its surface, and follows the blocks."""
+    """Water that presses on all edges below its surface, and follows the blocks."""
 
     name: StrictStr | None = None
     """Name by which stages call it."""
@@ -49,7 +49,7 @@ class Water(Table):
     """Points [x, y] of a phreatic line, m, or {file = "line.csv"}; beyond its ends it goes on
     level."""
     acts_on: Literal["faces", "joints", "both"] = "both"
-    """What it presses on: "faces": edges that no other block covers; "joints": both faces of where
+    """Surfaces it presses on: "faces": edges that no other block covers; "joints": both faces where
     blocks lie along each other; "both"."""
     density: Annotated[Number, within(ranges.DENSITY)] = 1000.0
     """Density, kg/m3."""

@@ -1,8 +1,8 @@
-"""What makes a system of blocks impossible to simulate, found before the first step.
+"""Faults that make a system of blocks impossible to simulate, found before the first step.
 
 Every check names the block (its number from 1 and its name) and the vertex (its number from 1 in
-the loop and its coordinates) and says what to do.  All of them work on flat arrays of all blocks
-at once: ten thousand blocks are checked within a second or two.
+the loop and its coordinates) and the remedy.  All of them work on flat arrays of all blocks at
+once: ten thousand blocks are checked within a second or two.
 """
 
 from __future__ import annotations
@@ -134,7 +134,7 @@ class RepairedBlocks:
     edge: Ints
     """Edge as given that the edge from each vertex to the next is, or is part of, shape (nv,)."""
     repairs: tuple[Repair, ...] = ()
-    """What was done."""
+    """The repairs."""
     moved: float = 0.0
     """How far a vertex moved at most, m."""
 
@@ -147,7 +147,7 @@ def point_text(at: Sequence[float] | Floats) -> str:
 def _refuse_all(bad: Ints, fault: Callable[[int], tuple[str, str]], remedy: str) -> None:
     """Raise one ModelError for all that is ``bad`` (k,), if anything is.
 
-    ``fault`` gives the place of one of them and what is wrong there.
+    ``fault`` gives the place of one of them and the fault there.
     """
     if len(bad) == 0:
         return
@@ -351,9 +351,10 @@ def locate(
 ) -> Ints:
     """Return the block that carries each point or line, shape (k,).
 
-    ``named`` (k,) holds the block that the user named, -1 where none was; ``where`` gives the
-    label of a shape for messages; ``tree`` is that of the blocks' polygons.  Where vertices have
-    ``moved`` by so much, m, since they were drawn, what no block carries may be so far outside.
+    ``named`` (k,) holds the block that the user named, -1 where none was; ``where`` gives the label
+    of a shape for messages; ``tree`` is that of the blocks' polygons.  Where vertices have
+    ``moved`` by so much, m, since they were drawn, points that no block carries may be so far
+    outside.
     """
     reach = TOUCHING * np.sqrt(np.abs(outlines.area))
     carrying = _carrying(shapes, reach, tree)

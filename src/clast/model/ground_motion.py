@@ -29,9 +29,9 @@ SAMPLES = 2**16
 def highest_frequency(time: Floats, values: Floats) -> float:
     """Return the frequency, Hz, below which 95 % of the power of a record about its mean is.
 
-    ``time`` (k,), s, rises; ``values`` (k, c) are linear between, in any unit.  What leads straight
+    ``time`` (k,), s, rises; ``values`` (k, c) are linear between, in any unit.  A straight line
     from the first value to the last counts as of no frequency: a ramp, which a spectrum would take
-    for the tooth of a saw.  0 for a record that does not change.
+    for the tooth of a saw. 0 for a record that does not change.
     """
     apart = np.diff(time)
     apart = apart[apart > 0.0]
@@ -123,7 +123,7 @@ class Accelerogram:
 
 
 class GroundMotion(Protocol):
-    """What the ground does to the blocks."""
+    """The motion of the ground."""
 
     def body_acceleration(self, start: float, end: float) -> Floats:
         """Return the mass force per mass in a step from ``start`` to ``end``, s, m/s2, (2,)."""
@@ -211,8 +211,8 @@ class MovingBase:
 class IncomingWave:
     """A wave that comes up through the viscous edges that face down, with the record's velocity.
 
-    What leaves the model there is taken up by the dashpots of these edges.  At a free surface the
-    motion doubles: the record of an outcrop has twice the velocity of the wave.
+    Waves that leave the model there are absorbed by the dashpots of these edges.  At a free surface
+    the motion doubles: the record of an outcrop has twice the velocity of the wave.
     """
 
     accelerogram: Accelerogram

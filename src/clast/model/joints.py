@@ -38,7 +38,7 @@ class Joint:
     A joint that has one is brittle: with its first slip a bond loses its tensile strength, too.
     """
     residual_friction_angle: float | None = None
-    """Friction angle where a contact has slid, degrees; None: it stays what it was."""
+    """Residual friction angle, degrees; None: friction does not weaken."""
     slip_weakening: float = 0.0
     """Way of sliding over which peak strengths fall to the residual ones, m; 0: at once."""
     restitution: float | None = None

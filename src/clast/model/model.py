@@ -1,4 +1,4 @@
-"""What is simulated and never changes: blocks, rock, joints, supports, loads.
+"""The constant parts of a simulation: blocks, rock, joints, supports, loads.
 
 Lengths in m, forces in N per metre of thickness, stresses in Pa (tension positive, order xx, yy,
 xy), angles in degrees at this boundary. Polygons are counter-clockwise. Coordinates inside a
@@ -235,9 +235,9 @@ class Model:
     gravity_factor: int = NO_FACTOR
     """Number of the table by which gravity is multiplied; NO_FACTOR: it is constant."""
     actions: tuple[Any, ...] = ()
-    """What else acts on blocks: objects with the methods of ``clast.actions.action.Action``."""
+    """Further actions on blocks: objects with the methods of ``clast.actions.action.Action``."""
     ground_motion: GroundMotion = field(default_factory=Still)
-    """What the ground does: nothing, a body force, or a motion of the fixed points."""
+    """Motion of the ground: none, a body force, or a motion of the fixed points."""
     viscous_edges: ViscousEdges = field(default_factory=ViscousEdges)
     """Edges behind which rock goes on that takes up waves."""
     in_situ: InSituStress | None = None
@@ -252,9 +252,9 @@ class Model:
     overlaps: StartOverlaps = field(default_factory=StartOverlaps)
     """Blocks that overlap at the start, as contacts in penetration do."""
     repairs: tuple[Repair, ...] = ()
-    """What was done to blocks so that they touch, where that was asked for."""
+    """Repairs to blocks so that they touch, where that was asked for."""
     notes: tuple[str, ...] = ()
-    """What was changed of the input, e.g. loops that were turned round."""
+    """Changes to the input, e.g. loops that were turned round."""
 
     def __post_init__(self) -> None:
         """Let nobody write into the arrays; actions of a script are the script's own."""

@@ -1,4 +1,4 @@
-"""What names cannot be."""
+"""Rules for names."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def check_names(kind: str, names: Sequence[str]) -> None:
 
 
 def check_text(name: str, label: str) -> None:
-    """Refuse a name that is blank, too long or not printable; ``label`` is what has it."""
+    """Refuse a name that is blank, too long or not printable; ``label`` names its owner."""
     for what, bad in (
         ("has no name", lambda name: not name.strip()),
         (f"has a name of more than {LONGEST_NAME} characters", lambda n: len(n) > LONGEST_NAME),

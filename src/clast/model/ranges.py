@@ -1,8 +1,8 @@
 """Which numbers can be meant at all, once for case files and for scripts.
 
-The ranges are far wider than rock and masonry need: they leave out what no system of units
+The ranges are far wider than rock and masonry need: they exclude numbers that no system of units
 explains, and keep the products that the equations make of these numbers (E A / h2, rho L4, ...)
-inside what a floating-point number holds.
+within the range of floating-point numbers.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class AllowedRange:
     """Unit, as messages write it."""
 
     def fault(self, value: float) -> str | None:
-        """Return what is wrong with the size of a number, or None; 0 is not judged."""
+        """Return the fault in the size of a number, or None; 0 is not judged."""
         size = abs(value)
         if size == 0.0 or self.low <= size <= self.high:
             return None

@@ -1,4 +1,4 @@
-"""What was done to blocks as they were drawn, so that they touch."""
+"""Repairs to blocks as they were drawn, so that they touch."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ class Repair:
     """Something that was done to blocks as they were drawn, so that they touch."""
 
     what: str
-    """What was done, in words."""
+    """The repair, in words."""
     count: int
     """How often."""
     places: tuple[tuple[float, float], ...]

@@ -1,4 +1,4 @@
-"""What changes: one instant of a run.  Replaced at every accepted step, never edited."""
+"""The state of a run at one instant: replaced at every accepted step, never edited."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ POINTS = 14
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class ContactMemory:
-    """What a contact carries from step to step, keyed by (vertex, block of the edge).
+    """Memory of a contact from step to step, keyed by (vertex, block of the edge).
 
     Sorted by vertex, then by the block of the edge, then by edge.  At a re-entrant corner one key
     may hold two rows, told apart by their edge.  Points inside faces (contact/joints/faces.py) come
@@ -63,8 +63,8 @@ class ContactMemory:
     """Way of the vertex along the edges since the contact was made, m, to the left as seen from
     the block of the edge; it has the same sign seen from the other block, shape (k,)."""
     slide_length: Floats = field(default_factory=_no_floats)
-    """Length of the way that the contact has slid to and fro, without what its shear spring gives
-    back, m, >= 0, shape (k,)."""
+    """Length that the contact has slid to and fro, without the elastic part of its shear spring, m,
+    >= 0, shape (k,)."""
     mode: Ints = field(default_factory=_no_ints)
     """0 open, 1 slide, 2 lock, shape (k,)."""
     bonded: Bools = field(default_factory=_no_bools)
@@ -106,24 +106,24 @@ def contact_keys(vertex: Ints, edge: Ints, point: Ints, count: int) -> Ints:
 
 
 class Kind(Enum):
-    """What an entry of the energy ledger is."""
+    """Kinds of entries of the energy ledger."""
 
     STORED = "stored"
     """Energy in the system now."""
     BROUGHT = "brought in"
     """Energy that has come in from outside since the start."""
     LOST = "lost"
-    """Energy that is gone since the start, but for what the time integration removed."""
+    """Energy lost since the start, but for that which the time integration removed."""
     NUMERICAL = "numerical"
-    """Energy that the time integration removed, less what it brought in."""
+    """Energy that the time integration removed, less that which it brought in."""
     UNEXPLAINED = "unexplained"
-    """What the others fail to explain."""
+    """The remainder that the others fail to explain."""
 
 
 def entry(kind: Kind, since: str = "") -> Any:
     """Return an entry of the ledger, J/m, of a kind.
 
-    ``since`` is what clast could do when it came, "" where it was there from the beginning.
+    ``since`` is the version of clast that introduced it, "" where it was there from the beginning.
     """
     return field(default=0.0, metadata={"kind": kind, "since": since})
 
@@ -132,9 +132,9 @@ def entry(kind: Kind, since: str = "") -> Any:
 class Ledger:
     """The energy of the system and where it went, J per metre of thickness.
 
-    Stored energies are those of the instant, all others are sums since the start.  What is stored,
-    less what was ``brought`` in, plus what was ``lost``, stays at its first value but for
-    ``unaccounted``, which is measured, not assumed.  Each entry says what it is (``LEDGER``); sums,
+    Stored energies are those of the instant, all others are sums since the start.  Stored energy,
+    less the energy ``brought`` in, plus the ``lost`` energy, stays at its first value but for
+    ``unaccounted``, which is measured, not assumed.  Each entry has its kind (``LEDGER``); sums,
     warnings, the result file and its reference follow from that.
     """
 
@@ -163,15 +163,15 @@ class Ledger:
     damping: float = entry(Kind.LOST, since="damping")
     """Energy taken by damping, >= 0."""
     boundary: float = entry(Kind.LOST, since="viscous boundaries")
-    """Energy that left through viscous boundaries, less what came in through them."""
+    """Energy that left through viscous boundaries, less that which came in through them."""
     removed: float = entry(Kind.LOST, since="excavated blocks")
     """Energy that was taken out with blocks, or by resets, when stages began."""
     actions: float = entry(Kind.STORED, since="actions of one's own")
-    """Energy that further actions store, and what they have lost."""
+    """Energy that further actions store, and their losses."""
     numerical: float = entry(Kind.NUMERICAL)
     """Energy removed by the time integration (positive) or brought in by it (negative)."""
     unaccounted: float = entry(Kind.UNEXPLAINED)
-    """What the entries above fail to explain."""
+    """The remainder that the entries above fail to explain."""
 
     @property
     def stored(self) -> float:
@@ -185,7 +185,7 @@ class Ledger:
 
     @property
     def lost(self) -> float:
-        """Energy that is gone, but for what the time integration removed."""
+        """Energy lost, but for that which the time integration removed."""
         return reduce(add, _lost(self))
 
     def plus(self, *changes: Ledger) -> Ledger:
@@ -255,9 +255,9 @@ class Overlap:
     time: float
     """Time at which it was deepest, s."""
     depth: float
-    """Diameter of the largest circle in what they share, m."""
+    """Diameter of the largest circle in the overlap, m."""
     area: float
-    """What they share, m2."""
+    """Area of the overlap, m2."""
     known: float
     """Largest penetration of their contacts, m."""
 

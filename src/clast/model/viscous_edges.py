@@ -1,4 +1,4 @@
-"""Edges of a model behind which rock goes on that takes up what waves bring."""
+"""Edges of a model that absorb waves in place of the rock beyond."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ViscousEdges:
     tangential: Floats = field(default_factory=_no_floats)
     """Multiple b of rho c_s, shape (k,)."""
     kept: Floats = field(default_factory=_no_floats)
-    """Share of what the springs bear that stays as a traction when dashpots begin, shape (k,)."""
+    """Share of the spring forces that stays as a traction when dashpots begin, shape (k,)."""
     begins: Floats = field(default_factory=_no_floats)
     """Time from which dashpots are in the place of springs, s, inf until a stage, shape (k,)."""
     stage: tuple[str, ...] = ()

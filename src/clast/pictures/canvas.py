@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 INK = "#262626"
 """Text and outlines."""
 FAINT = "#8c8c8c"
-"""What was, what is beside the point."""
+"""For earlier positions, and for text beside a point."""
 
 NAME_BOX = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.75}
 """Ground of names, so that they can be read on anything."""
@@ -71,13 +71,13 @@ def axes_size(extent: Floats) -> tuple[float, float]:
 
 
 Part = tuple[Floats, Floats]
-"""Lower left and upper right corner of what is shown, m, (2,) each."""
+"""Lower left and upper right corner of the picture, m, (2,) each."""
 
 
 def sizes(
     part: Part, look: Look, title: str, handles: list[Any], bars: int, keys_below: int = 0
 ) -> tuple[tuple[float, float], Keys, float]:
-    """Return the size of the axes, inches, the legend, and what axes and bars have at least.
+    """Return the size of the axes, inches, the legend, and the least size of axes and bars.
 
     Below the legend there is room for so many lines of other keys.
     """
@@ -159,7 +159,7 @@ def sheet_for(
 
 
 def empty_part(low: Floats, high: Floats) -> CaseError:
-    """Return the error for a part that shows none of what lies between two corners (2,), m."""
+    """Return the error for a part that shows nothing between two corners (2,), m."""
     return CaseError(
         "there is no block in this part",
         where="zoom",
@@ -219,7 +219,7 @@ def new_figure(size: tuple[float, float], dots: float) -> Figure:
 
 
 def seen(low: Floats, high: Floats, box: tuple[float, float]) -> tuple[Floats, Floats]:
-    """Return what axes of a size in inches show of (low, high) and around it, m.
+    """Return the range that axes of a size in inches show of (low, high) and around it, m.
 
     A metre is as long in x as in y, and there is a margin.
     """

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 STOPPED = "#b3261e"
-"""Colour of what is said about a run that could not go on."""
+"""Colour of the remark on a run that could not go on."""
 BETWEEN, HEADS = 0.35, 0.5
 """Space between panels, and for the two lines above each, inches."""
 SCALE_ROOM = 0.75
@@ -35,7 +35,7 @@ class Panel:
     """One end state."""
 
     title: str
-    """What it is."""
+    """The title."""
     remark: str
     """A line below the title."""
     finished: bool

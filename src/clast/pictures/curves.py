@@ -1,4 +1,4 @@
-"""Quantities over what a study varies: a line with marks for every series, side by side."""
+"""Quantities over the variable of a study: a line with marks for every series, side by side."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Series:
     """Values over x; those that are not finite are runs that stopped."""
 
     label: str
-    """What the legend says."""
+    """Its text in the legend."""
     group: int
     """Number of its colour and mark."""
     line: Literal["-", "--", ""]
@@ -49,7 +49,7 @@ class Rule:
     """A curve of exact or quoted values, drawn thin and grey; two in a diagram at most."""
 
     label: str
-    """What the legend says."""
+    """Its text in the legend."""
     x: Floats
     """Abscissa, shape (k,)."""
     y: Floats
@@ -67,9 +67,9 @@ class Diagram:
     y_label: str
     """Quantity and unit of the ordinate."""
     series: Sequence[Series]
-    """What was computed."""
+    """The computed values."""
     rules: Sequence[Rule] = ()
-    """What it is compared with."""
+    """The values for comparison."""
     x_scale: Literal["linear", "log"] = "linear"
     """Scale of the abscissa."""
     y_scale: Literal["linear", "log"] = "linear"

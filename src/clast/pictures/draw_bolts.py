@@ -28,7 +28,7 @@ CASING = 1.8
 
 
 def handles_of(bolts: FrameBolts) -> list[Any]:
-    """Return what the legend explains of the bolts: states, and the largest force."""
+    """Return the legend of the bolts: states, and the largest force."""
     from matplotlib.lines import Line2D
 
     found = []

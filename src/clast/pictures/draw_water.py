@@ -1,4 +1,4 @@
-"""Water on a picture: its level with a triangle, and the pressures on what it wets."""
+"""Water on a picture: its level with a triangle, and the pressures on the edges that it wets."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ BLUE, PALE = "#1f6fb4", "#5aa5dc"
 ABOVE = 0.5
 """How far above the blocks a level is still shown, in their heights."""
 BESIDE = 0.06
-"""Where the triangle stands, from the left, as a share of what is shown."""
+"""Place of the triangle, from the left, as a share of the picture."""
 POINTS = 8.0
 """Size of the triangle, points."""
 
@@ -55,7 +55,7 @@ class PressureDiagrams:
 
 
 def waters_of(results: Recording, frame: int) -> tuple[Water, ...]:
-    """Return the waters that press in a frame: of those that a stage brings, what it has brought.
+    """Return the waters that press in a frame: of those of a stage, the ones that it has brought.
 
     A stage begins with the last frame of the one before.
     """
@@ -94,7 +94,7 @@ def pressures_of(
 
 
 def with_levels(results: Recording, waters: Sequence[Water], part: Part) -> Part:
-    """Return what is shown, made so high that levels not far above the blocks are in it."""
+    """Return the part to show, made so high that levels not far above the blocks are in it."""
     low, high = part
     most = float(high[1] + ABOVE * (high[1] - low[1]))
     tops = [float(_points(water, results, part)[:, 1].max()) for water in waters]
@@ -111,7 +111,7 @@ def _points(water: Water, results: Recording, part: Part) -> Floats:
 
 
 def handles_of_water(waters: Sequence[Water], pressures: PressureDiagrams) -> list[Any]:
-    """Return what the legend explains of water, nothing where there is none."""
+    """Return the legend of water, nothing where there is none."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

@@ -1,4 +1,4 @@
-"""What can colour the blocks of a picture, with labels, units and colours."""
+"""Quantities that can colour the blocks of a picture, with labels, units and colours."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class PictureField:
     """A scalar field of the blocks."""
 
     label: str
-    """What the picture calls it."""
+    """Its name on the picture."""
     unit: str
     """Unit of the values; the picture may put a prefix before it."""
     values: Values

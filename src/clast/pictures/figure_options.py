@@ -1,4 +1,4 @@
-"""How a picture looks: limits of its colours, size, resolution, what part is shown."""
+"""Options of a picture: limits of its colours, size, resolution, part to show."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST_DOTS = 25_000
 
 @dataclass(frozen=True, kw_only=True)
 class Look:
-    """Limits, size, resolution and part of a picture; what is None follows from what is drawn."""
+    """Limits, size, resolution and part of a picture; None: as the drawing needs."""
 
     limits: tuple[float, float] | None = None
     """Values at the ends of the colours, in m, m/s, degrees or Pa."""
@@ -82,4 +82,4 @@ class Look:
 
 
 DEFAULT = Look()
-"""A picture whose looks follow from what is drawn."""
+"""The default options, which follow from the drawing."""

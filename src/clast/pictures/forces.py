@@ -25,7 +25,7 @@ APART, FARTHER = 0.06, 0.2
 FEW = 0.05
 """Share of the arrows whose forces do not set the scale if they would spoil it."""
 HEAD = 0.02
-"""What the head of the shortest arrow reaches beyond its end, inches."""
+"""Length of the head of the shortest arrow beyond its end, inches."""
 ARROW = "#111111"
 
 
@@ -149,7 +149,7 @@ def draw_arrows(figure: Figure, sheet: Sheet, axes: Axes, arrows: Arrows) -> Non
 
 
 def _words(arrows: Arrows, shown: float) -> list[str]:
-    """Return what is said of the arrows: the force ``shown``, N/m, and which; shorter and shorter.
+    """Return the texts for the arrows: the force ``shown``, N/m, and which; shorter and shorter.
 
     All but the shortest say which arrows are drawn shorter than they should be.
     """

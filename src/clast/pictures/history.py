@@ -67,7 +67,7 @@ CURVES = {"in x": ("#1f6f8b", "-"), "in y": ("#c1440e", "--")}
 
 
 MARKED = {2: ("yielded", "#8e24aa"), 3: ("broke", "#c0143c")}
-"""State of a bolt -> what is said when it is reached, and its colour."""
+"""State of a bolt -> its text in the history, and its colour."""
 
 
 def _curve(axes: Axes, history: BoltHistory, values: Floats, quantity: str, unit: str) -> None:

@@ -1,4 +1,4 @@
-"""Pages as files: what their names end in, and that no half of one is left."""
+"""Pages as files: the endings of their names, and that no half of one is left."""
 
 from __future__ import annotations
 

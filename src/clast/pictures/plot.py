@@ -40,7 +40,7 @@ FEW_BLOCKS = 500
 """Blocks up to which a picture needs no finer dots."""
 
 TOGETHER = 1e-3
-"""Edges of two blocks are drawn as one up to this distance, as a share of what is shown."""
+"""Edges of two blocks are drawn as one up to this distance, as a share of the picture."""
 
 MOST_NAMES = 12
 """Measured points drawn at most with their names."""
@@ -57,13 +57,13 @@ def plot_results(
 ) -> Path:
     """Draw the blocks of a frame coloured by ``field``, their edges by "joint"; return the path.
 
-    ``results`` are a run, or what a result file holds: ``clast.plot_results(run, "run.png")``.
-    The start is outlined behind; ``contacts`` draws the contact forces as arrows, on both blocks
-    of each contact, the largest in each place where they are many.  "slip" and "opening" colour
-    the joints between blocks.  Water is drawn with its level
-    and its pressures: outside faces, and across joints.  ``look`` has limits of the
-    colours, size, resolution and the part that is shown.  The format follows from the ending of
-    ``path``.  Raises CaseError for what is not there or cannot be drawn or written.
+    ``results`` are a run, or the content of a result file:  ``clast.plot_results(run, "run.png")``.
+    The start is outlined behind; ``contacts`` draws the contact forces as arrows, on both blocks of
+    each contact, the largest in each place where they are many. "slip" and "opening" colour the
+    joints between blocks.  Water is drawn with its level and its pressures: outside faces, and
+    across joints.  ``look`` has limits of the colours, size, resolution and the part that is shown.
+    The format follows from the ending of ``path``.  Raises CaseError for results that are not
+    there, or that cannot be drawn or written.
     """
     check_field(field, JOINT_FIELDS)
     number = results.frame(frame).number
@@ -121,7 +121,7 @@ def plot_results(
 def _part(
     results: Recording, here: Floats, start: Floats, look: Look, waters: Sequence[Water]
 ) -> canvas.Part:
-    """Return what is shown: all blocks, now and at the start, or the part asked for."""
+    """Return the part to show: all blocks, now and at the start, or the given part."""
     low = np.minimum(here.min(axis=0), start.min(axis=0))
     high = np.maximum(here.max(axis=0), start.max(axis=0))
     if look.zoom is None:
@@ -164,7 +164,7 @@ def _edges(
 
 
 def _with_ends(part: canvas.Part, ends: Floats, per_inch: float) -> canvas.Part:
-    """Return what is shown, made so large that no arrow is cut off."""
+    """Return the part to show, made so large that no arrow is cut off."""
     slack = HEAD * per_inch
     low = np.minimum(part[0], ends.min(axis=0) - slack)
     return low, np.maximum(part[1], ends.max(axis=0) + slack)
@@ -236,7 +236,7 @@ def _beside(axes: Axes, name: str, x: float) -> tuple[str, str]:
 
 
 def legend_handles(results: Recording, field: str, gone: Bools) -> list[Any]:
-    """Return what the legend explains: outlines, fixed and excavated blocks, rocks."""
+    """Return the legend: outlines, fixed and excavated blocks, rocks."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

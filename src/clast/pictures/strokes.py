@@ -27,7 +27,7 @@ LONGEST = 40
 THINNEST, THICKEST = 0.15, 1.3
 """Widths of edges, points."""
 LEAST_ABOVE = 0.5
-"""Least width of what lies above the joints, points."""
+"""Least width of lines above the joints, points."""
 SHARE = 0.1
 """Width of an edge as a share of the median length of the edges."""
 MANY_BLOCKS = 5000
@@ -39,7 +39,7 @@ class Stroke:
     """How a group of edges is drawn."""
 
     label: str
-    """What the legend says."""
+    """Its text in the legend."""
     colour: str
     """Colour."""
     dashes: Any = "-"
@@ -150,7 +150,7 @@ def visible(ends: Floats, part: canvas.Part) -> Bools:
 
 
 def handles_of(edges: Sequence[EdgeGroup], part: canvas.Part) -> list[Any]:
-    """Return what the legend explains of the edges that a part shows."""
+    """Return the legend of the edges in a part."""
     from matplotlib.lines import Line2D
 
     return [

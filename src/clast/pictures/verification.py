@@ -44,7 +44,7 @@ class Curve:
     """Values over x: exact ones are drawn as a line, computed ones as marks."""
 
     label: str
-    """What the legend says."""
+    """Its text in the legend."""
     x: Floats
     """Abscissa, shape (k,)."""
     y: Floats
@@ -64,7 +64,7 @@ class Chart:
     y_label: str
     """Quantity and unit of the ordinate."""
     curves: tuple[Curve, ...]
-    """What is drawn."""
+    """The curves."""
     x_scale: Literal["linear", "log"] = "linear"
     """Scale of the abscissa."""
     y_scale: Literal["linear", "log"] = "linear"

@@ -1,4 +1,4 @@
-"""What a run leaves behind: histories, energy, a report, and one .vtkhdf file that ParaView opens.
+"""The results of a run: histories, energy, a report, and one .vtkhdf file that ParaView opens.
 
 A run writes through ``RunRecorder``, which gives a ``Run``; a file is read again by
 ``read_results``.  The layout of the file is described in ``clast.results.schema``.

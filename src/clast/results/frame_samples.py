@@ -1,4 +1,4 @@
-"""What is recorded of a state: outlines, fields, contacts, rows of tables; frames in memory."""
+"""The records of a state: outlines, fields, contacts, rows of tables; frames in memory."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def principal_stresses(stress: Floats) -> tuple[Floats, Floats]:
 
 
 def own_of_bolts(model: Model, state: State) -> BoltStates:
-    """Return what the springs of the bolts have been through, at the start of a run as well."""
+    """Return the states of the springs of the bolts, at the start of a run as well."""
     own = [one for one in state.actions if isinstance(one, BoltStates)]
     return own[0] if own else Bolting().begin(model)
 
@@ -198,7 +198,7 @@ ROWS: dict[str, Callable[[Model, ReferenceState | None], Tracker]] = {
     "history": PointTracker,
     "bolts": BoltTracker,
 }
-"""Tables with a row per instant -> what gives their rows from a reference on."""
+"""Tables with a row per instant -> the function that gives their rows from a reference on."""
 
 
 def step_row(result: StepResult, step: float) -> tuple[float, ...]:
@@ -214,7 +214,7 @@ def step_row(result: StepResult, step: float) -> tuple[float, ...]:
 
 
 STEP_ROWS: dict[str, Callable[[StepResult, float], tuple[float, ...]]] = {"steps": step_row}
-"""Tables with a row per step -> what gives their rows."""
+"""Tables with a row per step -> the function that gives their rows."""
 
 
 def point_velocity(offset: Floats, velocity: Floats) -> Floats:
@@ -247,7 +247,7 @@ class FramesInMemory:
         """Time from which frames found no room, s; the last is kept all the same."""
 
     def count_from(self, fields: FrameFields) -> None:
-        """Let ``fields`` compute what is asked for of the frames that follow."""
+        """Make ``fields`` compute the requested fields of the frames that follow."""
         self._fields = fields
 
     def add(self, state: State, contacts: NDArray[Any], stage: str) -> None:

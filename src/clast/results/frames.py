@@ -1,7 +1,7 @@
 """Frames, and how they are read alike from a run just made and from a result file.
 
-Frames are numbered from 0, negative numbers count from the end.  Nothing is interpolated: what is
-read is what was computed.
+Frames are numbered from 0, negative numbers count from the end.  Nothing is interpolated: values
+read are values computed.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ BLOCK_ROW = np.dtype(
 GONE = "gone"
 """Field that is 1 for blocks that have been excavated."""
 VERTICES = "vertices"
-"""What ``field`` calls the vertices, which are no field of the blocks."""
+"""Name of the vertices in ``field``, which are no field of the blocks."""
 
 
 class FrameStore(Protocol):
@@ -157,7 +157,7 @@ def field_of(store: FrameStore, name: str, frame: int | None) -> NDArray[Any]:
 
 
 class Fields(Protocol):
-    """Fields of the blocks, frame by frame: a run, or what a result file holds."""
+    """Fields of the blocks, frame by frame: of a run, or of a result file."""
 
     @property
     def block_start(self) -> Ints:

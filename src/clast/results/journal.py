@@ -2,8 +2,8 @@
 
 HDF5 overwrites its indexes and headers piece by piece, and a kill between two pieces, or in the
 middle of one (Linux stops a write at a page of 4096 bytes), leaves a file that nothing reads.
-``JournalledFile`` lies between HDF5 and the disk.  What HDF5 appends is written at once:
-nothing refers to it yet.  What it overwrites is kept in memory until ``JournalledFile.commit``
+``JournalledFile`` lies between HDF5 and the disk.  New bytes of HDF5 are written at once: nothing
+refers to them yet.  Overwritten bytes are kept in memory until ``JournalledFile.commit``
 
 1. writes all of it behind the end of the file, as a journal that ends with its length and checksum;
 2. overwrites the old bytes;
@@ -52,11 +52,11 @@ MARK = b"clastjnl"
 
 
 class JournalledFile(FileObject):
-    """A file object for h5py to write into; only ``commit`` changes what was there before.
+    """A file object for h5py to write into; only ``commit`` changes bytes that were there before.
 
     ``file`` is open and empty (or see ``again``).  It never fails while HDF5 writes, which HDF5
-    would not recover from: what finds no room on the disk stays in memory, and ``commit`` raises
-    OSError; it may be called again.
+    would not recover from: bytes that find no room on the disk stay in memory, and ``commit``
+    raises OSError; it may be called again.
     """
 
     def __init__(self, file: BinaryIO) -> None:
@@ -74,7 +74,7 @@ class JournalledFile(FileObject):
     def again(cls, file: BinaryIO) -> JournalledFile:
         """Return the file object of a whole file that was written before, as its last commit was.
 
-        A journal that a kill has left takes effect; what lies behind the end is passed over.
+        A journal that a kill has left takes effect; bytes behind the end are passed over.
         """
         size, one = _complete(file), cls(file)
         one._end = int.from_bytes(read_at(file, END_PLACE, 8), "little")
@@ -89,7 +89,7 @@ class JournalledFile(FileObject):
         os.fsync(self._file.fileno())
 
     def write(self, data: memoryview) -> int:
-        """Append the bytes, or keep them for the next commit where they change what is there."""
+        """Append the bytes, or keep them for the next commit where they change existing ones."""
         new = bytes(data)
         self._touch(min(self._place, self._end), self._place + len(new))
         self._put(self._place, new)
@@ -165,7 +165,7 @@ class JournalledFile(FileObject):
         self._touched.update(range(first // PAGE, page_count(last)))
 
     def _put(self, start: int, new: bytes) -> None:
-        """Write the bytes, or keep those that change what counts or find no room."""
+        """Write the bytes, or keep those that change bytes in use or find no room."""
         kept = min(len(new), max(0, self._committed - start))
         for place, piece in ((start, new[:kept]), (start + kept, new[kept:])):
             if piece and not self._appended(place, piece):
@@ -194,7 +194,7 @@ class JournalledFile(FileObject):
 
 
 def read_journal(file: BinaryIO) -> tuple[int, list[Piece]] | None:
-    """Return where the file ends without its journal, and what is to be there instead.
+    """Return where the file ends without its journal, and the bytes that are to replace others.
 
     None where there is no journal, or none that is whole.
     """
@@ -219,7 +219,7 @@ def read_journal(file: BinaryIO) -> tuple[int, list[Piece]] | None:
 
 
 def _complete(file: BinaryIO) -> int:
-    """Overwrite what the journal at the end of the file says, and cut it off; return the end."""
+    """Apply the journal at the end of the file, and cut it off; return the end."""
     found = read_journal(file)
     if found is None:
         return file.seek(0, os.SEEK_END)

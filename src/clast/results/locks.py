@@ -36,7 +36,7 @@ def claim(file: BinaryIO) -> bool:
 
 @contextmanager
 def changing(file: BinaryIO, patience: float = PATIENCE) -> Iterator[None]:
-    """Keep readers of the content out in the block; ``patience``, s, is what one may still take."""
+    """Keep readers of the content out in the block; waits ``patience``, s, for one at most."""
     with _held(file, "F_WRLCK", patience):
         yield
 

@@ -26,10 +26,10 @@ class MalformedError(Exception):
 
 
 def ask(path: Path, question: Callable[[Any], Answer], *, whole: int = 0) -> Answer:
-    """Return what ``question`` makes of the open file (h5py); what goes wrong becomes a CaseError.
+    """Return the answer of ``question`` about the open file (h5py); errors become a CaseError.
 
     Files of at most ``whole`` bytes are checked from end to end before, others only where they are
-    read.  Nothing is written: what a run that was killed had begun to write is completed in memory.
+    read.  Nothing is written: the unfinished write of a run that was killed is completed in memory.
     """
     failure: Exception = MalformedError("it changes all the time")
     try:

@@ -1,4 +1,4 @@
-"""The place where results go: what is there is looked at first, and taken for one run."""
+"""The place of results: an existing file is looked at first, and taken for one run."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ELSEWHERE = "choose another name for the results"
 def check_output(path: Path) -> Path:
     """Return the path of a file that results can be written to, or raise CaseError.
 
-    Symbolic links are followed.  What is there may only be an older result file, or empty.
+    Symbolic links are followed.  An existing file may only be an older result file, or empty.
     """
     try:
         return _checked(path)
@@ -66,7 +66,7 @@ def hidden(path: Path) -> Path:
 
 
 def fresh(part: Path) -> BinaryIO:
-    """Return a new file at a hidden name, open for writing; what was there before is removed.
+    """Return a new file at a hidden name, open for writing; an older one is removed.
 
     Nobody else's file is written to: a link is removed, not followed.
     """
@@ -156,7 +156,7 @@ def _is_at(file: BinaryIO, path: Path) -> bool:
 
 
 def _clear(path: Path) -> None:
-    """Remove what runs of clast 0.1 to the same file have left that were killed at their start."""
+    """Remove the files of runs of clast 0.1 that were killed at their start."""
     for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
         process = left.name.split(".")[-2]
         if process.isdecimal() and not _is_alive(int(process)):

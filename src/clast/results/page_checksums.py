@@ -1,8 +1,8 @@
 """Checksums of a result file, page by page, and a view of it that gives out no damaged byte.
 
 HDF5 has checksums of its own for the numbers (Fletcher's, which every viewer looks at) and for some
-of what it keeps beside them, but for none of its indexes.  So behind the end of what HDF5 knows
-there are checksums of all of it, which HDF5 passes over::
+of the data it keeps beside them, but for none of its indexes.  So behind the end of the part that
+HDF5 knows there are checksums of all of it, which HDF5 passes over::
 
     sums:  8 bytes "clastsum", end of the file for HDF5 (u64, little-endian), CRC-32 of each page of
            16384 bytes until there (u32 each), CRC-32 of all this (u32)
@@ -52,7 +52,7 @@ def sums_length(end: int) -> int:
 
 
 def unpacked(content: bytes, end: int) -> Sums | None:
-    """Return the checksums of the first ``end`` bytes from what is written, None without any."""
+    """Return the checksums of the first ``end`` bytes from their written form, None without any."""
     content = content[: sums_length(end)]
     if len(content) < sums_length(end) or HEAD.unpack_from(content) != (MARK, end):
         return None
@@ -67,11 +67,11 @@ def page_sum(read: Callable[[int, int], bytes], page: int, end: int) -> int:
 
 
 class DamagedPageError(Exception):
-    """Bytes of a result file that are not what was written."""
+    """Bytes of a result file that differ from those written."""
 
 
 class FileObject:
-    """What h5py wants of a file object, but for writing: a place in it, and reading from there."""
+    """The methods that h5py needs of a file object for reading: a place in it, and reading."""
 
     def __init__(self, file: BinaryIO, end: int) -> None:
         self._file = file
@@ -121,7 +121,7 @@ class FileObject:
 class CheckedFile(FileObject):
     """A file object for h5py to read from: the file with some pieces replaced, and checked.
 
-    ``file`` is read only; ``pieces`` are what a journal wants to be there instead.
+    ``file`` is read only; ``pieces`` are the bytes of a journal that replace others.
     """
 
     def __init__(self, file: BinaryIO, size: int, pieces: Sequence[Piece] = ()) -> None:
@@ -139,7 +139,7 @@ class CheckedFile(FileObject):
             self._end = end
 
     def check_all(self) -> None:
-        """Raise DamagedPageError for the first page that is not what was written."""
+        """Raise DamagedPageError for the first page that differs from the one written."""
         self._check(0, self._end)
 
     def write(self, _data: memoryview) -> int:

@@ -1,4 +1,4 @@
-"""Gathers what a run computes, step by step, and writes it to the result file frame by frame."""
+"""Gathers the results of a run, step by step, and writes them to the result file frame by frame."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ class RunRecorder:
             self._file = ResultFile(path, model, case_text, storage)
 
     def _follow(self, reference: ReferenceState | None = None) -> None:
-        """Let what follows count from a reference."""
+        """Let later displacements count from a reference."""
         from clast.results.frame_samples import ROWS, STEP_ROWS
 
         names = [one.name for one in self._kinds]
@@ -131,7 +131,7 @@ class RunRecorder:
         self.frame(state)
 
     def _go_on(self, recorded: Recorded) -> None:
-        """Take over what was recorded until a checkpoint."""
+        """Take over the records until a checkpoint."""
         if self._file is None:
             raise RuntimeError("what goes on is a file")
         times, before = self._file.go_on(recorded)
@@ -146,7 +146,7 @@ class RunRecorder:
         )
 
     def enter(self, stage: int, reference: ReferenceState | None) -> None:
-        """Record what follows as of a stage, by its number among those of ``about``.
+        """Record later frames as of a stage, by its number among those of ``about``.
 
         Displacements count from ``reference`` on, if there is one.
         """
@@ -204,7 +204,7 @@ class RunRecorder:
         return replace(self._framed, now=self._counts(), result=self._result)
 
     def recorded(self, mark: RecordMark, wall: float) -> Recorded:
-        """Return what a checkpoint needs to know of what was recorded until a mark.
+        """Return the records until a mark, for a checkpoint.
 
         ``wall`` is the time that the run has taken, s.  The frames until then are on the disk.
         """
@@ -231,9 +231,9 @@ class RunRecorder:
         )
 
     def finish(self, report: Report) -> Run:
-        """Close the file with the last state and the report; return what was recorded.
+        """Close the file with the last state and the report; return the recording.
 
-        Raises RunStopped, with what was recorded in its ``run``, where they cannot be written.
+        Raises RunStopped, with the recording in its ``run``, where they cannot be written.
         """
         report = replace(report, notes=(*report.notes, *self._said_of_bolts()))
         if self._recorded is not None:

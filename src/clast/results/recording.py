@@ -1,4 +1,4 @@
-"""Recordings: what can be read of a run just made and of a result file, in the same way."""
+"""Recordings: reading the results of a run just made and of a result file, in the same way."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class BoltLines:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Recording:
-    """What was recorded of a run; n blocks, nv vertices.  Coordinates are the user's.
+    """The records of a run; n blocks, nv vertices.  Coordinates are the user's.
 
     A run just made (``Run``) and a result file (``Results``) are recordings: each says where its
     frames (``_frames``) and the rows of its tables (``_rows``) are.
@@ -121,7 +121,7 @@ class Recording:
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """What happened in the run; nothing is known where it did not end."""
+        """The events of the run; none are known where it did not end."""
         return self.report.events if self.report else ()
 
     @property
@@ -233,7 +233,7 @@ class Recording:
         return self.bolt_lines.name
 
     def bolt_history(self, name: str) -> BoltHistory:
-        """Return what the bolt ``name`` bore, a row per instant, as a table.
+        """Return the force of the bolt ``name``, a row per instant, as a table.
 
         Raises CaseError for a bolt that does not exist.
         """
@@ -257,7 +257,7 @@ class Recording:
 
 
 def parts_of(model: Model) -> dict[str, Any]:
-    """Return what a recording of a run knows of its model, by the names of its fields."""
+    """Return the parts of the model in the recording of a run, by the names of its fields."""
     points, joints = model.measured_points, model.joint_table.joints
     return {
         "title": model.title,
@@ -286,13 +286,13 @@ EARLIER = {
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Run(Recording):
-    """A run just made: its recording, what was simulated, and its last state.
+    """A run just made: its recording, its model, and its last state.
 
     Frames are in memory where the run wrote no file, else they are read from it when asked for.
     """
 
     model: Model
-    """What was simulated."""
+    """The model."""
     state: State
     """State at the end, relative to the model's origin (see ``final``)."""
     report: Report

@@ -38,7 +38,7 @@ QUICKLY_CHECKED = 2**28
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Results(Recording):
-    """What a result file holds.  Coordinates are the user's; arrays are read when asked for."""
+    """The content of a result file.  Coordinates are the user's; arrays are read when asked for."""
 
     path: Path
     """The file."""
@@ -47,7 +47,7 @@ class Results(Recording):
     about: dict[str, Any]
     """Process, contact law, rocks and their numbers, as clast info prints them."""
     versions: dict[str, str]
-    """Version of clast and of what it is built on."""
+    """Version of clast and of the libraries it uses."""
     layout: int = FORMAT
     """Version of the file's layout."""
     frame_stages: tuple[str, ...] = ()
@@ -162,7 +162,7 @@ class Results(Recording):
 
 
 def read_results(path: Path | str, *, whole: int = QUICKLY_CHECKED) -> Results:
-    """Return what a result file holds, arrays being read when they are asked for.
+    """Return the content of a result file, arrays being read when they are asked for.
 
     ``clast.read("out.vtkhdf")``; the file may be one that a run still writes, or that a killed run
     has left.  Raises CaseError where it is none of clast's, is damaged or cannot be read.
@@ -214,7 +214,7 @@ def _results(path: Path, file: Any) -> Results:
 
 
 def summary(results: Results) -> dict[str, Any]:
-    """Return what ``clast info`` says of a result file; every value is ready for JSON."""
+    """Return the summary of a result file for ``clast info``; every value is ready for JSON."""
     report = results.report
     moved = np.hypot(*(results.vertices(-1) - results.vertices(0)).T)
     return {

@@ -1,6 +1,6 @@
 """Tables of results: as they grow while a run goes, and as they are read.
 
-What is read has columns of equal length by name, as pandas and polars take them::
+Tables have columns of equal length by name, as pandas and polars take them::
 
     pandas.DataFrame(run.history("A"))
     pandas.DataFrame(run.energy)
@@ -19,7 +19,7 @@ from clast.model.model import Floats, Ints
 from clast.results.schema import BOLT_STATES, BOLT_TABLE, CONTACTS, PLANE, SLIP, TENSOR
 
 PARTS = {len(parts): parts for parts in (PLANE, TENSOR)}
-"""What the columns of vectors and of stresses are called, by their number."""
+"""Names of the columns of vectors and of stresses, by their number."""
 
 
 FIRST_ROWS, MORE_ROWS = 256, 2048
@@ -166,7 +166,7 @@ class BlockHistory(MotionTable):
 
 
 class BoltHistory(Columns):
-    """What one bolt bore, a row at the start and after every step; t rows.
+    """The force of one bolt, a row at the start and after every step; t rows.
 
     Columns: time, force, elongation, state.  A grouted bolt has the force and the elongation of the
     joint where it bears most.
@@ -184,7 +184,7 @@ class BoltHistory(Columns):
 
     @property
     def elongation(self) -> Floats:
-        """What it is longer than without a force when it was installed, m, shape (t,)."""
+        """Elongation since the state without force at its installation, m, shape (t,)."""
         return self.rows["elongation"]
 
     @property

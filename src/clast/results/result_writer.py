@@ -145,7 +145,7 @@ class ResultFile:
             self._storage.sync()
 
     def finish(self, report: Report, tables: Mapping[str, GrowingTable]) -> None:
-        """Write what is left and the report, and close the file."""
+        """Write the remaining rows and the report, and close the file."""
         with self._guarded():
             self._put_tables(self._new_rows(tables))
             for name in _step_offsets(self._model, np.zeros(0, np.int64)):
@@ -262,7 +262,7 @@ class ResultFile:
 def reopened(path: Path, model: Model, recorded: Recorded) -> JournalledFile:
     """Return the result file that a checkpoint goes on from, taken for the run.
 
-    Raises CaseError where it is missing, in use, or not what the checkpoint knows.
+    Raises CaseError where it is missing, in use, or does not fit the checkpoint.
     """
     check_fit(path, model, recorded)
     file = taken_up(check_output(path))
@@ -310,7 +310,7 @@ def _let_go(storage: JournalledFile, part: Path) -> None:
 
 
 def _check_texts(model: Model) -> None:
-    """Raise CaseError where a title or name holds what no text of HDF5 can hold."""
+    """Raise CaseError where a title or name has characters that no text of HDF5 can hold."""
     texts = [model.title, *model.block_name, *model.measured_points.name]
     texts += [*model.bolts.name, *model.bolts.kind]
     rocks, joints = model.rocks, model.joint_table.joints
@@ -370,7 +370,7 @@ def _write_table(file: Any, one: TableSchema, model: Model) -> None:
 
 
 def _write_grid(grid: Any, model: Model) -> None:
-    """Write the polygons, which never change, and make room for what does."""
+    """Write the polygons, which never change, and make room for changing values."""
     vertices, blocks = len(model.vertices), model.block_count
     grid.attrs["Version"] = np.array(VTKHDF_VERSION)
     # The reader wants a string of fixed length here.
@@ -406,7 +406,7 @@ def _make_room_for_steps(steps: Any, model: Model) -> None:
 
 
 def _write_model(group: Any, model: Model, case_text: str, about: Mapping[str, Any]) -> None:
-    """Write what was simulated, as far as readers of the results need it."""
+    """Write the model, as far as readers of the results need it."""
     group.attrs["format"] = FORMAT
     group.attrs["title"] = model.title
     group.attrs["plane"] = model.plane.name
@@ -429,7 +429,7 @@ def _write_model(group: Any, model: Model, case_text: str, about: Mapping[str, A
 
 
 def write_source(group: Any, model: Model, case_text: str, about: Mapping[str, Any]) -> None:
-    """Write the text of the case and how it is simulated, in the place of what was there."""
+    """Write the text of the case and its settings, in the place of the earlier ones."""
     told = json.dumps({**about, **about_model(model)}, ensure_ascii=False, default=float)
     for name, text in {"case": case_text, "about": told}.items():
         if name not in group or group[name].asstr()[()] != text:

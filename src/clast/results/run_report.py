@@ -36,17 +36,17 @@ class Report:
     seconds: Mapping[str, float] = field(default_factory=dict)
     """Wall clock per stage of the step, s; and "compilation", where kernels were compiled."""
     warnings: tuple[str, ...] = ()
-    """Warnings given before the run, and by what was measured in it."""
+    """Warnings given before the run, and those based on its results."""
     overlaps: tuple[Overlap, ...] = ()
     """Blocks that overlapped in a frame deeper than their contacts knew, each pair's worst."""
     notes: tuple[str, ...] = ()
-    """What was chosen automatically, and why."""
+    """Automatic choices, with their reasons."""
     counts: Mapping[str, int] = field(default_factory=dict)
-    """Sums over the accepted steps of what the process counts: passes, line searches, ..."""
+    """Sums over the accepted steps of the counts of the process: passes, line searches, ..."""
     stages: tuple[StageRecord, ...] = ()
     """How each stage went; none where the run has no stages."""
     events: tuple[Event, ...] = ()
-    """What happened in the run."""
+    """Events of the run."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return the report as plain numbers and texts, ready for JSON."""

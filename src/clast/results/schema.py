@@ -19,12 +19,12 @@ Where a new field, column or table goes is told in docs/decisions/0104-one-schem
 The attribute ``runs`` of the file says which runs have written it (``checkpoints.lineage``).
 
 A frame counts once ``NSteps`` of /VTKHDF/Steps says so, which is written after its data have
-reached the file; a process killed at any moment leaves all frames before readable.  Behind the
-end of HDF5's part there are checksums of it (``clast.results.page_checksums``), and after a kill
-there may be a journal (``clast.results.journal``), which clast reads in place of what it changes.
-Arrays and tables are compressed and have HDF5's own checksums for viewers.  In names of points that
-name a dataset "%" and "/" stand as %25 and %2F.
-Tables are HDF5 compound datasets: ``file["energy"]["kinetic"]``.
+reached the file; a process killed at any moment leaves all frames before readable.  Behind the end
+of HDF5's part there are checksums of it (``clast.results.page_checksums``), and after a kill there
+may be a journal (``clast.results.journal``), which clast reads in place of the bytes that it
+changes.  Arrays and tables are compressed and have HDF5's own checksums for viewers.  In names of
+points that name a dataset "%" and "/" stand as %25 and %2F.  Tables are HDF5 compound datasets:
+``file["energy"]["kinetic"]``.
 """
 
 from __future__ import annotations
@@ -76,11 +76,11 @@ class Column:
     kind: str = "f8"
     """numpy's name of its type."""
     since: str = ""
-    """What clast could do when it came; "" where it was there from the beginning."""
+    """Version of clast that introduced it; "" where it was there from the beginning."""
     words: tuple[str, ...] = ()
-    """What its numbers mean, from 0 on; () where they are quantities."""
+    """Meanings of its numbers, from 0 on; () where they are quantities."""
     checked: str = ""
-    """What it is called where its numbers are found damaged; "": they are not looked at."""
+    """Its name where its numbers are found damaged; "": they are not checked."""
     may_be_nan: bool = False
     """Whether NaN is a value."""
 
@@ -93,12 +93,12 @@ class Column:
 
 @dataclass(frozen=True, kw_only=True)
 class Things:
-    """What a table has a row of, at every instant, for each."""
+    """The things of which a table has a row each, at every instant."""
 
     name: str
     """Its singular; a recording has their names as ``NAME_name``."""
     meaning: str
-    """What users call it."""
+    """Its name for users."""
     names: Callable[[Model], tuple[str, ...]]
     """Returns the names of those of a model."""
     since: str = ""
@@ -131,13 +131,13 @@ class TableSchema:
     columns: tuple[Column, ...]
     """Its columns behind the time; those of a frame have none."""
     of: Things | None = None
-    """What it has a row for at each instant; None: a single row."""
+    """The things with a row at each instant; None: a single row."""
     since: str = ""
     """As for a column; such a table is only there where there is something to tell."""
     csv: str = ""
     """Name of its CSV file, its own name if empty."""
     without: str = ""
-    """What is said where there are none of the things that it tells of."""
+    """The message where there are none of its things."""
 
     @property
     def timed(self) -> tuple[Column, ...]:
@@ -166,7 +166,7 @@ class TableSchema:
 
     @property
     def may_be_missing(self) -> bool:
-        """Whether files lack it that have what it is of."""
+        """Whether files with its things may lack it."""
         return self.since != (self.of.since if self.of else "")
 
     def is_kept(self, model: Model) -> bool:
@@ -315,7 +315,7 @@ class Field:
     parts: tuple[str, ...] = ()
     """Components, () for a scalar; VTK wants vectors with a third one, which is zero."""
     component: str = ""
-    """What the components are called before their part, its own name if empty."""
+    """Name of the components before their part, its own name if empty."""
     per: Per = Per.FRAME
     since: str = ""
     """As for a column."""
@@ -406,7 +406,7 @@ class OfModel:
     name: str
     meaning: str
     value: Callable[[Model], Any]
-    """Returns what is written: texts, or an array."""
+    """Returns the values to write: texts, or an array."""
     since: str = ""
     """As for a column."""
     of: Things | None = None
@@ -482,7 +482,7 @@ MODEL = (
         since="rock bolts",
     ),
 )
-"""What is written of the model beside its source and its water (``clast.results.water_record``)."""
+"""Datasets of the model beside its source and its water (``clast.results.water_record``)."""
 
 
 # a slash would open a group; what stands for it must not be a name of its own

@@ -1,6 +1,7 @@
 """Whether the parts of a result file fit together; looked at once, when it is opened.
 
-What passes can be read without an error, and without more memory than the file's own numbers take.
+A file that passes can be read without an error, and without more memory than the file's own numbers
+take.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ from clast.results.water_record import waters_in
 
 @dataclass(frozen=True, kw_only=True)
 class StoredBlocks:
-    """What a result file says of the blocks; n blocks."""
+    """The blocks of a result file; n blocks."""
 
     start: Ints
     """Index of each block's first vertex; the last entry is the vertex count, shape (n + 1,)."""
@@ -55,7 +56,7 @@ class StoredBlocks:
 
 
 def blocks_of(file: Any) -> StoredBlocks:
-    """Return what a file says of its blocks; raises MalformedError."""
+    """Return the blocks of a file; raises MalformedError."""
     start = _whole(file, "model/block_start", "iu")
     rock = _whole(file, "model/block_rock", "iu")
     fixed = _whole(file, "model/fixed", "biu")

@@ -1,7 +1,7 @@
 """Water in a result file: /model/water/0, /model/water/1, ...
 
 Each is a group with its name, the weight of water, N/m3, and the share of the full head as
-attributes, and as datasets the phreatic line, about the model's origin, and what it wets.
+attributes, and as datasets the phreatic line, about the model's origin, and the edges that it wets.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def waters_in(group: Any, edges: int) -> tuple[Water, ...] | None:
 
 
 def _water(attributes: Any, arrays: dict[str, Any]) -> Water:
-    """Return the water of what a group holds."""
+    """Return the water of a group."""
     factor = None
     if len(arrays["factor_time"]):
         factor = Factor(

@@ -1,1 +1,1 @@
-"""How an input is declared: its table, its ranges, what is said of its faults."""
+"""How an input is declared: its table, its ranges, the messages of its faults."""

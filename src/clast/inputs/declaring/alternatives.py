@@ -65,7 +65,7 @@ OPTION_TYPES: dict[str, Any] = {
     "bool": StrictBool,
     "str": StrictStr,
 }
-"""What the annotation of a dataclass field means for the value in the file."""
+"""Type annotation of a dataclass field -> type of the value in the file."""
 
 
 @dataclass(frozen=True)
@@ -75,11 +75,11 @@ class Alternatives:
     classes: Mapping[str, Mapping[str, str]]
     """Key -> name -> "module:class"; a field of a class that is such a key is a choice too."""
     limits: Mapping[str, tuple[Any, ...]]
-    """Field name -> what pydantic is to check of it, as annotations."""
+    """Field name -> pydantic's checks of it, as annotations."""
     automatic: frozenset[str] = frozenset()
     """Fields that may be "auto", and are unless given: whoever builds the class provides them."""
     needs: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Key -> what an object must have that a script puts in the place of a name."""
+    """Key -> attributes that an object of a script must have in the place of a name."""
 
     def __hash__(self) -> int:
         return id(self)
@@ -109,7 +109,7 @@ class Chosen:
         return self.numbers.get(key, AUTO) == AUTO
 
     def as_written(self) -> str | dict[str, Any]:
-        """Return the shortest way to write it in a file; what has no name there stays as it is."""
+        """Return its shortest form in a file; an object without a name stays as it is."""
         if not self.numbers:
             return self.name
         numbers = {
@@ -149,7 +149,7 @@ class GivenObject:
 
 
 PLAIN = (str, bool, int, float, list, tuple, dict, datetime.date, datetime.time, type(None))
-"""What a value of a file can be; anything else is an object of a script."""
+"""Types of a value in a file; anything else is an object of a script."""
 
 
 def class_at(path: str) -> Any:
@@ -317,7 +317,7 @@ def default_of(option: Any) -> Any:
 
 @dataclass(frozen=True)
 class OrAuto:
-    """Annotation of a number that may be "auto" as well; what else it may be stays as it is."""
+    """Annotation of a number that may be "auto" as well; its other limits stay as they are."""
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler

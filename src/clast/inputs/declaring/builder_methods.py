@@ -4,7 +4,7 @@
         bolt = gives("bolt", Bolt, "start", "end")
 
 gives the builder the method ``bolt``: it takes the keys of ``[[bolt]]``, those two also by their
-place, and refuses what a case file would be refused for, in the same words.
+place, and refuses whatever a case file would be refused for, in the same words.
 
         in_situ = single("in_situ", InSituTable)
 
@@ -45,7 +45,7 @@ def gives(
     """Return the method of a builder that adds a record, ``[[key]]`` of a case file.
 
     ``places`` are keys that may be given by their place; ``turned`` makes keys of the file of those
-    of a script where these differ.  Raises ModelError for what the record cannot be.
+    of a script where these differ.  Raises ModelError for an invalid record.
     """
 
     def method(self: Inputs, *values: Any, **keys: Any) -> str | None:
@@ -86,7 +86,7 @@ class Single:
         self.kind = kind
         """Class of the table."""
         self.usual = usual
-        """What there is without it."""
+        """The value without it."""
 
     def __get__(self, builder: Inputs | None, owner: type | None = None) -> Any:
         """Return the object that was given or that the table makes, or the usual one."""

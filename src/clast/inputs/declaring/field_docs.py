@@ -1,4 +1,4 @@
-"""What keys mean: the docstrings below them, read from the source where they are asked for.
+"""Meanings of keys: the docstrings below them, read from the source where they are asked for.
 
 A run does not ask: they are for messages and for the JSON Schema.
 """

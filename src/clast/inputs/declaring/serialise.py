@@ -1,4 +1,4 @@
-"""From what a script has put together to the content of a case file."""
+"""From the inputs of a script to the content of a case file."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def as_plain(value: Any) -> Any:
 
 
 Instead = Callable[[Any, str], str]
-"""What makes a text of an object, and of the place that it is in."""
+"""Makes a text of an object and of its place."""
 
 
 def without_objects(content: Mapping[str, Any], instead: Instead) -> dict[str, Any]:

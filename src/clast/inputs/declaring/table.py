@@ -1,4 +1,4 @@
-"""What all inputs have in common: the kinds of numbers, and what a table can do.
+"""Things that all inputs have in common: the kinds of numbers, and the methods of a table.
 
 A group of tables is a file of ``inputs`` and a line in ``clast.case.case_file.Case``: the name of
 the table in the file.
@@ -33,7 +33,7 @@ Loop = list[Point]
 
 
 class Table(BaseModel):
-    """A table of the case file, or what a script gives in its place.
+    """A table of the case file, or its keys from a script.
 
     Unknown keys and numbers that are none are refused.
     """
@@ -43,7 +43,7 @@ class Table(BaseModel):
     """True where tables are told apart by their keys: [bolt_kind.NAME]."""
 
     def add_to(self, builder: Any, key: str, folder: Path) -> str | None:
-        """Add to the system of blocks what the table says of it; return the name that it then has.
+        """Add the table to the system of blocks; return the name that it then has.
 
         ``key`` is the table's own name, or its key; ``folder`` is where the case file is.
         """
@@ -54,8 +54,8 @@ class Table(BaseModel):
     def acting(cls, records: Sequence[Any], ground: Any) -> Iterable[Any]:
         """Return the actions by which all records of a kind act on the blocks of the ``ground``.
 
-        Most have none: what they become is in arrays of the model.  An action is an object with the
-        methods of ``clast.actions.action.Action``; ModelError says what cannot be placed.
+        Most have none: they become arrays of the model.  An action is an object with the methods of
+        ``clast.actions.action.Action``; raises ModelError for one that cannot be placed.
         """
         return ()
 
@@ -69,7 +69,7 @@ class Table(BaseModel):
         """Raise ModelError for an object of a script that cannot be; ``key`` is the table's."""
 
     def remarks(self, folder: Path) -> Iterator[str]:
-        """Say what seems unsound and only the case file knows."""
+        """Report doubts that need the whole case file."""
         return iter(())
 
 
@@ -81,7 +81,7 @@ class Inputs:
     """All that a user gives, each kind of table in the order in which it was given."""
 
     notes: list[str] = field(default_factory=list)
-    """What was read, assumed and changed, for the user."""
+    """Notes for the user on values that were read, assumed and changed."""
     _listed: dict[type[Table], list[Any]] = field(default_factory=dict, init=False, repr=False)
     _named: dict[type[Table], dict[str, Any]] = field(default_factory=dict, init=False, repr=False)
 

@@ -28,8 +28,8 @@ LARGEST_FILE = 300_000_000
 def read_text(path: Path, advice: str = "") -> str:
     """Return the text of a case file or a record, or say why it cannot be read.
 
-    Only regular files are read: a pipe may wait and a device go on for ever.  ``advice`` says what
-    to do where there is no such file; case files nearby are named without it.
+    Only regular files are read: a pipe may wait and a device go on for ever.  ``advice`` is the
+    remedy where there is no such file; case files nearby are named without it.
     """
     with _readable(path, advice):
         _check_regular(path)
@@ -45,7 +45,7 @@ def read_bytes(path: Path, advice: str) -> bytes:
 
 @contextmanager
 def _readable(path: Path, advice: str) -> Iterator[None]:
-    """Say what keeps a file from being read, and what to do."""
+    """Report why a file cannot be read, with the remedy."""
     where = str(path)
     try:
         yield
@@ -75,7 +75,7 @@ def _readable(path: Path, advice: str) -> Iterator[None]:
 
 
 def _check_regular(path: Path) -> None:
-    """Refuse what is no regular file, or too large to be a text."""
+    """Refuse a path that is no regular file, or a file too large to be a text."""
     status = path.stat()
     if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError

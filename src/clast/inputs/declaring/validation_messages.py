@@ -1,4 +1,4 @@
-"""What is wrong in a case file, in words that name the place and the remedy.
+"""Faults of a case file, in words that name the place and the remedy.
 
 pydantic finds the faults; the sentences are ours.  A fault's place is pydantic's: the path of keys
 and list positions from the top of the file, or of a table, down to the bad value.
@@ -47,9 +47,9 @@ class Fault:
     place: Place = ()
     """Where it is."""
     what: str
-    """What is wrong."""
+    """The fault."""
     remedy: str = ""
-    """What to do."""
+    """The remedy."""
 
 
 def refusal(*faults: Fault) -> PydanticCustomError:
@@ -83,7 +83,7 @@ def error_of(
     file: str = "",
     kind: type[CaseError] = CaseError,
 ) -> CaseError:
-    """Return one error that says all faults of a case file, or of what a script gives."""
+    """Return one error that lists all faults of a case file, or of a script's input."""
     if len(faults) == 1:
         only = faults[0]
         where = ": ".join(filter(None, (file, place_text(only.place, content))))
@@ -169,7 +169,7 @@ def _in_words(
 
 
 def _meaning(place: Place, table: type[BaseModel]) -> str:
-    """Return what the key at a place means, or nothing."""
+    """Return the meaning of the key at a place, or nothing."""
     known = field_at(table, place)
     return " ".join((known.description or "").replace("``", "`").split()) if known else ""
 
@@ -186,7 +186,7 @@ def _shown(given: Any) -> str:
 
 
 def _is_no_number(given: Any) -> str:
-    """Return the sentence for what cannot be a floating-point number."""
+    """Return the sentence for a value that cannot be a floating-point number."""
     if isinstance(given, int) and not isinstance(given, bool):
         return f"is too large a number: {_shown(given)}"
     return f"must be a number, not {_shown(given)}"
@@ -212,7 +212,7 @@ SENTENCES: dict[str, Callable[[Any, Mapping[str, Any]], str]] = {
     "list_type": lambda given, _: f"must be a list in brackets, not {_shown(given)}",
     "tuple_type": lambda given, _: f"must be a list in brackets, not {_shown(given)}",
 }
-"""What pydantic's kinds of fault mean, from the value given and the limit in the context."""
+"""Sentences for pydantic's kinds of fault, from the value given and the limit in the context."""
 
 
 NO_TABLE = frozenset({"dict_type", "model_type", "model_attributes_type", "dataclass_type"})

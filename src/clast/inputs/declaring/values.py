@@ -1,4 +1,4 @@
-"""What numbers, names and titles cannot be that no table has judged."""
+"""Limits of numbers, names and titles that no table has judged."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ACTION = ("begin", "share", "finish")
 
 
 def check_actions(actions: Sequence[object]) -> None:
-    """Refuse what lacks a method of an action."""
+    """Refuse an object that lacks a method of an action."""
     for k, action in enumerate(actions, 1):
         lacking = [name for name in ACTION if not callable(getattr(action, name, None))]
         if isinstance(action, type) or lacking:

@@ -1,1 +1,1 @@
-"""What inputs become in a model: where they lie on blocks, and what they are checked against."""
+"""Inputs turned into arrays of a model: their place on blocks, and checks against these."""

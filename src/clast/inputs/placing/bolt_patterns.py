@@ -94,7 +94,8 @@ def _outline(
 def _heads(pattern: BoltPattern, label: str, corners: Floats) -> tuple[Floats, Floats]:
     """Return where bolts begin, m, and their directions away from the centroid, (b, 2) each.
 
-    What the spacing leaves of the outline between the angles is left free at both ends alike.
+    The remainder of the spacing along the outline between the angles is left free at both ends
+    alike.
     """
     first, last, spacing = pattern.from_, pattern.to, pattern.spacing
     middle = shapely.get_coordinates(shapely.centroid(shapely.Polygon(corners)))[0]

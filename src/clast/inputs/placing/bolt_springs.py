@@ -83,7 +83,7 @@ def _label(number: int, bolt: Bolt) -> str:
 def _with_springs(
     bolts: Bolts, named: Sequence[tuple[str, Bolt]], kinds: Sequence[BoltKind]
 ) -> Bolts:
-    """Return the bolts with what their springs bear, by label, record and kind (k,) of each."""
+    """Return the bolts with their springs' strength, by label, record and kind (k,) of each."""
     owner = bolts.of_spring
     length = np.hypot(*(bolts.at[bolts.ends[:, 1]] - bolts.at[bolts.ends[:, 0]]).T)
     stiffness, rupture = np.zeros(len(owner)), np.full(len(owner), np.inf)
@@ -180,4 +180,4 @@ ANCHORAGES: dict[str, Callable[[str, Bolt, Floats, Ground], Anchored]] = {
     "ends": _at_its_ends,
     "grouted": _grouted,
 }
-"""Name of an anchorage -> what makes points and springs of a bolt."""
+"""Name of an anchorage -> the function that makes points and springs of a bolt."""

@@ -17,7 +17,7 @@ from clast.model.outline import outline_edges
 from clast.model.viscous_edges import DOWNWARDS, ViscousEdges
 
 STATIC = {"hold": 1.0, "none": 0.0}
-"""Share of what supports bear that stays, by name."""
+"""Share of the support reactions that stays, by name."""
 BESIDE = 1e-6
 """An edge lies on a line or beside another block up to this share of its own length."""
 OUTSIDE = np.array([0.05, 0.5, 0.95])

@@ -25,7 +25,7 @@ Vector = Sequence[float] | Floats
 Names = np.ndarray[Any, np.dtype[np.str_]]
 """Names in an array."""
 Label = Callable[[int], str]
-"""What a message calls the block of an entry, by its number in the entry from 0."""
+"""Name of a block of an entry in messages, by its number in the entry from 0."""
 
 
 class Entry(Protocol):
@@ -58,7 +58,7 @@ class Entry(Protocol):
         ...
 
     def stresses(self, label: Label) -> Floats | None:
-        """Return (xx, yy, xy) of each block, Pa, shape (k, 3); None: what their rock has."""
+        """Return (xx, yy, xy) of each block, Pa, shape (k, 3); None: that of their rock."""
         ...
 
 

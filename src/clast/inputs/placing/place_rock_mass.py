@@ -56,7 +56,7 @@ DEFAULT = "default"
 
 @dataclass(frozen=True, kw_only=True)
 class RockMass:
-    """The tables that say what is cut, and by what."""
+    """The tables of the domain, and of the lines that cut it."""
 
     domain: DomainTable
     joint_sets: Sequence[JointSetTable]
@@ -175,7 +175,7 @@ class RockMass:
         return found
 
     def _traces(self, folder: Path, notes: list[str]) -> tuple[list[Trace], list[str]]:
-        """Return all traces, and what messages call each."""
+        """Return all traces, and their names in messages."""
         from clast.rockmass import Trace
 
         traces, places = [], []
@@ -208,14 +208,14 @@ class RockMass:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CutCase:
-    """The blocks of a rock mass, and what the case makes of them."""
+    """The blocks of a rock mass, and their properties in the case."""
 
     cut: Cut
     """The blocks."""
     notes: tuple[str, ...]
-    """What was taken otherwise than given, or left out."""
+    """Notes on changes and omissions."""
     warnings: tuple[str, ...]
-    """What is probably not meant, each with its remedy."""
+    """Doubts about the input, each with its remedy."""
     fixed: Bools
     """True for blocks on a fixed side of the domain, shape (nb,)."""
     line_joints: tuple[str, ...]
@@ -348,7 +348,7 @@ def _lines(table: TraceTable, folder: Path, where: str, notes: list[str]) -> Seq
 
 
 def _layer(source: FileTable | TraceTable, where: str) -> str | None:
-    """Return the layer of a drawing, None for a table; refuse what goes with neither."""
+    """Return the layer of a drawing, None for a table; refuse keys that go with neither."""
     ending = Path(str(source.file)).suffix.casefold()
     if ending == ".csv":
         for key in ("layer", "unit"):
@@ -378,7 +378,7 @@ def _reading(source: FileTable | TraceTable) -> Any:
 
 
 def _notes(path: Path, layer: str, source: FileTable | TraceTable, where: str) -> list[str]:
-    """Return what was taken otherwise than the drawing has it."""
+    """Return the notes on changes to the drawing."""
     from clast.rockmass.drawings.dxf import notes_of_layer
 
     return [f"{where}: {note}" for note in notes_of_layer(path, layer, _reading(source))]
@@ -415,11 +415,11 @@ DONE = {
     "coincident": "edges have lines of several joints; the later table has them",
     "snapped": "points of traces and outlines moved to others within the tolerance",
 }
-"""Finding of the report -> what was done."""
+"""Finding of the report -> the change in words."""
 
 
 def _findings(report: CutReport) -> Iterator[str]:
-    """Give what was done to lines and blocks, each with its first place."""
+    """Yield the changes to lines and blocks, each with its first place."""
     from clast.rockmass.report_of_cut import place_text
 
     for key, what in DONE.items():

@@ -1,4 +1,4 @@
-"""What a case file says that is hardly meant: each with its place and a remedy."""
+"""Unlikely values in a case file: each with its place and a remedy."""
 
 from __future__ import annotations
 

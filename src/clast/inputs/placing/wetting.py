@@ -33,12 +33,12 @@ ACTS_ON = {"faces": (True, False), "joints": (False, True), "both": (True, True)
 OPENED = {"open-and-closed": 1.0, "closed": 0.0}
 """Opening of a joint at which its water runs out, in lengths of the joint."""
 CLOSED = 1e-3
-"""Opening that counts as none, in units of what faces may lie apart."""
+"""Opening that counts as closed, in units of the distance that faces may lie apart."""
 
 
 @dataclass(frozen=True)
 class Bed:
-    """What water is found in: blocks, their joints, and gravity."""
+    """The ground in which water stands: blocks, their joints, and gravity."""
 
     outlines: BlockOutlines
     table: JointTable
@@ -53,7 +53,7 @@ class Bed:
 
 
 def waters_in(waters: Sequence[Water], bed: Bed) -> tuple[tuple[WetWater, ...], tuple[str, ...]]:
-    """Return what water wets, and what is to be said of it.
+    """Return the edges that water wets, and the remarks on it.
 
     Raises ModelError for water that wets nothing or cannot be.
     """
@@ -74,7 +74,7 @@ def waters_in(waters: Sequence[Water], bed: Bed) -> tuple[tuple[WetWater, ...], 
 def _water(
     label: str, given: Water, bed: Bed, edges: Edges, facing: Facing
 ) -> tuple[WetWater, list[str]]:
-    """Return one water, and what is to be said of it."""
+    """Return one water, and the remarks on it."""
     surface = _surface(label, given, bed.outlines)
     share, factor = _share(label, given, bed.factors)
     weight = given.density * _gravity(label, bed.gravity)
@@ -176,7 +176,7 @@ def _refuse_dry(label: str, surface: Floats, outlines: BlockOutlines) -> None:
 def _joints(
     label: str, given: Water, surface: Floats, bed: Bed, edges: Edges, facing: Facing
 ) -> tuple[WetJoints, list[str]]:
-    """Return the joints that water gets into, and what is to be said of their drains."""
+    """Return the joints that water enters, and the remarks on their drains."""
     if given.joints is not None:
         chosen = _chosen(label, given.joints, bed, facing)
         facing = Facing(facing.edge[chosen], facing.share[chosen])
@@ -271,7 +271,7 @@ def _above(label: str, surface: Floats, drains: Floats, origin: Floats) -> Itera
 
 
 def _said(label: str, water: WetWater, edges: Edges) -> str:
-    """Return how much of the edges is wetted at the start and what presses there; refuse none."""
+    """Return the note on wetted edges and pressure at the start; refuse water that wets none."""
     faces = wetted(water.surface, ends_of_faces(water.faces, edges.vertices, edges.after))
     one, other = faces_of_joints(water.joints, edges.vertices, edges.after)
     joints = wetted(water.surface, 0.5 * (one + other), water.joints.lowered)

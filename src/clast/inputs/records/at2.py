@@ -42,7 +42,7 @@ NO_SECONDS = re.compile(
 def read_at2(path: Path) -> RecordSeries:
     """Return the record in a file; raises CaseError with file, line and remedy.
 
-    The first value is at 0 s.  What the heading says of quantity and unit is taken over.
+    The first value is at 0 s.  Quantity and unit are taken from the heading.
     """
     name = str(path)
     lines = read_text(path, "name an AT2 file; its path begins at the case file").splitlines()

@@ -1,4 +1,4 @@
-"""Base lines of records: what is taken from accelerations before they move the ground."""
+"""Base lines of records: corrections of accelerations before they move the ground."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def _straightened(samples: Samples) -> Floats:
 
 
 def _highpassed(samples: Samples, corner: float) -> Floats:
-    """Return accelerations without what is slower than a corner frequency, Hz.
+    """Return accelerations without frequencies below a corner frequency, Hz.
 
     Butterworth of order 4 forwards and backwards: gain 1 / (1 + (corner / f)^8), 1/2 at the corner,
     no shift of phase.  Before its first and after its last instant the record is continued by its

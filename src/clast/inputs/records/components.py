@@ -1,4 +1,4 @@
-"""One or two records as the motion of the ground in the plane, with what was understood."""
+"""One or two records as the motion of the ground in the plane, with notes on their reading."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ OTHER_UNIT = 5.0
 
 @dataclass(frozen=True, kw_only=True)
 class Wanted:
-    """What the case file says of a record."""
+    """The keys of a record in the case file."""
 
     path: Path
     """The file."""
     format: str = "auto"
     """Its format, or "auto"."""
     quantity: str | None = None
-    """acceleration, velocity, displacement; None for what the file says."""
+    """acceleration, velocity, displacement; None for that of the file."""
     unit: str | None = None
-    """Its unit; None for what the file says."""
+    """Its unit; None for that of the file."""
     unit_else: str | None = None
     """Its unit where neither ``unit`` nor the file says it, or None."""
     scale: float = 1.0
@@ -48,11 +48,11 @@ class Component:
     samples: Samples
     """Acceleration, m/s2."""
     quantity: str
-    """What the file holds: acceleration, velocity or displacement."""
+    """Quantity of the file: acceleration, velocity or displacement."""
     note: str
-    """What was read, in a sentence."""
+    """How it was read, in a sentence."""
     doubt: str | None
-    """What the heading of a file of columns seems to say against it, or None."""
+    """The doubt that the heading of a file of columns raises, or None."""
 
 
 def component(wanted: Wanted) -> Component:
@@ -87,7 +87,7 @@ def component(wanted: Wanted) -> Component:
 
 
 def _doubt(series: RecordSeries, wanted: Wanted, unit: str, name: str) -> str | None:
-    """Return what the heading of columns seems to say against the unit, or None."""
+    """Return the doubt that the heading of columns raises about the unit, or None."""
     size = abs(wanted.scale) * UNITS["acceleration"].get(unit, 0.0)
     if series.guess is None or size == 0.0:
         return None
@@ -101,7 +101,7 @@ def _doubt(series: RecordSeries, wanted: Wanted, unit: str, name: str) -> str | 
 
 
 def _quantity(series: RecordSeries, wanted: str | None) -> str:
-    """Return the quantity of a record; what case and file say must not contradict each other."""
+    """Return the quantity of a record; case and file must not contradict each other."""
     if wanted is not None and series.quantity not in (None, wanted):
         raise CaseError(
             f"is {wanted}, but the heading of {series.name} says {series.quantity}",

@@ -1,6 +1,6 @@
 """From a record's quantity to the acceleration that moves the ground, exactly.
 
-What acts on blocks is the mean acceleration of each step, or the displacement of the anchors; both
+Blocks are loaded by the mean acceleration of each step, or by the displacement of the anchors; both
 are integrals of the acceleration, and are taken exactly (clast.model.ground_motion).  The ground
 starts from rest at its first instant, where its displacement is none.
 

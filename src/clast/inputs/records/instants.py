@@ -1,4 +1,4 @@
-"""Whether the times of a record are seconds: what its heading and its interval say against it."""
+"""Whether the times of a record are seconds: the evidence of heading and interval against it."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def check_sizes(time: Floats, values: Floats, name: str) -> None:
 
 
 def doubted_times(time: Floats, name: str) -> str | None:
-    """Return what speaks against times (k,) being seconds: a second or more between them."""
+    """Return the evidence against times (k,) being seconds: a second or more between them."""
     interval = float(time[-1] - time[0]) / (len(time) - 1)
     if len(time) < FEW or interval < SLOW:
         return None

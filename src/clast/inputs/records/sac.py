@@ -45,7 +45,7 @@ def read_sac(path: Path) -> RecordSeries:
 
 
 def _trace(content: bytes, name: str) -> Any:
-    """Return what obspy reads."""
+    """Return the trace that obspy reads."""
     try:
         from obspy.io.sac import SACTrace
     except ImportError:

@@ -13,7 +13,7 @@ from clast.errors import CaseError, mistyped
 from clast.model.model import Floats
 
 STANDARD_GRAVITY = 9.80665
-"""What records in g are multiples of, m/s2 (CGPM 1901)."""
+"""The unit of records in g, m/s2 (CGPM 1901)."""
 UNITS: dict[str, dict[str, float]] = {
     "acceleration": {
         "m/s2": 1.0,
@@ -30,7 +30,7 @@ UNITS: dict[str, dict[str, float]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class RecordSeries:
-    """What a file says of the ground over time."""
+    """A record of ground motion as its file has it."""
 
     name: str
     """The file, as messages name it."""
@@ -51,7 +51,7 @@ class RecordSeries:
 def numbers_of(lines: Iterable[tuple[int, str]], name: str, remedy: str) -> Floats:
     """Return all numbers of lines of words, shape (k,); ``lines`` have their number and text.
 
-    Raises CaseError naming the line for what is no finite number.
+    Raises CaseError naming the line for a text that is no finite number.
     """
     found: list[float] = []
     for number, line in lines:

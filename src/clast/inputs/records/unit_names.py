@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 
 MARKED = re.compile(r"\bUNITS?\b\s*(?:OF|IN|ARE|IS)?\s*[:=]?\s*(.+)", re.IGNORECASE)
-"""What follows the word unit in a heading."""
+"""The unit after the word unit in a heading."""
 EXPRESSION = re.compile(
     r"[\s(\[\"']*((?:m|cm|mm)(?:s|[/*.^()\-0-9])*|g|gals?|g's)(?=[\s)\],;:\"']|\.?$)", re.IGNORECASE
 )

@@ -1,1 +1,1 @@
-"""Stages of a run: what begins with each, when it ends, and what is known of it afterwards."""
+"""Stages of a run: their start, their end, and their records."""

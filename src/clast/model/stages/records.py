@@ -1,4 +1,4 @@
-"""What is known of stages afterwards: how each of them ended, and what happened when."""
+"""Records of stages: how each of them ended, and the events with their times."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NAMED = 5
 
 @dataclass(frozen=True, kw_only=True)
 class Mover:
-    """The block that moved most in a step, against what equilibrium allows."""
+    """The block that moved most in a step, against the limit of equilibrium."""
 
     block: str = ""
     """Its name; "" where no block can move."""
@@ -55,11 +55,11 @@ class Mechanism:
     steps: int
     """Steps since then."""
     hindrance: str
-    """What hinders equilibrium, with block and number."""
+    """The condition of equilibrium that fails, with block and number."""
     load: float = 1.0
     """Share of weight, stress and loads that had come on."""
     advice: str = ""
-    """What to do where the verdict may be wrong; "" where it is not in doubt."""
+    """The remedy where the verdict may be wrong; "" where it is not in doubt."""
 
     def __str__(self) -> str:
         return f"{self._how()}. {self.advice}" if self.advice else self._how()
@@ -79,7 +79,7 @@ class Mechanism:
         )
 
     def _under(self) -> str:
-        """Return under what share of the load there is no equilibrium, "" for all of it."""
+        """Return the share of the load without equilibrium, "" for all of it."""
         return "" if self.load == 1.0 else f" under {100.0 * self.load:.3g} % of the load"
 
 
@@ -104,13 +104,14 @@ class StageRecord:
     seconds: float
     """Wall time, s."""
     hindrance: str = ""
-    """What hindered its equilibrium in its last step, with block and number; "" where nothing."""
+    """The condition of equilibrium that failed in its last step, with block and number; "" where
+    none."""
     broken: int = 0
     """Bonds that broke in it."""
     mechanism: tuple[str, ...] = ()
     """Blocks that move where it fails, the one that moves most first."""
     reset: tuple[tuple[float, float], ...] = ()
-    """What displacements of measured points count from after it, m, where it reset them."""
+    """New zero of the displacements of measured points, m, where the stage reset them."""
 
     def __str__(self) -> str:
         return (
@@ -128,11 +129,11 @@ class Event:
     stage: str
     """In which stage; "" in a run without stages."""
     kind: str
-    """What kind of thing it is, e.g. "excavated"."""
+    """The kind of the thing, e.g. "excavated"."""
     what: str
     """Name of the thing that it happened to."""
     text: str
-    """What happened, in words."""
+    """The event, in words."""
 
     def __str__(self) -> str:
         return f"{self.time:.6g} s: {self.text}"

@@ -21,5 +21,5 @@ class ReferenceState:
 
 
 def here(state: State) -> ReferenceState:
-    """Return a state as what displacements count from."""
+    """Return a state as the reference of displacements."""
     return ReferenceState(vertices=state.vertices, points=state.points, rotation=state.rotation)

@@ -1,4 +1,4 @@
-"""One stage of a run: what is done when it begins, how it is simulated, and when it ends."""
+"""One stage of a run: changes at its start, the way it is simulated, and its end."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 EQUILIBRIUM, TIME = "equilibrium", "time"
-"""What a stage may last until."""
+"""The conditions that may end a stage."""
 BREAK, HOLD = "break", "hold"
-"""What the bonds of joints do in a stage."""
+"""The behaviour of bonds of joints in a stage."""
 STRENGTHS = (
     "friction_angle",
     "cohesion",
@@ -49,7 +49,7 @@ class Stage:
     excavate: tuple[str, ...] = ()
     """Openings and blocks that are taken out at its start."""
     relax: float = 1.0
-    """Share of the support forces of what is taken out that is released at once."""
+    """Share of the support forces of excavated blocks that is released at once."""
     relax_time: float = 0.0
     """Time over which the rest is released, s."""
     install: tuple[str, ...] = ()
@@ -60,6 +60,6 @@ class Stage:
     """"break" as forces reach their strength, or "hold" until the static stage is in balance; only
     then are they judged."""
     loads: tuple[str, ...] = ()
-    """Loads, pressures and tables that act from its start on; what they name no earlier."""
+    """Loads, pressures and tables that act from its start on, and none of them before."""
     ground_motion: bool = False
     """True: the ground moves in this stage, its record beginning with the stage."""

@@ -11,7 +11,7 @@ from clast.model.joints import Joint, JointTable
 from clast.model.model import Model
 
 HELD = 1e9
-"""Strength of bonds that nothing breaks, in units of what it is."""
+"""Strength of bonds that nothing breaks, in units of their own strength."""
 
 
 SMALL_ANGLE = 1.6
@@ -25,13 +25,13 @@ class Contradiction:
     key: str
     """Which number."""
     what: str
-    """What is wrong."""
+    """The fault."""
     remedy: str
-    """What to do."""
+    """The remedy."""
 
 
 def contradiction(joint: Any, *, is_small_meant: bool) -> Contradiction | None:
-    """Return what the strengths of a joint, given or of a model, cannot be; None: all is well.
+    """Return the contradiction in the strengths of a joint, given or of a model, or None.
 
     ``is_small_meant`` says that a friction angle of less than SMALL_ANGLE is one in degrees.
     """
@@ -48,7 +48,7 @@ def contradiction(joint: Any, *, is_small_meant: bool) -> Contradiction | None:
 
 
 def _of_residual(joint: Any) -> Contradiction | None:
-    """Return what is wrong with residual strengths: above the peak, or not there to fall to."""
+    """Return the fault in residual strengths: above the peak, or without a peak to fall from."""
     cohesion, angle = joint.residual_cohesion, joint.residual_friction_angle
     if cohesion is not None and cohesion > joint.cohesion:
         return Contradiction(

@@ -4,8 +4,8 @@ Water stands in joints up to its level unless it can run out.  Where points are 
 falls towards them along the joints as it does in a network of pipes of one width: with l the
 lowering of the head below the water level, s the way along a joint,
 
-    d2 l/ds2 = 0 in joints,    sum of dl/ds = 0 where they meet,
-    l = y_w - y (no pressure) at drains,    l = 0 at what the water comes from.
+    d2 l/ds2 = 0 in joints, sum of dl/ds = 0 where they meet, l = y_w - y (no pressure) at drains, l
+    = 0 at the sources of the water.
 
 It comes from the water level itself; through the ends of the joints that are not drained; and
 through cracks: a joint that the level cuts stands full down to where it first bends or meets
@@ -205,7 +205,7 @@ def _solved(network: Network, fixed: Bools, drained: Bools) -> Floats:
 
 
 def _outflow(network: Network, level: Floats) -> Floats:
-    """Return what flows out of every node, in head by length, shape (m,)."""
+    """Return the outflow of every node, in head by length, shape (m,)."""
     one, other, conducts, to_level = _pipes(network)
     found = to_level * level
     np.add.at(found, one, conducts * (level[one] - level[other]))

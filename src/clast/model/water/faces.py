@@ -14,7 +14,7 @@ Ints = NDArray[np.int64]
 NEAR = 1e-3
 """Edges lie along each other within this share of the smaller block's size."""
 SAME = 1e-9
-"""What is nearer to a corner than this share of the edge is at the corner."""
+"""A point nearer to a corner than this share of the edge is at the corner."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,11 +1,10 @@
-"""Water in a model: what it can wet, and how it presses there.
+"""Water in a model: the edges it can wet, and its pressure there.
 
     p = rho g s(t) max(0, y_w(x) - l - y)
 
-at (x, y); y_w is the water level, or the phreatic line above x, l by how much drains lower the
-head there, and s the share of the full head.  Between the corners of the phreatic line p is linear
-along a straight line that lies under water: such parts of edges and joints are what ``wetted``
-gives.
+at (x, y); y_w is the water level, or the phreatic line above x, l by how much drains lower the head
+there, and s the share of the full head.  Between the corners of the phreatic line p is linear along
+a straight line that lies under water:  ``wetted`` gives such parts of edges and joints.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 SHORTEST = 1e-300
-"""What a length is divided by at least, m."""
+"""Smallest length by which numbers are divided, m."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 QUALITY = 18
 """Constant rate factor of H.264: 18 shows no loss in drawings, 23 is smaller."""
 FASTEST_GIF = 50.0
-"""Pictures a second in a GIF at most: browsers slow down what is faster."""
+"""Pictures a second in a GIF at most: browsers slow down faster ones."""
 COLOURS = 255
 """Colours of a GIF beside that of paper, which Pillow would make a light grey."""
 
@@ -153,4 +153,4 @@ def _durations(ticks: Sequence[int], fps: float, unit: int) -> list[int]:
 
 
 ENCODERS: dict[str, Encoder] = {".mp4": write_mp4, ".gif": write_gif, ".webp": write_webp}
-"""Ending of a name -> what writes such a film."""
+"""Ending of a name -> the writer of such a film."""

@@ -60,9 +60,9 @@ def write_film(
 ) -> Path:
     """Write a film of a run, or of a stage of it, as .mp4, .webp or .gif; return its path.
 
-    ``results`` are a run, or what a result file holds.  ``watch`` hears how many pictures of how
-    many have been drawn.  The name ``path`` is taken when all of the film is written: nothing of
-    it is left otherwise.  Raises CaseError for a stage, a field or a part that is not there, and
+    ``results`` are a run, or the content of a result file.  ``watch`` hears how many pictures of
+    how many have been drawn.  The name ``path`` is taken when all of the film is written: nothing
+    of it is left otherwise.  Raises CaseError for a stage, a field or a part that is not there, and
     where the film cannot be written.
     """
     path = Path(path)

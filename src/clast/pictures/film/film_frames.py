@@ -48,10 +48,11 @@ Pixels: TypeAlias = np.ndarray[Any, np.dtype[np.uint8]]
 
 @dataclass(frozen=True, kw_only=True)
 class FilmLook:
-    """What of a run a film shows, how large and in which colours."""
+    """The part of a run that a film shows, its size and its colours."""
 
     field: str = "displacement"
-    """What colours the blocks; "joint": their edges, "slip" and "opening": their joints."""
+    """The quantity that colours the blocks; "joint": their edges, "slip" and "opening": their
+    joints."""
     size: tuple[float, ...] | None = None
     """Width and height, or the width alone, pixels."""
     zoom: tuple[float, float, float, float] | None = None
@@ -130,7 +131,7 @@ class FrameDrawer:
         return np.array(self._canvas.buffer_rgba(), np.uint8)
 
     def _draw(self, frame: int) -> None:
-        """Put on the axes what a frame shows, as a still picture does."""
+        """Draw a frame on the axes, as a still picture does."""
         results, axes, field = self._results, self._axes, self._look.field
         here, gone = results.vertices(frame), gone_in_frame(results, frame)
         draw_blocks.draw_start(axes, results, self._start, gone)
@@ -166,7 +167,7 @@ class FrameDrawer:
         return TOGETHER * float((self._part[1] - self._part[0]).max())
 
     def _handles(self, frames: Sequence[int]) -> list[Any]:
-        """Return what the legend explains: whatever there is at the end, and what is excavated."""
+        """Return the legend: everything there is at the end, and excavated blocks."""
         results, last = self._results, frames[-1]
         gone, here = gone_in_frame(results, last), results.vertices(last)
         waters = waters_of(results, last)
@@ -205,7 +206,7 @@ def _even(size: tuple[float, float]) -> tuple[float, float]:
 
 
 def _part(results: Recording, frames: Sequence[int], look: FilmLook) -> canvas.Part:
-    """Return what is shown: what blocks pass through in some frames, or the part asked for."""
+    """Return the part to show: where blocks are in some frames, or the given part."""
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     passed = False
     zoom = None if look.zoom is None else (np.array(look.zoom[:2]), np.array(look.zoom[2:]))
@@ -292,7 +293,7 @@ def _clock(figure: Figure, sheet: canvas.Sheet) -> Any:
 
 
 def _time(results: Recording, frame: int) -> str:
-    """Return what the clock says: digits that do not jump about, and the stage."""
+    """Return the text of the clock: digits that do not jump about, and the stage."""
     stage = results.frame(frame).stage
     last = float(results.times[-1])
     digits = int(np.clip(3 - np.floor(np.log10(last)), 0, 6)) if last > 0.0 else 3

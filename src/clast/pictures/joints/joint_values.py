@@ -112,7 +112,7 @@ class JointField:
     """A number of joints."""
 
     label: str
-    """What the picture calls it."""
+    """Its name on the picture."""
     unit: str
     """Its unit; the picture may put a prefix before it."""
     faces: Callable[[Recording, int], Faces]

@@ -73,6 +73,6 @@ def _curve(name: str, unit: str, time: Floats, lines: dict[str, Any]) -> dict[st
 
 
 def _short(value: Any) -> float | None:
-    """Return a number with six digits; None for what is not finite, which JSON does not know."""
+    """Return a number with six digits; None for one that is not finite, unknown to JSON."""
     number = float(value)
     return float(f"{number:.6g}") if np.isfinite(number) else None

@@ -1,7 +1,7 @@
 """The page itself: one HTML file with its data, drawing by its own scripts, that asks no network.
 
-The scripts are modules that name what they import; they are joined here in their order.  What a
-case calls things is data: it stands in JSON alone, and the scripts write it as text.
+The scripts are modules that name their imports; they are joined here in their order.  Names in a
+case are data: they stand in JSON alone, and the scripts write them as text.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ EXPORT = re.compile(r"^export ((?:const|function|class|async function) (\w+))", 
 def write_page(results: Recording, path: Path | str, *, budget: float = BUDGET) -> Path:
     """Write the page of a run, complete in one file; return its path.
 
-    ``budget`` is what contacts and joints may take, bytes, uncompressed; the page says how many of
+    ``budget`` is the size of contacts and joints, bytes, uncompressed; the page says how many of
     how many it shows.  Raises CaseError where the page cannot be written; no part of a page is left
     then.
     """
@@ -52,7 +52,7 @@ def write_page(results: Recording, path: Path | str, *, budget: float = BUDGET) 
 
 
 def page_text(scene: dict[str, Any]) -> str:
-    """Return the text of a page of what ``scene_of`` made."""
+    """Return the text of a page from the result of ``scene_of``."""
     scripts = ["const modules = {};", *map(_own, SCRIPTS), "modules.app.main();"]
     library = _file("vendor/uPlot.iife.min.js")
     program = "\n".join(['"use strict";', *scripts])
@@ -82,7 +82,7 @@ def page_text(scene: dict[str, Any]) -> str:
 
 
 def _own(name: str) -> str:
-    """Return a module as a function of its own, whose result is what it exports."""
+    """Return a module as a function of its own, which returns the exports of the module."""
     text = _file(f"script/{name}.js")
     exported = ", ".join(found[2] for found in EXPORT.finditer(text))
     text = EXPORT.sub(r"\1", IMPORT.sub(r"const \1 = modules.\2;", text))
@@ -95,5 +95,5 @@ def _file(name: str) -> str:
 
 
 def _hash(script: str) -> str:
-    """Return what a Content-Security-Policy calls a script by."""
+    """Return the hash by which a Content-Security-Policy knows a script."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}'"

@@ -1,4 +1,4 @@
-"""What of a page changes from frame to frame: motion, fields, contacts, joints, bolts, points."""
+"""The changing parts of a page, frame by frame: motion, fields, contacts, joints, bolts, points."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ class _Frames(Sequence[Floats]):
 
 
 def moving(results: Recording, numbers: Ints, budget: float) -> dict[str, Any]:
-    """Return what the page shows of some frames; m about the middle of the start.
+    """Return the content of some frames on the page; m about the middle of the start.
 
-    ``budget`` is what contacts and joints may take, bytes, before they are compressed.
+    ``budget`` is the size of contacts and joints, bytes, before they are compressed.
     """
     start = results.vertices(0)
     motion = affine(start, _Frames(results, numbers), results.block_start)

@@ -1,4 +1,4 @@
-"""What the page shows of a run, as plain numbers and texts: blocks, contacts, curves, report."""
+"""The content of the page of a run, as numbers and texts: blocks, contacts, curves, report."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ COLOURS = 64
 
 
 def scene_of(results: Recording, budget: float, most_values: int = MOST_VALUES) -> dict[str, Any]:
-    """Return what the page shows; contacts and joints may take ``budget`` bytes uncompressed."""
+    """Return the page's content; contacts and joints may take ``budget`` bytes uncompressed."""
     count, blocks = len(results.times), len(results.block_name)
     most = max(2, most_values // max(blocks, 1))
     numbers = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
@@ -51,7 +51,7 @@ def scene_of(results: Recording, budget: float, most_values: int = MOST_VALUES) 
 
 
 def told(results: Recording) -> dict[str, Any]:
-    """Return what the page says of a run in words and curves, which grows while it goes on."""
+    """Return the words and curves of the page of a run, which grow while it goes on."""
     return {
         "curves": curves_of(results),
         "events": [_event(one) for one in results.events],

@@ -1,4 +1,4 @@
-"""The report of a cut as one page that a browser shows: pictures, sizes, sets, what was changed."""
+"""The report of a cut as one page for a browser: pictures, sizes, sets, changes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ FINDINGS = {
     "coincident": "Edges on which lines of different joints coincide; the later has it",
     "snapped": "Points of traces and outlines moved onto others",
 }
-"""What was done on the way: field of the report -> what the page calls it."""
+"""Changes on the way: field of the report -> its name on the page."""
 
 
 @dataclass(frozen=True, kw_only=True)

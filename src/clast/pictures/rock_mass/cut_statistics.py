@@ -225,7 +225,7 @@ def _draw_histogram(axes: Axes, values: Floats, limit: float, unit: str) -> None
 
 
 def _name(axes: Axes, at: float, text: str, colour: str, height: float) -> None:
-    """Write beside an upright line what it is, on the side where there is room."""
+    """Write a label beside an upright line, on the side where there is room."""
     share = axes.transAxes.inverted().transform(axes.transData.transform((at, 0.0)))[0]
     side = 1 if share < 0.55 else -1
     axes.annotate(

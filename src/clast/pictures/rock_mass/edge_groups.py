@@ -47,7 +47,7 @@ class Sorted:
 
 
 def edges_of(cut: Cut) -> Sorted:
-    """Return the edges of a cut by what they are, those inside once."""
+    """Return the edges of a cut by their joints, those inside once."""
     after = following(cut.block_start)
     ends = np.stack([cut.vertices, cut.vertices[after]], axis=1)
     partner = partners(cut.vertices, after)

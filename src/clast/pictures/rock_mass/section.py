@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 OPENING_HATCH, VOID_HATCH = "....", "\\\\\\\\"
-"""Hatching of rock that a stage excavates, and of what is void."""
+"""Hatching of rock that a stage excavates, and of voids."""
 FEW_BLOCKS = 500
 """Blocks up to which a picture needs no finer dots."""
 MOST_NAMES = 12
@@ -34,7 +34,7 @@ MOST_NAMES = 12
 
 @dataclass(frozen=True, kw_only=True)
 class _Paint:
-    """What is coloured by what."""
+    """The colours, and the quantity that they show."""
 
     fills: tuple[str, ...]
     """Colour of each rock."""
@@ -43,7 +43,7 @@ class _Paint:
     edges: tuple[EdgeGroup, ...]
     """Edges with their looks."""
     about: str
-    """What the picture says of its colours."""
+    """The caption of its colours."""
 
 
 def _by_set(cut: Cut, found: Sorted) -> _Paint:
@@ -65,7 +65,7 @@ def _by_rock(cut: Cut, found: Sorted) -> _Paint:
 
 
 BY: dict[str, Callable[[Cut, Sorted], _Paint]] = {"set": _by_set, "rock": _by_rock}
-"""What the colours tell."""
+"""The meanings of the colours."""
 
 
 def plot_cut(
@@ -76,7 +76,7 @@ def plot_cut(
     ``by`` is "set" (edges in the colours of their joints) or "rock" (blocks in those of their
     rocks).  Construction joints are dashed, welds dotted, rock of openings and voids hatched.
     ``look`` has size, resolution and the part that is shown.  The format follows from the ending of
-    ``path``.  Raises CaseError for what is not there or cannot be drawn or written.
+    ``path``.  Raises CaseError for a cut that is not there, or that cannot be drawn or written.
     """
     return canvas.save(cut_figure(cut, by=by, title=title, look=look), Path(path))
 
@@ -126,7 +126,7 @@ def counted(cut: Cut) -> str:
 
 
 def _part(cut: Cut, look: Look) -> canvas.Part:
-    """Return what is shown: all blocks, or the part asked for."""
+    """Return the part to show: all blocks, or the given part."""
     low, high = cut.vertices.min(axis=0), cut.vertices.max(axis=0)
     if look.zoom is None:
         return low, high
@@ -137,7 +137,7 @@ def _part(cut: Cut, look: Look) -> canvas.Part:
 
 
 def _voids(rim: Floats) -> list[shapely.Polygon]:
-    """Return what the rim (n, 2, 2) encloses with no rock in it; rock lies on its left."""
+    """Return the voids that the rim (n, 2, 2) encloses; rock lies on its left."""
     rock = {(*first, *last) for first, last in rim.tolist()}
     faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(rim)))
     found = []
@@ -151,7 +151,7 @@ def _voids(rim: Floats) -> list[shapely.Polygon]:
 def _handles(
     cut: Cut, paint: _Paint, shown: Bools, part: canvas.Part, voids: Sequence[shapely.Polygon]
 ) -> list[Any]:
-    """Return what the legend explains: of all that there is, what the part shows."""
+    """Return the legend: of all edges, those in the part."""
     from matplotlib.patches import Patch
 
     handles: list[Any] = [
@@ -181,7 +181,7 @@ def _draw_blocks(axes: Axes, cut: Cut, paint: _Paint, shown: Bools) -> None:
 
 
 def _area(cut: Cut, some: Bools) -> Any:
-    """Return what blocks cover together: they share their nodes to the last digit."""
+    """Return the union of blocks: they share their nodes to the last digit."""
     owner = np.repeat(np.arange(cut.block_count), np.diff(cut.block_start))
     own = some[owner]
     number = np.cumsum(some) - 1

@@ -1,4 +1,4 @@
-"""What a checkpoint holds, and how far a run was recorded when it was written."""
+"""The content of a checkpoint, and how far a run was recorded when it was written."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from clast.results.checkpoints.lineage import Lineage
 
 TEXT, SETTINGS, OBJECTS = "a case file", "the settings of a script", "objects of a script"
-"""What the text of a case gives: all of a run, all but its blocks, or neither."""
+"""Contents of the text of a case: all of a run, all but its blocks, or neither."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,7 +21,7 @@ class Source:
     text: str
     """The case as TOML."""
     gives: str = TEXT
-    """What the text gives of the run: one of the texts above."""
+    """The part of the run in the text: one of the texts above."""
     file: str = "case"
     """The case file, whose folder has the files that it names."""
     file_text: str = ""
@@ -53,7 +53,7 @@ class Recorded:
     contacts: NDArray[Any]
     """Contacts of the last step, a row for each that carries a force."""
     wall: float = 0.0
-    """Time that the run has taken, s of wall clock, without what a signal or a kill cost."""
+    """Time that the run has taken, s of wall clock, without time lost to a signal or a kill."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,4 +75,4 @@ class Checkpoint:
     recorded: Recorded
     """How far it was recorded."""
     run: Any
-    """What it carries from step to step (``clast.run.run_state.RunState``)."""
+    """Its data from step to step (``clast.run.run_state.RunState``)."""

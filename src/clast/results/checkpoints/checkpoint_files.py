@@ -87,7 +87,7 @@ def is_checkpoint(path: Path) -> bool:
 def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
     """Write a checkpoint in the place of an earlier one, which stays until this one is on the disk.
 
-    Raises CaseError for what it cannot hold, OSError where it cannot be written.
+    Raises CaseError for data it cannot hold, OSError where it cannot be written.
     """
     check_place(path)
     part = hidden(path)
@@ -109,9 +109,9 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
 def read_checkpoint(path: Path, known: Mapping[str, type]) -> Checkpoint:
     """Return the checkpoint in a file; ``known`` are classes of scripts that it may hold.
 
-    Whoever wrote it may have meant harm: a right checksum says only that the bytes are what was
-    written.  All that is made of them are clast's own dataclasses, with fields of their types.
-    Raises CaseError for what is none, is damaged or is of another clast.
+    Whoever wrote it may have meant harm: a right checksum says only that the bytes are those that
+    were written.  All that is made of them are clast's own dataclasses, with fields of their types.
+    Raises CaseError for a file that is no checkpoint, is damaged or is of another clast.
     """
     image = _sound_image(path)
     try:
@@ -144,7 +144,7 @@ def read_checkpoint(path: Path, known: Mapping[str, type]) -> Checkpoint:
 
 
 def damaged(path: Path, why: str) -> CaseError:
-    """Return what is raised where a checkpoint does not hold what a run can go on from."""
+    """Return the error for a checkpoint from which a run cannot go on."""
     return CaseError(
         f"is damaged: {why}",
         where=str(path),
@@ -206,7 +206,7 @@ def _image(content: bytes) -> bytes | None:
 
 
 def _sound_image(path: Path) -> bytes:
-    """Return the HDF5 part of a checkpoint file; raises CaseError for what is none."""
+    """Return the HDF5 part of a checkpoint file; raises CaseError for a file that is none."""
     where = str(path)
     try:
         content = content_of(path, LARGEST)

@@ -2,8 +2,9 @@
 
 Plain are None, truth values, numbers, texts, arrays, enumerations, and tuples, lists, sets,
 mappings and dataclasses of plain data.  Classes go by their names.  A name is looked up among
-clast's own dataclasses and enumerations, and among classes that are handed in: reading a file
-never runs what the file names.  What is put together has fields of the types that its classes say.
+clast's own dataclasses and enumerations, and among classes that are handed in: reading a file never
+runs anything that the file names.  Decoded objects have fields of the types that their classes
+declare.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ OURS = re.compile(r"clast\.(actions|contact|model|results|run|step)(\.[a-z][a-z0
 
 
 class NotPlainError(Exception):
-    """A value that is no plain data; ``place`` says where it is, ``kind`` what it is."""
+    """A value that is no plain data; ``place`` is where it is, ``kind`` its type."""
 
     def __init__(self, kind: str, place: str) -> None:
         self.kind = kind
@@ -62,7 +63,7 @@ def name_of(kind: type) -> str:
 def taken_apart(value: Any, arrays: Arrays, place: str = "") -> Any:
     """Return a value as JSON has it; its arrays go into ``arrays``.
 
-    Raises NotPlainError, with the place, for what is no plain data.
+    Raises NotPlainError, with the place, for values that are no plain data.
     """
     if value is None or type(value) in (bool, int, float, str):
         return value
@@ -90,7 +91,7 @@ def taken_apart(value: Any, arrays: Arrays, place: str = "") -> Any:
 
 
 ROWS: dict[str, Any] = {"tuple": tuple, "list": list, "set": frozenset}
-"""What holds things one after the other."""
+"""Kinds of rows of values."""
 
 
 def _kept(array: NDArray[Any], arrays: Arrays, place: str) -> int:
@@ -108,7 +109,7 @@ def put_together(written: Any, arrays: Sequence[NDArray[Any]], known: Mapping[st
     """Return the value that ``taken_apart`` gave; ``known`` are classes that are not clast's own.
 
     Raises UnknownClassError for a class that is not known, KeyError, IndexError, TypeError or
-    ValueError for what ``taken_apart`` never writes.
+    ValueError for data that ``taken_apart`` never writes.
     """
     if not isinstance(written, dict):
         if written is not None and not isinstance(written, bool | int | float | str):

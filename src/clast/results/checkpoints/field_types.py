@@ -12,7 +12,7 @@ NUMBERS: dict[Any, tuple[type, ...]] = {
     float: (float, int, np.floating, np.integer),
     int: (int, np.integer),
 }
-"""What may stand for a number, but for truth values."""
+"""Types that may stand for a number, but for truth values."""
 
 
 def wrong_field(kind: type, values: Mapping[str, Any]) -> str:
@@ -22,7 +22,7 @@ def wrong_field(kind: type, values: Mapping[str, Any]) -> str:
 
 
 def fits(value: Any, hint: Any) -> bool:
-    """Return whether a value is of a type: numbers, texts, arrays, and what is made of them.
+    """Return whether a value is of a type: numbers, texts, arrays, and collections of them.
 
     A type that says nothing of plain data, as a protocol does, takes whatever there is.
     """
@@ -94,4 +94,4 @@ OF_ORIGIN: dict[Any, Any] = {
     Mapping: _mapping,
     np.ndarray: _array,
 }
-"""What checks a type with parts, by its origin."""
+"""Checks of types with parts, by their origin."""

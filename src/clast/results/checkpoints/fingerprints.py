@@ -1,4 +1,4 @@
-"""Fingerprints of a model and a method, part by part: what must be the same to go on."""
+"""Fingerprints of a model and a method, part by part: these must be the same to go on."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ def fingerprints(**things: Any) -> dict[str, str]:
 
 
 def digest(value: Any) -> str:
-    """Return a fingerprint of anything: of its class, and of what it holds."""
+    """Return a fingerprint of anything: of its class, and of its content."""
     found = sha256()
     _feed(found, value)
     return found.hexdigest()[:LENGTH]
 
 
 def _feed(found: Any, value: Any) -> None:
-    """Add a value to a checksum, with what tells it from others that hold the same."""
+    """Add a value to a checksum, with its type, so that equal contents of other types differ."""
     if isinstance(value, np.ndarray | np.generic) and not value.dtype.hasobject:
         array = np.ascontiguousarray(value)
         found.update(f"{array.dtype.str}{array.shape}".encode())
@@ -62,7 +62,7 @@ def _feed(found: Any, value: Any) -> None:
 
 
 def _parts(value: Any) -> Mapping[Any, Any]:
-    """Return what an object holds, by name or place."""
+    """Return the content of an object, by name or place."""
     if isinstance(value, Mapping):
         return value
     if isinstance(value, tuple | list | np.ndarray):

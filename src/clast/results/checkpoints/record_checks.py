@@ -1,4 +1,4 @@
-"""Whether what a checkpoint says of a run's records can be so for the model."""
+"""Whether the records of a run in a checkpoint are possible for the model."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MODES = 3
 
 
 def wrong_record(recorded: Recorded, model: Model, time: float) -> str:
-    """Return what is wrong with the records of a run until ``time``, s; "" for nothing."""
+    """Return the fault in the records of a run until ``time``, s; "" for none."""
     return next((what for what in _faults(recorded, model, time)), "")
 
 
@@ -51,7 +51,7 @@ def _faults(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
 
 
 def _of_rows(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
-    """Give what is wrong with the rows of tables since the last frame."""
+    """Yield the faults of the rows of tables since the last frame."""
     since = recorded.since
     if set(since) != {one.name for one in OVER_TIME}:
         yield "its tables are not those of a run"
@@ -67,7 +67,7 @@ def _of_rows(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
 
 
 def rows_in_all(recorded: Recorded) -> int:
-    """Return how many steps a run has taken by what was recorded of it."""
+    """Return how many steps a run has taken by its records."""
     return int(recorded.frame["steps"][0]) + len(recorded.since["steps"])
 
 

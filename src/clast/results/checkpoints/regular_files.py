@@ -1,4 +1,4 @@
-"""Content of regular files alone: what is named in a file may be a device, a pipe or a folder."""
+"""Content of regular files alone: a path in a file may be a device, a pipe or a folder."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from clast.errors import CaseError
 def content_of(path: Path, most: int) -> bytes:
     """Return the content of a regular file of at most ``most`` bytes.
 
-    Nothing waits for a pipe or reads a device.  Raises CaseError for what is no such file, OSError
-    for what cannot be read.
+    Nothing waits for a pipe or reads a device.  Raises CaseError for a path that is no such file,
+    OSError for a file that cannot be read.
     """
     if stat.S_ISDIR(path.stat().st_mode):
         raise CaseError("is a directory", where=str(path))

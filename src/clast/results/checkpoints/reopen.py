@@ -144,7 +144,7 @@ def taken_over(
 
 
 def _copy(old: Path, target: Path) -> None:
-    """Copy a result file; what is there stays until the copy is whole."""
+    """Copy a result file; an existing file stays until the copy is whole."""
     path = check_output(target)
     part = hidden(path)
     with claimed(path) as new:

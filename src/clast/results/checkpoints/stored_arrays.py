@@ -29,7 +29,7 @@ def put_array(group: Any, name: str, array: NDArray[Any]) -> None:
 def arrays_of(group: Any) -> list[NDArray[Any]]:
     """Return the arrays of a group by their numbers, not to be written to.
 
-    Raises whatever comes where they are not what ``put_array`` writes.
+    Raises any error where they are not as ``put_array`` writes them.
     """
     return [_array(_stored(group, str(number))) for number in range(len(group))]
 
