@@ -15,7 +15,7 @@ with another of its blocks.
 
 ``group`` is what takes part in one impact: the contacts and their place in that list (m,) each, -1
 if none, and the opening velocity they are to leave with at least (m,) each; what they are to
-impulses (step/impulses.py), and these, N s/m, (m, 2); the blocks and whether they are among them
+impulses, and the course of these (step/impulses.py); the blocks and whether they are among them
 (n,) each; and how many contacts and blocks there are, and how many impulses may still be renewed.
 """
 
@@ -25,9 +25,9 @@ import numpy as np
 
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
-from clast.compute.vec6 import numbers, plus_product, row, total, zeros
-from clast.contact.jacobian import force_on, relative_motion
-from clast.step.impulses import find, rate_along
+from clast.compute.vec6 import plus_product, row, total, zeros
+from clast.contact.jacobian import relative_motion
+from clast.step.impulses import describe, find, renew
 
 SAME = 1e-9
 """Time between impacts that are one, in units of the step."""
@@ -118,18 +118,6 @@ def _moves(b, mobility):
     return mobility[b, 0, 0] + mobility[b, 1, 1] + mobility[b, 2, 2] > 0.0
 
 
-@kernel(forceinline=True)
-def _respond(c, k, side, b, mobility, force, linear):
-    """Write how block b of contact c moves it along k and is moved by a unit impulse along k."""
-    rows, effects, _, eases = linear
-    f0, f1, f2, _, _, _ = numbers(force)
-    w, at = mobility[b], 3 * side
-    rows[c, k, at], rows[c, k, at + 1], rows[c, k, at + 2] = f0, f1, f2
-    for a in range(3):
-        effects[c, k, at + a] = w[a, 0] * f0 + w[a, 1] * f1 + w[a, 2] * f2
-        eases[c, k] += rows[c, k, at + a] * effects[c, k, at + a]
-
-
 @kernel()
 def _add_block(b, mobility, group):
     """Put block b among those of the group, if it moves."""
@@ -143,21 +131,15 @@ def _add_block(b, mobility, group):
 def _join(c, time, target, bodies, contacts, group):
     """Let contact c take part, and its blocks."""
     velocity, acceleration, mobility = bodies[0], bodies[4], bodies[5]
-    _, vertex_block, edge_block, levers, _, _ = contacts
-    members, place, targets, linear, impulses, _, _, counts = group
-    members[counts[0]], place[c], targets[c] = c, counts[0], target
+    members, place, targets, linear, course, _, _, counts = group
+    at = counts[0]
+    members[at], place[c], targets[at] = c, at, target
     counts[0] += 1
-    i, j = vertex_block[c], edge_block[c]
-    still, eases = linear[2], linear[3]
     rates = _rates(c, time, velocity, acceleration, contacts)
-    for k in range(2):
-        normal, shear = 1.0 - k, 1.0 * k
-        impulses[c, k] = eases[c, k] = still[c, k] = 0.0
-        _respond(c, k, 0, i, mobility, force_on(levers, c, True, normal, shear), linear)
-        _respond(c, k, 1, j, mobility, force_on(levers, c, False, normal, shear), linear)
-        still[c, k] = rates[k] - rate_along(c, k, i, j, linear[0], still, velocity)
-    _add_block(i, mobility, group)
-    _add_block(j, mobility, group)
+    describe(at, c, rates, target, velocity, mobility, contacts, linear)
+    course[0][at, 0] = course[0][at, 1] = 0.0
+    _add_block(contacts[1][c], mobility, group)
+    _add_block(contacts[2][c], mobility, group)
 
 
 @kernel()
@@ -233,13 +215,16 @@ def _gather(first, time, bodies, contacts, live, around, limits, group):
 
 @kernel()
 def _pass_on(time, felt, bodies, contacts, live, around, group):
-    """Let contacts take part that bear and close by more than what is felt; return whether any."""
+    """Let contacts take part that bear and close by more than what is felt; return whether any.
+
+    Each takes its first impulse at once: a blow runs on from block to block before all are renewed.
+    """
     velocity, before, _, _, acceleration, _, _ = bodies
     first, listed = around
-    _, bears, _, _, _, _ = live
-    _, place, _, _, _, blocks, _, counts = group
-    found, known = False, counts[1]
-    for at in range(known):
+    bears = live[1]
+    _, place, _, linear, course, blocks, _, counts = group
+    known, at = counts[0], 0
+    while at < counts[1]:
         b = blocks[at]
         for k in listed[first[b] : first[b + 1]]:
             if place[k] < 0 and bears[k]:
@@ -248,20 +233,21 @@ def _pass_on(time, felt, bodies, contacts, live, around, group):
                 rate, _ = _rates(k, time, velocity, acceleration, contacts)
                 if rate < target - felt:
                     _join(k, time, target, bodies, contacts, group)
-                    found = True
-    return found
+                    renew(counts[0] - 1, counts[0], linear, course, velocity)
+        at += 1
+    return counts[0] > known
 
 
 @kernel()
 def _impulses(time, fastest, bodies, contacts, live, around, limits, group):
     """Find the impulses of all that take part, and let all that feel them take part."""
-    members, _, target, linear, impulses, _, _, counts = group
+    _, _, _, linear, course, blocks, _, counts = group
     felt, velocity = max(FELT * fastest, SLOW * limits[1]), bodies[0]
     enough, more, is_rough = ROUGH * felt, True, True
     while more:
         count = counts[0]
         most = TIMES + RENEWED // count
-        taken = find(enough, most, members[:count], target, linear, impulses, velocity, contacts)
+        taken = find(enough, most, count, blocks[: counts[1]], linear, course, velocity)
         counts[2] -= taken * count
         more = _pass_on(time, felt, bodies, contacts, live, around, group)
         if not more and is_rough:
@@ -326,11 +312,14 @@ def _give_no_more(time, fastest, bodies, contacts, live, around, limits, group):
     that is then mixed with what was before.
     """
     velocity, before, _, _, _, _, _ = bodies
-    members, _, target, _, impulses, _, _, counts = group
+    _, _, target, linear, course, _, _, counts = group
+    impulses, goal, ease = course[0], linear[3], linear[4]
     rebound = velocity.copy()
     _put(before, bodies, group)
-    for c in members[: counts[0]]:
-        target[c], impulses[c, 0], impulses[c, 1] = min(0.0, target[c]), 0.0, 0.0
+    for at in range(counts[0]):
+        if target[at] > 0.0 and ease[at, 0] > 0.0:
+            goal[at, 0] -= target[at] / ease[at, 0]
+        target[at], impulses[at, 0], impulses[at, 1] = min(0.0, target[at]), 0.0, 0.0
     _impulses(time, fastest, bodies, contacts, live, around, limits, group)
     if _gained(time, velocity, bodies, group) > 0.0:
         rebound = velocity.copy()
@@ -468,15 +457,22 @@ def strike(velocity, acceleration, mobility, mass_matrix, contacts, bears, limit
     waiting = np.empty(count, np.int64), np.zeros(count, np.bool_), np.zeros(1, np.int64)
     live = np.full(count, np.inf), bears.copy(), np.zeros(count, np.int64), *waiting
     around = _contacts_of_blocks(contacts, mobility)
-    of_each = np.empty((count, 2, 6)), np.empty((count, 2, 6))
-    of_both = np.empty((count, 2)), np.empty((count, 2))
-    linear = *of_each, *of_both
+    linear = (
+        np.empty((count, 2), np.int64),
+        np.empty((count, 2, 6)),
+        np.empty((count, 2, 6)),
+        np.empty((count, 2)),
+        np.empty((count, 2)),
+        np.empty(count),
+        np.empty(count),
+    )
+    course = np.empty((count, 2)), np.empty((count, 2)), np.empty((count, 2))
     group = (
         np.empty(count, np.int64),
         np.full(count, -1),
         np.empty(count),
         linear,
-        np.empty((count, 2)),
+        course,
         np.empty(blocks, np.int64),
         np.zeros(blocks, np.bool_),
         np.array([0, 0, WORK * max(count, SOME)]),

@@ -1,9 +1,18 @@
 """Impulses in contacts that strike together: normal ones that only push, shear within friction.
 
-Contact c of blocks i and j has ``rows`` (2, 6), by which the velocities (u, v, r) of these move it
-along its normal and its edge, ``effects`` (2, 6), how they are changed by a unit impulse along
-these, ``still`` (2,), what it moves by beside that, m/s, and ``ease`` (2,), what a unit impulse
-changes along itself.  The four together are ``linear``.
+``linear`` is what the contacts, one after the other in a list (k,), are to impulses:
+
+- ``ends`` (k, 2), their two blocks,
+- ``rows`` (k, 2, 6), by how much the velocities (u, v, r) of these lower the impulse along the
+  normal and along the edge that brings the contact to rest, N s/m per m/s,
+- ``effects`` (k, 2, 6), how a unit impulse changes these velocities,
+- ``goal`` (k, 2), the impulse that would do where the blocks stand still, N s/m,
+- ``ease`` (k, 2), what a unit impulse changes along itself, m/s per N s/m,
+- ``coupling`` (k,), by how much a unit impulse along the normal lowers that along the edge,
+- ``friction`` (k,), tan(phi).
+
+``course`` are the impulses (k, 2), N s/m, how much the last renewal has changed them, and the way
+they went on before that.
 
 Impulse by impulse is renewed from what it has to come to (projected Gauss-Seidel).  That alone is
 slow where impulses run along rows of blocks, so the changes that renewals make are taken as
@@ -16,90 +25,135 @@ from __future__ import annotations
 import numpy as np
 
 from clast.compute.jit import kernel
+from clast.compute.vec6 import line, numbers, plus_product, plus_scaled, six, total, zeros
+from clast.contact.jacobian import force_on
 
 
 @kernel(forceinline=True)
-def rate_along(c, k, i, j, rows, still, velocity):
-    """Return how fast contact c of blocks i and j opens (k = 0) or slips (k = 1), m/s."""
-    rate = still[c, k]
-    for a in range(3):
-        rate += rows[c, k, a] * velocity[i, a] + rows[c, k, 3 + a] * velocity[j, a]
-    return rate
+def _motion_of(i, j, velocity):
+    """Return (u, v, r) of blocks i and j (vec6)."""
+    u, v, r = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+    return six(u, v, r, velocity[j, 0], velocity[j, 1], velocity[j, 2])
 
 
 @kernel(forceinline=True)
-def _change(c, k, i, j, wanted, impulses, effects, velocity):
-    """Let the impulse of contact c along k be as wanted: blocks i and j move, and do not strain.
+def _along(rows, at, k, motion):
+    """Return what a motion (vec6) of its blocks is to contact ``at`` along k."""
+    return total(plus_product(zeros(), line(rows, at, k), motion))
 
-    Return by how much it changes, N s/m.
-    """
-    change = wanted - impulses[c, k]
-    impulses[c, k] = wanted
+
+@kernel(forceinline=True)
+def _respond(at, k, side, b, mobility, force, linear):
+    """Write how block b of contact ``at`` moves it along k and is moved by a unit impulse."""
+    _, rows, effects, _, ease, _, _ = linear
+    f0, f1, f2, _, _, _ = numbers(force)
+    w, first = mobility[b], 3 * side
+    rows[at, k, first], rows[at, k, first + 1], rows[at, k, first + 2] = f0, f1, f2
     for a in range(3):
-        velocity[i, a] += change * effects[c, k, a]
-        velocity[j, a] += change * effects[c, k, 3 + a]
-    return change
+        effects[at, k, first + a] = w[a, 0] * f0 + w[a, 1] * f1 + w[a, 2] * f2
+        ease[at, k] += rows[at, k, first + a] * effects[at, k, first + a]
 
 
 @kernel()
-def _renew(listed, target, linear, impulses, velocity, contacts, made):
-    """Renew the impulses of the contacts listed; return how much that changes a velocity, m/s.
+def describe(at, c, rates, target, velocity, mobility, contacts, linear):
+    """Write contact c as contact ``at`` of the list.
 
-    And by how much all of them changed, in units of energy; ``made`` (k, 2) are the changes, N s/m.
+    It opens and slips with ``rates``, m/s, where its blocks move with ``velocity`` (n, 6), and is
+    to open with ``target``, m/s, at least and not to slip.
     """
-    rows, effects, still, ease = linear
-    _, vertex_block, edge_block, _, _, friction = contacts
+    ends, rows, effects, goal, ease, coupling, friction = linear
+    _, vertex_block, edge_block, levers, _, tangents = contacts
+    i, j = vertex_block[c], edge_block[c]
+    ends[at, 0], ends[at, 1], friction[at] = i, j, tangents[c]
+    for k in range(2):
+        normal, shear = 1.0 - k, 1.0 * k
+        ease[at, k] = 0.0
+        _respond(at, k, 0, i, mobility, force_on(levers, c, True, normal, shear), linear)
+        _respond(at, k, 1, j, mobility, force_on(levers, c, False, normal, shear), linear)
+        goal[at, k] = _along(rows, at, k, _motion_of(i, j, velocity)) - rates[k]
+    goal[at, 0] += target
+    coupling[at] = _along(rows, at, 1, line(effects, at, 0))
+    for k in range(2):
+        give = 1.0 / ease[at, k] if ease[at, k] > 0.0 else 0.0
+        goal[at, k] *= give
+        for a in range(6):
+            rows[at, k, a] *= give
+    coupling[at] *= give
+
+
+@kernel()
+def renew(first, last, linear, course, velocity):
+    """Renew the impulses of contacts ``first`` to ``last`` - 1 of the list; blocks do not strain.
+
+    Return how much that changes a velocity, m/s, and by how much all impulses changed, in units of
+    energy.
+    """
+    ends, rows, effects, goal, ease, coupling, friction = linear
+    impulses, made, _ = course
     most, size = 0.0, 0.0
-    for at in range(len(listed)):
-        c = listed[at]
-        i, j = vertex_block[c], edge_block[c]
-        made[at, 0] = made[at, 1] = 0.0
-        if ease[c, 0] == 0.0:
+    for at in range(first, last):
+        i, j = ends[at, 0], ends[at, 1]
+        motion = _motion_of(i, j, velocity)
+        normal = max(0.0, impulses[at, 0] + goal[at, 0] - _along(rows, at, 0, motion))
+        shear = impulses[at, 1] + goal[at, 1] - _along(rows, at, 1, motion)
+        pushed, bound = normal - impulses[at, 0], friction[at] * normal
+        shear = min(max(shear - coupling[at] * pushed, -bound), bound)
+        rubbed = shear - impulses[at, 1]
+        impulses[at, 0], impulses[at, 1] = normal, shear
+        made[at, 0], made[at, 1] = pushed, rubbed
+        if pushed == 0.0 and rubbed == 0.0:
             continue
-        rate = rate_along(c, 0, i, j, rows, still, velocity)
-        normal = max(0.0, impulses[c, 0] + (target[c] - rate) / ease[c, 0])
-        made[at, 0] = _change(c, 0, i, j, normal, impulses, effects, velocity)
-        bound = friction[c] * normal
-        if bound > 0.0 or impulses[c, 1] != 0.0:
-            rate = rate_along(c, 1, i, j, rows, still, velocity)
-            shear = min(max(impulses[c, 1] - rate / ease[c, 1], -bound), bound)
-            made[at, 1] = _change(c, 1, i, j, shear, impulses, effects, velocity)
-        for k in range(2):
-            speed = abs(made[at, k]) * ease[c, k]
-            most, size = max(most, speed), size + speed * abs(made[at, k])
+        motion = plus_scaled(motion, pushed, line(effects, at, 0))
+        motion = plus_scaled(motion, rubbed, line(effects, at, 1))
+        u, v, r, x, y, s = numbers(motion)
+        velocity[i, 0], velocity[i, 1], velocity[i, 2] = u, v, r
+        velocity[j, 0], velocity[j, 1], velocity[j, 2] = x, y, s
+        pushed, rubbed = abs(pushed), abs(rubbed)
+        one, other = pushed * ease[at, 0], rubbed * ease[at, 1]
+        most, size = max(most, one, other), size + (one * pushed + other * rubbed)
     return most, size
 
 
 @kernel()
-def _go_on(share, listed, impulses, effects, velocity, contacts, made, way):
-    """Let impulses go on by a share of the way (k, 2) they went last, and add what was made."""
-    _, vertex_block, edge_block, _, _, _ = contacts
-    for at in range(len(listed)):
-        c = listed[at]
+def _go_on(share, count, course, blocks, pace, velocity):
+    """Let impulses go on by a share of the way they went last, and add what was made.
+
+    ``pace`` (b, 2, 3) are the velocities that this way has changed the ``blocks`` (b,) by, and
+    theirs when the last renewal began; both change with it.
+    """
+    impulses, made, way = course
+    for at in range(count):
         for k in range(2):
             more = share * way[at, k]
             way[at, k] = more + made[at, k]
-            if more != 0.0:
-                wanted = impulses[c, k] + more
-                _change(c, k, vertex_block[c], edge_block[c], wanted, impulses, effects, velocity)
+            impulses[at, k] += more
+    for at in range(len(blocks)):
+        b = blocks[at]
+        for a in range(3):
+            more = share * pace[at, 0, a]
+            pace[at, 0, a] = more + velocity[b, a] - pace[at, 1, a]
+            velocity[b, a] += more
+            pace[at, 1, a] = velocity[b, a]
 
 
 @kernel()
-def find(enough, most, listed, target, linear, impulses, velocity, contacts):
-    """Find the impulses of the contacts listed (k,); return how many renewals that took.
+def find(enough, most, count, blocks, linear, course, velocity):
+    """Find the impulses of the first ``count`` contacts; return how many renewals that took.
 
-    Until velocities change by less than ``enough``, m/s, or ``most`` renewals.  Contacts are to
-    open with ``target`` (m,), m/s, at least and not to slip.  ``impulses`` (m, 2), N s/m, and the
-    velocities of the blocks (n, 6) are written in place.
+    Until velocities change by less than ``enough``, m/s, or ``most`` renewals.  The impulses and
+    the velocities (n, 6) of the ``blocks`` (b,) of these contacts are written in place.
     """
-    effects = linear[1]
-    made, way = np.empty((len(listed), 2)), np.zeros((len(listed), 2))
+    course[2][:count] = 0.0
+    pace = np.zeros((len(blocks), 2, 3))
+    for at in range(len(blocks)):
+        for a in range(3):
+            pace[at, 1, a] = velocity[blocks[at], a]
     before = np.inf
     for renewals in range(1, most + 1):
-        changed, size = _renew(listed, target, linear, impulses, velocity, contacts, made)
+        changed, size = renew(0, count, linear, course, velocity)
         if changed <= enough or renewals == most:
             break
         share = size / before if size < before else 0.0
-        _go_on(share, listed, impulses, effects, velocity, contacts, made, way)
+        _go_on(share, count, course, blocks, pace, velocity)
         before = size
     return renewals
