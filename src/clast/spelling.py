@@ -39,7 +39,7 @@ def advice(word: str, known: Iterable[str], *, kind: str) -> str:
 
 
 def visible(text: str) -> str:
-    """Return a text in which what would command a terminal is written out, as JSON does."""
+    """Return a text with characters that would command a terminal written out, as in JSON."""
     return UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 

@@ -36,7 +36,7 @@ class Anchors:
     """Nodes that lie on outlines, and the points of the exact outlines that they stand for."""
 
     held: Ints
-    """What holds each node: FREE, ON_OUTLINE or CORNER, shape (nn,)."""
+    """Constraint of each node:  FREE, ON_OUTLINE or CORNER, shape (nn,)."""
     places: tuple[Floats, ...]
     """Where each node may be, m, shapes (nn, 2), the best first: at corners and crossings of the
     exact outlines, anywhere on them, on the grid."""
@@ -136,7 +136,7 @@ class Tidied:
 def tidied(graph: Graph, held: Ints, joint: Ints, shortest: float, smallest2: float) -> Tidied:
     """Return the blocks of a graph without edges and blocks that are too small, in cells.
 
-    ``held`` (nn,) says what holds each node, ``joint`` (n,) the joint of each line.
+    ``held`` (nn,) is the constraint of each node, ``joint`` (n,) the joint of each line.
     """
     tiling, size2, half = _tiling(graph, held)
     shortest = max(shortest, SHORT)

@@ -53,7 +53,7 @@ class LineTable:
 
 @dataclass(frozen=True, kw_only=True)
 class SetLines:
-    """Lines of a joint set with what was asked for."""
+    """Lines of a joint set, with its requested statistics."""
 
     name: str
     plan: Plan | None
@@ -69,7 +69,7 @@ class SetLines:
 
 @dataclass(frozen=True, kw_only=True)
 class Site:
-    """What is cut, checked, about an origin near the domain."""
+    """The domain to cut, checked, about an origin near it."""
 
     domain: Domain
     outline: Outline
@@ -111,7 +111,7 @@ class Site:
 
 
 def site(domain: Domain, openings: Sequence[Opening], regions: Sequence[Region]) -> Site:
-    """Return what is cut; ModelError for outlines that are none, or outside the domain."""
+    """Return the domain to cut; ModelError for invalid outlines, or outlines outside the domain."""
     domain.check()
     rim = domain.outline()
     # A corner moves to the middle of its cell, and with it the line that passes through that cell.

@@ -34,7 +34,7 @@ WRONG_AREA = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Before:
-    """What was known before anything was cut."""
+    """Numbers known before the cut."""
 
     lines: Sequence[SetLines]
     """Joint sets, then drawn traces."""
@@ -45,7 +45,7 @@ class Before:
     snapped: Floats
     """Points that were moved to others, m, shape (k, 2)."""
     notes: tuple[str, ...]
-    """What else was changed of the input, or left out."""
+    """Other changes to the input, and omissions."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,9 +53,9 @@ class CutRecord:
     """All that a cut went through."""
 
     site: Site
-    """What was cut."""
+    """The domain and its lines."""
     before: Before
-    """What was known before."""
+    """Numbers known before the cut."""
     tables: Sequence[LineTable]
     """Tables of lines, the boundary at last."""
     table: Ints
@@ -135,7 +135,7 @@ def _loose_ends(found: Finding, grid: float) -> tuple[str, ...]:
 
 
 def _checked(error: float, at: Site) -> tuple[str, ...]:
-    """Return a note where areas differ by what the grid explains; ModelError where by more."""
+    """Return a note where areas differ by no more than the grid explains; ModelError for more."""
     if abs(error) <= WRONG_AREA:
         return ()
     outlines = [at.window.polygon, *at.polygons(at.opening_outlines)]
@@ -154,7 +154,7 @@ def _checked(error: float, at: Site) -> tuple[str, ...]:
 
 
 def _rock_area(at: Site) -> float:
-    """Return the area of the domain without what is void from the start, m2."""
+    """Return the area of the domain without voids, m2."""
     voids = [
         polygon
         for one, polygon in zip(at.openings, at.polygons(at.opening_outlines), strict=True)
@@ -183,7 +183,7 @@ def _lengths(ends: Floats) -> Floats:
 
 
 def _sets(work: CutRecord) -> tuple[SetReport, ...]:
-    """Return what each set, and the drawn traces of each name, came to."""
+    """Return the statistics of each set, and of the drawn traces of each name."""
     after = work.blocks.node[block_loops.following(work.blocks.start)]
     here = work.blocks.node
     once = (here < after) & (work.blocks.line >= 0)

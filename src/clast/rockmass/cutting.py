@@ -8,8 +8,8 @@
     found = cut(domain, [bedding, cross])
     print(found.report.blocks)
 
-Lines are drawn, clipped and met on a grid; what borders nothing is taken out; the faces that are
-left are tidied on shared nodes, so that neighbours agree and nothing is lost.
+Lines are drawn, clipped and met on a grid; edges that border no face are taken out; the remaining
+faces are tidied on shared nodes, so that neighbours agree and nothing is lost.
 """
 
 from __future__ import annotations
@@ -55,11 +55,11 @@ from clast.rockmass.sizes import Limits, limits_of
 MOST_REVERTS = 20
 
 Stages = Callable[[str], AbstractContextManager[None]]
-"""Returns what is entered at the start of a stage of the cut, by its name, and left at its end."""
+"""Returns the context of a stage of the cut, by its name: entered at its start, left at its end."""
 
 
 def untimed(_: str) -> AbstractContextManager[None]:
-    """Return what does nothing at the start and the end of a stage."""
+    """Return a context that does nothing."""
     return nullcontext()
 
 
@@ -89,7 +89,7 @@ class Cut:
     opening_names: tuple[str, ...]
     """Names of the openings."""
     report: CutReport
-    """What was cut and what was changed."""
+    """Numbers of the cut, and changes on the way."""
 
     @property
     def block_count(self) -> int:
@@ -118,8 +118,8 @@ def cut(
     the later one has the joint: sets, traces, patterns, regions, openings, boundary.  ``stages``
     may be a stopwatch: lines, noding, faces, tidying, vertices, blocks, report.
 
-    ModelError for what cannot be meant: outlines that cross themselves or lie outside, numbers that
-    are none, sets that cut nothing, more blocks than ``Domain.most_blocks``.
+    ModelError for invalid input: outlines that cross themselves or lie outside, numbers that are
+    not finite, sets that cut nothing, more blocks than ``Domain.most_blocks``.
     """
     with stages("lines"):
         at = site(domain, openings, regions)
@@ -134,7 +134,7 @@ def _drawn(
     seed: int,
     patterns: Sequence[BlockPattern],
 ) -> tuple[list[LineTable], Before]:
-    """Return all lines by their tables, and what is known before they meet."""
+    """Return all lines by their tables, and the numbers known before they meet."""
     for one in sets:
         one.check()
     most_blocks = at.domain.most_blocks
@@ -280,8 +280,8 @@ def _in_cells(at: Site, polygon: shapely.Polygon) -> shapely.Polygon:
 def _inside(at: Site, dangling: Graph) -> Graph:
     """Return those edges whose middles lie in rock.
 
-    Lines are cut a little beyond the boundary, and where this turns in they end in rock: what is as
-    short as that is of clast's own making.
+    Lines are cut a little beyond the boundary, and where this turns in they end in rock: ends as
+    short as that are of clast's own making.
     """
     x, y = (dangling.middles * at.grid).T
     inside = shapely.contains_xy(at.window.polygon, x, y) & (dangling.lengths > OVER + 2.0)
@@ -292,7 +292,7 @@ def _inside(at: Site, dangling: Graph) -> Graph:
 
 
 def on_grid(xy: Ints, at: Site) -> Floats:
-    """Return nodes (nn, 2) in m: dividing by a whole number leaves decimals what they are."""
+    """Return nodes (nn, 2) in m: dividing by a whole number keeps decimals exact."""
     inverse = round(1.0 / at.grid)
     whole = inverse > 0 and abs(inverse * at.grid - 1.0) < 1e-12
     return at.origin + (xy / inverse if whole else xy * at.grid)
@@ -301,7 +301,7 @@ def on_grid(xy: Ints, at: Site) -> Floats:
 def _vertices(blocks: block_loops.Tidied, places: Sequence[Floats], grid: float) -> Floats:
     """Return the vertices (nv, 2), m: at the best places that spoil no block.
 
-    What spoils a block are short edges, as a rule: their nodes give way first.
+    Blocks are spoiled by short edges, as a rule: their nodes give way first.
     """
     at = np.stack(places)
     choice = np.zeros(at.shape[1], np.int64)

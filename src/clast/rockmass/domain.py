@@ -1,4 +1,4 @@
-"""What is cut: the domain, its regions of rock, its openings, and lines drawn by hand."""
+"""The domain to cut: its boundary, its regions of rock, its openings, and lines drawn by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One function for every drawing: what kind of file it is decides who reads it."""
+"""One function for every drawing: the kind of file decides which reader is used."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Reading:
 def read_drawing(
     path: str | Path, analysis: str | Path | None = None, reading: Reading | None = None
 ) -> Drawing:
-    """Return what a file draws: .dxf, .csv, .xml or, with any other ending, a text geometry of Shi.
+    """Return the drawing of a file: .dxf, .csv, .xml or else a text geometry of Shi.
 
     A DXF file without a layer of clast is read by the convention of DDA for Windows where it has
     the texts F, L, M or H of that.  ``analysis`` is the analysis file, .xml or text, that belongs

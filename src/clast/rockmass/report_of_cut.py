@@ -1,4 +1,4 @@
-"""What a cut says of itself: plain numbers and texts."""
+"""The report of a cut: plain numbers and texts."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def sizes(values: Floats) -> Sizes:
 
 @dataclass(frozen=True, kw_only=True)
 class SetReport:
-    """What a joint set, or the drawn traces of one name, came to."""
+    """Statistics of a joint set, or of the drawn traces of one name."""
 
     name: str
     """Name of the set."""
@@ -73,7 +73,7 @@ class SetReport:
     p21: float
     """Length per area of the window, m/m2."""
     p21_asked: float | None
-    """What intensity or spacing ask for, m/m2."""
+    """Intensity that is asked for, directly or by the spacing, m/m2."""
     p10: float
     """Lines per length of all scanlines along the normal of the set, 1/m."""
     persistence: float
@@ -86,14 +86,14 @@ class SetReport:
 
 @dataclass(frozen=True, kw_only=True)
 class CutReport:
-    """What was cut, how well, and what was changed on the way."""
+    """Number and quality of the blocks of a cut, and changes on the way."""
 
     blocks: int
     """Number of blocks."""
     estimate: int
     """Blocks that the lines make by Euler's formula, before small ones are merged, holes split."""
     domain_area: float
-    """Area of the domain without what is void from the start, m2."""
+    """Area of the domain without voids, m2."""
     area: float
     """Sum of the areas of the blocks, m2."""
     area_error: float
@@ -125,15 +125,15 @@ class CutReport:
     coincident: Finding
     """Edges on which lines of different joints coincide; the later table has it."""
     snapped: Finding
-    """Points of traces and outlines that moved to what lay within the tolerance."""
+    """Points of traces and outlines that moved to points or lines within the tolerance."""
     short_edges: int
     """Edges that stayed shorter: corners of outlines, or collapsing them would spoil a block."""
     small_blocks: int
     """Blocks that stayed smaller, because no neighbour would leave a simple loop."""
     notes: tuple[str, ...] = field(default=())
-    """What else was changed of the input, e.g. boundaries that were turned round."""
+    """Other changes to the input, e.g. boundaries that were turned round."""
     warnings: tuple[str, ...] = field(default=())
-    """What is probably not meant, each with its remedy."""
+    """Doubts about the input, each with its remedy."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as plain dictionaries, lists, numbers and texts, for JSON."""

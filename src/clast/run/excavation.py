@@ -1,9 +1,9 @@
-"""Blocks that are excavated: they leave the equations, and what they bore is taken away.
+"""Blocks that are excavated: they leave the equations, and their support forces are taken away.
 
-Their energy goes to the ledger's ``removed``: kinetic and strain energy, what their weight has
-gained or lost since the start, and that of their contacts and supports.  The forces that they
-exerted on their neighbours are let go at once or little by little (actions/relaxation.py).  Welds
-along an opening end with it.
+Their energy goes to the ledger's ``removed``: kinetic and strain energy, the energy that their
+weight has gained or lost since the start, and that of their contacts and supports.  The forces that
+they exerted on their neighbours are let go at once or little by little (actions/relaxation.py).
+Welds along an opening end with it.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ def excavated(
 
     The share ``relax`` (0 to 1) of the forces that they exert on their neighbours ends at once, the
     rest falls to nothing within ``relax_time``, s.  Blocks that are gone already count no more.
-    Raises ModelError for shares and times out of range, for what are no numbers of blocks, and
-    where no block would be left.
+    Raises ModelError for shares and times out of range, for values that are no numbers of blocks,
+    and where no block would be left.
     """
     _check(relax, relax_time)
     blocks = _numbers(blocks, model.block_count)
@@ -73,7 +73,7 @@ def excavated(
 def without(model: Model, gone: Bools) -> Model:
     """Return the model without blocks that are ``gone`` (n,), and without welds along them.
 
-    A weld ends where its opening is gone, and where what it held is.
+    A weld ends where its opening is excavated, and where the blocks that it held are.
     """
     edge_joint = model.edge_joint.copy()
     for one in model.openings:
@@ -151,7 +151,7 @@ def _on_neighbours(
     share: float,
     duration: float,
 ) -> SupportForces:
-    """Return a share of what blocks that are ``leaving`` (n,) bear on others, where they touch.
+    """Return a share of the forces of blocks that are ``leaving`` (n,) on others, where they touch.
 
     N n + T t acts on the block of the vertex, the opposite of it on that of the edge.
     """
@@ -208,7 +208,7 @@ def _of_others(model: Model, memory: ContactMemory, leaving: Bools) -> ContactMe
 def _energy(
     model: Model, method: Method, state: State, contacts: Contacts, leaving: Bools
 ) -> Ledger:
-    """Return what blocks that are ``leaving`` (n,) hold, by the entries of the ledger, J/m."""
+    """Return the energy of blocks that are ``leaving`` (n,), by the entries of the ledger, J/m."""
     frames = block_frames(model, state)
     velocity, stress = state.velocity[leaving], state.stress[leaving]
     strain = np.einsum("nab,nb->na", model.compliance[leaving], stress)

@@ -1,15 +1,15 @@
-"""The start of a run under in-situ stress: contacts bear what belongs to the stress of blocks.
+"""The start of a run under in-situ stress: contact forces that belong to the stress of blocks.
 
 A contact begins with the traction of the mean stress of its two blocks on the length of joint that
 it stands for, as its rest force N_0 and as its shear force; no block has to sink or slip first.
 For uniform stress that is in balance to the last bit, however the rock is cut.  With weight and a
 gradient, or beside openings and slopes, it is not: static solutions, in which nothing is moved,
-then take what is left into the forces and stresses, until they change no more.  A solution is the
+then take the remainder into the forces and stresses, until they change no more.  A solution is the
 minimum of the incremental potential (minimise/), with friction bounded by the forces of the last.
-Its contacts are as stiff as the rock, whatever those of the run are: what it is after are forces,
-so that it does not matter how far blocks would move.  Water and the pretension of bolts that are
-there from the start count among what acts: contacts then bear the effective stress, and what bolts
-press on them.
+Its contacts are as stiff as the rock, whatever those of the run are: it looks for forces, so that
+it does not matter how far blocks would move.  Water and the pretension of bolts that are there from
+the start count among the forces: contacts then carry the effective stress, and the pressure of
+bolts.
 
 A block that nothing holds, a wedge in the roof of an opening, stays out of balance by its own
 weight; all others have their forces beside it.  Such blocks are named, and move from the first
@@ -76,7 +76,7 @@ LOOKS = 5
 RESTING = 1e-9
 """Inertia in the static solutions, in units of the stiffness of contacts: nothing floats away."""
 LOOSE = 1e-3
-"""Share of what presses on a block that is not balanced, from which it is said to move."""
+"""Unbalanced share of the forces on a block from which it is said to move."""
 NOISE = 1e-9
 """Force, in units of the largest one, that is not worth a word."""
 SMALLEST = 1e-100
@@ -90,7 +90,7 @@ class Balance:
     """Forces and stresses on the way to equilibrium; nothing has moved."""
 
     state: State
-    """Blocks with their stress, and the own states of actions with what supports bear."""
+    """Blocks with their stress, and the own states of actions with the reactions of supports."""
     contacts: Contacts
     """Contacts, with N as their normal force and T as their shear force."""
     capped: int = 0
@@ -100,7 +100,7 @@ class Balance:
 def in_equilibrium(
     model: Model, method: Method, state: State, step: float
 ) -> tuple[State, tuple[str, ...]]:
-    """Return the state with the forces of in-situ stress in its contacts, and what is to be said.
+    """Return the state with the forces of in-situ stress in its contacts, and the warnings.
 
     ``step`` is the length of the run's first step, s.  Raises ModelError where stress, weight and
     supports are not in balance.
@@ -176,21 +176,21 @@ def _minimum(
 
 
 def _held_fast(model: Model) -> Model:
-    """Return the model with springs, not dashpots, on its viscous edges: what they bear stays."""
+    """Return the model with springs, not dashpots, on its viscous edges: their forces stay."""
     edges = model.viscous_edges
     never = np.full(len(edges), np.inf)
     return replace(model, viscous_edges=replace(edges, begins=never)) if len(edges) else model
 
 
 def _still(method: Method) -> Method:
-    """Return the method of what does not move."""
+    """Return the method for blocks that do not move."""
     return replace(method, dynamic_ratio=0.0, damping=Undamped())
 
 
 def _at_first(model: Model, method: Method, state: State, share: float, step: float) -> Balance:
     """Return the forces of the mean stress of both blocks on the length of each contact.
 
-    Which corners meet which edges depends on what bears already; so it is looked for again with
+    Which corners meet which edges depends on the contacts in force; so it is looked for again with
     the forces that the first look gives.
     """
     bearing = _of_stress(model, method, state, share, step)
@@ -230,13 +230,13 @@ def _at_corners(model: Model, contacts: Contacts, state: State, critdis: float) 
 
 
 def _looked_for_again(model: Model, method: Method, balance: Balance, step: float) -> Balance:
-    """Return the forces on the contacts that there are with what bears now."""
+    """Return the forces on the contacts that are found with the forces known now."""
     known = replace(balance.state, memory=_begun(method, balance).memory)
     return replace(balance, contacts=_contacts_of(model, method, known, step))
 
 
 def _of_stress(model: Model, method: Method, state: State, share: float, step: float) -> Balance:
-    """Return the forces of the mean stress on the contacts that there are with what bears."""
+    """Return the forces of the mean stress on the contacts with the forces known now."""
     contacts = _contacts_of(model, method, state, step)
     mean = 0.5 * (state.stress[contacts.vertex_block] + state.stress[contacts.edge_block])
     force = share * contacts.length[:, None] * tractions(mean, contacts.normal)
@@ -270,7 +270,7 @@ def _bearing(law: Penalty, contacts: Contacts) -> tuple[Contacts, ContactRespons
 
 
 def _equations(model: Model, method: Method, balance: Balance, step: float) -> BlockSystem:
-    """Return the static equations: their right-hand side is what is out of balance."""
+    """Return the static equations: their right-hand side is the unbalanced force."""
     base = _static_terms(model, method, balance, step)
     contacts, response = _bearing(Penalty(model.stiffest), balance.contacts)
     none = np.zeros(len(contacts))
@@ -278,7 +278,7 @@ def _equations(model: Model, method: Method, balance: Balance, step: float) -> B
 
 
 def _static_terms(model: Model, method: Method, balance: Balance, step: float) -> DiagonalTerms:
-    """Return the static equations without contacts; inertia alone holds what nothing else does."""
+    """Return the static equations without contacts; inertia holds otherwise free blocks."""
     context = begin(model, _still(method), balance.state, step, None)
     base = diagonal_terms(context, np.zeros_like(context.velocity), Scheme(theta=1.0, step=np.inf))
     # the same for blocks of any size, by which the equations are as well posed for all
@@ -302,7 +302,7 @@ def _unbalanced(model: Model, system: BlockSystem) -> Floats:
 def _with_springs(base: DiagonalTerms, context: StepContext) -> DiagonalTerms:
     """Return the terms with the forces of springs between blocks, of bolts above all.
 
-    Nothing moves in the static solution, so they bear what they were installed with.
+    Nothing moves in the static solution, so they carry their pretension.
     """
     springs, fixed = context.springs, context.model.fixed
     if springs is None:
@@ -334,7 +334,7 @@ def _shifted(
 
 
 def _stretched(model: Model, state: State, unknowns: Floats) -> Floats:
-    """Return the points with the fixed ones where their springs bear what they have to.
+    """Return the points with the fixed ones where their springs carry their reactions.
 
     Some nanometres off their place in the block, which stays.
     """
@@ -348,7 +348,7 @@ def _stretched(model: Model, state: State, unknowns: Floats) -> Floats:
 
 
 def _held(model: Model, method: Method, state: State, unknowns: Floats) -> tuple[Any, ...]:
-    """Return the own states of actions, the outline's with what its springs have to bear."""
+    """Return the own states of actions, the outline's with the reactions of its springs."""
     actions = actions_of(model, method.fixed_point_stiffness, method.damping)
     centroid = _centroids(model, state)
     found = []
@@ -368,7 +368,7 @@ def _centroids(model: Model, state: State) -> Floats:
 
 
 def _begun(method: Method, balance: Balance) -> State:
-    """Return the state with the contacts in its memory, and in its ledger what they hold."""
+    """Return the state with the contacts in its memory, and in its ledger their energy."""
     state, law = balance.state, method.contact_law
     springs = Penalty(law.normal_stiffness, getattr(law, "shear_stiffness", None))
     contacts, response = _bearing(springs, balance.contacts)
@@ -394,7 +394,7 @@ def _said(before: float, after: float, capped: int) -> tuple[str, ...]:
 
 
 def _loose(model: Model, balance: Balance, force: Floats) -> tuple[str, ...]:
-    """Return which blocks begin to move; ``force`` (n,) is what nothing balances, N/m.
+    """Return which blocks begin to move; ``force`` (n,) is the unbalanced force, N/m.
 
     Raises ModelError where they are most of the rock.
     """
@@ -421,7 +421,7 @@ def _loose(model: Model, balance: Balance, force: Floats) -> tuple[str, ...]:
 
 
 def _remedy(model: Model) -> str:
-    """Return what may help that the case does not have already."""
+    """Return the remedies that the case does not have already."""
     stress = model.in_situ
     ways = []
     if stress is not None and model.gravity.any() and not np.any(stress.gradient):

@@ -14,7 +14,8 @@ from typing import NoReturn
 
 NAMES = ("SIGINT", "SIGTERM", "SIGHUP")
 ASKING = tuple(getattr(signal, name) for name in NAMES if hasattr(signal, name))
-"""The interrupt key, what systems send before they kill, and the end of the terminal."""
+"""The interrupt key, the signals that systems send before they kill, and the end of the
+terminal."""
 
 
 class Interrupted(KeyboardInterrupt):
@@ -34,7 +35,7 @@ def interrupt(number: int, _frame: FrameType | None) -> NoReturn:
 def heard() -> Iterator[None]:
     """Let signals that would end the process at once raise Interrupted in the block.
 
-    What is ignored, as nohup asks for, or has a handler of somebody else stays as it is.
+    A signal that is ignored, as nohup asks for, or has a handler of somebody else stays as it is.
     """
     with _handled(interrupt, _is_usual):
         yield
@@ -42,7 +43,7 @@ def heard() -> Iterator[None]:
 
 @contextmanager
 def held_back() -> Iterator[Callable[[], None]]:
-    """Hold back what asks to end in the block; yield what raises Interrupted if something did.
+    """Hold back signals to end in the block; yield a function that raises Interrupted if one came.
 
     The second signal is not held back.  Where somebody else handles it, or outside the main
     thread, nothing changes.  A signal that would have ended the process, and was not

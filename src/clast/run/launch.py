@@ -48,7 +48,7 @@ class Target:
 
 @dataclass(frozen=True, kw_only=True)
 class Launch:
-    """What a run is launched with."""
+    """Everything needed to launch a run."""
 
     model: Model
     method: Method
@@ -56,11 +56,11 @@ class Launch:
     foreseen: Callable[[], tuple[str, ...]]
     """Returns the warnings known before the first step."""
     remarks: tuple[str, ...] = ()
-    """What is said before them and does not belong to the report of the run."""
+    """Remarks before the warnings that do not belong to the report of the run."""
     source: Callable[[], Source]
     """Returns where the run comes from, for its checkpoints."""
     target: Callable[[Callable[[str], None]], Target]
-    """Returns where it is recorded; what is to be said of that is told."""
+    """Returns the file of results; remarks on it are passed on."""
     case_text: str = ""
     """Case as it is written into the result file."""
     contacts: bool = True
@@ -68,7 +68,7 @@ class Launch:
     checkpoint_every: float | None = None
     """Wall time between checkpoints, s; None: only when the run ends before its time."""
     begin: RunState | None = None
-    """What the run carried when it was interrupted; None: it begins."""
+    """Data of the run when it was interrupted; None: it begins."""
 
 
 def launch(
@@ -112,7 +112,7 @@ def launch(
 def _checkpoints(
     what: Launch, output: Path | None, recorder: RunRecorder, say: Callable[[str], None]
 ) -> Checkpointing | None:
-    """Return what writes the checkpoints of a run to a file, None for a run without one.
+    """Return the writer of checkpoints of a run to a file, None for a run without one.
 
     Raises CaseError where checkpoints are wanted and something else is in their place.
     """
@@ -128,7 +128,7 @@ def _checkpoints(
 
 @dataclass
 class Checkpointing:
-    """Keeps what a run carries, as ``keep`` of ``simulate``, and writes it to checkpoints."""
+    """Keeps the data of a run, as ``keep`` of ``simulate``, and writes them to checkpoints."""
 
     recorder: RunRecorder
     """Records the run, to a file."""
@@ -139,7 +139,7 @@ class Checkpointing:
     every: float | None = None
     """Wall time between checkpoints, s; None: only when the run ends before its time."""
     tell: Callable[[str], None] | None = None
-    """Called with what goes wrong, as soon as it does."""
+    """Called with every failure, as soon as it happens."""
     _now: tuple[RunState, RecordMark] | None = None
     _written: float = field(default_factory=monotonic)
     _started: float = field(default_factory=working_time)
@@ -148,7 +148,7 @@ class Checkpointing:
     _stages: int = 0
 
     def __call__(self, now: RunState) -> None:
-        """Keep what the run carries after a step; write it if it is time to."""
+        """Keep the data of the run after a step; write them if it is time to."""
         self._now = now, self.recorder.mark()
         if self.every is not None and monotonic() - self._written >= self.every:
             self._write(checkpoint_path(self.output))
@@ -161,7 +161,7 @@ class Checkpointing:
         self._write(checkpoint_path(self.output, stage), stage=stage)
 
     def over(self, outcome: str, *, finished: bool) -> tuple[str, ...]:
-        """Write the last checkpoint, where one is wanted; return what went wrong with them."""
+        """Write the last checkpoint, where one is wanted; return the failures of checkpoints."""
         wanted = not finished or self.every is not None or self._stages > 0
         if wanted:
             self._write(checkpoint_path(self.output), outcome=outcome, finished=finished)
@@ -174,7 +174,7 @@ class Checkpointing:
     def _write(
         self, path: Path, *, stage: str = "", outcome: str = "", finished: bool = False
     ) -> None:
-        """Write a checkpoint of the last step; what goes wrong becomes a warning."""
+        """Write a checkpoint of the last step; a failure becomes a warning."""
         if self._now is None:
             return
         run, mark = self._now

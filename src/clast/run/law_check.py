@@ -23,9 +23,9 @@ TRIALS = 300
 DEPTHS = -8.0, -2.5
 """Powers of ten between which penetrations are drawn, m."""
 NUDGE = 1e-4
-"""Gaps and slips are changed by this share of themselves to see what follows."""
+"""Gaps and slips are changed by this share of themselves to measure the change of forces."""
 NEAR = 1e-3
-"""Differences up to this share of what is compared are put down to rounding and curvature."""
+"""Differences up to this share of the compared values are put down to rounding and curvature."""
 
 
 def warnings_of(law: ContactLaw, contacts: Contacts) -> tuple[str, ...]:
@@ -73,7 +73,7 @@ class _Trial:
 
 
 def _trial(law: ContactLaw, contacts: Contacts, rng: np.random.Generator) -> _Trial:
-    """Return what to try a law on: gaps and slips of many sizes, some shear force remembered."""
+    """Return contacts to try a law on: gaps and slips of many sizes, some shear force."""
     count = len(contacts)
     size = 10.0 ** rng.uniform(*DEPTHS, count)
     gap = np.where(rng.random(count) < 0.8, -size, size)
@@ -122,7 +122,7 @@ def _friction_base(trial: _Trial) -> Iterator[str]:
 
 
 def _within_strength(trial: _Trial) -> Iterator[str]:
-    """Yield faults where contacts pull, or do not bear what Coulomb's law gives them."""
+    """Yield faults where contacts pull, or carry other forces than Coulomb's law gives."""
     response, contacts = trial.free(trial.gap, trial.slip), trial.contacts
     normal, shear = response.normal_force, np.abs(response.shear_force)
     if (normal < 0.0).any():
@@ -210,7 +210,7 @@ def _differ(one: Floats, other: Floats, size: Floats) -> Bools:
 
 
 def _spread(contacts: Contacts, count: int) -> Contacts:
-    """Return ``count`` of the contacts, in their order; the pairs stay what they are."""
+    """Return ``count`` of the contacts, in their order; the pairs stay together."""
     which = np.linspace(0, len(contacts) - 1, count).astype(np.int64)
     rows = {f.name: getattr(contacts, f.name) for f in fields(Contacts) if f.name != "pairs"}
     return Contacts(**{name: values[which] for name, values in rows.items()}, pairs=contacts.pairs)

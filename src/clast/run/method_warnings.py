@@ -28,7 +28,7 @@ LARGE_SHARE = 0.1
 SMALL_SHARE = 1e-6
 """max_displacement and critdis below this share of the smallest block's size find nothing."""
 THROUGH = 0.5
-"""critdis above this share of a block's thickness sees what lies behind the block."""
+"""critdis above this share of a block's thickness finds contacts behind the block."""
 SINKING = 0.01
 """Blocks that sink into others by more than this share of the smallest block sink too far."""
 JOINT_RATIO = 1e4
@@ -52,7 +52,7 @@ TURNING = 2.0
 LARGE_FILE = 2e9
 """Result files above this are said to be large, bytes."""
 BYTES = 72, 560
-"""What a vertex and a block take of a frame, with some contacts."""
+"""Bytes of a vertex and a block in a frame, with some contacts."""
 
 
 def method_warnings(model: Model, method: Method, schedule: Schedule) -> list[str]:
@@ -101,7 +101,7 @@ def _length_warnings(model: Model, method: Method) -> Iterator[str]:
 def check_overlaps(model: Model, method: Method) -> None:
     """Refuse overlaps that no contact of this stiffness can have left.
 
-    The energy p d2/2 of a contact comes from what rests on it, or from a fall of the lighter block,
+    The energy p d2/2 of a contact comes from the load on it, or from a fall of the lighter block,
     at most from the top of the scene to its bottom.
     """
     if len(model.overlaps.depth) == 0:
@@ -137,7 +137,7 @@ def _refuse_overlap(model: Model, stiffness: float, worst: int, count: int) -> N
 
 
 def _repair_of(depth: float) -> str:
-    """Return the table of a case that puts together what overlaps by ``depth``, m, at most."""
+    """Return the table of a case that repairs blocks that overlap by ``depth``, m, at most."""
     digit = 10.0 ** math.floor(math.log10(depth))
     return f"[repair] tolerance = {math.ceil(1.5 * depth / digit - 1e-6) * digit:.2g}"
 
@@ -234,7 +234,7 @@ def _static_warnings(model: Model, method: Method) -> Iterator[str]:
 
 
 def _slipping_warnings(model: Model, method: Method, schedule: Schedule) -> Iterator[str]:
-    """Warn of supports that move under what the mass term of static steps holds back.
+    """Warn of supports that move under forces that the mass term of static steps holds back.
 
     Friction carries a block by theta mu g h2 a step at most.
     """

@@ -39,7 +39,7 @@ SOFTEST_SHAKING, HARDEST_SHAKING = 1e-4 * 9.80665, 5.0 * 9.80665
 LIGHTEST_WATER, HEAVIEST_WATER = 950.0, 1300.0
 """Densities outside are not those of water, nor of a slurry, kg/m3."""
 STEPS_OF_INTERVAL = 2
-"""Fewer steps in an interval of a ground motion leave out what it holds."""
+"""Fewer steps in an interval of a ground motion miss part of it."""
 WEAKEST_BOLT = 1e3
 """Yield forces of bolts below look like kN, N/m."""
 NAMED = 5
@@ -116,7 +116,7 @@ def _support_warnings(model: Model) -> Iterator[str]:
 
 
 def _idle_warnings(model: Model) -> Iterator[str]:
-    """Warn of what has no effect: loads and supports of fixed blocks, rocks of no block."""
+    """Warn of input without effect: loads and supports of fixed blocks, rocks of no block."""
     points, lines = model.point_loads, model.line_loads
     fixed, measured = model.fixed_points, model.measured_points
     kinds = {

@@ -6,8 +6,8 @@ clipper then finds the overlap of the few pairs that are left.
 
 Where corners of four blocks meet, those across from each other overlap as far as the joints beside
 them have closed and slipped, both at once: no vertex has gone through an edge to bring that about,
-and rock would lose the tip of a corner.  Distinct element programs round corners by about 1 % of
-an edge for this reason; what two corners share of such tips is left out (decision 76).
+and rock would lose the tip of a corner.  Distinct element programs round corners by about 1 % of an
+edge for this reason; the overlap of two such tips is left out (decision 76).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ GRID = 1e-9
 NOTABLE = 0.02
 """And deeper than this, in units of critdis."""
 SIMPLE = 24
-"""Corners of two blocks up to which what they share is cut out here, if both are convex."""
+"""Corners of two blocks up to which their overlap is cut out here, if both are convex."""
 ROUNDED = 0.01
 """Radius by which corners count as rounded where more blocks meet, by the smaller block's size."""
 
@@ -101,7 +101,7 @@ def _closed(
 
 
 def _overlap(model: Model, vertices: Floats, pair: Ints) -> NDArray[Any]:
-    """Return what two blocks share, as polygons, but for tips of corners where more blocks meet."""
+    """Return the overlap of two blocks, as polygons, without tips where more blocks meet."""
     loops = _loops(model, vertices, pair)
     one, other = (shapely.make_valid(shapely.Polygon(loop)) for loop in loops)
     # without a grid GEOS takes outlines that touch to the last bit for overlapping
@@ -122,7 +122,7 @@ def _loops(model: Model, vertices: Floats, pair: Ints) -> list[Floats]:
 
 
 def widest_circle(one: Floats, other: Floats) -> float:
-    """Return what no circle within what two outlines (k, 2), m, share is wider than, m.
+    """Return a bound on the diameter of circles in the overlap of two outlines (k, 2), m.
 
     A convex area with the perimeter P and an inscribed circle of radius r is r P/2 at least.
     Infinite where an outline is not convex, or has many corners.

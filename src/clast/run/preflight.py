@@ -1,4 +1,4 @@
-"""The check of a case before its first step: what it consists of, and warnings."""
+"""The check of a case before its first step: its contents, and warnings."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ QUICKEST = 1e-5, 5e-6
 
 @dataclass(frozen=True, kw_only=True)
 class CaseSummary:
-    """What a case consists of, and warnings."""
+    """The contents of a case, and warnings."""
 
     title: str
     """Title of the case."""
@@ -89,13 +89,13 @@ class CaseSummary:
     warnings: tuple[str, ...]
     """Warnings, each with its remedy."""
     repairs: tuple[Repair, ...]
-    """What was done to blocks so that they touch, each with its first places."""
+    """Repairs to blocks so that they touch, each with its first places."""
     notes: tuple[str, ...]
-    """What clast changed or chose by itself."""
+    """Changes and choices that clast made by itself."""
 
 
 def examine(model: Model, method: Method, schedule: Schedule) -> CaseSummary:
-    """Return what a case consists of, and the warnings about it.
+    """Return the contents of a case, and the warnings about it.
 
     Raises ModelError where blocks overlap by more than contacts of this stiffness explain, and for
     stages that cannot be.
@@ -163,8 +163,8 @@ def _duration_warnings(
 ) -> Iterable[str]:
     """Warn of long runs: how many steps, and how many hours they are expected to take.
 
-    Where a guess leaves that open, the first step is made some times: what is compiled for the
-    first of them does not count.
+    Where a guess leaves that open, the first step is made some times: compilation in the first of
+    them does not count.
     """
     steps = schedule.steps
     base, more = QUICKEST

@@ -1,10 +1,10 @@
-"""How far a run is, and what is being compiled for it, on the terminal.
+"""Progress of a run, and of the compilation for it, on the terminal.
 
 Where there is no terminal (a pipe, a file) nothing is said of a run; of compilation, which takes
 long but only once, one line when it begins and one when it is over.
 
-What a run warns of reaches whoever started it, each warning once.  A script that names no function
-for it gets Python's own warnings, of the category ``clast.RunWarning``.
+Warnings of a run reach whoever started it, each warning once.  A script that names no function for
+it gets Python's own warnings, of the category ``clast.RunWarning``.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ PARTS = {
     "step": "time stepping",
     "studies": "measurements",
 }
-"""Folder of the package -> what its kernels are for."""
+"""Folder of the package -> the purpose of its kernels."""
 
 
 @contextmanager
 def shown(progress: bool | Watch) -> Iterator[Watch | None]:
-    """Give what to call after every step: nothing, the caller's own function, or a line."""
+    """Yield the function to call after every step: none, the caller's own function, or a line."""
     if callable(progress):
         yield progress
     elif progress:
@@ -89,7 +89,7 @@ class ProgressLine:
         self._start: tuple[float, float] | None = None
 
     def compiling(self, module: str | None) -> None:
-        """Say what is being compiled, until a step is over."""
+        """Report compilation until a step is over."""
         if module is not None:
             self._bar.update(self._task, description=compilation_text(module))
 
@@ -134,7 +134,7 @@ def status_text(progress: Progress, speed: float) -> str:
 
 
 def compilation_text(module: str) -> str:
-    """Return what is compiled with a kernel of ``module``, and how far compilation is."""
+    """Return the kernels compiled with one of ``module``, and the progress."""
     return (
         f"compiling, once after installation: {_part(module)} "
         f"({COMPILATION.kernels} of about {COMPILATION.expected} kernels)"
@@ -145,12 +145,12 @@ WAITING = (
     "compiling what this needs, once after installation: a minute or so; "
     "`clast warmup` does it ahead for all cases, by all cores"
 )
-"""What a run that meets a kernel not compiled yet says it waits for."""
+"""Message of a run that waits for a kernel that is not compiled yet."""
 
 
 @contextmanager
 def compilation_told(say: Callable[[str], None]) -> Iterator[None]:
-    """Call ``say`` once with what is waited for when something is compiled, and once at the end.
+    """Call ``say`` once with the kernels that are compiled, and once at the end.
 
     The lines are for where nothing can be replaced: pipes and files.
     """
@@ -171,7 +171,7 @@ def compilation_told(say: Callable[[str], None]) -> Iterator[None]:
 
 
 def _part(module: str) -> str:
-    """Return what the kernels of a module are for."""
+    """Return the purpose of the kernels of a module."""
     folder = module.split(".")[1]
     return PARTS.get(folder, folder)
 
@@ -201,7 +201,7 @@ class Warner:
         return found
 
     def with_report(self, run: Callable[[], Run]) -> Run:
-        """Return a run that is still to be made; say what its report warns of."""
+        """Return a run that is still to be made; pass on the warnings of its report."""
         try:
             done = run()
         except RunStopped as stopped:

@@ -1,7 +1,7 @@
 """Warnings at the end of a run: results that look right and are not.
 
-Each is a number measured during the run against the limit beyond which the method no longer gives
-what it promises, with the key that helps.
+Each is a number measured during the run against the limit beyond which the method is no longer
+reliable, with the key that helps.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from clast.step.remedies import remedy, stiffnesses_named
 UNFELT = 1e-3
 """Share of the energy turned over that may have been created: a wave brings all there is."""
 ROUNDING = 1e-9
-"""Energy gained or lost, as a share of what is stored, that is none."""
+"""Energy gained or lost, as a share of the stored energy, that is round-off."""
 DEEP = 0.05
 """Penetration, as a share of the thinner block, above which it is warned of."""
 LOST = 0.05
@@ -48,14 +48,14 @@ NAMED = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Watched:
-    """What was seen of a run so far; a part of what it carries from step to step."""
+    """Measurements of a run so far; a part of its data from step to step."""
 
     least: Floats
     """Least value of each of the energies of ``COUNTED``, J/m, shape (k,)."""
     greatest: Floats
     """Greatest, likewise."""
     deepest: tuple[float, str] = (DEEP, "")
-    """Largest penetration beyond DEEP, as a share of the thinner block, and what to say of it."""
+    """Largest penetration beyond DEEP, as a share of the thinner block, and its message."""
     overlaps: Mapping[tuple[str, str], Overlap] = field(default_factory=dict)
     """The deepest overlap that contacts do not know of, by the names of the blocks."""
 
@@ -87,13 +87,13 @@ class Watch:
         return float(self._thickness.min())
 
     def begin(self, state: State) -> Watched:
-        """Return what is seen at the start of a run."""
+        """Return the measurements at the start of a run."""
         held = np.array(_entries(state.ledger))
         from_rest = np.where(np.array(COUNTED) == "kinetic", 0.0, held)
         return Watched(least=np.minimum(held, from_rest), greatest=held)
 
     def with_step(self, seen: Watched, result: StepResult) -> Watched:
-        """Return what is seen after an accepted step."""
+        """Return the measurements after an accepted step."""
         held = np.array(_entries(result.state.ledger))
         seen = changed(
             seen,
@@ -105,7 +105,7 @@ class Watch:
         return changed(seen, deepest=self._deeper(seen.deepest, result))
 
     def with_frame(self, seen: Watched, state: State) -> Watched:
-        """Return what is seen after a look at the outlines of a frame."""
+        """Return the measurements after a look at the outlines of a frame."""
         overlaps = dict(seen.overlaps)
         for one in unseen_overlaps(self.model, state, self.method.critdis):
             before = overlaps.get(one.blocks)
@@ -114,7 +114,7 @@ class Watch:
         return replace(seen, overlaps=overlaps)
 
     def warnings(self, seen: Watched, state: State, step: float) -> tuple[str, ...]:
-        """Return what is to be said at the end of a run, each with its number and a remedy.
+        """Return the warnings at the end of a run, each with its number and a remedy.
 
         ``state`` is the last one, ``step``, s, the length of the step to it, 0 if there was none.
         """
@@ -193,7 +193,7 @@ class Watch:
         )
 
     def _cause_of_imbalance(self) -> str:
-        """Return what is likely to have left energy unaccounted for, and what to do."""
+        """Return the likely cause of unaccounted energy, and the remedy."""
         if self.model.actions:
             kinds = ", ".join(sorted({type(one).__name__ for one in self.model.actions}))
             return (

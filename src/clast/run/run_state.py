@@ -1,4 +1,4 @@
-"""What a run carries from one step to the next, and who is handed it."""
+"""The data of a run from one step to the next, and the interface of keepers."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Tally:
     seconds: Mapping[str, float] = field(default_factory=dict)
     """Wall time of each stage of the steps, s."""
     counts: Mapping[str, int] = field(default_factory=dict)
-    """What the process counted."""
+    """The counts of the process."""
 
     def with_step(self, result: StepResult, cuts: int = 0) -> Tally:
         """Return the counts with those of an accepted step, and of the ``cuts`` before it."""
@@ -49,7 +49,7 @@ class Tally:
 
 
 def _added(before: Mapping[str, Number], new: Mapping[str, Number]) -> dict[str, Number]:
-    """Return the sums of what has the same name."""
+    """Return the sums of counts of the same name."""
     sums = {**before}
     for name in new:
         sums[name] = sums[name] + new[name] if name in sums else new[name]
@@ -73,11 +73,11 @@ class RunState:
     tally: Tally = field(default_factory=Tally)
     """Counts so far."""
     seen: Watched
-    """What the run will be warned of."""
+    """Measurements for warnings."""
     notes: tuple[str, ...] = ()
-    """What the run says about its start."""
+    """Notes on the start of the run."""
     events: tuple[Event, ...] = ()
-    """What has happened in it."""
+    """Events so far."""
     position: Position | None = None
     """Where it is among its stages; None: it has none."""
     path: OnPath | None = None
@@ -86,16 +86,16 @@ class RunState:
 
 @runtime_checkable
 class Keeper(Protocol):
-    """Keeps what a run carries, and is told of the ends of stages and of the run."""
+    """Keeps the data of a run, and hears of the ends of stages and of the run."""
 
     def __call__(self, now: RunState) -> None:
-        """Keep what the run carries after a step."""
+        """Keep the data of the run after a step."""
         ...
 
     def stage_ended(self, stage: str, now: RunState) -> None:
-        """Keep what it carries at the end of a stage."""
+        """Keep its data at the end of a stage."""
         ...
 
     def over(self, outcome: str, *, finished: bool) -> tuple[str, ...]:
-        """Keep what it carried last; return what went wrong with what was kept."""
+        """Keep its last data; return the failures of keeping."""
         ...

@@ -52,7 +52,7 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Stepping:
-    """What all steps of a run, or of one of its stages, have in common."""
+    """The parts that all steps of a run, or of one of its stages, have in common."""
 
     model: Model
     method: Method
@@ -67,7 +67,7 @@ class Stepping:
 
     @classmethod
     def of(cls, setting: Setting, workspace: Workspace, stage: Stage | None) -> Stepping:
-        """Return what the steps of a setting have in common."""
+        """Return the common parts of the steps of a setting."""
         model, method = setting.model, setting.method
         return cls(
             model=model,
@@ -255,12 +255,12 @@ def simulate(
     Raises RunStopped, with the partial results in its ``run``, where even the smallest step is
     rejected or a frame cannot be written.  The interrupt key, SIGTERM and SIGHUP end the run early,
     with its results kept; the latter two then end the process.  ``warnings`` are put into the
-    report beside what the process itself has to say; a contact law of one's own is tried on the
-    run's contacts (see ``clast.check_law``), and its faults are warnings too.  Raises
-    ModelError where blocks overlap by more than contacts of this stiffness explain.
+    report beside those of the process; a contact law of one's own is tried on the run's contacts
+    (see ``clast.check_law``), and its faults are warnings too.  Raises ModelError where blocks
+    overlap by more than contacts of this stiffness explain.
 
-    ``keep`` is handed what the run carries after each step; a run of the same model, method and
-    schedule that has it as ``begin`` goes on from there, and records from there on.
+    ``keep`` receives the data of the run after each step; a run of the same model, method and
+    schedule that has them as ``begin`` goes on from there, and records from there on.
     """
     check_overlaps(model, method)
     course = StageSequence(base=Setting(model=model, method=method, schedule=schedule))

@@ -27,7 +27,7 @@ Watch = Callable[["Combination", "Progress"], None]
 """Called after every step of every run."""
 
 SHARED = ("normal_stiffness", "shear_stiffness")
-"""Numbers of a contact law that say what the joint is like; they hold for every law compared."""
+"""Numbers of a contact law that describe the joint; they hold for every law compared."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +39,9 @@ class Combination:
     law: str
     """Contact law."""
     own_process: Any = None
-    """The process itself, where it is an object; ``process`` is what tables call it."""
+    """The process itself, where it is an object; ``process`` is its name in tables."""
     own_law: Any = None
-    """The contact law itself, where it is an object; ``law`` is what tables call it."""
+    """The contact law itself, where it is an object; ``law`` is its name in tables."""
 
     def __str__(self) -> str:
         return f"{self.process}, {self.law}"
@@ -66,7 +66,7 @@ class Combination:
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """What one combination made of the case; n blocks, nv vertices."""
+    """The result of one combination; n blocks, nv vertices."""
 
     combination: Combination
     """Process and law."""
@@ -148,7 +148,7 @@ class Comparison:
     end: float
     """Time at which a run reaches its end, s."""
     rows: tuple[Row, ...]
-    """What each combination made of it."""
+    """The result of each combination."""
     start: Floats = field(repr=False)
     """Vertices at the start, m, shape (nv, 2)."""
     block_start: Ints = field(repr=False)
@@ -253,7 +253,7 @@ def _object(given: Any) -> Any:
 
 
 def _called(kind: str, given: Sequence[Any], known: dict[str, str]) -> list[str]:
-    """Return what tables call processes or laws; raise CaseError for what cannot be compared."""
+    """Return the names of processes or laws in tables; raise CaseError for invalid ones."""
     if not given:
         raise CaseError(
             f"there is no {kind} to compare", remedy=f"name some of: {', '.join(known)}"

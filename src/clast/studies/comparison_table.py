@@ -1,4 +1,4 @@
-"""A comparison as a table of texts: what the command line and the pages show."""
+"""A comparison as a table of texts, for the command line and the pages."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def cells(comparison: Comparison, row: Row) -> tuple[str, ...]:
 
 
 def remarks(comparison: Comparison) -> list[str]:
-    """Return what has to be said below the table: references, why runs stopped, warnings, notes."""
+    """Return the remarks below the table: references, why runs stopped, warnings, notes."""
     said = ["passes and solves: per step; penetration: the largest of the run"]
     said += _stiffness_texts(comparison)
     for one in comparison.rows[0].deviations:

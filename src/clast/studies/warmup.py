@@ -1,10 +1,11 @@
-"""Compiles ahead of the first run what cases need, by as many processes as there are cores.
+"""Compiles the kernels of cases ahead of the first run, by as many processes as there are cores.
 
-What Python calls is listed (compute/roots.py), and each kernel of the list can be compiled by
-itself.  Those of one file use the same others and are compiled by one process, unless a file is so
-large that the rest would wait for it.  What takes longest begins first.
+Kernels that Python calls are listed (compute/roots.py), and each kernel of the list can be compiled
+by itself.  Those of one file use the same others and are compiled by one process, unless a file is
+so large that the rest would wait for it.  The longest begin first.
 
-The list is made of what a few runs call, ``TRIALS``: each process, law, rule and solver once.
+The list is made of the kernels that a few runs call, ``TRIALS``: each process, law, rule and solver
+once.
 
 Python's own bytecode is written with it.  Where it is missing, and PYTHONDONTWRITEBYTECODE keeps
 commands from writing it, each of them translates 200 files anew, for a third of a second.
@@ -31,7 +32,7 @@ from clast.studies.bench.scenes import SCENES
 from clast.studies.bench.settings import BenchSettings, method_for, schedule_of
 
 Watch = Callable[[str, float], None]
-"""Called with what has been compiled last, and how much of all that is, 0 to 1."""
+"""Called with the kernel that has been compiled last, and the share of all that is done, 0 to 1."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +40,9 @@ class SmallCase:
     """Three steps of two blocks."""
 
     title: str
-    """What is tried."""
+    """The title of the trial."""
     settings: tuple[str, ...] = ()
-    """What is different from the incline of the templates."""
+    """Keys that differ from the incline of the templates."""
 
     def run(self) -> None:
         """Simulate it."""
@@ -53,7 +54,7 @@ class Larger:
     """One step of a scene of the benchmarks by the convex process with conjugate gradients."""
 
     title: str
-    """What is tried."""
+    """The title of the trial."""
     scene: str = "wall"
     """Name of the scene."""
     size: int = 60
@@ -73,7 +74,7 @@ class Larger:
 Trial = SmallCase | Larger
 
 FIRST: tuple[Trial, ...] = (SmallCase("convex", ("method.process=convex", "time.end=0.5")),)
-"""What the first case of all needs."""
+"""The case that comes first."""
 CONVEX: tuple[Trial, ...] = (
     Larger(title="conjugate gradients", settings=BenchSettings(steps=1), solver=PCG()),
     Larger(title="coarse system", settings=BenchSettings(steps=1), solver=PCG(plain=0)),
@@ -110,7 +111,7 @@ OTHERS: tuple[Trial, ...] = (
 
 
 TRIALS: tuple[Trial, ...] = (*CONVEX, *OTHERS)
-"""What others need beside it."""
+"""The cases of the others."""
 
 
 def warm_up(
@@ -119,10 +120,10 @@ def warm_up(
     workers: int | None = None,
     of: Sequence[str] = ("first", "others"),
 ) -> None:
-    """Compile what cases need, as far as it is not on disk, by so many ``workers``.
+    """Compile the kernels of cases, as far as they are not on disk, by so many ``workers``.
 
-    One for each core if not given.  ``of`` are parts of the list: "first" is what the incline
-    needs.
+    One for each core if not given.  ``of`` are parts of the list: "first" has the kernels of the
+    incline.
     """
     compileall.compile_dir(PACKAGE, quiet=2)  # where it may not write there is no bytecode
     roots = listed()
@@ -156,7 +157,7 @@ class CompileJob:
 
     @property
     def title(self) -> str:
-        """What they are for."""
+        """Their purpose."""
         return self.roots[0].module.removeprefix("clast.").replace(".", "/")
 
     def compile(self) -> None:
@@ -170,9 +171,9 @@ class CompileJob:
 
 
 def shared_out(roots: Iterable[Root], workers: int) -> list[CompileJob]:
-    """Return what is compiled together, the largest first.
+    """Return the groups of kernels that are compiled together, the largest first.
 
-    A file that has more than half of what a process has to do is taken apart.
+    A file that has more than half of the work of a process is taken apart.
     """
     known = [root for root in roots if root.is_there]
     files: dict[str, list[tuple[Root, int]]] = defaultdict(list)

@@ -1,4 +1,4 @@
-"""What a study consists of, and its file ``study.toml``: all that its results depend on.
+"""The parts of a study, and its file ``study.toml``: everything that its results depend on.
 
     schema = 1
     kind = "montecarlo"
@@ -63,7 +63,7 @@ class FactorSettings:
     """How a factor of safety, or a load at collapse, is looked for."""
 
     by: str = "strength"
-    """What the factor acts on: strength, gravity, "load NAME", pga, "pga left"."""
+    """The quantity of the factor: strength, gravity, "load NAME", pga, "pga left"."""
     joints: tuple[str, ...] = ()
     """Joints whose strength is reduced; none: all."""
     start: float | None = None
@@ -85,7 +85,7 @@ class Description:
     case: str = ""
     """Case file, beside study.toml."""
     vary: tuple[Parameter, ...] = ()
-    """What varies from run to run."""
+    """The parameters that vary from run to run."""
     correlate: tuple[tuple[str, str, float], ...] = ()
     """Names of two parameters and the correlation of their normal scores."""
     sampling: Sampling = field(default_factory=random_draws.Random)
@@ -139,7 +139,7 @@ class Description:
 
     @cached_property
     def _copula(self) -> tuple[Floats, Floats]:
-        """Correlations of normal scores of what is drawn, and their Cholesky factor, (m, m)."""
+        """Correlations of normal scores of random parameters, and their Cholesky factor, (m, m)."""
         names = [one.name for one in self._drawn]
         pairs = [(names.index(a), names.index(b), value) for a, b, value in self.correlate]
         return random_draws.copula(pairs, len(names))
@@ -222,13 +222,13 @@ class Description:
 
     @cached_property
     def hash(self) -> str:
-        """What results name the study by."""
+        """Name of the study in results."""
         return sha256(self.text.encode("utf-8")).hexdigest()[:16]
 
     # Checks --------------------------------------------------------------------------------------
 
     def checked(self) -> Description:
-        """Return the study with its number of runs; raises CaseError for what is none."""
+        """Return the study with its number of runs; raises CaseError for an invalid one."""
         if self.kind not in KINDS:
             remedy = spelling.advice(str(self.kind), KINDS, kind="kind")
             raise CaseError(f"there is no kind '{self.kind}'", where="kind", remedy=remedy)
@@ -297,7 +297,7 @@ class Description:
         return replace(self, n=self.sampling.checked(_check_count(self.n), drawn))
 
     def _check_correlations(self, names: Sequence[str]) -> None:
-        """Raise CaseError for correlations of what does not vary, or cannot be correlated."""
+        """Raise CaseError for correlations of constant parameters, or of unsuitable ones."""
         seen = set()
         for first, second, value in self.correlate:
             for name in (first, second):
@@ -354,7 +354,7 @@ def _check_count(count: Any) -> int:
 
 
 def described(text: str, file: str) -> Description:
-    """Return the study of the text of a ``study.toml``; raises CaseError naming what is wrong."""
+    """Return the study of the text of a ``study.toml``; raises CaseError naming the fault."""
     content = case_text.parse(text, file)
     known = {"schema", "kind", "case", "n", "sampling", "seed", "replicates", "together", "keep"}
     known |= {"fail", "measure", "factor", "vary", "correlate"}
@@ -416,7 +416,7 @@ def sampling_of(word: str, **numbers: Any) -> Sampling:
 
 
 def parameters_of(vary: Mapping[str, Any]) -> tuple[Parameter, ...]:
-    """Return what varies, from paths -> distribution, list, text or single value.
+    """Return the parameters, from paths -> distribution, list, text or single value.
 
     A key may be several paths, separated by commas, and begin with a name: "phi: joint.a.x, ...".
     """

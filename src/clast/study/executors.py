@@ -3,7 +3,7 @@
 Runs are handed out in portions, which become smaller towards the end.  A worker that dies costs its
 own run a try; after three it is written down as one without a result.  Everything is written by the
 workers themselves, so that nothing is lost with a driver or a scheduler, and whoever goes on with
-the study finds what is done.
+the study finds all finished runs.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class StudyProgress:
     total: int
     """All runs."""
     lost: int
-    """Runs that have no result because of what went wrong."""
+    """Runs that have no result because of a failure."""
     seconds: float
     """Time since the driver began, s."""
     made: int
@@ -78,7 +78,7 @@ class Workers(Protocol):
         """Have a new worker at a place: the old one has died, or is to be renewed."""
 
     def close(self, *, now: bool) -> None:
-        """End all workers, ``now`` without waiting for what they do."""
+        """End all workers, ``now`` without waiting for their runs."""
 
 
 def start_worker() -> None:
@@ -164,7 +164,7 @@ class Driver:
     """Portions in a row of which no run was begun."""
 
     def make(self, runs: Iterator[int], total: int) -> None:
-        """Make runs, of ``total`` at most; raises what the executor raises where it is gone."""
+        """Make runs, of ``total`` at most; raises the executor's error where it is gone."""
         self._total, self._began = total, time.monotonic()
         self._before = self.folder.study.n - total
         self._handed = 0
@@ -199,7 +199,7 @@ class Driver:
         return portion
 
     def _ended(self, future: Future[int], place: int, portion: list[int]) -> list[list[int]]:
-        """Return what is to be made again of a portion that has come to an end."""
+        """Return the runs to repeat of a portion that has come to an end."""
         try:
             error = future.exception()
         except CancelledError:

@@ -2,11 +2,11 @@
 
     clast study fit CASE --observe moved.csv --vary "joint.a.shear_stiffness=uniform(1e8, 1e10)"
 
-Least squares (scipy's trust region reflective) of what was measured less what is computed, each
-over its standard deviation, within the bounds that each parameter's range gives; what varies over
-more than a factor of ten is sought by its logarithm.  The derivatives are finite differences, whose
-runs are made at the same time.  With J at the solution the covariance is s2 (J^T J)^-1, s2 being 1
-where standard deviations were given, else the residual variance; the intervals are those of
+Least squares (scipy's trust region reflective) of measured less computed values, each over its
+standard deviation, within the bounds that each parameter's range gives; a parameter that varies
+over more than a factor of ten is sought by its logarithm.  The derivatives are finite differences,
+whose runs are made at the same time.  With J at the solution the covariance is s2 (J^T J)^-1, s2
+being 1 where standard deviations were given, else the residual variance; the intervals are those of
 Student's t, or of the normal distribution where standard deviations are known.
 """
 
@@ -66,7 +66,7 @@ class Observation:
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
-    """What a back-analysis has found; m parameters, k observations."""
+    """The result of a back-analysis; m parameters, k observations."""
 
     parameter: tuple[str, ...]
     """Names."""
@@ -79,13 +79,13 @@ class Fit:
     correlation: Floats
     """Correlations of the errors of the values, or of their logarithms, shape (m, m)."""
     observed: Floats
-    """What was measured, m, shape (k,)."""
+    """The measured values, m, shape (k,)."""
     predicted: Floats
-    """What the case does with the best values, m, shape (k,)."""
+    """The values of the case with the best parameters, m, shape (k,)."""
     runs: int
     """Runs that were made."""
     remark: str = ""
-    """What is to be known of it; "" where nothing is."""
+    """The reservations; "" where there are none."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
@@ -199,11 +199,11 @@ class Task:
     file: str
     """Its file."""
     observations: tuple[Observation, ...]
-    """What is compared."""
+    """The compared values."""
 
 
 def predicted(task: Task) -> list[float]:
-    """Return what a case does where it was measured, m; raises ClastError where it cannot."""
+    """Return the computed values at the measurements, m; raises ClastError where there are none."""
     case = Case.from_text(task.text, task.file)
     measured = RunResults(case.run(warn=lambda _text: None))
     found = []
@@ -274,8 +274,8 @@ def fit(
     """Return the parameters with which a case moves as it was measured.
 
     ``observe`` is a table (CSV) with the columns point, time, x, y, sd, or a list; ``vary`` has
-    paths -> ranges, ``"uniform(1e8, 1e10)"``.  Raises CaseError for what cannot be used, and where
-    a run cannot go on.
+    paths -> ranges, ``"uniform(1e8, 1e10)"``.  Raises CaseError for invalid input, and where a run
+    cannot go on.
     """
     loaded = given_case(case)
     parameters = parameters_of(vary)
@@ -305,7 +305,7 @@ def fit(
 
 
 def _fitted(fitting: Fitting, names: list[str]) -> Fit:
-    """Return what least squares find."""
+    """Return the least squares solution."""
     middle = np.full(len(names), 0.5)
     try:
         found = optimize.least_squares(

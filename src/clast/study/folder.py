@@ -37,7 +37,7 @@ STUDY, BASE, RUNS, RESULT, CASE = "study.toml", "base", "runs", "result.json", "
 SHARD = 10_000
 """Runs in a folder."""
 DONE, NO_RESULT = "done", "no result"
-"""What became of a run: no result is one that could not go on, or had wrong numbers."""
+"""Outcomes of a run: no result is one that could not go on, or had wrong numbers."""
 NAMES_FILE = "file"
 """Key of all tables of a case that names a file beside it."""
 
@@ -127,7 +127,7 @@ class StudyFolder:
         return self.path / RUNS / f"{run // SHARD:04d}" / f"{run:08d}"
 
     def result(self, run: int) -> dict[str, Any] | None:
-        """Return what came of a run; None where it is not done, or is of another study."""
+        """Return the result of a run; None where it is not done, or is of another study."""
         return _result_in(self.place(run) / RESULT, self.study.hash)
 
     @contextmanager
@@ -148,7 +148,7 @@ class StudyFolder:
             shutil.rmtree(part, ignore_errors=True)
 
     def write_result(self, part: Path, result: Mapping[str, Any]) -> None:
-        """Write what came of a run into its folder, last of all."""
+        """Write the result of a run into its folder, last of all."""
         text = json.dumps({"study": self.study.hash, **result}, ensure_ascii=False, indent=1)
         _write(part / RESULT, (text + "\n").encode("utf-8"))
 
@@ -205,7 +205,7 @@ class StudyFolder:
             return set()
 
     def _tidy(self) -> None:
-        """Remove what runs have left that were killed on this machine."""
+        """Remove the files of runs that were killed on this machine."""
         for shard in (self.path / RUNS).glob("*"):
             with os.scandir(shard) as entries:
                 parts = [entry.name for entry in entries if entry.name.startswith(".")]

@@ -1,4 +1,4 @@
-"""What the results of a study add up to: probability of failure, spread, and what it comes from."""
+"""Statistics of a study: probability of failure, spread, and the contributions of parameters."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Probability:
     value: float
     """Estimate."""
     low: float
-    """Lower end of the interval; that of what is known where no interval is."""
+    """Lower end of the interval; the known value where there is no interval."""
     high: float
     """Upper end."""
     failed: int
@@ -40,7 +40,7 @@ class Probability:
     lost: int
     """Runs without a result: the interval allows that all of them, or none, fail."""
     how: str
-    """What the interval is; "" where the sampling has none."""
+    """The kind of interval; "" where the sampling has none."""
 
     def __str__(self) -> str:
         text = f"{self.value:.4g}"

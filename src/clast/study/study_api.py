@@ -38,7 +38,7 @@ from clast.study.work import Bench
 
 @dataclass(frozen=True, kw_only=True)
 class HowMade:
-    """How the runs of a study are made; nothing of it changes what comes of them."""
+    """How the runs of a study are made; none of it changes their results."""
 
     executor: Any = None
     """Executor of ``concurrent.futures``; None: processes of this machine."""
@@ -58,12 +58,12 @@ USUAL = HowMade()
 
 
 class Study:
-    """A case whose runs differ in some of its keys, and what they are judged by.
+    """A case whose runs differ in some of its keys, and the measures of its runs.
 
     ``vary`` has paths -> distributions (``clast.Normal(35, 5)``), lists, or texts as in case files;
     where all are lists it is a sweep.  ``correlate`` are pairs of them with the correlation of
     their normal scores.  ``measure`` has names -> expressions, ``fail`` is one that is true where a
-    run fails.  Raises CaseError for what is none of these.
+    run fails.  Raises CaseError for invalid ones.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class Study:
     ) -> Description:
         """Return the description of the study with so many runs; raises CaseError for none.
 
-        ``kind`` is "sweep" or "montecarlo" where it is not to follow from what varies.
+        ``kind`` is "sweep" or "montecarlo" where it is not to follow from the parameters.
         """
         chosen = sampling_of(sampling, **numbers)
         count = RUNS if n is None else n

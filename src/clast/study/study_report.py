@@ -77,7 +77,7 @@ class Page:
         self.parts.append(f"<table><tr>{head}</tr>\n{body}</table>")
 
     def pictures(self, paths: Iterable[tuple[Path, str]]) -> None:
-        """Add pictures (PNG) side by side, each with what it shows."""
+        """Add pictures (PNG) side by side, each with its caption."""
         drawn = "".join(
             f'<img alt="{escape(text)}" src="data:image/png;base64,'
             f'{b64encode(path.read_bytes()).decode()}">'
@@ -133,7 +133,7 @@ def write_report(folder: StudyFolder) -> Path:
 
 
 def _answer(page: Page, columns: StudyResults) -> None:
-    """Say what the study has found."""
+    """Write the answer of the study."""
     found = probabilities.probability(columns)
     if found is not None:
         page.say(f"Probability of failure {found}", "answer")
@@ -159,7 +159,7 @@ def _spread(page: Page, columns: StudyResults, values: Any) -> None:
 
 
 def _figures(columns: StudyResults, name: str, values: Any, folder: Path) -> list[tuple[Path, str]]:
-    """Return the figures of a measure, and what they show."""
+    """Return the figures of a measure, and their captions."""
     safe = "".join(sign if sign.isalnum() or sign in "-_" else "_" for sign in name)
     x, share, half = probabilities.cumulative(columns.study, values)
     if not len(x):
@@ -223,7 +223,7 @@ def _same_blocks(folder: StudyFolder) -> bool:
 
 
 def _what_varies(page: Page, folder: StudyFolder) -> None:
-    """Say what varies, and how runs were drawn."""
+    """Write the parameters, and how runs were drawn."""
     study = folder.study
     page.head("What varies")
     rows = [[one.name, ", ".join(one.paths), str(one.distribution)] for one in study.vary]
@@ -328,7 +328,7 @@ def _listed(blocks: Sequence[str]) -> str:
 
 
 def _drawn(page: Page, draw: Any) -> None:
-    """Add figures, or say what is needed for them."""
+    """Add figures, or a note on the missing library."""
     try:
         page.pictures(draw())
     except CaseError as error:

@@ -1,4 +1,4 @@
-"""The table of a study, rebuilt from what each run has written, in the order of their numbers.
+"""The table of a study, rebuilt from the result of each run, in the order of their numbers.
 
 Nothing in it depends on time, machine or who made which run: the same study gives the same bytes.
 Rows go through one at a time, so that a table may be of any length.

@@ -1,4 +1,4 @@
-"""What a worker does: make runs of a study, and write down what came of each.
+"""A worker: make runs of a study, and write down the result of each.
 
 All that a run is follows from the folder and its number.  Whatever goes wrong in a run is a result:
 the study goes on with the next.
@@ -79,7 +79,7 @@ class Bench:
             factor_of(study.factor or FactorSettings()).check(content_of(case))
 
     def make(self, run: int) -> dict[str, Any]:
-        """Make a run; return what came of it, which is written down."""
+        """Make a run; return its result, which is written down."""
         study, folder = self.folder.study, self.folder
         values = study.values(run)
         content = self.settings.case(values)
@@ -100,7 +100,7 @@ class Bench:
         return result
 
     def _result(self, content: dict[str, Any], output: Path | None) -> dict[str, Any]:
-        """Return what comes of a run; what goes wrong with it is a result as well."""
+        """Return the result of a run; a failure is a result as well."""
         try:
             return self._measured(One(changed(self.folder.base, content), output))
         except RunStopped as stopped:
@@ -155,7 +155,7 @@ class One:
 
 
 def factor_of(how: FactorSettings) -> Reduction:
-    """Return what a factor acts on."""
+    """Return the reduction of a factor."""
     return reduction(how.by, how.joints)
 
 

@@ -1,1 +1,1 @@
-"""Drawings in (DXF, CSV) and blocks out (DXF, CSV, NPZ): what a file draws of a rock mass."""
+"""Drawings in (DXF, CSV) and blocks out (DXF, CSV, NPZ): rock masses in files of other programs."""

@@ -1,4 +1,4 @@
-"""Cut blocks as plain arrays: what every writer takes, and what readers of blocks give back."""
+"""Cut blocks as plain arrays: the input of every writer, and the output of readers of blocks."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def counter_clockwise(blocks: Blocks) -> Blocks:
 
 
 def _uneven(points: Floats, start: Ints, rocks: Sequence[str], joints: Sequence[str]) -> str:
-    """Return in what the lengths of the arrays do not agree, or nothing."""
+    """Return the disagreement in the lengths of the arrays, or nothing."""
     if start[0] != 0 or start[-1] != len(points):
         return f"block_start goes from {start[0]} to {start[-1]}, not from 0 to {len(points)}"
     few = np.flatnonzero(np.diff(start) < 3)

@@ -39,7 +39,7 @@ from clast.rockmass.drawings.numbers import number_of
 PLAIN = ("x1", "y1", "x2", "y2")
 """Columns of a table without a heading."""
 PLAIN_NAME = re.compile(r"[a-z_][a-z0-9_ ]{0,20}")
-"""What may be the name of a column, in small letters."""
+"""Names of columns, in small letters."""
 DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eEdD][+-]?\d+)?")
 LARGEST = 1e12
 """Largest coordinate that is believed."""
@@ -50,7 +50,7 @@ class CsvRow:
     """A row of a table."""
 
     values: Mapping[str, str]
-    """Column -> what is written there."""
+    """Column -> its text."""
     line: int
     """Its line in the file, from 1."""
     file: str
@@ -86,7 +86,7 @@ class CsvRow:
 
 @dataclass(frozen=True, kw_only=True)
 class CsvTable:
-    """The rows of a file, and what its columns are."""
+    """The rows of a file, and the meaning of its columns."""
 
     file: str
     columns: tuple[str, ...]
@@ -97,8 +97,8 @@ class CsvTable:
 def read_csv(path: str | Path) -> Drawing:
     """Return the traces, the outline or the joint survey of a CSV file, by its heading.
 
-    Raises CaseError with the line and the column of what is wrong, and for columns of none of the
-    kinds of table.  Columns beside those that are read go to ``left_out``.
+    Raises CaseError with the line and the column of the fault, and for columns of none of the kinds
+    of table.  Columns beside those that are read go to ``left_out``.
     """
     table = table_of(Path(path))
     for kind in KINDS:
@@ -125,7 +125,7 @@ def read_traces(path: str | Path, joint: str = "") -> tuple[Polyline, ...]:
 
 
 def noted_traces(path: str | Path, joint: str = "") -> tuple[tuple[Polyline, ...], tuple[str, ...]]:
-    """Return the traces of a CSV file, and what was left out of it or taken otherwise."""
+    """Return the traces of a CSV file, and the notes on omissions and changes."""
     drawing = read_csv(path)
     if not drawing.traces:
         needed = "a heading x1,y1,x2,y2 or id,x,y"
@@ -143,7 +143,7 @@ def noted_traces(path: str | Path, joint: str = "") -> tuple[tuple[Polyline, ...
 
 
 def _said(drawing: Drawing) -> tuple[str, ...]:
-    """Return what was left out of a table, and what was taken otherwise than it is given."""
+    """Return the notes on a table: omissions and changes."""
     left = (f"left out: {one.what}, {one.reason}" for one in drawing.left_out)
     return (*drawing.notes, *left)
 
@@ -157,7 +157,7 @@ def read_outline(path: str | Path) -> Floats:
 
 
 def noted_outline(path: str | Path) -> tuple[Floats, tuple[str, ...]]:
-    """Return the outline of a CSV file, and what was taken otherwise than it is given."""
+    """Return the outline of a CSV file, and the notes on changes."""
     drawing = read_csv(path)
     if drawing.boundary is None:
         remedy = "an outline has the heading x,y and a row for each corner"
@@ -246,7 +246,7 @@ def _fits(cells: Sequence[str], columns: Sequence[str], file: str, number: int) 
 
 
 def _misspelt(columns: Sequence[str]) -> str:
-    """Return what the columns that are not known may have been meant as."""
+    """Return the known columns that unknown ones may have been meant as."""
     known = {name for kind in KINDS for name in (*kind.needed, *kind.optional)}
     pairs = [(name, spelling.nearest(name, known)) for name in columns if name not in known]
     close = [f"'{shortened(name)}' may be '{near}'" for name, near in pairs if near]
@@ -383,7 +383,7 @@ def _length(row: CsvRow) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class TableKind:
-    """A kind of table: what it is called, its columns, and how it is read."""
+    """A kind of table: its name, its columns, and its reader."""
 
     name: str
     needed: tuple[str, ...]

@@ -1,8 +1,8 @@
-"""What a drawing says of a rock mass: outlines, lines and points, in metres, and where each stood.
+"""A drawing of a rock mass: outlines, lines and points, in metres, and the place of each.
 
-Every reader of drawings gives a ``Drawing`` (or the parts of one).  What a file has and a drawing
-cannot say is not dropped: it stands in ``left_out`` with its place and the reason; what was taken
-otherwise than it was given stands in ``notes``.
+Every reader of drawings gives a ``Drawing`` (or the parts of one).  Parts of a file that a drawing
+cannot hold are not dropped: they stand in ``left_out`` with place and reason; changes stand in
+``notes``.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ class LeftOut:
     """Something in a file that was not taken over."""
 
     what: str
-    """What it is, with its values."""
+    """The thing, with its values."""
     place: str
     """Where it stands: handle of an entity, line of a text."""
     reason: str
-    """Why it was not taken over, and what can be done."""
+    """Why it was left out, and the remedy."""
 
     def __str__(self) -> str:
         return f"{self.place}: {self.what}: {self.reason}"
@@ -169,7 +169,7 @@ class PointForce:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Analysis:
-    """What a legacy file says of materials, loads and time."""
+    """Materials, loads and time in a legacy file."""
 
     rocks: tuple[DrawnRock, ...] = ()
     joints: tuple[DrawnJoint, ...] = ()
@@ -198,7 +198,7 @@ class Analysis:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Drawing:
-    """What was drawn, in metres, and what became of the rest of the file."""
+    """The drawn parts, in metres, and notes on the rest of the file."""
 
     file: str
     """Path of the file."""
@@ -229,9 +229,9 @@ class Drawing:
     node_distance: float | None = None
     """Distance below which nodes of a legacy file are one, as a share of half the height (e00)."""
     notes: tuple[str, ...] = ()
-    """What was taken otherwise than given."""
+    """Notes on changes."""
     left_out: tuple[LeftOut, ...] = ()
-    """What was not taken over."""
+    """Parts left out."""
 
     @property
     def half_height(self) -> float | None:

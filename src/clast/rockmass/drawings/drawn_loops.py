@@ -1,4 +1,4 @@
-"""Closed outlines from what was drawn: lines joined into loops, and loops checked and turned."""
+"""Closed outlines from drawn lines: lines joined into loops, and loops checked and turned."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Loop:
 
 
 def closure_of(lines: Sequence[Floats], given: float | None) -> float:
-    """Return the largest gap between ends that meet, m: what was given, or CLOSURE of the size."""
+    """Return the largest gap between ends that meet, m: as given, or CLOSURE of the size."""
     if given is not None:
         return given
     corners = np.vstack([line for line in lines if len(line)] or [np.zeros((1, 2))])
@@ -177,7 +177,7 @@ def _open_end(
 
 
 def ring(loop: Loop, what: str, file: str) -> tuple[Floats, list[str]]:
-    """Return the corners of a loop counter-clockwise, shape (n, 2), and what was changed for it.
+    """Return the corners of a loop counter-clockwise, shape (n, 2), and the changes to it.
 
     Raises CaseError where it has no area or crosses itself, with the place.
     """
@@ -228,7 +228,7 @@ def cutting(
 ) -> tuple[list[Polyline], list[Polyline]]:
     """Return the traces with a part inside of the boundary and outside of voids, and the others.
 
-    A part counts from INSIDE of the domain's size on: what lies along an outline is not inside.
+    A part counts from INSIDE of the domain's size on: a line along an outline is not inside.
     """
     domain = shapely.Polygon(boundary)
     reach = INSIDE * domain.length

@@ -1,4 +1,4 @@
-"""What lines and points of a drawing are in blocks, once these are cut.
+"""The blocks on which lines and points of a drawing lie, once these are cut.
 
 A fixed line holds every block that it crosses at one point, a material line gives every block that
 it crosses its rock, the block with a hole point in it is removed (Shi 1988): all three need blocks.

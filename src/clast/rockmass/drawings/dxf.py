@@ -82,7 +82,7 @@ class MissingLayer(CaseError):
 
 
 def role_of(layer: str) -> tuple[str, str]:
-    """Return what a layer is for and the name after it; the role is empty where it is not read."""
+    """Return the role of a layer and the name after it; the role is empty where it is not read."""
     head, line, name = layer.strip().partition("_")
     role = head.casefold()
     if role not in ROLES or (line and role not in NAMED):
@@ -91,7 +91,7 @@ def role_of(layer: str) -> tuple[str, str]:
 
 
 def read_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing:
-    """Return what a DXF file draws on the layers of clast.
+    """Return the drawing of a DXF file, from the layers of clast.
 
     Raises CaseError where the layer BOUNDARY is missing (with the layers there are), for outlines
     that are not closed (with the size and the place of the gap) or cross themselves, and for
@@ -118,7 +118,7 @@ def lines_of_layer(
 ) -> tuple[Polyline, ...]:
     """Return the lines of one layer, case-blind, m, as joints of that name (else the layer's).
 
-    Raises CaseError where there is no such layer, and for what is no line.
+    Raises CaseError where there is no such layer, and for entities that are no lines.
     """
     collected = _one_layer(Path(path), layer, reading or DxfReading())
     for piece in collected.content.pieces:
@@ -138,7 +138,7 @@ def outline_of_layer(path: str | Path, layer: str, reading: DxfReading | None = 
 def noted_outline_of_layer(
     path: str | Path, layer: str, reading: DxfReading | None = None
 ) -> tuple[Floats, tuple[str, ...]]:
-    """Return the one closed outline of a layer, and what was taken otherwise than it is drawn."""
+    """Return the one closed outline of a layer, and the notes on changes."""
     collected = _one_layer(Path(path), layer, reading or DxfReading())
     for piece in collected.content.pieces:
         collected.outlined(piece, layer, "")
@@ -157,16 +157,16 @@ def noted_outline_of_layer(
 def notes_of_layer(
     path: str | Path, layer: str, reading: DxfReading | None = None
 ) -> tuple[str, ...]:
-    """Return what is taken otherwise than it is given where that layer is read: units, heights."""
+    """Return the notes on changes where that layer is read: units, heights."""
     return tuple(_one_layer(Path(path), layer, reading or DxfReading()).notes)
 
 
 def read_dda_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing:
-    """Return what a DXF file of DDA for Windows draws.
+    """Return the drawing of a DXF file of DDA for Windows.
 
     LINE, LWPOLYLINE, ARC and CIRCLE are joints of the type colour + 1, named type-N; the domain is
-    what they enclose.  MTEXT F, L, M and H are fixed, load, measured and hole points; what else
-    there is goes to ``left_out``.
+    the area that they enclose.  MTEXT F, L, M and H are fixed, load, measured and hole points;
+    everything else goes to ``left_out``.
     """
     path, reading = Path(path), reading or DxfReading()
     content = dxf_content(path, lambda _: True, reading.unit, reading.sagitta)
@@ -203,7 +203,7 @@ def read_dda_dxf(path: str | Path, reading: DxfReading | None = None) -> Drawing
 
 
 def _one_layer(path: Path, layer: str, reading: DxfReading) -> _Collected:
-    """Return what can be collected from one layer, or say which there are."""
+    """Return the entities of one layer, or say which layers there are."""
     asked = layer.strip().casefold()
     content = dxf_content(
         path, lambda name: name.strip().casefold() == asked, reading.unit, reading.sagitta
@@ -235,7 +235,7 @@ def _no_layer(content: DxfContent, path: Path, layer: str, remedy: str) -> Missi
 
 @dataclass(eq=False)
 class _Collected:
-    """What was found in a file until now, in metres."""
+    """Parts of a file found until now, in metres."""
 
     path: Path
     content: DxfContent
@@ -375,7 +375,7 @@ TAKE: dict[str, Callable[[_Collected, Piece, str], None]] = {
     "bolts": _Collected.bolt,
     "fixed": _Collected.held,
 }
-"""What becomes of a piece on the layers of each role."""
+"""The handling of an entity on the layers of each role."""
 
 
 def _of(role: str, outlines: dict[tuple[str, str], list[DrawnOutline]]) -> list[DrawnOutline]:

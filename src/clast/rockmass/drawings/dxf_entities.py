@@ -1,4 +1,4 @@
-"""What a DXF file draws, as points: the file opened, its block references exploded, its units.
+"""The content of a DXF file, as points: the file opened, its block references exploded, its units.
 
 Read by ezdxf (extra ``dxf``).
 """
@@ -48,7 +48,7 @@ UNITS = {
 }
 """$INSUNITS -> name and metres."""
 SYMBOLS = {"m": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3, "km": 1e3, "in": 0.0254, "ft": 0.3048}
-"""What ``unit=`` may be, beside a number of metres."""
+"""Values of ``unit=``, beside a number of metres."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,7 +67,7 @@ class Piece:
     colour: int
     """AutoCAD colour index, that of the layer where the entity has none."""
     text: str
-    """What an MTEXT says."""
+    """The text of an MTEXT."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -82,9 +82,9 @@ class DxfContent:
     unit_source: str
     notes: tuple[str, ...]
     left_out: tuple[LeftOut, ...]
-    """What is on the layers that were wanted and cannot be drawn."""
+    """Entities on the requested layers that cannot be drawn."""
     elsewhere: tuple[LeftOut, ...]
-    """What is on other layers and in paper space."""
+    """Entities on other layers and in paper space."""
 
 
 def dxf_content(
@@ -93,11 +93,11 @@ def dxf_content(
     unit: str | float | None = None,
     sagitta: float | None = None,
 ) -> DxfContent:
-    """Return what a DXF file draws in model space on layers that are ``wanted``.
+    """Return the content of a DXF file in model space on layers that are ``wanted``.
 
     ``unit`` is a symbol (m, cm, mm, km, in, ft) or the metres in a unit of the file, in place of
-    $INSUNITS; ``sagitta`` is in metres, SAGITTA of the diagonal if absent.  Raises CaseError for
-    what is no DXF file, for entities that make no sense, and where ezdxf is not installed.
+    $INSUNITS; ``sagitta`` is in metres, SAGITTA of the diagonal if absent.  Raises CaseError for a
+    file that is no DXF file, for entities that make no sense, and where ezdxf is not installed.
     """
     document, notes = _document(path)
     metres, source = unit_of(document.header.get("$INSUNITS", 0), unit, str(path))
@@ -154,7 +154,7 @@ def unit_of(code: Any, given: str | float | None, file: str) -> tuple[float, str
 
 
 def _document(path: Path) -> tuple[Any, list[str]]:
-    """Return the document of a DXF file, repaired where it could be, and what was repaired."""
+    """Return the document of a DXF file, repaired where it could be, and the repairs."""
     with checked_file(path).open("rb") as file:
         beginning = file.read(BEGINNING)
     if b"SECTION" not in beginning:
@@ -187,7 +187,7 @@ def _document(path: Path) -> tuple[Any, list[str]]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep what ezdxf logs from the terminal: its faults are in the notes."""
+    """Keep ezdxf's log from the terminal: its faults are in the notes."""
     logger = logging.getLogger("ezdxf")
     silent = logging.Filter("none but this")
     logger.addFilter(silent)
@@ -400,7 +400,7 @@ def _colour(entity: Any, layer: str, document: Any) -> int:
 
 
 def _says(entity: Any, path: Path, place: str) -> str:
-    """Return what an MTEXT says, nothing for other entities."""
+    """Return the text of an MTEXT, nothing for other entities."""
     if entity.dxftype() != "MTEXT":
         return ""
     with _guarded(path, place):

@@ -20,7 +20,7 @@ FORBIDDEN = set('<>/\\":;?*|=`,')
 LONGEST_NAME = 255
 SECTION = "  0\nSECTION\n  2\nENTITIES\n"
 COMMON = "  5\n{handle}\n330\n{owner}\n100\nAcDbEntity\n"
-"""What every entity begins with: its handle, its owner, the class it is of."""
+"""The beginning of every entity: its handle, its owner, the class it is of."""
 COLOURS = (7, 1, 3, 5, 2, 6, 4, 30, 94, 200)
 """AutoCAD colours of the layers, one after the other."""
 
@@ -32,7 +32,7 @@ class Extras:
     layer: str
     """Name of the layer."""
     about: str
-    """What the layer's description says."""
+    """The description of the layer."""
     lines: Floats
     """Ends of the lines, m, shape (n, 2, 2)."""
 

@@ -1,4 +1,4 @@
-"""What counts as a number in a text."""
+"""Texts that count as numbers."""
 
 from __future__ import annotations
 

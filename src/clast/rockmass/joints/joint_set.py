@@ -1,4 +1,4 @@
-"""A joint set: what a table of the case file says of it, checked."""
+"""A joint set: a table of the case file, checked."""
 
 from __future__ import annotations
 

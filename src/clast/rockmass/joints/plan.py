@@ -1,4 +1,4 @@
-"""What a model of joints is told, and what it gives back: straight lines in the section."""
+"""The input and the output of a model of joints: straight lines in the section."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Plan:
 
     @property
     def density(self) -> float:
-        """Length of lines per area, m/m2: the intensity, else what the spacing comes to."""
+        """Length of lines per area, m/m2: the intensity, else that of the spacing."""
         if self.intensity is not None:
             return self.intensity
         return self.persistence / self.spacing.mean if self.spacing else 0.0

@@ -20,7 +20,7 @@ WIDEST = 100.0
 
 
 class Distribution(Protocol):
-    """What a spacing or a length is drawn from."""
+    """The distribution of a spacing or a length."""
 
     @property
     def mean(self) -> float:
@@ -267,7 +267,7 @@ class Scaled:
     """Another distribution times a factor: true spacings as a section shows them."""
 
     spread: Distribution
-    """What is scaled."""
+    """The distribution to scale."""
     factor: float
     """Factor, -."""
 
@@ -286,5 +286,5 @@ class Scaled:
         return self.factor * self.spread.draw(rng, count, first)
 
     def check(self, where: str) -> None:
-        """Refuse what the scaled distribution refuses."""
+        """Refuse numbers that the scaled distribution refuses."""
         self.spread.check(where)

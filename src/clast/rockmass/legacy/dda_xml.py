@@ -27,7 +27,7 @@ of the name given here, or the element's text.
 | Boltproperties | not taken over |
 | Loadpoint: t fx fy; ... | [[point_load]] of the load point of that number, where it is constant |
 
-``legacy`` says how each is meant, and what ``mass_unit`` is for.
+``legacy`` explains the meaning of each, and the purpose of ``mass_unit``.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ FLAGS |= {"0": "stress", "false": "stress", "no": "stress", "off": "stress"}
 
 
 def read_dda_xml(path: str | Path, mass_unit: float = 1.0) -> Drawing:
-    """Return what an XML file of DDA for Windows holds: geometry, analysis, or both.
+    """Return the content of an XML file of DDA for Windows: geometry, analysis, or both.
 
     Lengths are metres; ``mass_unit`` is the kilograms in the unit of mass.  Raises CaseError with
     the line where it is no such file.
@@ -203,7 +203,7 @@ def _analysis(root: Element, file: str, scale: float) -> Analysis:
 def _rock(
     number: int, material: Element, file: str, scale: float, left: list[LeftOut]
 ) -> DrawnRock:
-    """Return a rock, and leave out what clast has no use for."""
+    """Return a rock, and leave out the rest."""
     given = _values(material, MATERIAL, file)
     parts = {name: _several(material, name, file) for name in ("istress", "ivelocity", "istrain")}
     for name in ("istrain", "damping"):

@@ -1,6 +1,6 @@
 """Shi's analysis file in: materials, number of steps and their length.
 
-Numbers in this order, parted by blanks; what each is in a case of clast:
+Numbers in this order, parted by blanks, and the meaning of each in a case of clast:
 
 | numbers | in a case of clast |
 | --- | --- |
@@ -15,7 +15,7 @@ Numbers in this order, parted by blanks; what each is in a case of clast:
 | vx vy vr | a comment where one is not 0: velocities belong to blocks |
 | for each joint material: phi, cohesion, tension | [joint.type-N] |
 
-``legacy`` says how each is meant, and what ``mass_unit`` is for.
+``legacy`` explains the meaning of each, and the purpose of ``mass_unit``.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from clast.rockmass.legacy.words import (
 
 
 def read_shi_analysis(path: str | Path, mass_unit: float = 1.0) -> Analysis:
-    """Return what an analysis file of Shi's programs says, in SI units.
+    """Return the content of an analysis file of Shi's programs, in SI units.
 
     ``mass_unit`` is the kilograms in its unit of mass: 1000 for a file in t, kN and kPa.  Raises
     CaseError with the line where it is no such file.

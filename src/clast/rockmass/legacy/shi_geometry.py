@@ -31,8 +31,8 @@ from clast.rockmass.legacy.words import LegacyGeometry, check_mass_unit, legacy_
 def read_shi_geometry(path: str | Path, mass_unit: float = 1.0) -> Drawing:
     """Return the drawing of a text geometry of Shi's programs, m.
 
-    ``mass_unit`` is the kilograms in the unit of mass of what bolts bear.  Raises CaseError with
-    the line where it is no such file, and where its lines enclose no area.
+    ``mass_unit`` is the number of kilograms in the unit of mass of bolt strengths.  Raises
+    CaseError with the line where it is no such file, and where its lines enclose no area.
     """
     scale, text = check_mass_unit(mass_unit), NumberText(Path(path))
     distance = text.number("the node distance e00")
@@ -78,7 +78,7 @@ def read_shi_geometry(path: str | Path, mass_unit: float = 1.0) -> Drawing:
 
 
 def rest_of(text: NumberText) -> tuple[LeftOut, ...]:
-    """Return what stands behind all that was read."""
+    """Return the rest of the file."""
     words, place = text.rest()
     reason = "it stands behind all that such a file has"
     return (LeftOut(what=words, place=place, reason=reason),) if words else ()

@@ -1,11 +1,11 @@
-"""What the files of Shi's programs and of DDA for Windows have in common, in clast's words.
+"""Common parts of the files of Shi's programs and of DDA for Windows, in clast's words.
 
 Geometry.  A joint line of type N is a trace with the joint ``type-N``; a material line of material
-N is a line of ``rock-N``, and what no such line crosses is ``rock-1``.  Lines overshoot at corners:
-the domain is what the boundary lines enclose or, where they alone enclose nothing, what all lines
-enclose, without the ends that dangle.  Boundary lines inside of it are traces like the others.  A
-hole point in a face of the boundary lines makes that face an opening; any other stays a point,
-whose block is known only when blocks are cut.
+N is a line of ``rock-N``, and blocks that no such line crosses are ``rock-1``.  Lines overshoot at
+corners: the domain is the area that the boundary lines enclose or, where they alone enclose
+nothing, the area that all lines enclose, without the ends that dangle.  Boundary lines inside of it
+are traces like the others.  A hole point in a face of the boundary lines makes that face an
+opening; any other stays a point, whose block is known only when blocks are cut.
 
 A bolt has e0, t0 and f0: its force is e0 times its strain (Shi 1988), so that its spring between
 the two ends has the stiffness e0 / length; t0 is the largest force (0: none), f0 the first one.
@@ -92,7 +92,7 @@ class LegacyGeometry:
     measured_points: tuple[NumberRow, ...]
     hole_points: tuple[NumberRow, ...]
     mass_unit: float = 1.0
-    """Kilograms in the unit of mass of what bolts bear."""
+    """Kilograms in the unit of mass of bolt strengths."""
     notes: tuple[str, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
 
@@ -291,7 +291,7 @@ def legacy_joint(number: int, given: NumberRow, mass_unit: float) -> DrawnJoint:
 
 
 def unit_notes(rocks: Sequence[DrawnRock], mass_unit: float) -> list[str]:
-    """Return what the unit of mass was, and whether it looks like another."""
+    """Return the unit of mass as a note, and whether it looks like another."""
     notes = []
     if mass_unit != 1.0:
         notes.append(f"the unit of mass is {mass_unit:g} kg, as asked for")

@@ -25,7 +25,7 @@ Geometries = NDArray[Any]
 
 @dataclass(frozen=True, kw_only=True)
 class FaceOutlines:
-    """The outlines that decide what a face is, as shapely polygons in cells."""
+    """The outlines that decide the kind of a face, as shapely polygons in cells."""
 
     domain: Any
     """The domain."""
@@ -37,7 +37,7 @@ class FaceOutlines:
     """Whether the outline of each is cut."""
 
     def side(self, point: Any) -> int:
-        """Return what is at a point: nothing, rock, or the number of an opening."""
+        """Return the kind of a point: nothing, rock, or the number of an opening."""
         if not shapely.contains(self.domain, point):
             return NOTHING
         found = ROCK
@@ -85,7 +85,7 @@ def polygons(graph: Graph, loops: Loops, which: Ints) -> Geometries:
 
 
 def sided(graph: Graph, place: FaceOutlines) -> Graph:
-    """Return the graph with what lies on both sides of each edge.
+    """Return the graph with the kinds of the faces on both sides of each edge.
 
     Faces between which no outline runs are alike: the largest of them decides for all, so that no
     sliver along an outline is taken for something else.

@@ -38,18 +38,18 @@ class Face:
     """A face that is more than one simple loop."""
 
     side: int
-    """What it is: rock or the number of an opening."""
+    """Its kind: rock or the number of an opening."""
     edges: Ints
     """All its edges as pairs of nodes, shape (k, 2)."""
     closing: Ints
     """Those that have the face on one side only, shape (k, 2)."""
     rings: Sequence[Ring]
-    """What must be joined to the rest of it."""
+    """Loops that must be joined to the rest of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Whole:
-    """A graph whose faces have no holes, and what was done for it."""
+    """A graph whose faces have no holes, and the joins that were made for it."""
 
     graph: Graph
     """The graph with its welds."""
@@ -215,8 +215,8 @@ def _welds_of(ring: Ring, edges: Ints, closing: Ints, xy: Ints) -> Iterator[tupl
 def _sides_of(ring: Ring, edges: Ints) -> tuple[Ints, Ints]:
     """Return the nodes of a face from which a ring may be welded, and those to which.
 
-    What hangs on a loop that touches the rest hangs with it: these are the nodes that the rest is
-    reached from through the common node only.
+    Parts that hang on a loop that touches the rest hang with it: these are the nodes that the rest
+    is reached from through the common node only.
     """
     nodes, index = np.unique(edges, return_inverse=True)
     if not ring.touching:

@@ -1,4 +1,4 @@
-"""A planar graph on whole numbers: its loops, what borders nothing, and its straight chains."""
+"""A planar graph on whole numbers: its loops, its dangling edges, and its straight chains."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Graph:
     barrier: Bools
     """Whether an outline runs along each edge, shape (ne,)."""
     side: Ints
-    """What lies left and right of each edge: -2 nothing, -1 rock, else an opening, (ne, 2)."""
+    """Kinds of faces left and right of each edge: -2 nothing, -1 rock, else an opening, (ne, 2)."""
 
     def only(self, keep: Bools | Ints) -> Graph:
         """Return the graph with some of its edges; nodes keep their numbers."""
@@ -56,7 +56,7 @@ class Graph:
 
 @dataclass(frozen=True, kw_only=True)
 class Loops:
-    """The loops of a graph, each with what it encloses or surrounds on its left."""
+    """The loops of a graph, each with the face on its left, inside or around it."""
 
     half: Ints
     """Half-edges one after another: 2 e runs along edge e, 2 e + 1 back, shape (2 ne,)."""
@@ -73,7 +73,7 @@ class Loops:
 
 
 def loops_of(graph: Graph) -> Loops:
-    """Return the loops of a graph: every half-edge with what lies left of it."""
+    """Return the loops of a graph: every half-edge with the face on its left."""
     following = _following(graph)
     half, start = _walked(following)
     of = np.zeros(len(half), np.int64)
@@ -164,7 +164,7 @@ def straightened(graph: Graph) -> Graph:
     """Return the graph without nodes that only two edges of one straight line share.
 
     Rounding to the grid bends lines by less than a cell; a chain is pulled straight where no other
-    node lies between it and its chord, so that nothing crosses.  What lies beside the edges must be
+    node lies between it and its chord, so that nothing crosses.  The faces beside the edges must be
     found anew.
     """
     chain, outer = _chains(graph)

@@ -18,7 +18,7 @@ ROUND_OFF = 1e-3
 
 @dataclass(frozen=True, kw_only=True)
 class Snapped:
-    """Lines whose ends lie on what was within reach of them."""
+    """Lines whose ends lie on lines within reach of them."""
 
     ends: Floats
     """Lines, shape (n, 2, 2)."""
@@ -31,7 +31,7 @@ class Snapped:
 
 
 def snapped(ends: Floats, edges: Floats, reach: float, still: Bools | None = None) -> Snapped:
-    """Return lines (n, 2, 2) whose ends lie on what is within ``reach``.
+    """Return lines (n, 2, 2) whose ends lie on lines within ``reach``.
 
     Ends go to corners of ``edges`` (k, 2, 2) first, then to each other, then onto edges and lines.
     Those marked by ``still`` (n, 2) stay where they are.

@@ -1,8 +1,8 @@
 """Short edges collapsed and small blocks merged, on shared nodes: neighbours always agree.
 
-Nothing is done that would make a block cross or touch itself: what cannot be tidied stays, and is
-counted.  A node moves only onto a neighbour; nodes of outlines move along their outline only and
-its corners stay, so that the domain keeps its shape.
+Nothing is done that would make a block cross or touch itself: nodes that cannot be tidied stay, and
+are counted.  A node moves only onto a neighbour; nodes of outlines move along their outline only
+and its corners stay, so that the domain keeps its shape.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Point = tuple[int, int]
 Edge = tuple[int, int]
 
 FREE, ON_OUTLINE, CORNER = 0, 1, 2
-"""What holds a node: nothing, the outline that it moves along, a corner."""
+"""Constraints of a node: none, the outline that it moves along, a corner."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,11 +27,11 @@ class Tiling:
     xy: list[Point]
     """Coordinates of the nodes, cells."""
     held: list[int]
-    """What holds each node: ``FREE``, ``ON_OUTLINE`` or ``CORNER``."""
+    """Constraint of each node:  ``FREE``, ``ON_OUTLINE`` or ``CORNER``."""
     loops: list[list[int]]
     """Nodes of each block, counter-clockwise; empty where the block is gone."""
     group: list[int]
-    """What each block is part of: -1 rock, else an opening; only like ones are merged."""
+    """Group of each block: -1 rock, else an opening; only blocks of one group are merged."""
     line: dict[Edge, int]
     """Line of each edge, by its nodes in order; later lines have higher numbers."""
     outline: set[Edge]
@@ -343,7 +343,7 @@ def _has_edge(loop: list[int], a: int, b: int) -> bool:
 
 
 def _joined(one: list[int], other: list[int]) -> list[int] | None:
-    """Return the loop of two blocks without what they share; None where that is no simple loop."""
+    """Return the loop of two blocks without their common edges; None if it is not simple."""
     back = set(zip(other[1:] + other[:1], other, strict=True))
     shared = [pair in back for pair in zip(one, one[1:] + one[:1], strict=True)]
     starts = [k for k in range(len(one)) if shared[k] and not shared[k - 1]]

@@ -1,4 +1,4 @@
-"""Blocks as loops of common places, one after another: what is taken out of them and put in."""
+"""Blocks as loops of common places, one after another: removing and inserting places."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ class BlockRepair:
     """Distance within which things are meant to touch, m."""
 
     def __call__(self, outlines: BlockOutlines) -> RepairedBlocks:
-        """Return the blocks as they are meant, and what was done."""
+        """Return the repaired blocks, and the repairs."""
         found = repaired(outlines.vertices, outlines.start, self.tolerance, outlines.label)
         vertices = np.ascontiguousarray(found.vertices)
         return RepairedBlocks(
@@ -31,7 +31,7 @@ class BlockRepair:
 
 
 def repairs_of(report: RepairReport, origin: tuple[float, ...] = (0.0, 0.0)) -> tuple[Repair, ...]:
-    """Return what was done as a model lists it; places are about an origin, m."""
+    """Return the repairs in the form of a model; places are about an origin, m."""
     return tuple(
         Repair(
             what=what,

@@ -1,8 +1,9 @@
 """Vertices near edges: moved onto the line where that is straight, else the edge runs through them.
 
 A vertex is moved onto an edge whose ends stay; of the edges in question long ones come first, so
-that floors and bed joints stay straight.  What is left beside an edge then becomes a vertex of it:
-the edge bends by no more than the tolerance for each round of this, and never by more than twice.
+that floors and bed joints stay straight.  A vertex that stays beside an edge then becomes a vertex
+of it: the edge bends by no more than the tolerance for each round of this, and never by more than
+twice.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ EXACT = 1e-6
 """Vertices nearer to an edge than this share of the tolerance lie on it."""
 MOST_ROUNDS = 10
 BENT = 2.0
-"""Edges as drawn pass no further than this many tolerances beside what is put into them."""
+"""Edges as drawn pass no further than this many tolerances beside vertices inserted into them."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

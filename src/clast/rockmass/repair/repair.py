@@ -36,7 +36,7 @@ LISTED = 10
 
 @dataclass(frozen=True, kw_only=True)
 class RepairReport:
-    """What was done to blocks so that they touch, how often, and where first."""
+    """Repairs to blocks so that they touch, how often, and where first."""
 
     tolerance: float
     """Distance within which things are meant to touch, m."""
@@ -55,7 +55,7 @@ class RepairReport:
 
     @property
     def changes(self) -> dict[str, Finding]:
-        """What was done, in words, where anything was."""
+        """The repairs, in words, where there were any."""
         named = {
             f"vertices within {self.tolerance:g} m of each other became one": self.joined,
             f"vertices within {self.tolerance:g} m of an edge were put onto it": self.onto_edges,
@@ -77,7 +77,7 @@ class Repaired:
     edge: Ints
     """Edge as given that the edge from each vertex to the next is, or is part of, shape (nv,)."""
     report: RepairReport
-    """What was done."""
+    """The repairs."""
 
     def polygon(self, block: int) -> Floats:
         """Return the outline of one block, m, shape (k, 2)."""
@@ -92,8 +92,8 @@ def repaired(
 ) -> Repaired:
     """Return counter-clockwise blocks (nv, 2), m, that touch where they were within a tolerance.
 
-    ``start`` (nb + 1,) are first vertices and the number of all; ``label`` says what messages call
-    a block.  ModelError where a block would vanish, turn over or cross itself, with the blocks and
+    ``start`` (nb + 1,) are first vertices and the number of all; ``label`` names a block in
+    messages.  ModelError where a block would vanish, turn over or cross itself, with the blocks and
     the places, and where the tolerance is no distance or a tenth of the median edge.
     """
     drawn, first = np.asarray(vertices, np.float64), np.asarray(start, np.int64)
@@ -159,7 +159,7 @@ def checked(tolerance: float, edges: Floats) -> float:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Refusal:
-    """What was drawn, for messages on what cannot be put together."""
+    """Blocks as drawn, for messages on those that cannot be put together."""
 
     drawn: Floats
     start: Ints

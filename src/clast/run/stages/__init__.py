@@ -1,1 +1,1 @@
-"""Stages of a run: what changes where one begins, and when it is over."""
+"""Stages of a run: changes at the start of each, and the conditions of its end."""

@@ -1,9 +1,9 @@
 """The forces on each block that nothing balances.
 
-What is out of balance is what sets a block in motion: its mass times its acceleration, and what the
-equations of the step left open.  Both together are the sum of the forces as they are at the end of
-the step: of contacts, weight, loads, supports and bolts.  Forces of damping are none of them; they
-are those of the blocks as if they stood still.
+The unbalanced force sets a block in motion: it is its mass times its acceleration, and the residual
+of the equations of the step.  Both together are the sum of the forces as they are at the end of the
+step: of contacts, weight, loads, supports and bolts.  Forces of damping are none of them; they are
+those of the blocks as if they stood still.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class _Sums:
 def out_of_balance(model: Model, method: Method, state: State, step: float) -> Floats:
     """Return the sum of all generalised forces on each block at a state, N/m and N, shape (n, 6).
 
-    Contacts bear what they bore at the end of the last step; those that are new bear nothing.
+    Contacts carry their forces at the end of the last step; new ones carry none.
     """
     method = replace(method, clock=0.0)
     context = begin(

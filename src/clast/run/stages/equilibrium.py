@@ -13,10 +13,10 @@ a stage is in equilibrium where ``hold`` steps in a row do, in which
 5. no block has slid along another without slowing down.
 
 The ratio is that of the worst block: among ten thousand blocks at rest one that falls is a ten
-thousandth of all forces.  The forces are those that act, without what damping takes, and so are
-out of balance where damping alone holds a speed.  Steps of a static run are short falls from rest:
-their speed is g h times what is out of balance, and says little where the step is short; 5 finds
-what slides on (decision 0056).
+thousandth of all forces.  The forces are those that act, without damping, and so are out of balance
+where damping alone holds a speed.  Steps of a static run are short falls from rest: their speed is
+g h times the unbalanced share, and says little where the step is short; 5 finds blocks that slide
+on (decision 0056).
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ STRAIGHT = 0.9
 DYING = 0.5
 """Way in the second half of the steps, as a share of that in the first, that slows down."""
 CREEPING = 1e-3
-"""Speed of a sliding block, as a share of what equilibrium allows, that is none."""
+"""Speed of a sliding block, as a share of the limit of equilibrium, that counts as rest."""
 CREEPING_FORCE = 1e-5
 """Force that moves a block in a static step, in units of its weight, that is none."""
 QUIET = 1e-3
@@ -200,7 +200,7 @@ class EquilibriumCheck:
         return min(self.stage.hold, STATIC_HOLD) if self.is_static else self.stage.hold
 
     def under_way(self, state: State) -> str:
-        """Return what is still going to change by itself, "" where nothing is."""
+        """Return the thing that is still going to change by itself, "" where there is none."""
         motion, time = self.model.ground_motion, state.time
         if not are_constant(factors_in(self.model), time):
             return "loads still change"
@@ -233,7 +233,7 @@ class EquilibriumCheck:
         return Mover(block=self.model.block_name[block], speed=speed, direction=angle)
 
     def _bears(self, memory: ContactMemory, sums: ForceSums) -> Bools:
-        """Return which contacts bear more than what counts as no force, shape (k,)."""
+        """Return which contacts carry more than a negligible force, shape (k,)."""
         size = np.where(self._free, sums.size, np.inf)
         own, other = self.model.vertex_block[memory.vertex], memory.block
         least = self.stage.force_ratio * np.minimum(size[own], size[other])

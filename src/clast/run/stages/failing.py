@@ -5,9 +5,10 @@ motion, all blocks together have in a step the way and the acceleration
 
     u = sum m w^2 / sum m w,    a = u/(theta tau^2).
 
-What fails is driven on: a stays as it is, or grows.  What is on its way to an equilibrium, however
-far, is driven less and less: where a falls from a1 to a2 on a way u12, it vanishes about
-a2 u12/(a1 - a2) further on.  So the verdict does not depend on how far a step may go.
+A system that fails is driven on: a stays as it is, or grows.  A system on its way to an
+equilibrium, however far, is driven less and less: where a falls from a1 to a2 on a way u12, it
+vanishes about a2 u12/(a1 - a2) further on.  So the verdict does not depend on how far a step may
+go.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ GOES = 0.01
 """Movement from which blocks are going somewhere, in units of their median size."""
 WITHIN = 0.03
 """Distance of an equilibrium from where blocks were, in units of the size of the model, at most:
-what slides until its water or its slope has become another has failed."""
+blocks that slide until their water or their slope has become another have failed."""
 MOST_STEPS = 200
 """Steps that go nowhere without balance from which a system has none."""
 PATIENCE = 2000

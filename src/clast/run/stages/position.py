@@ -38,7 +38,7 @@ class Judged:
     hindrance: str = ""
     """Why this is no equilibrium; "" where it is."""
     balanced: bool = False
-    """True where nothing but what changes with time hinders it."""
+    """True where only things that change with time hinder it."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

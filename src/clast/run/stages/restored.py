@@ -1,4 +1,4 @@
-"""Whether what a run carries, as a checkpoint has it, can be so for a model and its stages.
+"""Checks whether the data of a run in a checkpoint are possible for a model and its stages.
 
 Kernels look at no index twice: a vertex that does not exist would be read from anywhere.
 """
@@ -28,7 +28,7 @@ MODES = 3
 
 
 def wrong_state(run: RunState, model: Model, method: Method, schedule: Schedule) -> str:
-    """Return what is wrong with what a run carries; "" for nothing."""
+    """Return the fault in the data of a run; "" for none."""
     return next((what for what in _faults(run, model, method, schedule)), "")
 
 
@@ -53,7 +53,7 @@ def _faults(run: RunState, model: Model, method: Method, schedule: Schedule) -> 
 
 
 def _of_numbers(run: RunState, schedule: Schedule) -> Iterator[str]:
-    """Give what is wrong with the numbers of a run."""
+    """Yield the faults of the numbers of a run."""
     tally, longest = run.tally, max([schedule.step, *(one.step or 0.0 for one in schedule.stages)])
     if run.path is not None:  # a pseudo time step has nothing to do with those of the case
         longest = np.finfo(float).max / 2.0
@@ -70,7 +70,7 @@ def _of_numbers(run: RunState, schedule: Schedule) -> Iterator[str]:
 
 
 def _of_blocks(state: State, model: Model) -> Iterator[str]:
-    """Give what is wrong with the blocks of a state."""
+    """Yield the faults of the blocks of a state."""
     blocks, vertices = model.block_count, len(model.vertices)
     shapes = {
         "vertices": (vertices, 2),
@@ -88,7 +88,7 @@ def _of_blocks(state: State, model: Model) -> Iterator[str]:
 
 
 def _of_memory(memory: ContactMemory, model: Model) -> Iterator[str]:
-    """Give what is wrong with the contacts of a state."""
+    """Yield the faults of the contacts of a state."""
     arrays = {one.name: getattr(memory, one.name) for one in dataclasses.fields(memory)}
     if any(array.shape != (len(memory),) for array in arrays.values()):
         yield "its contacts do not have as many numbers each"
@@ -150,7 +150,7 @@ def _forces_fit(own: SupportForces, model: Model) -> bool:
 
 
 def _of_position(position: Position | None, model: Model, schedule: Schedule) -> Iterator[str]:
-    """Give what is wrong with the place of a run among its stages."""
+    """Yield the faults of the place of a run among its stages."""
     if (position is None) != (not schedule.stages):
         yield "its stages are not those of the case"
         return
@@ -176,7 +176,7 @@ def _of_position(position: Position | None, model: Model, schedule: Schedule) ->
 
 
 def _of_path(path: OnPath | None, model: Model) -> Iterator[str]:
-    """Give what is wrong with the place of a static run on its path."""
+    """Yield the faults of the place of a static run on its path."""
     if path is None:
         return
     count = model.block_count

@@ -1,4 +1,4 @@
-"""What is refused of stages against the model that they are of; what one is by itself, before."""
+"""Checks of stages against the model that they are of; each by itself is checked before."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from clast.model.stages.strengths import SMALL_ANGLE, contradiction, with_streng
 
 
 def check_stages(stages: Sequence[Stage], model: Model) -> None:
-    """Raise ModelError for stages that say what cannot be meant, or name what the model lacks."""
+    """Raise ModelError for impossible stages, or stages naming things the model lacks."""
     check_names("stage", [stage.name for stage in stages])
     for stage in stages:
         _check_lengths(stage)
@@ -53,10 +53,10 @@ class _Names:
 
     key: str
     kind: str
-    """What they name, for messages."""
+    """The kind of thing they name, for messages."""
     known: Callable[[Model], Iterable[str]]
     again: str
-    """What is wrong where two stages name the same."""
+    """The fault where two stages name the same."""
 
     def check(self, stage: Stage, model: Model) -> None:
         """Refuse unknown names."""
@@ -186,7 +186,7 @@ def _check_acts(stages: Sequence[Stage], model: Model) -> None:
 
 
 def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
-    """Refuse blocks that are taken out twice, all of them, and bolts in what is gone."""
+    """Refuse blocks that are excavated twice, all of them, and bolts in excavated rock."""
     since: dict[int, str] = {}
     installed: dict[int, str] = {}
     for stage in stages:
@@ -238,7 +238,7 @@ def _check_bolt(bolt: int, stage: Stage, model: Model, since: Mapping[int, str])
 
 
 def _check_once(stages: Sequence[Stage], names: _Names) -> None:
-    """Refuse what two stages, or one of them twice, excavate, install or have begin."""
+    """Refuse things that two stages, or one of them twice, excavate, install or start."""
     first: dict[str, Stage] = {}
     for stage in stages:
         for name in getattr(stage, names.key):

@@ -1,4 +1,4 @@
-"""The course of a run through its stages: where one ends, and what begins with the next."""
+"""The sequence of stages of a run: the end of one, and the start of the next."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class StageSequence:
     def enter(
         self, current: Setting, state: State, position: Position
     ) -> tuple[Setting, State, Position, tuple[Event, ...]]:
-        """Return setting, state and position where the next stage begins, and what happens."""
+        """Return setting, state and position at the start of the next stage, and the events."""
         starts = (*position.starts, state.time)
         setting, state = entered(self.base, current, state, starts)
         position = replace(
@@ -93,7 +93,7 @@ class StageSequence:
         judge: EquilibriumCheck,
         failure: Mechanism | None = None,
     ) -> tuple[Position, tuple[Event, ...]]:
-        """Return the position where a stage is over, and what happens.
+        """Return the position at the end of a stage, and the events.
 
         ``failure`` is how a static stage has failed, None where it has not.
         """
@@ -143,7 +143,7 @@ class StageSequence:
         return self.stages[position.number]
 
     def warnings(self, position: Position) -> Iterator[str]:
-        """Say which stages have ended without equilibrium, what hindered it, and what may help."""
+        """Report the stages that ended without equilibrium, the failed condition, and a remedy."""
         for name, failure in position.failures:
             yield f"stage '{name}' fails: {failure}. What is shown after that is no equilibrium"
         for stage, record in zip(self.stages, position.records, strict=False):
@@ -156,7 +156,7 @@ class StageSequence:
                 )
 
     def _advice(self, stage: Stage) -> str:
-        """Return what may bring a stage to rest that is not set yet."""
+        """Return the remedies that may bring a stage to rest and are not set yet."""
         usual = self.base.method
         ratio = usual.dynamic_ratio if stage.dynamic_ratio is None else stage.dynamic_ratio
         damping = usual.damping if stage.damping is None else stage.damping
@@ -181,17 +181,17 @@ def fails(stage: str, time: float, failure: Mechanism) -> Event:
 
 
 def failure_warning(failure: Mechanism) -> str:
-    """Return what is said of a static run without stages that has no equilibrium."""
+    """Return the warning of a static run without stages that has no equilibrium."""
     return f"the static run fails: {failure}. What is shown after that is no equilibrium"
 
 
 def _not_long_enough(stage: Stage) -> str:
-    """Return what hindered equilibrium where the last step has nothing to say."""
+    """Return the failed condition of equilibrium where the last step cannot tell."""
     return f"fewer than {stage.hold} steps in a row were in equilibrium (hold)"
 
 
 def _events_at_end(stage: Stage, record: StageRecord) -> Iterator[Event]:
-    """Give what happens where a stage is over."""
+    """Yield the events at the end of a stage."""
     texts = {
         REACHED: f"stage '{stage.name}' is in equilibrium",
         FAILS: f"stage '{stage.name}' ends without equilibrium",

@@ -1,8 +1,8 @@
-"""What changes in a run where a stage begins.
+"""Changes in a run at the start of a stage.
 
-Model, method and schedule are replaced, never the shapes of arrays, so that what a run carries
-fits to all of its stages.  The same changes, but for those of the state, are made again where a
-run goes on from a checkpoint.
+Model, method and schedule are replaced, never the shapes of arrays, so that the data of a run fit
+all of its stages.  The same changes, but for those of the state, are made again where a run goes on
+from a checkpoint.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from clast.run.schedule import Schedule
 from clast.step.method import Method
 
 WELL_BELOW = 0.1
-"""Unbalanced force to which a step is solved, in units of what counts as none in equilibrium."""
+"""Unbalanced force to which a step is solved, in units of the limit of equilibrium."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """What is simulated in a stage, and how."""
+    """Model, method and schedule of a stage."""
 
     model: Model
     method: Method
@@ -40,7 +40,7 @@ class Setting:
 
 
 def before_all(base: Setting) -> Setting:
-    """Return the setting before the first stage: what stages name does not act yet."""
+    """Return the setting before the first stage: loads that stages name do not act yet."""
     stages = base.schedule.stages
     model = with_loads(base.model, base.model, stages, ())
     motion = _motion(base.model.ground_motion, stages, ())
@@ -83,7 +83,7 @@ def entered_again(base: Setting, state: State, starts: Sequence[float]) -> Setti
 
 
 def changed(base: Setting, current: Setting, starts: Sequence[float]) -> Setting:
-    """Return the setting with what a stage changes of it beside excavation."""
+    """Return the setting with the changes of a stage beside excavation."""
     stages = base.schedule.stages
     stage = stages[len(starts) - 1]
     model = with_loads(current.model, base.model, stages, starts)
@@ -114,7 +114,7 @@ def excavated_by(model: Model, stage: Stage) -> Ints:
 
 
 def events_at_start(stage: Stage, time: float) -> Iterator[Event]:
-    """Give what happens where a stage begins."""
+    """Yield the events at the start of a stage."""
 
     def event(kind: str, what: str, text: str) -> Event:
         return Event(time=time, stage=stage.name, kind=kind, what=what, text=text)

@@ -1,4 +1,4 @@
-"""What simulations cost: scenes of any size, measured by stage, beside the machine's memory.
+"""The cost of simulations: scenes of any size, measured by stage, beside the machine's memory.
 
 benchmark = bench.benchmark(bench.Settings(scenes=("wall",), sizes=(1000,), steps=20))
 benchmark.rows[0].milliseconds

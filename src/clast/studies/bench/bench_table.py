@@ -1,4 +1,4 @@
-"""A benchmark as tables of texts: what the command line and pages show."""
+"""A benchmark as tables of texts, for the command line and pages."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from clast.studies.bench.measured import Benchmark, Measurement
 from clast.studies.bench.whole import MeasuredWhole
 
 NOTHING = "-"
-"""What stands where there is no figure."""
+"""The text where there is no figure."""
 STAGES = (
     "contacts",
     "impacts",
@@ -185,7 +185,7 @@ def memory_cells(benchmark: Benchmark, row: Measurement) -> tuple[str, ...]:
 
 
 def remarks(benchmark: Benchmark) -> list[str]:
-    """Return what has to be said below the tables: the machine, units, runs that stopped."""
+    """Return the remarks below the tables: the machine, units, runs that stopped."""
     said = [str(benchmark.machine)]
     if benchmark.cuts:
         said.append("area error: sum of the areas of the blocks against the domain's, as a share")

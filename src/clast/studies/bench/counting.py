@@ -1,4 +1,4 @@
-"""Counts what the steps of a run cost, from a step on that may be the first."""
+"""Counts the cost of the steps of a run, from a step on that may be the first."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Costs:
     seconds: dict[str, float] = field(default_factory=dict)
     """Wall time of each stage, s."""
     counts: dict[str, float] = field(default_factory=dict)
-    """What the process counts: passes, iterations, ..."""
+    """Counts of the process: passes, iterations, ..."""
     penetration: float = 0.0
     """Largest penetration, m."""
 
@@ -60,11 +60,11 @@ class Counted:
         return result
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
-        """Return what the process itself advises."""
+        """Return the advice of the process itself."""
         return self._process.advice(model, method, state, step)
 
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:
-        """Return what the process itself takes."""
+        """Return the stiffness of the process itself."""
         return self._process.stiffness(model, step)
 
 

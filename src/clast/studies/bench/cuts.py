@@ -1,4 +1,4 @@
-"""What cutting costs: networks of joints of any size, timed by stage.
+"""The cost of cutting: networks of joints of any size, timed by stage.
 
 Both networks are two sets in a square.  Lines of length P_i per area at the angles t_i make, by
 Euler's formula,
@@ -55,7 +55,7 @@ class CutScene:
     name: str
     """Name on the command line."""
     title: str
-    """What it is."""
+    """The title."""
     network: Callable[[int], Network]
     """Returns domain and sets for about so many blocks."""
 
@@ -118,7 +118,7 @@ CUTS = {
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredCut:
-    """What one network of one size cost."""
+    """The cost of one network of one size."""
 
     scene: CutScene
     """The network."""
@@ -157,7 +157,7 @@ class MeasuredCut:
 
 
 def measure_cut(scene: CutScene, size: int) -> MeasuredCut:
-    """Cut a network and return what that cost."""
+    """Cut a network and return the cost."""
     domain, sets = scene.network(size)
     gc.collect()
     forget_peak()

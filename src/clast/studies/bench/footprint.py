@@ -14,7 +14,7 @@ from clast.step.method import StepResult
 
 @dataclass(frozen=True, kw_only=True)
 class Footprint:
-    """Arrays that live through a step; what kernels need for a moment is in the peak alone."""
+    """Arrays that live through a step; temporary memory of kernels is in the peak alone."""
 
     per_block: float
     """Model, state and the diagonal of the system, bytes per block."""

@@ -17,7 +17,7 @@ PACKAGES = ("clast", "numba", "numpy", "scipy")
 
 @dataclass(frozen=True, kw_only=True)
 class Machine:
-    """What a measurement depends on besides the program."""
+    """The machine on which a measurement depends."""
 
     cpu: str
     """Name of the processor."""
@@ -62,7 +62,7 @@ def peak_memory() -> int:
 
 
 def forget_peak() -> bool:
-    """Let the peak begin anew with what is held now; return False where the system cannot."""
+    """Let the peak begin anew with the memory held now; return False where the system cannot."""
     try:
         Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
     except OSError:

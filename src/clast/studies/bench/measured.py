@@ -1,4 +1,4 @@
-"""What was measured, as figures and ready for JSON."""
+"""The measurements, as figures and ready for JSON."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FORMAT = 1
 
 @dataclass(frozen=True, kw_only=True)
 class Measurement:
-    """What one scene of one size cost."""
+    """The cost of one scene of one size."""
 
     scene: Scene
     """The scene."""
@@ -37,7 +37,7 @@ class Measurement:
     report: Report
     """How the whole run went."""
     costs: Costs
-    """What the steps that count cost."""
+    """Cost of the steps that count."""
     drift: float | None
     """Largest horizontal movement of a vertex, m; None where things are meant to move."""
     build_seconds: float
@@ -56,7 +56,7 @@ class Measurement:
 
     @property
     def stages(self) -> dict[str, float]:
-        """Wall time per step by stage, ms; "other" is what no stage accounts for."""
+        """Wall time per step by stage, ms; "other" is time that no stage accounts for."""
         known = {name: 1e3 * used / self.steps for name, used in self.costs.seconds.items()}
         return {**known, "other": self.milliseconds - sum(known.values())}
 

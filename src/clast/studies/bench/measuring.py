@@ -1,4 +1,4 @@
-"""Runs scenes and measures what they cost: time by stage, iterations, accuracy, memory."""
+"""Runs scenes and measures their cost: time by stage, iterations, accuracy, memory."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ WARM_SIZES = (100, 400)
 WARM_STEPS = 3
 """Steps of such a run."""
 OFTEN = 100
-"""Steps of a whole scene between what is said of it."""
+"""Steps of a whole scene between reports of its progress."""
 
 Watch = Callable[[str], None]
-"""Called with what is going on."""
+"""Called with the progress."""
 
 
 def benchmark(settings: BenchSettings, watch: Watch = lambda _: None) -> Benchmark:
-    """Return what all scenes and sizes of the settings cost, compilation not counted."""
+    """Return the cost of all scenes and sizes of the settings, compilation not counted."""
     cuts = []
     for network in settings.cuts:
         for size in settings.cut_sizes:
@@ -69,7 +69,7 @@ def benchmark(settings: BenchSettings, watch: Watch = lambda _: None) -> Benchma
 
 
 def told(watch: Watch, what: str) -> Callable[[Progress], None]:
-    """Return what says every hundred steps how far a scene has come."""
+    """Return a function that reports the progress of a scene every hundred steps."""
 
     def say(progress: Progress) -> None:
         if progress.steps % OFTEN == 0:
@@ -79,7 +79,7 @@ def told(watch: Watch, what: str) -> Callable[[Progress], None]:
 
 
 def _simulated(found: Benchmark, watch: Watch) -> Benchmark:
-    """Return a benchmark with what scenes cost that are simulated."""
+    """Return a benchmark with the cost of scenes that are simulated."""
     settings = found.settings
     watch("compiling")
     warm_up(settings.models, settings)
@@ -103,7 +103,7 @@ def warm_up(scenes: Sequence[Scene], settings: BenchSettings) -> None:
 
 
 def measure(scene: Scene, size: int, settings: BenchSettings) -> Measurement:
-    """Build a scene, run it and return what that cost."""
+    """Build a scene, run it and return the cost."""
     gc.collect()
     forget_peak()
     begun = perf_counter()

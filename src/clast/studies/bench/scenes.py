@@ -39,7 +39,7 @@ class Scene:
     name: str
     """Name on the command line."""
     title: str
-    """What it is."""
+    """The title."""
     build: Callable[[int], Model]
     """Returns the model with about so many blocks."""
     rests: bool

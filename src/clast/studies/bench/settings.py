@@ -48,7 +48,7 @@ class BenchSettings:
     end: float | None = None
     """Simulated time, s, instead of a number of steps."""
     settle: int = 0
-    """Steps at the start that are not counted: what is to rest settles under its weight."""
+    """Steps at the start that are not counted: blocks at rest settle under their weight."""
     share: float = 1.0
     """Normal stiffness as a share of Young's modulus."""
     solver: str = "auto"
@@ -145,7 +145,7 @@ class BenchSettings:
 
 
 def sizes_in(listed: str) -> tuple[int, ...]:
-    """Return the sizes of a list such as "100,1e5"; raises CaseError for what is none."""
+    """Return the sizes of a list such as "100,1e5"; raises CaseError for an invalid one."""
     sizes = []
     for word in filter(None, (word.strip() for word in listed.split(","))):
         try:

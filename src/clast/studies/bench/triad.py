@@ -1,4 +1,4 @@
-"""The triad of the STREAM benchmark: what memory gives to a loop that does nothing else."""
+"""The triad of the STREAM benchmark: the memory bandwidth of a loop that does nothing else."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ Watch = Callable[[Progress], None]
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredWhole:
-    """What one scene of one size cost from beginning to end, and how right it was."""
+    """The cost of one scene of one size from beginning to end, and its accuracy."""
 
     scene: WholeScene
     """The scene."""
@@ -76,7 +76,7 @@ class MeasuredWhole:
         return 1e6 * self.processor_seconds / max(1, self.report.steps) / max(1, self.blocks)
 
     def share(self, energy: float) -> float:
-        """Return an energy, J/m, as a share of what was turned over."""
+        """Return an energy, J/m, as a share of the energy turned over."""
         return abs(energy) / self.turned_over if self.turned_over > 0.0 else 0.0
 
     def counted(self, name: str) -> float:
@@ -126,11 +126,11 @@ class ByProcessor:
         return self._process.step(model, method, state, step, workspace)
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
-        """Return what the process itself advises."""
+        """Return the advice of the process itself."""
         return self._process.advice(model, method, state, step)
 
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:
-        """Return what the process itself takes."""
+        """Return the stiffness of the process itself."""
         return self._process.stiffness(model, step)
 
 
@@ -141,7 +141,7 @@ def method_of(model: Model) -> Method:
 
 
 def measure_whole(scene: WholeScene, size: int, watch: Watch | None = None) -> MeasuredWhole:
-    """Simulate a scene from beginning to end, and return what that cost."""
+    """Simulate a scene from beginning to end, and return the cost."""
     gc.collect()
     forget_peak()
     model, end = scene.build(size), scene.end(size)

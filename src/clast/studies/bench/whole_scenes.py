@@ -1,4 +1,4 @@
-"""Scenes that are simulated from beginning to end: what a user waits for, impacts and all.
+"""Scenes that are simulated from beginning to end: the waiting time of a user, with impacts.
 
 A heap that falls and comes to rest, a wall of which half has no ground, dominoes, blocks that
 slide down a hillside.  They are given by outlines alone, so that other programs can simulate the
@@ -42,7 +42,7 @@ class WholeScene:
     name: str
     """Name on the command line."""
     title: str
-    """What it is."""
+    """The title."""
     outlines: Callable[[int], tuple[Floats, Floats]]
     """Returns the outlines of about so many blocks that move, and of those that do not, m.
 
@@ -127,7 +127,7 @@ SLOWEST = 1.5
 
 
 def domino_outlines(size: int) -> tuple[Floats, Floats]:
-    """Return rows of dominoes of which the first leans, and what they stand on."""
+    """Return rows of dominoes of which the first leans, and the ground under them."""
     shelves = math.ceil(size / ROW)
     number = np.arange(size)
     shelf, place = number % shelves, number // shelves

@@ -1,4 +1,4 @@
-"""Jobs of the studies, a run each, and what comes of them."""
+"""Jobs of the studies, a run each, and their results."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ WORKERS = 2
 PROCESSES = ("modified", "open-close", "convex")
 """Processes compared: the paper's, Shi's, clast's own."""
 LAWS = {"penalty": "penalty", "augmented-lagrangian": "ALM"}
-"""Contact laws compared, and what tables and legends call them."""
+"""Contact laws compared, and their names in tables and legends."""
 EVERY_COMBINATION = tuple(Combination(process, law) for law in LAWS for process in PROCESSES)
 """All three processes with both laws."""
 
@@ -35,11 +35,12 @@ class PaperRun:
     combination: Combination
     """Process and law."""
     settings: tuple[str, ...] = ()
-    """What is set otherwise than in the file."""
+    """Keys that differ from the file."""
     value: float
-    """What the study varies: an angle, degrees, a stiffness, N/m per m, or a number of solves."""
+    """The variable of the study: an angle, degrees, a stiffness, N/m per m, or a number of
+    solves."""
     variant: str = ""
-    """What tells jobs of the same process and law apart."""
+    """The name that distinguishes jobs of the same process and law."""
 
     @property
     def label(self) -> str:
@@ -52,7 +53,7 @@ class JobResult:
     """The result of a job."""
 
     job: PaperRun
-    """What was run."""
+    """The job."""
     row: Row
     """Its row of the comparison."""
     stability: float
@@ -105,7 +106,7 @@ def found(job: PaperRun) -> JobResult:
 
 
 def run_all(jobs: Sequence[PaperRun], workers: int = WORKERS) -> JobResults:
-    """Run all jobs, some at a time; what comes of them does not depend on how many."""
+    """Run all jobs, some at a time; the results do not depend on how many."""
     by_study: dict[str, list[JobResult]] = {}
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         for finding in pool.map(found, jobs, chunksize=1):

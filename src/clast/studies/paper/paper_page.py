@@ -1,4 +1,4 @@
-"""The page of the paper's studies: each claim beside what was found, tables and figures."""
+"""The page of the paper's studies: each claim beside our result, tables and figures."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ are runs that stopped."""
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim beside what was found."""
+    """A claim beside our result."""
 
     text: str
-    """What is claimed, and by whom."""
+    """The claim, and its source."""
     found: str
-    """What was found."""
+    """Our result."""
     holds: Mapping[str, bool]
     """Whether it holds, for each process and law or whatever else it was tried with."""
 
     @property
     def verdict(self) -> str:
-        """Return for what it holds."""
+        """Return the verdict in words."""
         yes = [name for name, holds in self.holds.items() if holds]
         no = [name for name, holds in self.holds.items() if not holds]
         if not no:
@@ -60,7 +60,7 @@ class StudySection:
     title: str
     """Heading."""
     text: str
-    """What is run, and what the tables and figures show."""
+    """The runs, and the content of tables and figures."""
     claims: Sequence[Claim]
     """Claims that it is about."""
     tables: Sequence[Sequence[str]]

@@ -1,4 +1,4 @@
-"""Penalty against augmented Lagrangian: how deep a block at rest sinks in, what it weighs there."""
+"""Penalty against augmented Lagrangian: penetration and contact force of a block at rest."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ def error(finding: JobResult, exact: float) -> float:
 
 
 def lag(friction_angle: float) -> float:
-    """Return what friction that is one step old costs: (2h/t) tan(phi)/(1 - tan(phi)), -."""
+    """Return the error of friction that is one step old: (2h/t) tan(phi)/(1 - tan(phi)), -."""
     return 2.0 * STEP / DURATION * tangent(friction_angle) / (1.0 - tangent(friction_angle))
 
 

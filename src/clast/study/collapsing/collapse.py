@@ -1,4 +1,4 @@
-"""Factor of safety and collapse load: trials in a folder or in memory, and what they add up to.
+"""Factor of safety and collapse load: trials in a folder or in memory, and their result.
 
 clast.factor_of_safety("slope.toml", joints=["bedding"]).value
 clast.collapse_load("arch.toml", "pga").value
@@ -41,7 +41,7 @@ AROUND = 5.0
 """How far more trials reach on both sides of the bracket, in units of the tolerance."""
 
 Watch = Callable[[int, Trial], None]
-"""Called with the number of a trial and what came of it."""
+"""Called with the number of a trial and its result."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +57,7 @@ class Collapse:
     trials: tuple[Trial, ...]
     """All trials, in the order in which they were made."""
     by: Reduction
-    """What the factor acts on."""
+    """The quantity that the factor multiplies or divides."""
     tolerance: float
     """Width of the bracket that was asked for, as a share of its upper end."""
     folder: Path | None = None
@@ -76,7 +76,7 @@ class Collapse:
 
     @property
     def sentence(self) -> str:
-        """The answer in words, with what is to be known of it."""
+        """The answer in words, with its reservations."""
         title = self.by.TITLE
         if math.isinf(self.high):
             return f"{title} at least {self.low:.6g}: no failure was found up to there"
@@ -162,7 +162,7 @@ def collapse(
 
 
 def go_on(folder: StudyFolder, watch: Watch | None = None) -> Collapse:
-    """Go on with the trials in a folder; return what they add up to."""
+    """Go on with the trials in a folder; return their result."""
     how = folder.study.factor or FactorSettings()
     with folder.driven():
         found = TrialMaker(
@@ -182,7 +182,7 @@ class TrialMaker:
     how: FactorSettings
     """How the factor is looked for."""
     by: Reduction
-    """What it acts on."""
+    """The quantity that it multiplies or divides."""
     watch: Watch | None = None
     """Told of each trial."""
     folder: StudyFolder | None = None
@@ -190,7 +190,7 @@ class TrialMaker:
     _start: list[Settled] = field(default_factory=list)
 
     def all(self) -> Collapse:
-        """Return what all trials add up to."""
+        """Return the result of all trials."""
         trials = Trials(search_of(self.how, self.by), self.trial)
         found = trials.all()
         for factor in self._more(found):
@@ -207,7 +207,7 @@ class TrialMaker:
         )
 
     def trial(self, number: int, factor: float) -> Trial:
-        """Return what comes of a trial: what is written of it, or a new one."""
+        """Return the result of a trial: the one on disk, or a new one."""
         trial = self._written(number, factor) or self._made(number, factor)
         if self.watch is not None:
             self.watch(number, trial)

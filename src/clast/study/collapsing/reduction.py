@@ -1,4 +1,4 @@
-"""What a factor acts on: the strengths of joints, gravity, a load, or a push on all blocks.
+"""The quantity of a factor: the strengths of joints, gravity, a load, or a push on all blocks.
 
 Each makes of the content of a case that of a trial.  The blocks first come to rest in the stages of
 the case and one of ours, ``settle``; the trial is a stage after it.
@@ -71,7 +71,7 @@ class Strengths:
         return {**content, "joint": joints, **({"stage": stages} if stages else {})}
 
     def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
-        """Return the case of a trial, and what its stage has beside what all have."""
+        """Return the case of a trial, and the loads that its stage has beside those of all."""
         return content, {"joint": self._divided(self._last(content), factor)}
 
     def _divided(self, joints: Content, factor: float) -> dict[str, Any]:
@@ -117,7 +117,7 @@ class Gravity:
         return {**content, "gravity": [factor * x, factor * y]}
 
     def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
-        """Return the case of a trial, and what its stage has beside what all have."""
+        """Return the case of a trial, and the loads that its stage has beside those of all."""
         return self.base(content, factor), {}
 
 
@@ -145,7 +145,7 @@ class Push:
         return content
 
     def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
-        """Return the case of a trial, and what its stage has beside what all have."""
+        """Return the case of a trial, and the loads that its stage has beside those of all."""
         x, y = content.get("gravity", GRAVITY)
         size = math.hypot(x, y)
         # across gravity: to its left where it points down, which is +x
@@ -190,7 +190,7 @@ class Load:
         return self._with(content, 0.0)
 
     def trial(self, content: Content, factor: float) -> tuple[Content, Mapping[str, Any]]:
-        """Return the case of a trial, and what its stage has beside what all have."""
+        """Return the case of a trial, and the loads that its stage has beside those of all."""
         return self._with(content, factor), {"loads": [self.name]}
 
     def _with(self, content: Content, factor: float) -> Content:
@@ -211,13 +211,13 @@ class Load:
 
 
 Reduction = Strengths | Gravity | Push | Load
-"""What a factor acts on."""
+"""The quantity that a factor multiplies or divides."""
 GRAVITY = (0.0, -9.8)
 """Gravity of a case that does not say it, m/s2."""
 
 
 def reduction(by: str, joints: Sequence[str] = ()) -> Reduction:
-    """Return what a factor acts on by its name; raises CaseError for what is none.
+    """Return a reduction by its name; raises CaseError for an unknown one.
 
     "strength", "gravity", "load NAME", "pga" (to the right), "pga left".
     """
@@ -258,7 +258,7 @@ def staged(
 ) -> dict[str, Any]:
     """Return a case with a stage in which its blocks come to rest, and those of a trial.
 
-    ``trial`` is what the first of its ``parts`` has beside what all have; None: there is none.
+    ``trial`` are the loads that the first of its ``parts`` has beside those of all; None: none.
     """
     own = list(content.get("stage", []))
     taken = {stage.get("name") for stage in own}

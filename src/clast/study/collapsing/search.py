@@ -2,8 +2,8 @@
 
 From a factor that stands the next ones grow by steps until one fails; then the bracket is bisected.
 Its lower end is the answer: the largest factor with which the blocks were seen to stand.  A trial
-that is undecided is neither end: the bracket is made narrower on both sides of it, and what is left
-is said.
+that is undecided is neither end: the bracket is made narrower on both sides of it, and the
+remainder is reported.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class FactorSearch:
 
 @dataclass(frozen=True, kw_only=True)
 class FactorBracket:
-    """What trials say of the factor at which blocks fail."""
+    """The bracket of the factor at which blocks fail, from the trials."""
 
     low: float
     """Largest factor with which they stand; 0 where they stand with none that was tried."""

@@ -6,9 +6,9 @@ remember is capped to their reduced strength as the first step begins: the retur
 Coulomb's law does it.
 
 A trial *stands* where it comes to an equilibrium.  It *fails* where blocks have moved by a
-hundredth of their median size or more and what drives them does not become less.  With a process
-that bears no steps of any length it also fails where its time is over and blocks are driven on.
-All else (nothing moves far, but no equilibrium is found; the run cannot go on) is tried again,
+hundredth of their median size or more and their unbalanced force does not become less.  With a
+process that bears no steps of any length it also fails where its time is over and blocks are driven
+on.  All else (nothing moves far, but no equilibrium is found; the run cannot go on) is tried again,
 three times as long, and is *undecided* if that is no better.
 """
 
@@ -52,7 +52,7 @@ LEAST_BASE = 1.0 / 64.0
 
 @dataclass(frozen=True, kw_only=True)
 class Trial:
-    """What came of a trial."""
+    """The result of a trial."""
 
     factor: float
     """Its factor."""
@@ -69,7 +69,8 @@ class Trial:
     longer: bool = False
     """True where it was undecided at first, and tried again."""
     reason: str = ""
-    """What hinders equilibrium, or why the run could not go on; "" where it stands."""
+    """The condition of equilibrium that fails, or why the run could not go on; "" where it
+    stands."""
 
     def as_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
@@ -89,7 +90,7 @@ class Settled:
     method: Method
     """How it is simulated."""
     run: RunState
-    """What the run carries at the end."""
+    """Data of the run at its end."""
     base: float
     """Factor with which the blocks came to rest."""
     record: StageRecord
@@ -161,9 +162,9 @@ FOREVER = 1e9
 def tried(
     start: Settled, by: Reduction, factor: float, output: Path | None = None, *, parts: int = 1
 ) -> tuple[Trial, Run]:
-    """Return what comes of a trial, and its run.
+    """Return the result of a trial, and its run.
 
-    Its result file is written to ``output``.  What is undecided is tried again, longer.
+    Its result file is written to ``output``.  An undecided trial is tried again, longer.
     """
     case = changed(start.case, trial_content(start.content, by, factor, parts))
     model = case.model()

@@ -1,1 +1,1 @@
-"""What runs are judged by: measures of their results, and expressions of these."""
+"""Judging runs: measures of their results, and expressions of these."""

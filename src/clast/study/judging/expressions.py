@@ -62,9 +62,9 @@ class Expression:
     text: str
     """As it was written."""
     tree: ast.expr
-    """What it consists of."""
+    """Its syntax tree."""
     where: str
-    """What messages call its place."""
+    """Its place in messages."""
 
     def calls(self) -> Iterator[tuple[str, list[str]]]:
         """Give the functions that it calls, with those of their arguments that are names."""
@@ -130,9 +130,9 @@ class Expression:
 
 
 def read(text: Any, where: str, names: Iterable[str], functions: Iterable[str]) -> Expression:
-    """Return the expression of a text; raises CaseError naming what is wrong in it.
+    """Return the expression of a text; raises CaseError naming the fault in it.
 
-    ``names`` are those of values that it may use, ``functions`` what it may call.
+    ``names`` are those of values that it may use, ``functions`` those that it may call.
     """
     remedy = 'e.g. "displacement(A)", "largest(speed(A))", "crest > 0.05"'
     if not isinstance(text, str) or not text.strip() or len(text) > LONGEST:

@@ -1,4 +1,4 @@
-"""What a run is judged by: functions of points, blocks, bolts and joints of its results.
+"""Measures of a run: functions of points, blocks, bolts and joints of its results.
 
 Displacements in m, speeds in m/s, rotations in degrees, forces in N/m.  Of a point or a block they
 are histories, of which an expression takes the last value.
@@ -152,11 +152,11 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
     "end": (),
     "steps": (),
 }
-"""Functions of measures -> what they are of; a part may be left out."""
+"""Functions of measures -> their arguments; a part may be left out."""
 
 
 def known_names(model: Model) -> dict[str, Sequence[str]]:
-    """Return what the arguments of measures may be in a model."""
+    """Return the possible arguments of measures in a model."""
     return {
         "point or block": (*model.measured_points.name, *model.block_name),
         "part": PARTS,
@@ -167,7 +167,7 @@ def known_names(model: Model) -> dict[str, Sequence[str]]:
 
 
 def check(expression: Expression, known: Mapping[str, Sequence[str]]) -> None:
-    """Raise CaseError where an expression asks for what a model does not have."""
+    """Raise CaseError where an expression names something that a model does not have."""
     for name, given in expression.calls():
         if name == FOS:
             wanted: tuple[str, ...] = ()

@@ -1,1 +1,1 @@
-"""What varies from run to run: paths of keys, distributions, and how runs are drawn."""
+"""Parameters that vary from run to run: paths of keys, distributions, and how runs are drawn."""

@@ -1,4 +1,4 @@
-"""What a parameter of a study may be: distributions, lists and ranges of values.
+"""Values of a parameter of a study: distributions, lists and ranges of values.
 
 Each is written as its class is called, in Python, on the command line and in ``study.toml``:
 
@@ -21,7 +21,7 @@ from scipy import special
 from clast.errors import CaseError, shortened
 
 Value = float | int | str | bool
-"""What a key of a case may be set to."""
+"""A value that a key of a case may be set to."""
 MOST_VALUES = 1_000_000
 """Most values of a list or a range."""
 QUADRATURE = 4000
@@ -29,7 +29,7 @@ QUADRATURE = 4000
 
 
 class Distribution:
-    """What all of them have in common: how they are written."""
+    """Things that all of them have in common: how they are written."""
 
     WORD: ClassVar[str] = ""
     """How it is called in texts."""
@@ -360,7 +360,7 @@ class Numbered(Distribution):
 
 @dataclass(frozen=True)
 class Times(Distribution):
-    """What the case has, multiplied by what a distribution or a list gives."""
+    """The value of the case, multiplied by one from a distribution or a list."""
 
     WORD: ClassVar[str] = "times"
     factor: Distribution
@@ -428,7 +428,7 @@ def _check_order(one: Distribution, first: str, second: str) -> None:
 
 
 def _check_list(one: Distribution, values: Any) -> None:
-    """Raise CaseError for what is no list of numbers and texts, or an empty one."""
+    """Raise CaseError for a value that is no list of numbers and texts, or an empty one."""
     if isinstance(values, str) or not isinstance(values, Sequence | np.ndarray):
         raise _bad(one, "needs a list", "e.g. [20, 30, 40]")
     if not 0 < len(values) <= MOST_VALUES:

@@ -1,4 +1,4 @@
-"""What a study varies: keys of a case by their paths, and what they are in a run.
+"""Parameters of a study: keys of a case by their paths, and their values in a run.
 
     joint.bedding.friction_angle      joint.*.cohesion      water.1.level      bolt.A.pretension
 
@@ -19,7 +19,7 @@ from clast.errors import CaseError, shortened
 from clast.study.variables.distributions import Discrete, Distribution, Times, Value, Values
 
 PART = re.compile(r'\s*(?:"([^"]*)"|([^."\s,=]+))\s*(\.|$)')
-"""A key of a path, and what follows it."""
+"""A key of a path, and the rest after it."""
 NAMED = ("rock", "joint", "bolt_kind", "table")
 """Tables whose keys are names: one that is not there would be another rock or joint."""
 
@@ -29,29 +29,29 @@ Keys = tuple[str | int, ...]
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """What varies from run to run."""
+    """A parameter that varies from run to run."""
 
     name: str
-    """What tables and figures call it."""
+    """Its name in tables and figures."""
     paths: tuple[str, ...]
     """Keys of the case that it sets."""
     distribution: Distribution
-    """What it is drawn from, or the list of its values."""
+    """Its distribution, or the list of its values."""
 
     @property
     def drawn(self) -> Distribution:
-        """What it is drawn from: that of a factor where it is one."""
+        """Its distribution: that of a factor where it is one."""
         one = self.distribution
         return one.factor if isinstance(one, Times) else one
 
     @property
     def multiplies(self) -> bool:
-        """Whether it is a factor of what the case has."""
+        """Whether it is a factor of the value in the case."""
         return isinstance(self.distribution, Times)
 
 
 def keys_of(path: str) -> tuple[str, ...]:
-    """Return the keys of a path; raises CaseError for what is none."""
+    """Return the keys of a path; raises CaseError for an invalid one."""
     found: list[str] = []
     at = 0
     while True:
@@ -140,7 +140,7 @@ def _position(here: Sequence[Any], key: str, behind: Keys, path: str) -> int:
 
 
 def value_at(content: Mapping[str, Any], keys: Keys) -> Any:
-    """Return what stands at a place of a case; None where nothing does."""
+    """Return the value at a place of a case; None where there is none."""
     here: Any = content
     for key in keys:
         if isinstance(here, list):
@@ -174,7 +174,7 @@ class ParameterPlaces:
     content: Mapping[str, Any]
     """The case as its file has it."""
     parameters: tuple[Parameter, ...]
-    """What varies."""
+    """The parameters."""
     places: tuple[tuple[Keys, ...], ...]
     """Where each of them is set."""
 
@@ -239,5 +239,5 @@ def _written(keys: Sequence[str | int]) -> str:
 
 
 def _is_named(behind: Keys) -> bool:
-    """Return whether what follows is the name of a rock, a joint or the like."""
+    """Return whether the next key is the name of a rock, a joint or the like."""
     return len(behind) == 1 and behind[0] in NAMED

@@ -1,7 +1,7 @@
 """How runs are drawn: the numbers of run i follow from the study and i alone.
 
 So there is no list of runs to keep: a million runs cost nothing until they are made, each worker
-draws its own, and a study that goes on draws what it would have drawn.
+draws its own, and a study that goes on draws the same runs as one without interruption.
 
 Every sampling gives a probability in (0, 1) for each parameter; a normal copula correlates them:
 with u the probabilities of independent parameters and L L^T the matrix of correlations between
@@ -34,7 +34,7 @@ MOST_RUNS = 100_000_000
 
 
 class Sampling:
-    """What all samplings have in common."""
+    """Things that all samplings have in common."""
 
     WORD: ClassVar[str] = ""
     """How it is called."""

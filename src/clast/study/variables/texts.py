@@ -55,7 +55,7 @@ def parsed(text: str, where: str) -> Distribution:
 
 
 def _made(tree: ast.expr, where: str, remedy: str) -> Distribution:
-    """Return what an expression stands for."""
+    """Return the value of an expression."""
     if not isinstance(tree, ast.Call):
         value = _plain(tree, where)
         return Values(value if isinstance(value, list) else [value])
