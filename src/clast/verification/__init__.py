@@ -26,7 +26,7 @@ Watch = Callable[[Problem, Variant], None]
 def examine(
     names: Iterable[str] = (), *, choose: Choose = every, watch: Watch | None = None
 ) -> list[Findings]:
-    """Run what is chosen of the problems; return rows and charts of each variant."""
+    """Run the chosen problems; return rows and charts of each variant."""
     found = []
     for problem in map(choose, problems(names)):
         for variant in problem.variants:
@@ -39,7 +39,7 @@ def examine(
 def run(
     names: Iterable[str] = (), *, choose: Choose = every, watch: Watch | None = None
 ) -> list[Row]:
-    """Run what is chosen of the problems; return a row for every quantity compared."""
+    """Run the chosen problems; return a row for every quantity compared."""
     return [row for findings in examine(names, choose=choose, watch=watch) for row in findings.rows]
 
 

@@ -197,7 +197,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
         resume.PROBLEM,
     ),
 }
-"""Folder -> its problems: what they test, from single blocks to the method as a whole."""
+"""Folder -> its problems: the subject of their tests, from single blocks to the whole method."""
 
 PROBLEMS: tuple[Problem, ...] = tuple(problem for group in GROUPS.values() for problem in group)
 """All problems."""

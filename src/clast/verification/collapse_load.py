@@ -1,9 +1,9 @@
 """Limits of equilibrium, found by loading a system slowly and seeing whether it keeps moving.
 
-Velocities are dropped after every step (dynamic_ratio = 0).  What is in equilibrium then comes to
-rest; what has none fails, or, with a process that bears no long steps, moves by d = theta a h2 in
-every step, a being the acceleration of its unbalanced force, which stays above a small share of
-gravity.
+Velocities are dropped after every step (dynamic_ratio = 0).  A system with an equilibrium then
+comes to rest; one without fails, or, with a process that cannot take long steps, moves by d = theta
+a h2 in every step, a being the acceleration of its unbalanced force, which stays above a small
+share of gravity.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ def unbalanced(
 ) -> float:
     """Return the largest unbalanced acceleration of the measured points at the end, over g.
 
-    Without gravity ``unit``, m/s2, is what it is compared with.
+    Without gravity ``unit``, m/s2, is the reference.
 
     It is inf for a run that has failed, and for one whose points have moved by more than
-    ``max_displacement``, m: what moves far may come to rest somewhere else.
+    ``max_displacement``, m: blocks that move far may come to rest somewhere else.
     """
     method = variant.method(
         model,

@@ -1,4 +1,4 @@
-"""What problems about cutting share: rectangles, the variant that runs nothing, blocks to draw."""
+"""Shared parts of problems about cutting: rectangles, a variant without a run, drawn blocks."""
 
 from __future__ import annotations
 

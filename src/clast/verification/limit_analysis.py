@@ -17,7 +17,7 @@ from scipy.optimize import linprog
 from clast.model.model import Floats
 
 GROUND = -1
-"""Block number of what does not move."""
+"""Block number of the ground."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +25,7 @@ class RigidJoint:
     """A straight joint between two blocks."""
 
     blocks: tuple[int, int]
-    """Block that the normal points into, and the one behind it; GROUND for what does not move."""
+    """Block that the normal points into, and the one behind it; GROUND for fixed ground."""
     ends: tuple[Floats, Floats]
     """Its two ends, m, (2,) each."""
     normal: Floats

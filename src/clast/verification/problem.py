@@ -1,4 +1,4 @@
-"""What a problem with a known answer is, and what comes of running it."""
+"""A problem with a known answer, and the result of running it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from clast.verification.variants import Variant
 
 
 class Verdict(Enum):
-    """What a row says; the value is the word in the table."""
+    """The verdict of a row; the value is the word in the table."""
 
     PASS = "pass"
     MISS = "MISS"
@@ -29,7 +29,7 @@ class Measure(Enum):
 
 
 class Bracket(float):
-    """What a bisection leaves of a limit: its middle, which is the number, and both ends."""
+    """The result of a bisection: the middle of the bracket, which is the number, and both ends."""
 
     low: float
     """Lower end."""
@@ -52,7 +52,7 @@ class Comparison:
     """One computed quantity beside its exact value."""
 
     quantity: str
-    """What is compared."""
+    """The compared quantity."""
     unit: str
     """Unit of both values."""
     computed: float
@@ -64,7 +64,7 @@ class Comparison:
     tolerance: float
     """Largest error that passes, -, or in ``unit`` where absolute; from the end of a bracket."""
     reason: str
-    """Why the tolerance is what it is."""
+    """The reason for the tolerance."""
 
     @property
     def error(self) -> float:
@@ -128,7 +128,7 @@ def _comparison(
 
 @dataclass(frozen=True, kw_only=True)
 class Row(Comparison):
-    """A line of the table: a comparison, where it comes from and what it says."""
+    """A line of the table: a comparison, its problem and variant, and its verdict."""
 
     problem: str
     """Name of the problem."""
@@ -167,7 +167,7 @@ class Row(Comparison):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a problem makes of one variant."""
+    """The result of a problem with one variant."""
 
     comparisons: tuple[Comparison, ...]
     """Computed beside exact."""
@@ -206,7 +206,7 @@ class Problem:
     title: str
     """Title."""
     text: str
-    """What is computed, in one paragraph."""
+    """The computed quantities, in one paragraph."""
     formula: str
     """The exact answer."""
     source: str
@@ -216,18 +216,18 @@ class Problem:
     examine: Callable[[Variant], Outcome]
     """Run the problem with a variant."""
     variants: tuple[Variant, ...]
-    """What it is run with."""
+    """The variants of a full run."""
     quick: tuple[Variant, ...]
-    """What it is run with where time is short."""
+    """The variants where time is short."""
     examine_briefly: Callable[[Variant], Outcome] | None = None
     """The same with fewer cases, for where time is short; all of them if absent."""
     left_out: str = ""
     """Processes that it is not run with, and why; empty where it is run with all."""
     known_failures: tuple[KnownFailure, ...] = ()
-    """What is known to miss."""
+    """The known misses."""
 
     def brief(self) -> Problem:
-        """Return the problem with what is run of it where time is short."""
+        """Return the problem with its variants where time is short."""
         examine = self.examine_briefly or self.examine
         return replace(self, variants=self.quick, examine=examine)
 

@@ -12,7 +12,7 @@ from clast.verification.catalogue import GROUPS, PROBLEMS
 from clast.verification.problem import Problem
 
 Choose = Callable[[Problem], Problem]
-"""Returns a problem with what is to be run of it."""
+"""Returns a problem with the variants to run."""
 
 
 def every(problem: Problem) -> Problem:
@@ -21,7 +21,7 @@ def every(problem: Problem) -> Problem:
 
 
 def quick(problem: Problem) -> Problem:
-    """Choose what of all problems together takes less than a minute."""
+    """Choose the part of all problems that together takes less than a minute."""
     return problem.brief()
 
 
@@ -43,7 +43,7 @@ def problems(names: Iterable[str] = ()) -> list[Problem]:
 
 
 def narrowed(choose: Choose, processes: Sequence[str] = (), laws: Sequence[str] = ()) -> Choose:
-    """Return what chooses, of what ``choose`` does, the variants with these processes and laws.
+    """Restrict a selector to the variants with these processes and laws.
 
     Nothing named means any.  Raises CaseError for a name that nobody knows.
     """

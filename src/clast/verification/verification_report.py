@@ -30,7 +30,7 @@ NOT_VERIFIED = (
     "where one block does); SV waves from 30 degrees to beyond their critical angle at a "
     "free surface; waves through bonded triangles without weight by the convex process."
 )
-"""What users compute and no problem here compares."""
+"""Quantities that users compute and no problem here compares."""
 STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem}"
     "table{border-collapse:collapse;font-size:13px}td,th{border:1px solid #ccc;padding:2px 8px;"
@@ -48,7 +48,7 @@ class ProblemSection:
 
 
 def write_report(findings: Sequence[Findings], directory: Path) -> list[Path]:
-    """Write verification.md, verification.html and their figures; return what was written."""
+    """Write verification.md, verification.html and their figures; return the files."""
     folder = directory / FIGURES
     folder.mkdir(parents=True, exist_ok=True)
     sections = []
@@ -75,7 +75,7 @@ def counts(rows: Sequence[Row]) -> tuple[str, ...]:
 
 
 def remarks(rows: Sequence[Row]) -> list[str]:
-    """Return why the tolerances are what they are: each reason once, with its quantities."""
+    """Return the reasons for the tolerances: each once, with its quantities."""
     quantities: dict[str, list[str]] = {}
     for row in rows:
         named = quantities.setdefault(remark(row), [])

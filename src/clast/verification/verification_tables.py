@@ -1,4 +1,4 @@
-"""Rows as texts: what the command line and the report print."""
+"""Rows as texts, for the command line and the report."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def value(number: float, unit: str) -> str:
 
 
 def computed(row: Comparison) -> str:
-    """Return the computed value, or what a bisection leaves of it: both ends of its bracket."""
+    """Return the computed value, or the result of a bisection: both ends of its bracket."""
     number = row.computed
     if isinstance(number, Bracket):
         return f"{number.low:.5g} to {number.high:.5g} {row.unit}".strip()

@@ -1,1 +1,1 @@
-"""Problems with closed-form answers, by what they verify."""
+"""Problems with closed-form answers, by subject."""

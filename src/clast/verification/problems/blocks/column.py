@@ -1,6 +1,6 @@
 """A column under its own weight.
 
-One block of height H has one stress: the mean of what an elastic column carries,
+One block of height H has one stress: the mean stress of an elastic column,
 
     sigma_yy = -rho g H/2,    shortening = rho g H2/(2 E')
 

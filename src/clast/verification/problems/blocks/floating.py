@@ -70,7 +70,7 @@ def moved(down: float, tilt: float, end: float, variant: Variant) -> PointHistor
 
 
 def examine(periods: int, variant: Variant) -> Outcome:
-    """Compare the periods of heave and roll, and what is left of them."""
+    """Compare the periods of heave and roll, and the remaining amplitude."""
     rows: list[Comparison] = []
     charts: list[Chart] = []
     for name, down, tilt, exact in (

@@ -1,8 +1,8 @@
 """A block thrown into the air: no contact, so the time integration alone is tested.
 
 A block thrown with velocity (u, v) is after t at (u t, v t - g t2/2).  Constant acceleration within
-a step is what happens here, so it is exact for any step h.  Backward Euler takes each step with the
-velocity of its end: n steps give -g h2 n(n+1)/2 = -g t2/2 - g t h/2, too low by g t h/2.
+a step is exact here, for any step h.  Backward Euler takes each step with the velocity of its end:
+n steps give -g h2 n(n+1)/2 = -g t2/2 - g t h/2, too low by g t h/2.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def late(step: float, variant: Variant) -> float:
 def compare(
     fall: PointHistory, throw: PointHistory, step: float, too_low: float
 ) -> list[Comparison]:
-    """Return the rows of one step, s; ``too_low`` is what the time scheme falls too far, m."""
+    """Return the rows of one step, s; ``too_low`` is the error of the time scheme's fall, m."""
     u, v, _ = THROWN
     parabola = GRAVITY * DURATION**2 / 2.0
     dropped, speed = -fall.displacement[-1, 1], -fall.velocity[-1, 1]

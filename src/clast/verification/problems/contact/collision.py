@@ -1,4 +1,4 @@
-"""Two free blocks collide: what one gains in momentum the other loses, to the last digit."""
+"""Two free blocks collide: the momentum that one gains the other loses, to the last digit."""
 
 from __future__ import annotations
 

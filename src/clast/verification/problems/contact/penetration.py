@@ -1,9 +1,9 @@
-"""A block at rest on its contact springs: how deep it sinks in, and what it weighs there.
+"""A block at rest on its contact springs: its penetration, and its contact forces.
 
 Penalty: each of the n corners is pressed in by W / (n p).  The augmented Lagrangian law solves k
 times a step and hands the contact force of one solve to the next as a multiplier; the inertia of
 the step resists every solve anew.  With b = p h2/(2 m), m the mass per contact, the gap of the
-solves falls as 1, (1 + b), ... backwards, and what is left of the penalty's penetration is
+solves falls as 1, (1 + b), ... backwards, and the remaining share of the penalty's penetration is
 
     b / ((1 + b)^k - 1),        1/k for small b.
 

@@ -25,7 +25,7 @@ CORNERS = 6.0
 VARIATION = float(np.sqrt(1.280176 - 1.0))
 """Deviation of the areas over their mean."""
 COUNTS = (320, 640, 1250, 2500, 5000)
-"""Numbers of cells; what is compared is the last."""
+"""Numbers of cells; the last is compared."""
 FEW = (320, 1250)
 """Where time is short."""
 SHARE = 0.03

@@ -33,7 +33,7 @@ GRID = "nodes are rounded to a grid of 1e-5 m"
 
 
 def network(scale: float = 1.0) -> Cut:
-    """Return what both sets cut out of the domain, or of one so many times as long and high."""
+    """Return the blocks of both sets in the domain, or in one so many times as large."""
     return cut(rectangle(scale * WIDTH, scale * HEIGHT, smallest_block=0.0), SETS)
 
 
@@ -97,7 +97,7 @@ def euler(found: Cut) -> tuple[int, int]:
 
 
 def traces_about_a_tunnel() -> Cut:
-    """Return what traces cut about a circular void, wherever they end."""
+    """Return the blocks that traces cut about a circular void, wherever they end."""
     traces = [
         JointSet(
             name=f"traces at {angle:g}",

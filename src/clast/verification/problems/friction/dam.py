@@ -37,7 +37,7 @@ STEPS, STIFFNESS = 300, 2e9
 STEP, FINE = 1e-2, 4e-3
 """Steps, s: a dam close to tipping sinks back slowly; one that slides chatters in long steps."""
 BISECTIONS, SPAN, SHARE = 5, 2.0, 0.04
-"""Bisections; half of what is searched, in degrees and as a share of the height of the water."""
+"""Bisections; half of the range searched, in degrees and as a share of the height of the water."""
 RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.2g} degrees"
 TIPS = f"bisected to {100 * 2 * SHARE / 2**BISECTIONS:.2g} %; heel and toe are springs"
 LEANS = "heel and toe are springs: the dam leans by 1e-4, and its weight acts beside its middle"
@@ -96,7 +96,7 @@ def reactions(level: float, variant: Variant) -> Floats:
 
 
 def compare_reactions(variant: Variant) -> Outcome:
-    """Compare what the base bears."""
+    """Compare the reactions of the base."""
     found = np.array([reactions(level, variant) for level in LEVELS])
     rows: list[Comparison] = []
     for level, (heel, toe, along) in zip(LEVELS, found, strict=True):

@@ -78,7 +78,7 @@ def sheared(force: float, variant: Variant) -> Run:
 
 
 def examine(shares: tuple[float, ...], variant: Variant) -> Outcome:
-    """Bracket the peak by shares of it, and compare what the joint carries after it."""
+    """Bracket the peak by shares of it, and compare the joint's shear force after it."""
     memories = [sheared(share * PEAK, variant).state.memory for share in shares]
     carried = [abs(float(memory.shear_force.sum())) for memory in memories]
     held = [bool(memory.bonded.all()) for memory in memories]

@@ -1,4 +1,4 @@
-"""What a friction force that is one step old costs on the incline at 45 degrees.
+"""The error of a friction force that is one step old on the incline at 45 degrees.
 
 Over the slide the normal force rises from nothing to N.  Each step takes friction from the normal
 force of the step before, so the friction impulse falls short by h N tan(phi) and the block is

@@ -25,7 +25,7 @@ ANGLES = (45.0, 55.0, 65.0)
 """Angles with the floor, degrees."""
 STEP, STEPS = 4e-3, 300
 BISECTIONS, SPAN = 4, 2.0
-"""Bisections of the friction angle, and the half of what is searched, degrees."""
+"""Bisections of the friction angle, and half of the range searched, degrees."""
 RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.1g} degrees"
 
 

@@ -43,7 +43,7 @@ APART = 0.6
 DENSITY = 2500.0
 STEP, STEPS, STIFFNESS = 2e-3, 300, 1e9
 BISECTIONS, SPAN = 3, 0.02
-"""Bisections of s1 - s3, and the half of what is searched as a share of it."""
+"""Bisections of s1 - s3, and half of the range searched as a share of it."""
 RESOLUTION = f"bracket of {100 * 2 * SPAN / 2**BISECTIONS:.2g} %"
 
 

@@ -31,7 +31,7 @@ from clast.verification.variants import CONVEX, OPEN_CLOSE, Variant
 GRAVITY, DENSITY = 9.8, 2400.0
 STEP, STEPS, BISECTIONS, FEW = 2e-2, 200, 4, 3
 SPAN = 0.06
-"""Half of what is searched about the exact factor, as a share of it."""
+"""Half of the range searched about the exact factor, as a share of it."""
 TOLERANCE = 0.015
 RESOLUTION = f"bisected to {200 * SPAN / 2**BISECTIONS:.2g} %; joints and blocks give a little"
 
@@ -41,7 +41,7 @@ class Arch:
     """A circular arch of equal voussoirs."""
 
     name: str
-    """What the table calls it."""
+    """Its name in the table."""
     radius: float = 5.0
     """Mean radius R, m."""
     share: float = 0.15

@@ -72,7 +72,7 @@ def on_moving_support(arch: Arch = OPPENHEIM, spread: float = SPREAD) -> Model:
 
 
 def thrust_of(run: Run, frame: int = -1) -> float:
-    """Return what the arch presses the right support outwards with, N/m."""
+    """Return the outward thrust of the arch on the right support, N/m."""
     contacts, support = run.contacts(frame), run.model.block_name.index(MOVING)
     across = contacts.force[:, 0]
     on, off = contacts.vertex_block == support, contacts.edge_block == support

@@ -48,7 +48,7 @@ WALLS = (1, 4)
 """Blocks of the wall."""
 STEP, STEPS = 2e-3, 200
 BISECTIONS, SPAN = 2, 0.01
-"""Bisections of the load at which it breaks, and the half of what is searched as a share of it."""
+"""Bisections of the load at which it breaks, and half of the range searched as a share of it."""
 RESOLUTION = f"bracket of {100 * 2 * SPAN / 2**BISECTIONS:.2g} %"
 CHORDS = "fifteen points stand for the face: within 4 % up to e = 0.465 b, and rock that gives way"
 

@@ -2,7 +2,7 @@
 
 A bed of stiffness k per area under a stiff pier b wide bears a force N at the distance e from the
 middle with a pressure that is linear across the pier (Navier).  While e <= b/6, in the kern, it
-presses everywhere; beyond, the bed opens, and what is left of it, three times the distance of N
+presses everywhere; beyond, the bed opens, and its part in contact, three times the distance of N
 from the edge, has a triangle of pressure:
 
     e <= b/6:  edge N/b (1 + 6 e/b),   turned by 12 N e/(k b3),
@@ -67,7 +67,7 @@ def pier(share: float = 0.25) -> Model:
 
 
 def computed_bed(share: float, variant: Variant) -> tuple[float, float, float]:
-    """Return what ``exact_bed`` does, of a pier at rest."""
+    """Return the values of ``exact_bed``, computed for a pier at rest."""
     model = pier(share)
     method = variant.method(
         model, normal_stiffness=BEDDING, max_displacement=0.01, dynamic_ratio=0.0
@@ -82,7 +82,7 @@ def computed_bed(share: float, variant: Variant) -> tuple[float, float, float]:
 
 
 def examine(shares: tuple[float, ...], variant: Variant) -> Outcome:
-    """Compare what the bed bears for forces off the middle."""
+    """Compare the reaction of the bed to forces off the middle."""
     rows: list[Comparison] = []
     found = []
     for share in shares:

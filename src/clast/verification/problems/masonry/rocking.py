@@ -1,4 +1,4 @@
-"""A rocking block: how long it takes to fall back, and what an impact costs (Housner 1963).
+"""A rocking block: the time of its fall, and the loss of an impact (Housner 1963).
 
 A block b wide and h high stands tilted by t0 on one corner and is let go.  With the half diagonal
 R, tan a = b/h and the moment of inertia I_O about the corner it falls back by

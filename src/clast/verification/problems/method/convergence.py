@@ -13,7 +13,7 @@ On a floor that does not give way a block of height H, which has one strain, swi
     w^2 = 3 E/(rho H^2);
 
 a column of such blocks at rest is shorter by rho g H^2/(2 E), H its whole height.  Contacts that
-give way make the frequency less and the shortening more, by what falls as 1/p.
+give way make the frequency less and the shortening more, by amounts that fall as 1/p.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ SOFT, RIGID = 1e7, 1e14
 CIRCULAR = float(np.sqrt(2.0 * SOFT / DENSITY))
 """w of that block of 1 m2, 1/s."""
 SHARE = 0.5
-"""Amplitude of what swings, in units of what the weight presses it down by."""
+"""Amplitude of the oscillation, in units of the settlement under weight."""
 STEPS, TURNED = (80, 160), 2.0
 """Steps of the motion on springs, and w t at its end, rad."""
 YOUNG = 1e9

@@ -1,8 +1,8 @@
 """A pile is struck by a thrown block: where the energy goes, step by step.
 
-Every step the ledger adds up what is stored (motion, strain, height, contact springs), what loads
-put in, what friction consumed and what the time integration removed.  What it leaves open must be
-round-off, and what is stored must never exceed the start and the work of the loads.
+Every step the ledger adds up stored energy (motion, strain, height, contact springs), the work of
+loads, energy consumed by friction and energy removed by the time integration.  The remainder must
+be round-off, and the stored energy must never exceed the start and the work of the loads.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ class View:
     """How a case is written down."""
 
     name: str
-    """What is changed."""
+    """The change."""
     shift: tuple[float, float] = (0.0, 0.0)
     """Where its origin lies, m."""
     turn: float = 0.0

@@ -96,7 +96,7 @@ def _unsaid(text: str) -> None:
 
 
 def apart(one: Run, other: Run) -> dict[str, float]:
-    """Return the largest differences of what both runs left."""
+    """Return the largest differences between the results of both runs."""
     pairs: dict[str, tuple[Floats, Floats]] = {
         "vertices, m": (one.state.vertices, other.state.vertices),
         "velocities, m/s": (one.state.velocity, other.state.velocity),

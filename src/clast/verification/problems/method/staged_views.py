@@ -66,7 +66,7 @@ TOLERANCE, ROUND_OFF = 1e-8, "round-off of 550 steps"
 
 @dataclass(frozen=True)
 class Seen:
-    """What is compared, in the original's axes and units."""
+    """The compared results, in the original's axes and units."""
 
     time: Floats
     """s, shape (t,)."""
@@ -112,7 +112,7 @@ def written_down(view: View) -> Model:
 
 
 def seen(view: View, variant: Variant) -> Seen:
-    """Return what a run of the case leaves."""
+    """Return the results of a run of the case."""
     model = written_down(view)
     method = variant.method(
         model, normal_stiffness=CONTACT * view.mass, max_displacement=0.01 * view.length

@@ -36,10 +36,10 @@ OWN = (35.0, 15.0, 25.0)
 """Friction angles of upper plane, lower plane and joint where each has its own, degrees."""
 STEP, STEPS = 4e-3, 300
 BISECTIONS, SPAN = 4, 2.0
-"""Bisections of the friction angle, and the half of what is searched, degrees."""
+"""Bisections of the friction angle, and half of the range searched, degrees."""
 RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.2g} degrees"
 SHARE = 0.04
-"""Half of what is searched of friction that differs, as a share of it."""
+"""Half of the range searched of friction that differs, as a share of it."""
 FINER = f"bisected to {200 * SHARE / 2**BISECTIONS:.2g} %"
 
 
@@ -67,7 +67,7 @@ def area(corners: np.ndarray) -> float:
 
 
 def missing(flat: float, angles: tuple[float, float, float]) -> float:
-    """Return by how much the push of the upper block exceeds what the lower one resists, m2.
+    """Return by how much the push of the upper block exceeds the resistance of the lower one, m2.
 
     Friction angles of upper plane, lower plane and joint in degrees; forces over the unit weight.
     """

@@ -46,7 +46,7 @@ STIFFNESS, STATIC_STIFFNESS = 1e9, 3e8
 STEP, DURATION = 1e-3, 0.5
 STATIC_STEPS = 600
 BISECTIONS, SPAN = 3, 0.02
-"""Bisections of the friction, and the half of what is searched as a share of it."""
+"""Bisections of the friction, and half of the range searched as a share of it."""
 RESOLUTION = f"bracket of {100 * 2 * SPAN / 2**BISECTIONS:.2g} %"
 SHEAR = "shear springs give way before the plane slides; forces at the end of a step"
 CLOSING = "the joints swing about their forces until the step has damped it"
@@ -59,7 +59,7 @@ def acceleration() -> float:
 
 
 def pushes(friction: np.ndarray, gained: float) -> np.ndarray:
-    """Return what the joints below all blocks but the lowest bear, N/m.
+    """Return the forces of the joints below all blocks but the lowest, N/m.
 
     ``friction`` (3,) are tan phi, ``gained`` is the acceleration, m/s2.
     """

@@ -33,7 +33,7 @@ FACTORS = (1.0, 1.25, 1.5)
 """Factors of safety."""
 STEP, STEPS = 4e-3, 200
 BISECTIONS, SPAN = 4, 0.03
-"""Bisections of the bolt's force, and the half of what is searched as a share of the exact one."""
+"""Bisections of the bolt's force, and half of the range searched as a share of the exact one."""
 RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.1g}"
 ASIDE = 0.01
 """Share by which the force is raised or lowered to see whether the block holds."""

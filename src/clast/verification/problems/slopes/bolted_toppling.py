@@ -24,7 +24,7 @@ from clast.verification.variants import CONVEX, IMPLICIT, OPEN_CLOSE, Variant
 FRICTION = 0.65
 """tan phi of all joints."""
 BISECTIONS, SPAN = 4, 0.2
-"""Bisections of the bolt's force, and the half of what is searched as a share of the exact one."""
+"""Bisections of the bolt's force, and half of the range searched as a share of the exact one."""
 AT_ONCE = "the weight comes at once and finds the joints without shear force; bisected to 2.5 %"
 
 

@@ -49,7 +49,7 @@ WEDGE_STEP = 8e-3
 """Time steps, s: heavier blocks come to rest in longer ones."""
 DYNAMIC_STEP, DYNAMIC_STEPS = 1e-3, 600
 BISECTIONS, SPAN = 3, 0.02
-"""Bisections of the strength, and the half of what is searched as a share of it."""
+"""Bisections of the strength, and half of the range searched as a share of it."""
 RESOLUTION = f"bracket of {100 * 2 * SPAN / 2**BISECTIONS:.2g} %"
 WEDGE_FRICTION, WEDGE_COHESION, FLAT = float(np.tan(np.radians(25.0))), 5e3, 5.0
 """tan phi and cohesion, Pa, of the joints of two wedges, and dip of the lower plane, degrees."""
@@ -95,7 +95,8 @@ def stands(model: Model, variant: Variant, stiffness: float = 2e9, step: float =
 def stands_shaken(model: Model, variant: Variant) -> bool:
     """Return whether the blocks stay where weight comes on at once, with its inertia.
 
-    Steps keep the velocity; what slides at its limit gains none, what fails gains it evenly.
+    Steps keep the velocity; a block that slides at its limit gains none, one that fails gains it
+    evenly.
     """
     method = variant.method(model, normal_stiffness=2e9, max_displacement=0.02)
     end = DYNAMIC_STEPS * DYNAMIC_STEP
@@ -113,7 +114,7 @@ Check = Callable[[Model, Variant], bool]
 
 
 def factor_of_slab(pieces: tuple[int, int], variant: Variant, check: Check) -> float:
-    """Return by what the strength is divided where the slab begins to slide."""
+    """Return the divisor of the strength at which the slab begins to slide."""
 
     def holds(share: float) -> bool:
         return check(slab(pieces, FACTOR / share), variant)
@@ -161,7 +162,7 @@ def wedges(divided_by: float = 1.0) -> Model:
 
 
 def factor_of_wedges(variant: Variant) -> float:
-    """Return by what the strength is divided where the two wedges begin to slide."""
+    """Return the divisor of the strength at which the two wedges begin to slide."""
     exact = exact_factor_of_wedges()
 
     def holds(share: float) -> bool:

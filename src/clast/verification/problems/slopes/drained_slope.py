@@ -1,7 +1,7 @@
 """Pressures of a phreatic line and of drains on the plane of a slope, and the factor of safety.
 
 A slab of weight W lies on a plane of dip a and length A below a vertical crack with zw of water.
-The joint bears what the water leaves,
+The joint carries the effective force,
 
     N' = W cos a - U - V sin a,    T = W sin a + V cos a,    V = 1/2 w zw^2,
 
@@ -42,7 +42,7 @@ from clast.verification.problems.slopes.wet_slope import (
 from clast.verification.variants import CONVEX, LAGGED, OPEN_CLOSE, Variant
 
 STIFFNESS, STEPS, FIRM = 2e9, 300, 0.5
-"""Contact stiffness, N/m per m; steps; by what the strength of a firm slope is divided."""
+"""Contact stiffness, N/m per m; steps; divisor of the strength of a firm slope."""
 SPAN, BISECTIONS, FEW = 0.04, 5, 3
 RESOLUTION = f"bisected to {100 * 2 * SPAN / 2**BISECTIONS:.2g} %"
 SETTLES = "blocks give by microns, and the water with them"
@@ -55,7 +55,7 @@ class WaterHead:
     """Heads of water over a plane, and how they are entered."""
 
     name: str
-    """What the table calls it."""
+    """Its name in the table."""
     share: tuple[float, ...]
     """Places on the plane, shares of its length from the toe, from 0 to 1."""
     head: tuple[float, ...]
@@ -85,7 +85,7 @@ class WaterHead:
         return float((slope.cohesion * np.hypot(*slope.foot) + presses * friction) / drives)
 
     def keys(self, slope: Slope) -> Mapping[str, Any]:
-        """Return what enters it: a level and drains, or a phreatic line."""
+        """Return the keys of the water: a level and drains, or a phreatic line."""
         along = np.array(self.share)[:, None] * slope.foot
         if self.drains:
             drained = [tuple(share * slope.foot) for share in self.drains]
@@ -133,7 +133,7 @@ def borne(water: WaterHead, variant: Variant) -> tuple[float, float]:
 
 
 def safety(water: WaterHead, bisections: int, variant: Variant) -> Bracket:
-    """Return by what the strength is divided where the slab begins to slide."""
+    """Return the divisor of the strength at which the slab begins to slide."""
     slope = steep_slope()
     exact = water.factor(slope)
 

@@ -30,7 +30,7 @@ LEVELS = (0.0, 0.5, 1.0)
 """Height of the water in the crack over its depth."""
 STEP, STEPS = 4e-3, 300
 BISECTIONS, SPAN = 4, 2.0
-"""Bisections of the friction angle, and the half of what is searched, degrees."""
+"""Bisections of the friction angle, and half of the range searched, degrees."""
 RESOLUTION = f"bisected to {2 * SPAN / 2**BISECTIONS:.2g} degrees"
 
 

@@ -79,7 +79,7 @@ def exact_motion(ratio: float, friction_angle: float) -> tuple[float, float]:
 
 
 def _integrated(rates: Callable[[float, Floats], tuple[float, ...]], count: int) -> Floats:
-    """Return what grows from zero by ``rates`` until the end."""
+    """Return the quantity that grows from zero by ``rates`` until the end."""
     return np.asarray(
         solve_ivp(rates, (0.0, DURATION), np.zeros(count), rtol=1e-9, atol=1e-12).y[:, -1]
     )

@@ -1,7 +1,7 @@
 """Goodman and Bray's toppling slope: the friction angle at which the toe gives way.
 
 Sixteen columns lean on a stepped base.  Limit equilibrium goes from the top column to the toe:
-column n is pushed by P(n) and pushes the next by what it needs to stay, the larger of
+column n is pushed by P(n) and pushes the next by the force it needs to stay, the larger of
 
     toppling   [P(n) (M - dx tan phi) + (W/2) (y sin a - dx cos a)] / L
     sliding    P(n) - W (cos a tan phi - sin a) / (1 - tan2 phi)
@@ -56,7 +56,7 @@ def height(column: int) -> float:
 
 
 def push_at_toe(friction: float) -> float:
-    """Return what the toe column needs to stay, N/m, for tan phi = ``friction``."""
+    """Return the force that the toe column needs to stay, N/m, for tan phi = ``friction``."""
     push = needed = 0.0
     for column in range(COLUMNS, 0, -1):
         y = height(column)

@@ -30,7 +30,7 @@ WEIGHT = 26e3
 STEP, STEPS = 4e-3 / 15.0, 300
 """Step by height of the slope, s/m: heavier blocks come to rest in longer steps."""
 BISECTIONS, SPAN = 5, 0.04
-"""Bisections of the factor of safety, and the half of what is searched as a share of it."""
+"""Bisections of the factor of safety, and half of the range searched as a share of it."""
 RESOLUTION = f"bisected to {100 * 2 * SPAN / 2**BISECTIONS:.2g} %"
 
 
@@ -148,7 +148,7 @@ def holds(slope: Slope, water: float, factor: float, variant: Variant) -> bool:
 
 
 def factor_of_safety(slope: Slope, water: float, variant: Variant) -> Bracket:
-    """Return by what the strength is divided where the slab begins to slide."""
+    """Return the divisor of the strength at which the slab begins to slide."""
     exact = slope.exact_factor(water)
 
     def stays(share: float) -> bool:

@@ -3,14 +3,14 @@
 A beam of weight W, all of it elastic and without friction, rests on two ledges, four contacts of
 stiffness p in all, and on a pillar of height H and width B between them; a bolt of stiffness s
 hangs its centroid on fixed rock above.  With K = 4 p of the ledges, 1/P = 2/(2 p) + H/(B E) of the
-pillar, and c = h/(4 b E), by which beam (b x h) and centroid sink beside its foot under what its
-foot bears,
+pillar, and c = h/(4 b E), by which beam (b x h) and centroid sink beside its foot under the load of
+its foot,
 
     foot = (W - F + P v)/(K + P),   F/s = foot + c (W - F)
 
-for a bolt that is there from the start; v is what the pillar sinks by its own weight.  A bolt that
-is installed when all has settled bears nothing.  Is the pillar then taken out, which bore N, the
-bolt and the ledges share that: two springs in parallel,
+for a bolt that is there from the start; v is the settlement of the pillar by its own weight.  A
+bolt that is installed when all has settled bears nothing.  Is the pillar then taken out, which bore
+N, the bolt and the ledges share that: two springs in parallel,
 
     F = (N/K)/(1/s + 1/K + c),
 
@@ -63,7 +63,7 @@ ORDERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "bolt at the start, dig": (("bar",), ("pillar",)),
     "dig and bolt at the start": (("bar", "pillar"),),
 }
-"""What is done when each stage begins: the bolt installed, the pillar excavated."""
+"""Changes at the start of each stage: the bolt installed, the pillar excavated."""
 
 
 def roof() -> Model:
@@ -90,7 +90,7 @@ def roof() -> Model:
 
 
 def exact_force(order: str) -> float:
-    """Return what the bolt bears at the end, N/m."""
+    """Return the force of the bolt at the end, N/m."""
     if order in ("settle, bolt", "settle, dig, bolt"):
         return 0.0
     if order in ("bolt at the start, dig", "dig and bolt at the start"):

@@ -1,4 +1,4 @@
-"""A stack of blocks of which the upper ones are excavated: what is left grows.
+"""A stack of blocks of which the upper ones are excavated: the remaining ones grow.
 
 The blocks that are taken out weighed W.  Below them the pressure falls by W/b, b being the width:
 each block of height h grows by

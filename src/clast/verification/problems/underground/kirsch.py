@@ -9,9 +9,9 @@ compression, t from the horizontal, and the wall closes by
 
     u = a/(4 G) (p (1+k) - p (1-k) (3 - 4 nu) cos 2t).
 
-Rings of triangles of one stress each are welded by stiff joints.  What holds the wall up before
-mining fades out, by which the closure is that of mining alone.  Quadrilaterals would lock: two that
-share both ends of an edge leave a ring only few ways to deform.
+Rings of triangles of one stress each are welded by stiff joints.  Support of the wall before mining
+fades out, by which the closure is that of mining alone.  Quadrilaterals would lock: two that share
+both ends of an edge leave a ring only few ways to deform.
 """
 
 from __future__ import annotations

@@ -8,8 +8,8 @@ D = ks cos a cos phi + kn sin a sin phi that is at
 
     u = H0 sin(phi - a)/(L D),      P0 = 2 (H0/D) (ks cos2 a + kn sin2 a) sin(phi - a).
 
-Stiff joints lose the stress that holds the wedge sooner than they can shear: P0 is far below
-2 H0 tan(phi - a), what rigid-plastic joints would bear.
+Stiff joints lose the stress that holds the wedge sooner than they can shear:  P0 is far below 2 H0
+tan(phi - a), the capacity of rigid-plastic joints.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ BASE, HEIGHT, BEYOND = 4.0, 2.0, 0.5
 STEP, STEPS, FURTHER = 2e-2, 200, 1.1
 """Step, s, steps and the load at the end over P0."""
 SLIPS = 2.0
-"""A step moves a wedge that slips by so many times what it moves one that does not."""
+"""A step moves a wedge that slips by so many times the movement of one that does not."""
 RAMP = f"the load grows by {100 * FURTHER / STEPS:.2g} % of P0 a step"
 LINEAR = "the rock is not rigid: E = 1e14 Pa; inertia lags by a part of a step"
 
@@ -63,7 +63,7 @@ class Wedge:
 
     @property
     def name(self) -> str:
-        """What the table calls it."""
+        """Its name in the table."""
         return f"a = {self.lean:g} degrees, kn/ks = {self.ratio:g}"
 
 

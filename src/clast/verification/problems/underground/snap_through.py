@@ -40,10 +40,10 @@ STIFFNESSES = (1e9, 1e8)
 STEP, STEPS, LONG = 2e-2, 400, 1500
 """Step, s; steps of a beam that is far from snapping through, and of one that may be near it."""
 FAR = 0.3
-"""max_displacement near the limit, m: the beam sags by 0.21 m before it snaps through, and what
+"""max_displacement near the limit, m: the beam sags by 0.21 m before it snaps through, and one that
 moves further than this, or for ten static steps of a fifth of it without balance, has failed."""
 SPAN, BISECTIONS = 0.08, 4
-"""Half of what is searched about the exact p at snap-through, as a share of it; bisections."""
+"""Half of the range searched about the exact p at snap-through, as a share of it; bisections."""
 STIFF = "the rock is not rigid: E = 1e13 Pa"
 RESOLUTION = f"bisected to {200 * SPAN / 2**BISECTIONS:.2g} %; a beam near its limit sinks slowly"
 

@@ -1,4 +1,4 @@
-"""Two kinds of bolts hold a block, one of which yields: loaded, unloaded, and what stays.
+"""Two kinds of bolts hold a block, one of which yields: loaded, unloaded, and the residual stretch.
 
 Bars of stiffness a that yield at F_y stand beside one of stiffness b that does not.  A load F on
 the block stretches all of them by
@@ -66,7 +66,7 @@ def exact_stretch(load: float, most: float) -> float:
 
 
 def examine(variant: Variant) -> Outcome:
-    """Compare the stretch at the instants, and what the strong bolt bears in the end."""
+    """Compare the stretch at the instants, and the force of the strong bolt in the end."""
     model = hung_block()
     method = variant.method(model, normal_stiffness=1e9, max_displacement=0.05, dynamic_ratio=0.0)
     end = INSTANTS[-1]

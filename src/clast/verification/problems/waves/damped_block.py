@@ -46,7 +46,7 @@ DECREMENT = float(2.0 * np.pi * RATIO / np.sqrt(1.0 - RATIO**2))
 TURNED = 2.0 * np.pi / STEPS
 """w h, by which a step turns the motion, rad."""
 END_FORCES = 0.5 * np.pi * TURNED
-"""What forces at the end of a step add to d: pi w h/2."""
+"""Phase that forces at the end of a step add to d: pi w h/2."""
 AT_END = f"forces at the end of a step add pi w h/2 = {END_FORCES:.3f}, which the answer has"
 NOT_ADDED = "peaks are those of parabolas through three steps"
 

@@ -6,9 +6,9 @@ degrees; from 35.3 degrees on, sin a > c_s/c_p, P clings to the surface.
 
 A packet of waves runs up a strip between rollers (see "oblique-wave"), whose lower end is viscous:
 from a free one P would come back before the packet has passed, for waves that turn from SV to P at
-a free end are faster.  What the surface does is compared with what the rock does at the same height
-where it goes on above, both by their Fourier amplitudes at the wave's frequency, so that the speed
-of waves in triangles matters as little as it can.  Near the critical angle it matters: at 30
+a free end are faster.  The motion of the surface is compared with that of the rock at the same
+height where it goes on above, both by their Fourier amplitudes at the wave's frequency, so that the
+speed of waves in triangles matters as little as it can.  Near the critical angle it matters: at 30
 degrees the surface goes along itself by 1.84 instead of 1.73 times the wave, as it should at 32.
 """
 

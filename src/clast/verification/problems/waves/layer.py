@@ -114,14 +114,14 @@ def exact_amplification(frequency: float) -> float:
 
 
 def amplification(surface: PointHistory, frequency: float, length: float = PULSE) -> float:
-    """Return surface by outcrop of what a pulse of ``length``, s, has brought."""
+    """Return the motion of the surface by outcrop under a pulse of ``length``, s."""
     time = surface.time
     outcrop = 2.0 * amplitude(time, bell(time, length), frequency)
     return amplitude(time, surface.velocity[:, 0], frequency) / outcrop
 
 
 def decay(surface: PointHistory) -> float:
-    """Return what a round trip leaves of the pulse, by the mean velocity of each passage."""
+    """Return the share of the pulse after a round trip, by the mean velocity of each passage."""
     arrival = HEIGHT / SOFT[0]
     means = []
     for trip in range(4):

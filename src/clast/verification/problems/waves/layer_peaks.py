@@ -2,7 +2,8 @@
 
 The layer of the problem "layer" has peaks of surface by outcrop of 1/a at (2 m - 1) c_1/(4 H).
 Forces at the end of the step would damp the third by 15 %; those half way through it damp none.
-What is left is the blocks' size: with lambda/d blocks a wave, strained evenly each, the pile has
+The remaining error is the blocks' size: with lambda/d blocks a wave, strained evenly each, the pile
+has
 
     1/a (1 + (2 pi d/lambda)^2/24)
 

@@ -6,8 +6,8 @@ has stopped relative to the ground:
 
     way'' = cos(phi - a)/cos(phi) (a_ground - g tan(phi - a)),      way' >= 0.
 
-The ground moves as 0.5 g sin(2 pi t).  What moves is the ground itself, or, seen from the ground,
-the block under the body force -rho a_ground.
+The ground moves as 0.5 g sin(2 pi t).  The ground itself moves, or, seen from the ground, the block
+under the body force -rho a_ground.
 """
 
 from __future__ import annotations

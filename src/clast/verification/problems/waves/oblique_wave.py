@@ -1,4 +1,4 @@
-"""Plane waves that meet a viscous boundary at an angle: what dashpots send back.
+"""Plane waves that meet a viscous boundary at an angle: the reflection of dashpots.
 
 A plane wave of direction d, polarisation p and speed c has at a boundary with the normal n the
 velocity v and the traction
@@ -11,8 +11,8 @@ back.
 
 Between two rollers at a distance pi/k_x waves to the left and to the right stand side by side.  A
 strip of rock so wide begins with the velocities of a packet of such waves; half of it runs up, half
-down.  When both are back at the middle, what is left of the energy between viscous ends is compared
-with what is left between free ends: the time scheme has damped both alike.
+down.  When both are back at the middle, the energy between viscous ends is compared with that
+between free ends: the time scheme has damped both alike.
 """
 
 from __future__ import annotations
@@ -182,7 +182,7 @@ def packet(case: Incidence, x: Floats, y: Floats) -> Floats:
 
 
 def energy_left(case: Incidence, dashpot: float, variant: Variant) -> float:
-    """Return what is left of the energy when the packets are back in the middle."""
+    """Return the energy when the packets are back in the middle."""
     model = replace(strip(case, dashpot), velocity=velocities_of(case, triangles_of(case)))
     method = variant.method(model, normal_stiffness=STIFF, max_displacement=0.01)
     step, end = WAVE_LENGTH / case.speed / STEPS_OF_PERIOD, case.crossing

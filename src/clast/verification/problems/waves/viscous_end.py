@@ -2,8 +2,8 @@
 
 A dashpot of a rho c by area at the end of a bar sends back (a - 1)/(a + 1) of the stress of a wave
 that arrives (Lysmer & Kuhlemeyer 1969): nothing with a = 1, all of it, with the other sign, from a
-free end.  As a bar of blocks damps the wave on its way, by the time scheme, what comes back is
-compared with what comes back from the free end.
+free end.  As a bar of blocks damps the wave on its way, by the time scheme, the reflection is
+compared with that of the free end.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def energy_left(found: Run) -> float:
 
 
 def examine(variant: Variant) -> Outcome:
-    """Compare what comes back, and the energy that is left."""
+    """Compare the reflection, and the remaining energy."""
     return compared(variant, DASHPOTS)
 
 

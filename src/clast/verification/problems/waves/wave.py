@@ -163,7 +163,7 @@ def compare_passage(variant: Variant, whole: Run) -> Outcome:
 
 
 def transmitted(variant: Variant, whole: Run, jointed: Run) -> Outcome:
-    """Compare what passes the soft joint, at three frequencies."""
+    """Compare the wave that passes the soft joint, at three frequencies."""
     rows, passed = [], []
     for share in SHARES:
         frequency = share * FREQUENCY
