@@ -13,6 +13,7 @@ from clast.rockmass import BlockRepair
 EARLIER = [
     ("clast.rockmass", "Mender", "BlockRepair"),
     ("clast.rockmass", "Report", "CutReport"),
+    ("clast.inputs.builder", "ModelBuilder", "InputBuilder"),
     ("clast.actions.action", "Share", "Contribution"),
     ("clast.actions.action", "Done", "ActionResult"),
     ("clast.actions.action", "Telling", "ReportsEvents"),

@@ -28,7 +28,7 @@ def mistyped(text: str) -> str:
     """
     if len(text) <= 40 and SLIP.fullmatch(text):
         return f"'{text}'"
-    return "what stands there"
+    return "the text there"
 
 
 class ClastError(Exception):
@@ -75,7 +75,7 @@ class StepOutcome(Enum):
     ACCEPTED = "the step was accepted"
     TRAVELLED_TOO_FAR = "a vertex moved further than max_displacement"
     TUNNELLED = "a vertex jumped into a block unseen by any contact"
-    ROTATED_TOO_FAR = "a block turned further in one step than the linearised equations bear"
+    ROTATED_TOO_FAR = "a block turned further in one step than the linearised equations allow"
     NOT_FINITE = "the equations gave a displacement that is not a number"
     SINGULAR = "the equations have no unique solution"
     ENERGY_CREATED = "the blocks hold more energy than gravity, loads and the start gave them"

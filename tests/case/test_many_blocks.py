@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from clast.case.api import InputBuilder as ScriptBuilder
+from clast.case.api import ModelBuilder as ScriptBuilder
 from clast.case.case_file import Case
 from clast.errors import ModelError
 from clast.inputs.builder import InputBuilder

@@ -215,7 +215,7 @@ def test_a_frame_without_contacts_says_so(wall: Wall, tmp_path: Path):
         ({"zoom": (0.0, 0.0, 0.0, 1.0)}, "zoom: .* has no area"),
         ({"size": (2.0,)}, "2 cm is too small"),
         ({"size": (20.0, 1e5)}, "too large"),
-        ({"dpi": 3}, "3 dots per inch"),
+        ({"dpi": 3}, "dpi must lie between 20 and 2400, not 3"),
         ({"size": (200.0, 200.0), "dpi": 2400}, "more than a picture can have"),
     ],
 )

@@ -79,7 +79,7 @@ def test_what_is_not_read_is_not_checked_in_a_large_file(tmp_path: Path):
         file.write(b"\xaa\xaa\xaa")
     results = read_results(path, whole=0)
     assert len(results.vertices(-1)) == 13
-    with pytest.raises(CaseError, match="are not what was written"):
+    with pytest.raises(CaseError, match="differ from those written"):
         _ = results.steps
     assert CliRunner().invoke(app, ["info", str(path)]).exit_code == 2
 

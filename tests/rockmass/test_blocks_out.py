@@ -173,7 +173,7 @@ def damaged(path: Path) -> None:
         (lambda path: np.savez(path, **dict.fromkeys(NAMES, np.zeros(3))), "no list of texts"),
         (
             lambda path: np.savez(path, **{n: np.array([None], object) for n in NAMES}),
-            "the array vertices is not what it says",
+            "the array vertices does not match its header",
         ),
     ],
 )

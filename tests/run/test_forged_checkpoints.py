@@ -103,7 +103,7 @@ def test_a_new_run_makes_older_checkpoints_unusable(part: Path):
     output, older = part.with_name("a.vtkhdf"), part.with_name("older.checkpoint.h5")
     shutil.copy(part, older)
     the_case("9e6").run(output=output)  # its ends of stages replace those of before
-    refused("its frames are those of another run, which was begun later", older)
+    refused("its frames are those of another, later run", older)
     refused("is of another run than older.checkpoint.h5", older, "--stage", "push")
     assert clast.resume(checkpoint_path(output, "rest")).report.finished
 

@@ -81,7 +81,7 @@ every = 0.05
 COLUMN = """\
 # A column of drums; gravity leans to one side, as on a slope or in a steady push.  It stands as
 # long as the share to the side is below breadth over height, here 1/6: up to 1.63 m/s2.
-# What to change:
+# Try:
 #   gravity = [1.6, -9.8]     it stands
 #   joint.default             friction_angle = 8, below atan(1/6) = 9.5 degrees: it slides
 #   block_pattern.brick       [1.0, 1.5]: four drums in place of eight; [0.5, 0.5]: two beside each
@@ -128,7 +128,7 @@ SHAKEN_WALL = """\
 #   frequency = {frequency:<6g} Hz
 #   a = peak (1 - 2 q) exp(-q), q = (pi frequency (t - {middle:g} s))^2
 # It is no record of an earthquake; the ground ends where it began, and at rest.
-# What to change:
+# Try:
 #   ground_motion.scale       2.0: the pier to the left of the window is shaken apart
 #   ground_motion             file = "record.at2" in place of the two lists: a record of your own
 #   joint.mortar              cohesion and tensile_strength, Pa, where the mortar bonds

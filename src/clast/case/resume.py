@@ -190,7 +190,7 @@ def _prepared_again(
 def _known(case: Case | None) -> Case:
     """Return a case that is there."""
     if case is None:
-        raise RuntimeError("what no text gives, the script must")
+        raise RuntimeError("give the parts that come from a script again")
     return case
 
 
@@ -211,8 +211,8 @@ def _of_versions(checkpoint: Checkpoint) -> Iterator[str]:
 
     if checkpoint.version != own_version():
         yield (
-            f"the checkpoint is of clast {checkpoint.version}, this is {own_version()}: what comes "
-            "may differ from what would have come in its last digits"
+            f"the checkpoint is of clast {checkpoint.version}, this is {own_version()}: results "
+            "may differ in their last digits from those of an uninterrupted run"
         )
 
 
@@ -221,8 +221,8 @@ def _of_case_file(source: Source) -> Iterator[str]:
     now = print_of_text_in(Path(source.file), LARGEST_NAMED)
     if now and source.file_text and now != source.file_text:
         yield (
-            f"{source.file} is not what it was when the run began: the run goes on with the case "
-            "in its checkpoint. To run what the file says now, run it again: clast run"
+            f"{source.file} has changed since the run began: the run goes on with the case in "
+            "its checkpoint. To use the changed file, run it again: clast run"
         )
 
 
@@ -281,7 +281,7 @@ def _check_given(source: Source, path: Path, given: ScriptParts) -> None:
     if missing:
         wanted = ", ".join(f"{name}=..." for name in missing)
         raise CaseError(
-            "comes from a script, which must give again what no text can hold",
+            "comes from a script, which must give again the objects that no text can hold",
             where=str(path),
             remedy=f"in the script: clast.resume('{path.name}', {wanted})",
         )
@@ -355,7 +355,7 @@ def _check_same(path: Path, checkpoint: Checkpoint, now: Mapping[str, str]) -> N
     if other:
         more = f" and {len(other) - NAMED} more" if len(other) > NAMED else ""
         raise CaseError(
-            "is the checkpoint of another run: these parts are not what they were: "
+            "is the checkpoint of another run: these parts have changed: "
             f"{', '.join(other[:NAMED])}{more}",
             where=str(path),
             remedy=f"give the model and the method of that run (clast {checkpoint.version}), or "

@@ -5,7 +5,7 @@ from __future__ import annotations
 SLOPE = """\
 # Bedding that dips out of a slope: dry it stands; when water rises in its joints, cables hold it.
 # Plane failure on the lowest bed (Hoek & Bray): F = 1.12 dry, 0.88 wet, 1.05 wet with pretension.
-# What to change:
+# Try:
 #   bolt = []                  nothing holds the beds: they slide when the water comes
 #   water.line                 [[0,15],[26,6]], a lower level: no cables are needed
 #   joint.bedding              friction_angle = 30: it slides dry, less than its dip of 35 degrees
@@ -127,7 +127,7 @@ every = 0.05
 TUNNEL = """\
 # A horseshoe in two joint sets at a depth of some 90 m: the rock is in balance, then the heading
 # is dug, and bolts go in when the rock has given way by some tenths of a millimetre.
-# What to change:
+# Try:
 #   bolt_pattern = []          a block slides out of the left wall; the report names it
 #   bolt_kind.swellex          pretension = 0: the bolts bear what the block asks for, and no more
 #   stage heading: relax       share of the support that ends at once: 1.0 is a blast

@@ -146,7 +146,7 @@ def warmup(
         typer.Option(min=1, help="Processes that compile; one for each core if absent."),
     ] = None,
     first: Annotated[
-        bool, typer.Option("--first", help="Compile only what the case of the incline needs.")
+        bool, typer.Option("--first", help="Compile only the kernels of the incline.")
     ] = False,
 ) -> None:
     """Compile the kernels of cases ahead of the first run, by as many threads as they will run."""

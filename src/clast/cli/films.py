@@ -20,7 +20,8 @@ def film(
     field: Annotated[
         str,
         typer.Option(
-            help="What colours the blocks; joint: their edges; slip, opening: what joints did."
+            help="Quantity that colours the blocks; joint: their edges; slip, opening: "
+            "movement of joints."
         ),
     ] = "displacement",
     stage: Annotated[

@@ -52,7 +52,7 @@ def import_(
         Literal["drawing", "blocks"] | None,
         typer.Option(
             "--as",
-            help="What closed lines are: outlines of a drawing that is cut, or finished blocks "
+            help="Meaning of closed lines: outlines of a drawing to cut, or finished blocks "
             "(archives and tables of blocks always are).",
         ),
     ] = None,
@@ -60,8 +60,8 @@ def import_(
         float | None,
         typer.Option(
             metavar="M",
-            help="What is nearer than this, m, is put together: corners and edges of blocks, ends "
-            "of outlines in a DXF.",
+            help="Repair distance, m: corners and edges of blocks, and ends of outlines in a "
+            "DXF, within it are joined.",
         ),
     ] = None,
     as_json: AsJson = False,

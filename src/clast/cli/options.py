@@ -103,7 +103,7 @@ def make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
         raise CaseError(
-            "is not a folder, or lies in something that is none",
+            "is not a folder, or does not lie in one",
             where=str(folder),
             remedy="name a folder for the pages; it is made if it does not exist",
         ) from None

@@ -76,7 +76,8 @@ def plot(
     field: Annotated[
         str,
         typer.Option(
-            help="What colours the blocks; joint: their edges; slip, opening: what joints did."
+            help="Quantity that colours the blocks; joint: their edges; slip, opening: "
+            "movement of joints."
         ),
     ] = "displacement",
     contacts: Annotated[bool, typer.Option(help="Draw contact forces as arrows.")] = True,
@@ -90,7 +91,7 @@ def plot(
         str, typer.Option(metavar="NAME", help="Draw how this measured point moved over time.")
     ] = "",
     bolt: Annotated[
-        str, typer.Option(metavar="NAME", help="Draw what this bolt bore over time.")
+        str, typer.Option(metavar="NAME", help="Draw the force of this bolt over time.")
     ] = "",
 ) -> None:
     """Draw a frame of a result file, or over time the motion of a point or the force of a bolt."""

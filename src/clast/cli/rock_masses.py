@@ -29,7 +29,7 @@ def cut(
         ),
     ] = None,
     by: Annotated[
-        Literal["set", "rock"], typer.Option(help="What colours say in a picture.")
+        Literal["set", "rock"], typer.Option(help="Meaning of the colours of a picture.")
     ] = "set",
     settings: Settings = None,
     as_json: AsJson = False,

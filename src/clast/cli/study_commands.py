@@ -45,7 +45,7 @@ Vary = Annotated[
     typer.Option(
         "--vary",
         metavar="PATH=IS",
-        help='What varies, e.g. "joint.bedding.friction_angle=normal(35, 5)" or "...=[20, 30]".',
+        help='Parameters, e.g. "joint.bedding.friction_angle=normal(35, 5)" or "...=[20, 30]".',
     ),
 ]
 Measure = Annotated[
@@ -127,7 +127,9 @@ def sweep(
     keep: Keep = "none",
     settings: Settings = None,
     output: Out = None,
-    by: Annotated[str, typer.Option(help="Of factor_of_safety(): what it acts on.")] = "strength",
+    by: Annotated[
+        str, typer.Option(help="Of factor_of_safety(): the quantity it multiplies or divides.")
+    ] = "strength",
     joints: Joints = "",
     tolerance: Tolerance = 0.01,
     workers: Workers = None,
@@ -172,7 +174,9 @@ def montecarlo(
     keep: Keep = "none",
     settings: Settings = None,
     output: Out = None,
-    by: Annotated[str, typer.Option(help="Of factor_of_safety(): what it acts on.")] = "strength",
+    by: Annotated[
+        str, typer.Option(help="Of factor_of_safety(): the quantity it multiplies or divides.")
+    ] = "strength",
     joints: Joints = "",
     tolerance: Tolerance = 0.01,
     workers: Workers = None,

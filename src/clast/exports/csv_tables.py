@@ -81,7 +81,7 @@ def _check_folder(folder: Path, paths: Iterable[Path]) -> None:
 def _lacking(results: Recording) -> Iterator[tuple[str, str]]:
     """Yield the tables without rows, with the reason."""
     if not any(len(results.contacts(frame)) for frame in range(len(results.times))):
-        yield "contacts", "no contacts are recorded: none bore a force, or they were left out"
+        yield "contacts", "no contacts are recorded: none carried a force, or they were left out"
     for one in OVER_TIME:
         if one.of is not None and not results.names_of(one):
             yield one.csv or one.name, one.without

@@ -45,7 +45,7 @@ class BoltKind(Table):
     pretension: BoltForce = 0.0
     """Force that it is installed with, N per metre of thickness."""
     compression: StrictBool = False
-    """True for bars, which bear compression; cables bear none."""
+    """True for bars, which carry compression; cables carry none."""
 
     @model_validator(mode="after")
     def _has_one_stiffness(self) -> Self:

@@ -83,7 +83,7 @@ from clast.model.model import (
 )
 from clast.model.names import check_names
 from clast.model.outline import edges_on
-from clast.renamed import Renamed
+from clast.renamed import Renamed, names_of
 
 FAR = 10.0
 """A case is far from the origin where its distance exceeds this many times its own size."""
@@ -441,3 +441,6 @@ def _origin(vertices: Floats) -> Floats:
         return np.zeros(2)
     unit = 10.0 ** math.floor(math.log10(size))
     return np.asarray(np.round(0.5 * (low + high) / unit) * unit)
+
+
+__getattr__ = names_of("clast.inputs.builder", {"ModelBuilder": "InputBuilder"})

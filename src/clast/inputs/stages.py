@@ -58,9 +58,9 @@ class StageTable(Table):
     """Share of velocity carried to the next step: 0 static, 1 dynamic; time.dynamic_ratio if
     absent."""
     force_ratio: Annotated[Number, Field(gt=0.0, le=1.0)] = 1e-4
-    """Unbalanced force on a block, as a share of all forces on it, that is none in equilibrium."""
+    """Largest unbalanced force on a block in equilibrium, as a share of all forces on it."""
     speed: Annotated[Positive, within(ranges.FACTOR)] = 1e-6
-    """Speed of a block, as a share of sqrt(g x its size), that is none in equilibrium."""
+    """Largest speed of a block in equilibrium, as a share of sqrt(g x its size)."""
     hold: Annotated[StrictInt, Field(ge=1, le=1_000_000)] = 20
     """Steps in a row in which that holds."""
     reset_displacement: StrictBool = False

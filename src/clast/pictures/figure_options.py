@@ -61,9 +61,9 @@ class Look:
                 )
         if self.dpi is not None and not COARSEST <= self.dpi <= FINEST:
             raise CaseError(
-                f"{self.dpi} dots per inch are none that can be drawn",
+                f"dpi must lie between {COARSEST} and {FINEST}, not {self.dpi}",
                 where="dpi",
-                remedy=f"give {COARSEST} to {FINEST}",
+                remedy="300 is usual in print",
             )
         most = max(self.size or (0.0,)) * CM * (self.dpi or 0)
         if most > MOST_DOTS:

@@ -120,8 +120,8 @@ def _opened(part: Path) -> BinaryIO:
 
 def _occupied(part: Path) -> CaseError:
     return CaseError(
-        "is in the place of the file that results are written to first, and is none that a run "
-        "has left; it is not written over",
+        "is in the place of the temporary file of results, and no run has left it; it is not "
+        "overwritten",
         where=str(part),
         remedy=f"remove it, or {ELSEWHERE}",
     )

@@ -158,7 +158,7 @@ class CheckedFile(FileObject):
             if page_sum(self._content, page, self._end) != self.sums[page]:
                 first = page * PAGE
                 raise DamagedPageError(
-                    f"bytes {first} to {first + PAGE - 1} are not what was written"
+                    f"bytes {first} to {first + PAGE - 1} differ from those written"
                 )
             self._sound.add(page)
 

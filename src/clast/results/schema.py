@@ -195,7 +195,7 @@ class TableSchema:
 
 ENERGY = TableSchema(
     name="energy",
-    meaning="Energy ledger, J per metre of thickness; sums since the start but for what is stored.",
+    meaning="Energy ledger, J per metre of thickness; sums since the start, except stored energy.",
     per=Per.INSTANT,
     columns=tuple(
         Column(name=name, unit="J/m", meaning=about["kind"].value, since=about["since"])

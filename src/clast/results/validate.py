@@ -251,7 +251,7 @@ def water_of(file: Any, blocks: StoredBlocks) -> tuple[Water, ...]:
     """Return the water of a file; raises MalformedError."""
     found = waters_in(file["model"], int(blocks.start[-1]))
     if found is None:
-        raise MalformedError("/model/water does not hold what it should")
+        raise MalformedError("/model/water does not hold the expected data")
     return found
 
 
@@ -327,9 +327,9 @@ def _numbers(file: Any, place: str, kinds: str, tail: tuple[int, ...] = ()) -> A
     """Return a dataset of rows of numbers of some ``kinds`` (numpy's letters) and shape."""
     found = _dataset(file, place)
     if found.dtype.kind not in kinds or found.shape is None or found.shape[1:] != tail:
-        raise MalformedError(f"/{place} does not hold what it should")
+        raise MalformedError(f"/{place} does not hold the expected data")
     if found.ndim != 1 + len(tail):
-        raise MalformedError(f"/{place} does not hold what it should")
+        raise MalformedError(f"/{place} does not hold the expected data")
     return found
 
 

@@ -129,8 +129,8 @@ def _loose_ends(found: Finding, grid: float) -> tuple[str, ...]:
     ends = "an end of a line stops" if found.count == 1 else f"{found.count} ends of lines stop"
     return (
         f"cut: {ends} less than {SHORT_OF * grid:.3g} m short of another line and cut nothing "
-        f"there, so that blocks stay in one piece: {places}{more}. Draw what is meant to meet so "
-        f"that it does, or raise domain.tolerance ({grid:.3g} m): ends within it are joined",
+        f"there, so that blocks stay in one piece: {places}{more}. Draw lines that are meant to "
+        f"meet so that they do, or raise domain.tolerance ({grid:.3g} m): ends within it join",
     )
 
 

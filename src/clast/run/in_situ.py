@@ -388,8 +388,8 @@ def _said(before: float, after: float, capped: int) -> tuple[str, ...]:
     if not capped:
         return (text,)
     return text, (
-        f"in-situ stress: {capped} contacts would slip under it; they begin with what their joints "
-        "bear"
+        f"in-situ stress: {capped} contacts would slip under it; they begin with the strength of "
+        "their joints"
     )
 
 

@@ -96,7 +96,7 @@ def _malformed(trial: _Trial) -> Iterator[str]:
     response = trial.free(trial.gap, trial.slip)
     for name, values in given.items():
         if not np.array_equal(values, before[name], equal_nan=values.dtype.kind == "f"):
-            yield f"evaluating the law changes {name}; it must leave what it is given as it is"
+            yield f"evaluating the law changes {name}; it must not change its arguments"
     count = len(trial.gap)
     for field in fields(ContactResponse):
         found = np.asarray(getattr(response, field.name))
@@ -137,7 +137,7 @@ def _within_strength(trial: _Trial) -> Iterator[str]:
     short = sliding & _differ(shear, strength, normal) & ~beyond
     if short.any():
         share = float((shear[short] / strength[short]).min())
-        yield f"sliding contacts bear only {share:.3g} of N tan(phi) + c L"
+        yield f"sliding contacts carry only {share:.3g} of N tan(phi) + c L"
 
 
 def _normal_side(trial: _Trial) -> Iterator[str]:

@@ -265,8 +265,8 @@ def _damping_warnings(model: Model, method: Method, schedule: Schedule) -> Itera
     damping = method.damping
     if isinstance(damping, Adaptive | Kinetic) and isinstance(model.ground_motion, Recorded):
         yield (
-            f'damping "{type(damping).__name__.lower()}" is for static stages: it takes what the '
-            "ground motion brings. Use [damping] with mass and stiffness, or none"
+            f'damping "{type(damping).__name__.lower()}" is for static stages: it takes energy '
+            "of the ground motion. Use [damping] with mass and stiffness, or none"
         )
     if not isinstance(damping, Rayleigh):
         return

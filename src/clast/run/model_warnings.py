@@ -110,8 +110,8 @@ def _support_warnings(model: Model) -> Iterator[str]:
         )
     elif isinstance(model.ground_motion, MovingBase) and model.fixed.any():
         yield (
-            f"{int(model.fixed.sum())} fixed block(s) stay where they are while the base moves: "
-            "hold what moves with the ground by fixed points"
+            f"{int(model.fixed.sum())} fixed block(s) stay where they are while the base "
+            "moves: hold blocks that move with the ground by fixed points"
         )
 
 
@@ -372,8 +372,8 @@ def _viscous_warnings(model: Model, end: float) -> Iterator[str]:
     supported = bool(model.fixed.any()) or len(model.fixed_points.block) > 0
     if loose.any() and model.gravity.any() and not supported:
         yield (
-            f"{int(loose.sum())} viscous edge(s) begin at once and bear no weight: the blocks sink "
-            "into them. Give [in_situ], whose traction stays on them, or begins in "
+            f"{int(loose.sum())} viscous edge(s) begin at once and carry no weight: the blocks "
+            "sink into them. Give [in_situ], whose traction stays on them, or begins in "
             "[[viscous_boundary]], until when springs hold them"
         )
     last = float(edges.begins[np.isfinite(edges.begins)].max(initial=0.0))
@@ -388,8 +388,8 @@ def _viscous_warnings(model: Model, end: float) -> Iterator[str]:
     record = motion.accelerogram
     if last > float(record.time[0]) and np.abs(record.velocity(last)).max() > 0.0:
         yield (
-            f"a viscous boundary begins at {last:g} s, when the ground motion has begun: what "
-            "came before does not come in there. Shift the instants of the record"
+            f"a viscous boundary begins at {last:g} s, when the ground motion has begun: earlier "
+            "motion does not come in there. Shift the instants of the record"
         )
 
 
@@ -403,7 +403,7 @@ def _coarse_steps(model: Model, step: float) -> Iterator[str]:
     if step * STEPS_OF_INTERVAL > usual * (1.0 + 1e-9):
         yield (
             f"a step of {step:g} s is longer than half the interval of the ground motion, "
-            f"{usual:g} s: what is faster than the steps is averaged. Lower time.step to "
+            f"{usual:g} s: faster motion than the steps is averaged. Lower time.step to "
             f"{usual / STEPS_OF_INTERVAL:g}"
         )
 

@@ -142,7 +142,7 @@ def compilation_text(module: str) -> str:
 
 
 WAITING = (
-    "compiling what this needs, once after installation: a minute or so; "
+    "compiling kernels, once after installation: a minute or so; "
     "`clast warmup` does it ahead for all cases, by all cores"
 )
 """Message of a run that waits for a kernel that is not compiled yet."""

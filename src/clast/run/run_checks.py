@@ -145,7 +145,7 @@ class Watch:
             float(share[at]),
             f"block '{names[0]}' was {-memory.gap[at]:.3g} m inside '{names[1]}' at t = "
             f"{result.state.time:.4g} s, {100.0 * share[at]:.3g} % of the thinner of the two: the "
-            "contacts are too soft for what presses on them. Raise "
+            "contacts are too soft for the load on them. Raise "
             f"{stiffnesses_named(model, self.method)}",
         )
 
@@ -155,7 +155,7 @@ class Watch:
         texts = [
             f"overlap: blocks '{one.blocks[0]}' and '{one.blocks[1]}' share {one.area:.3g} m2, "
             f"{one.depth:.3g} m deep, at t = {one.time:.4g} s, of which their contacts know "
-            f"{one.known:.3g} m. Do not trust what follows there; use a smaller time.step, or "
+            f"{one.known:.3g} m. Do not trust later results there; use a smaller time.step, or "
             f"raise {stiffnesses_named(self.model, self.method)}"
             for one in worst[:NAMED]
         ]
@@ -259,9 +259,9 @@ class Watch:
         texts = [", ".join(f"{value:.3g}" for value in stress) for stress in mean]
         return (
             f"the mean stress of the blocks with an initial stress went from ({texts[0]}) to "
-            f"({texts[1]}) Pa, a change of {100.0 * lost:.3g} %: contacts give way until they bear "
-            f"it. Raise {stiffnesses_named(self.model, self.method)}, or give an initial_stress "
-            "that gravity, loads and supports balance"
+            f"({texts[1]}) Pa, a change of {100.0 * lost:.3g} %: contacts give way until they "
+            f"carry it. Raise {stiffnesses_named(self.model, self.method)}, or give an "
+            "initial_stress that gravity, loads and supports balance"
         )
 
 

@@ -81,10 +81,10 @@ def _toes(model: Model, facing: Ints, on_ground: Bools) -> Iterator[str]:
     worst = found[np.argmax(bend[found])]
     yield (
         f"the ground flattens under {len(found)} cut(s) between slices, by "
-        f"{np.degrees(bend[worst]):.2g} degrees at {_place(model, int(up[worst]))}: the toe of the "
-        "slice above bears on the next plane as soon as it moves, and factors of safety come out "
-        "too high. Cut the toe off where it meets the bend, so that it can move, and compare with "
-        "limit equilibrium"
+        f"{np.degrees(bend[worst]):.2g} degrees at {_place(model, int(up[worst]))}: the toe of "
+        "the slice above rests on the next plane as soon as it moves, and factors of safety come "
+        "out too high. Cut the toe off where it meets the bend, so that it can move, and compare "
+        "with limit equilibrium"
     )
 
 

@@ -134,7 +134,8 @@ class OpenClose:
         soft = method.contact_law.normal_stiffness * STABILITY_LIMIT / number
         return (
             f"p h2/m = {number:.3g} is above {STABILITY_LIMIT:g} (m: mass per contact): constant "
-            "acceleration throws back what hits such stiff contacts, with more energy than it had. "
+            "acceleration throws back blocks that hit such stiff contacts, with more energy than "
+            "they had. "
             f"Use normal_stiffness <= {soft:.2g}, time.step <= "
             f'{step * np.sqrt(STABILITY_LIMIT / number):.2g} or integrator = "backward-euler".',
             *usual,

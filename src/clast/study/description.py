@@ -309,7 +309,7 @@ class Description:
                     raise CaseError(
                         f"'{shortened(name)}' is no continuous variable",
                         where="correlate",
-                        remedy="correlate what has a continuous distribution",
+                        remedy="correlate parameters with continuous distributions",
                     )
             pair = frozenset((first, second))
             if len(pair) < 2 or pair in seen:

@@ -204,9 +204,9 @@ class Driver:
             error = future.exception()
         except CancelledError:
             raise CaseError(
-                "who made the runs is gone",
+                "the program that made the runs has ended",
                 where=str(self.folder.path),
-                remedy=f"what is done stays; go on: clast study resume {self.folder.path}",
+                remedy=f"finished runs stay; go on: clast study resume {self.folder.path}",
             ) from None
         left = [run for run in portion if self.folder.result(run) is None]
         if error is None and not left:

@@ -115,7 +115,7 @@ class StudyFolder:
                 raise CaseError(
                     "is being worked on by another clast study",
                     where=str(self.path),
-                    remedy="wait for it, or end it; what is done stays",
+                    remedy="wait for it, or end it; finished runs stay",
                 )
             self._tidy()
             yield

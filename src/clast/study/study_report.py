@@ -225,7 +225,7 @@ def _same_blocks(folder: StudyFolder) -> bool:
 def _what_varies(page: Page, folder: StudyFolder) -> None:
     """Write the parameters, and how runs were drawn."""
     study = folder.study
-    page.head("What varies")
+    page.head("Parameters")
     rows = [[one.name, ", ".join(one.paths), str(one.distribution)] for one in study.vary]
     page.table(["parameter", "keys", "is"], rows)
     if study.correlate:

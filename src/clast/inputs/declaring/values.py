@@ -68,7 +68,7 @@ def check_point_names(names: Sequence[str]) -> None:
     for name in names:
         if name in (".", ".."):
             raise ModelError(
-                "its history is kept in the result file under its name, where . and .. are none",
+                "its history is kept in the result file under its name, which must not be . or ..",
                 where=f"measured point '{name}'",
                 remedy="give it another name",
             )

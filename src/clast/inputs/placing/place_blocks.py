@@ -197,7 +197,7 @@ class ManyBlocks:
             what,
             where=f"blocks from number {self.first + 1} on, {key}",
             remedy="give vertices (blocks, corners, 2), or (vertices, 2) with start (blocks + 1,), "
-            "and one row for each block of what differs between them",
+            "and one row for each block of properties that differ",
         )
 
 

@@ -293,7 +293,7 @@ def _fixed(cut: Cut, corners: Floats, sides: Sequence[str]) -> Bools:
             raise ModelError(
                 f"no block is at the {side}",
                 where="domain, fixed_sides",
-                remedy=f"take '{side}' out: what is there is void from the start",
+                remedy=f"take '{side}' out: that place is void from the start",
             )
         held |= found
     return held

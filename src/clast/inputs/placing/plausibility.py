@@ -113,7 +113,7 @@ def doubted_base(model: Model, stages: Sequence[Stage]) -> Iterator[str]:
             left = len(held) - len(lost)
             yield (
                 f"stage '{shortened(stage.name)}': {len(lost)} of {len(held)} fixed points that "
-                f"the ground moves are gone with the excavated block {', '.join(names)}; "
-                f"{left} move what is left. Put them into blocks that stay"
+                f"the ground moves are lost with the excavated block {', '.join(names)}; "
+                f"{left} move the rest. Put them into blocks that stay"
             )
             return

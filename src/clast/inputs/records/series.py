@@ -81,5 +81,5 @@ def header_number(pattern: str, line: str, where: str, remedy: str) -> float:
     found = re.search(pattern, line, re.IGNORECASE)
     value = number_of(found[1]) if found else None
     if value is None or value <= 0.0:
-        raise CaseError("is not what this line must be", where=where, remedy=remedy)
+        raise CaseError("is not valid on this line", where=where, remedy=remedy)
     return value

@@ -35,9 +35,9 @@ class Stage:
     dynamic_ratio: float | None = None
     """Share of velocity carried to the next step, 0 static, 1 dynamic; None: as without stages."""
     force_ratio: float = 1e-4
-    """Unbalanced force on a block, as a share of all forces on it, that is none in equilibrium."""
+    """Largest unbalanced force on a block in equilibrium, as a share of all forces on it."""
     speed: float = 1e-6
-    """Speed of a block, as a share of sqrt(g x its size), that is none in equilibrium."""
+    """Largest speed of a block in equilibrium, as a share of sqrt(g x its size)."""
     hold: int = 20
     """Steps in a row in which that holds."""
     reset_displacement: bool = False

@@ -54,13 +54,13 @@ def _of_residual(joint: Any) -> Contradiction | None:
         return Contradiction(
             key="residual_cohesion",
             what=f"{cohesion:g} Pa are more than the cohesion, {joint.cohesion:g} Pa",
-            remedy="give what slip leaves of the cohesion, or leave it out: then all of it stays",
+            remedy="give the cohesion after slip, or leave it out: then all of it stays",
         )
     if angle is not None and angle > joint.friction_angle:
         return Contradiction(
             key="residual_friction_angle",
             what=f"{angle:g} degrees are more than the friction angle, {joint.friction_angle:g}",
-            remedy="give what sliding leaves of it, or leave it out: then all of it stays",
+            remedy="give its value after sliding, or leave it out: then all of it stays",
         )
     if joint.slip_weakening > 0.0 and cohesion is None and angle is None:
         return Contradiction(

@@ -111,7 +111,7 @@ def page(cut: Cut, *, title: str, look: Look) -> str:
             wide=' class="wide"',
         ),
         *_joint_sets(report),
-        "<h2>What was changed on the way</h2>",
+        "<h2>Changes on the way</h2>",
         _changes(report).html(),
         *_notes(report),
         "</body></html>",

@@ -127,13 +127,13 @@ def read_checkpoint(path: Path, known: Mapping[str, type]) -> Checkpoint:
         found = put_together(written, arrays, known)
     except UnknownClassError as error:
         raise CaseError(
-            f"holds what this clast does not know: {error}",
+            f"holds data unknown to this clast: {error}",
             where=str(path),
-            remedy=f"resume with clast {version}, which has written it; what a script has added "
+            remedy=f"resume with clast {version}, which has written it; objects of a script "
             "must be given again: clast.resume(file, model=...)",
         ) from None
     except (LookupError, TypeError, ValueError, AttributeError, RuntimeError) as error:
-        raise damaged(path, "it does not say what it should") from error
+        raise damaged(path, "its content is not as expected") from error
     if not isinstance(found, Checkpoint):
         raise CaseError(
             "is no checkpoint of a run",
@@ -232,7 +232,7 @@ def _sound_image(path: Path) -> bytes:
             remedy=f"name the checkpoint beside it: {checkpoint_path(path)}",
         )
     if content.startswith(SIGNATURE) and (b"clastchk" in content or path.name.endswith(ENDING)):
-        raise damaged(path, "it is cut off, or bytes are not what was written")
+        raise damaged(path, "it is cut off, or bytes differ from those written")
     raise CaseError(
         "is no checkpoint of clast", where=where, remedy=f"name a file that ends in {ENDING}"
     )

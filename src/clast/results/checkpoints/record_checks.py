@@ -33,7 +33,7 @@ def _faults(recorded: Recorded, model: Model, time: float) -> Iterator[str]:
     ends = [int(last[name]) for name in ("steps", "instants", "contacts")]
     forward = 1 <= recorded.frames <= ends[1] == ends[0] + 1 and ends[2] >= 0
     if not forward or last["time"] > time or last["time"] != recorded.energy["time"][0]:
-        yield "its last frame is none of a run"
+        yield "its last frame is impossible"
     yield from _of_rows(recorded, model, time)
     contacts = recorded.contacts
     if not _fits(contacts, CONTACTS.row):

@@ -29,7 +29,7 @@ from clast.results.schema import (
     OVER_TIME,
 )
 
-ELSEWHERE = "clast resume CHECKPOINT -o FILE writes a file of what comes from there on"
+ELSEWHERE = "clast resume CHECKPOINT -o FILE writes a file from there on"
 CHECKED_WHOLE = 2**28
 """Size of a file that is checked from end to end, bytes."""
 
@@ -47,7 +47,7 @@ def check_fit(path: Path, model: Model, recorded: Recorded) -> None:
             return f"it has {len(held)} frames, the checkpoint goes on from {recorded.frames}"
         at = int(recorded.frame["instants"][0]) - 1
         if not belongs(recorded.lineage, recorded.frames, read_lineage(file)):
-            return "its frames are those of another run, which was begun later"
+            return "its frames are those of another, later run"
         same = held[recorded.frames - 1] == recorded.frame[0]
         if not same or at >= len(file["energy"]) or file["energy"][at] != recorded.energy[0]:
             return "its frames are those of another run"

@@ -93,7 +93,7 @@ def _check_size(path: Path) -> None:
                 shape, _, kind = read(file)
             if kind.hasobject or math.prod(shape) * kind.itemsize > one.file_size:
                 raise CaseError(
-                    f"the array {one.filename.removesuffix('.npy')} is not what it says",
+                    f"the array {one.filename.removesuffix('.npy')} does not match its header",
                     where=str(path),
                     remedy="write it anew with write_blocks_npz",
                 )

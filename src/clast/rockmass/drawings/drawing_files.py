@@ -32,7 +32,7 @@ def checked_file(path: Path) -> Path:
             raise CaseError(
                 f"has {status.st_size:.3g} bytes, more than a drawing can be meant to have",
                 where=where,
-                remedy="take out what is no outline, joint, bolt or support",
+                remedy="remove everything but outlines, joints, bolts and supports",
             )
         with path.open("rb"):
             return path

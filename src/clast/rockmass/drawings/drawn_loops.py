@@ -151,7 +151,7 @@ def _partners(ends: Floats, lines: Sequence[DrawnLine], tolerance: float, file: 
         raise CaseError(
             f"{len(here)} ends of lines meet at {point(ends[many[0]])}",
             where=f"{file}: {_listed([lines[k // 2].place for k in here])}",
-            remedy="an outline has two at each corner: put what is no part of it on another layer",
+            remedy="an outline has two at each corner: put other lines on another layer",
         )
     order = np.argsort(label, kind="stable").reshape(-1, 2)
     partner = np.empty(len(ends), np.int64)

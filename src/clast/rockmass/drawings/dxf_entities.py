@@ -217,7 +217,7 @@ def _exploded(document: Any, path: Path, left: list[LeftOut]) -> Iterator[tuple[
                 raise CaseError(
                     f"draws more than {MOST_ENTITIES} entities, block references exploded",
                     where=f"{path}: {place}",
-                    remedy="take out what is no outline, joint, bolt or support",
+                    remedy="remove everything but outlines, joints, bolts and supports",
                 )
             yield entity, layer, place
         elif depth >= DEEPEST:
@@ -310,7 +310,7 @@ def _unwanted(key: tuple[str, str], places: list[str]) -> LeftOut:
     return LeftOut(
         what=f"{len(places)} {kind}",
         place=f"layer {layer}: {', '.join(places[:5])}{more}",
-        reason="the layer is none of those that are read",
+        reason="the layer is not read",
     )
 
 

@@ -360,7 +360,7 @@ def _unknown(root: Element) -> Iterator[LeftOut]:
         is_known = child.name in KNOWN or root.name in GEOMETRY.get(child.name, "").split()
         says = " ".join([*(f"{k}={v}" for k, v in child.attributes.items()), child.text]).strip()
         if not is_known and says and not (child.children and not child.text):
-            reason = REASONS.get(child.name, "it is none of the elements that are read")
+            reason = REASONS.get(child.name, "the element is not read")
             what = f"{child.name} {shortened(says, 100)}"
             yield LeftOut(what=what, place=child.place, reason=reason)
 

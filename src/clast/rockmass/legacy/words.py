@@ -187,8 +187,8 @@ def _domain(
     height = float(np.ptp(np.vstack(every)[:, 1])) if every else 0.0
     reach = 1.25 * (given.node_distance or 0.0) * 0.5 * height
     alone = (
-        f"the {len(outer)} boundary lines enclose nothing by themselves: the domain is what all "
-        "lines together enclose"
+        f"the {len(outer)} boundary lines enclose nothing by themselves: the domain is the "
+        "area that all lines together enclose"
     )
     for lines, further, said in (
         (outer, 0.0, []),

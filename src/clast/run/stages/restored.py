@@ -43,7 +43,7 @@ def _faults(run: RunState, model: Model, method: Method, schedule: Schedule) -> 
         return
     for action, own in zip(actions, state.actions, strict=False):
         if not _own_fits(own, action.begin(model), model):
-            yield f"the state of {type(action).__name__} is none that it can have"
+            yield f"the state of {type(action).__name__} is impossible"
     watched = Watch(model=model, method=method).begin(state)
     for name in ("least", "greatest"):
         if getattr(run.seen, name).shape != getattr(watched, name).shape:
@@ -58,12 +58,12 @@ def _of_numbers(run: RunState, schedule: Schedule) -> Iterator[str]:
     if run.path is not None:  # a pseudo time step has nothing to do with those of the case
         longest = np.finfo(float).max / 2.0
     if not 0.0 < run.step <= longest * (1.0 + 1e-9) or not 0.0 <= run.taken <= longest * 1.5:
-        yield "the length of its step is none of this run"
+        yield "the length of its step does not belong to this run"
     if not 0.0 <= run.state.time < np.inf or run.frame < 0:
-        yield "its time is none of a run"
+        yield "its time is impossible"
     counts = (tally.steps, tally.passes, tally.cut_steps, tally.contacts, *tally.counts.values())
     if min(counts) < 0 or not np.isfinite([tally.penetration, *tally.seconds.values()]).all():
-        yield "its counts are none of a run"
+        yield "its counts are impossible"
     for ledger in (run.first, run.state.ledger):
         if not np.isfinite(dataclasses.astuple(ledger)).all():
             yield "its energies are not finite"
@@ -161,7 +161,7 @@ def _of_position(position: Position | None, model: Model, schedule: Schedule) ->
     if not begun or not len(starts) - 1 <= len(records) <= len(starts):
         yield "its stages are not those of the case"
     if position.steps < 0 or not np.isfinite([*starts, position.seconds]).all():
-        yield "the numbers of its stage are none of a run"
+        yield "the numbers of its stage are impossible"
     points = len(model.measured_points.name)
     if any(len(one.reset) not in (0, points) for one in records):
         yield "its displacements count from other points"
@@ -187,7 +187,7 @@ def _of_path(path: OnPath | None, model: Model) -> Iterator[str]:
     if not fits or not all(np.isfinite(one).all() for one in arrays):
         yield "its path of equilibria is that of other blocks"
     if not np.isfinite(numbers).all() or min(*numbers, path.steps, path.far, path.broken) < 0:
-        yield "the numbers of its path of equilibria are none of a run"
+        yield "the numbers of its path of equilibria are impossible"
 
 
 def _held_fits(held: EquilibriumStreak, blocks: int) -> bool:

@@ -105,7 +105,7 @@ def _check_relaxation(stage: Stage) -> None:
         raise ModelError(
             "there is nothing to relax: the stage excavates nothing",
             where=f"{where}, {given[0]}",
-            remedy='name what is taken out, e.g. excavate = ["heading"]',
+            remedy='name the excavated blocks, e.g. excavate = ["heading"]',
         )
     if lasting > 0.0 and stage.relax == 1.0:
         raise ModelError(

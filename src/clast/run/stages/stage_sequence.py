@@ -145,7 +145,7 @@ class StageSequence:
     def warnings(self, position: Position) -> Iterator[str]:
         """Report the stages that ended without equilibrium, the failed condition, and a remedy."""
         for name, failure in position.failures:
-            yield f"stage '{name}' fails: {failure}. What is shown after that is no equilibrium"
+            yield f"stage '{name}' fails: {failure}. Later results show no equilibrium"
         for stage, record in zip(self.stages, position.records, strict=False):
             if record.outcome == MOVING:
                 lasted = record.end - record.start
@@ -182,7 +182,7 @@ def fails(stage: str, time: float, failure: Mechanism) -> Event:
 
 def failure_warning(failure: Mechanism) -> str:
     """Return the warning of a static run without stages that has no equilibrium."""
-    return f"the static run fails: {failure}. What is shown after that is no equilibrium"
+    return f"the static run fails: {failure}. Later results show no equilibrium"
 
 
 def _not_long_enough(stage: Stage) -> str:

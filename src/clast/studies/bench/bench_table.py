@@ -209,8 +209,9 @@ def _remarks_of_runs(benchmark: Benchmark) -> list[str]:
     said = [
         f"h = {settings.step:g} s, p/E = {settings.share:g}, solver {settings.solver}"
         + (f"; {settings.settle} steps before are not counted" if settings.settle else ""),
-        "passes, pcg: Newton iterations and iterations of the solver per step; drift: largest "
-        "horizontal movement of what should rest (slopes settle along their joints as well)",
+        "passes, pcg: Newton iterations and iterations of the solver per step; drift: "
+        "largest horizontal movement of blocks that should rest (slopes settle along "
+        "their joints as well)",
         f"triad in main memory: {_rate(benchmark.triad)} by one thread, "
         f"{_rate(benchmark.triad_by_threads)} by all; 'of triad': over as many bytes as "
         "the product moves, by as many threads",

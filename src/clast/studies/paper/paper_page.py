@@ -18,7 +18,7 @@ INTRODUCTION = """\
 *The paper* is Yu & Yin, Some modifications to the process of discontinuous deformation analysis,
 J. Rock Mech. Geotech. Eng. 7 (2015). This page repeats its studies with all three processes
 (`modified`, the paper's; `open-close`, Shi's; `convex`, clast's own) and both contact laws, and
-sets each claim beside what was found, also where it does not hold. The claims are given in
+sets each claim beside our result, also where it does not hold. The claims are given in
 substance, not in the paper's words. The page is written by `make paper`; every number on it comes
 from the runs that write it. The cases are in `cases/paper`, and each can be looked at by itself,
 for example `clast compare cases/paper/incline.toml --set joint.default.friction_angle=35`.

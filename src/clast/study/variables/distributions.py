@@ -262,7 +262,7 @@ class Discrete(Distribution):
             what = f"has {len(given)} probabilities for {len(self.values)} values"
             raise _bad(self, what, "give one for each")
         if not all(_is_number(one) and one >= 0.0 for one in given):
-            raise _bad(self, "has probabilities that are none", "give numbers from 0 to 1")
+            raise _bad(self, "has invalid probabilities", "give numbers from 0 to 1")
         if abs(math.fsum(given) - 1.0) > 1e-6:
             what = f"has probabilities that sum up to {math.fsum(given):.6g}"
             raise _bad(self, what, "let them sum up to 1")
@@ -418,7 +418,7 @@ def _check_positive(one: Distribution, *names: str) -> None:
     for name in names:
         if not getattr(one, name) > 0.0:
             what = f"has {name} {getattr(one, name):g}, which is not positive"
-            raise _bad(one, what, "give a positive number; what does not vary is set in the case")
+            raise _bad(one, what, "give a positive number; set a constant value in the case")
 
 
 def _check_order(one: Distribution, first: str, second: str) -> None:
