@@ -86,8 +86,8 @@ NO_AGGREGATES = coarse_space.no_aggregates()
 """No coarse system."""
 SHIFT, SAFE_SHIFT = 0.006, 0.02
 """Shares by which diagonal blocks are larger, at first and where pivots were next to singular all
-the same: there 15 to 40 iterations then do what took 50 to 900, or ended in numbers that are none;
-elsewhere it costs up to half as many more."""
+the same: there 15 to 40 iterations then do what took 50 to 900, or ended in numbers that are not
+finite; elsewhere it costs up to half as many more."""
 TRIED = 8
 """Iterations after which the rate of convergence is judged."""
 TENTH = 10

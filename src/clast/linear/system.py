@@ -36,7 +36,7 @@ class DiagonalTerms:
 
 
 class Bearing(Protocol):
-    """What links between blocks bear, linearised (see ContactResponse); each of shape (m,)."""
+    """What links between blocks carry, linearised (see ContactResponse); each of shape (m,)."""
 
     @property
     def normal_force(self) -> Floats:

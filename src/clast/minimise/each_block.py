@@ -1,6 +1,6 @@
 """How far each block is from its balance, as a share of the forces on it.
 
-The tolerance of a minimisation is an energy of all blocks together: where a few of them bear the
+The tolerance of a minimisation is an energy of all blocks together: where a few of them carry the
 most, it leaves others with forces that are small beside those and large beside their own.  Who
 asks for the balance of each block has the minimum sought more sharply until every block has it.
 """

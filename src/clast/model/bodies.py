@@ -6,8 +6,8 @@ entrance, corners that coincide are one, with the edges on either side of the jo
 surface goes straight on there is none.  A contact then belongs to the block on whose edge it stands
 (contact/detection.py).
 
-Where a joint has a stiffness or a bond, or bears a stress from the start, each piece of the ground
-has its share of that; those models keep their outlines.
+Where a joint has a stiffness or a bond, or carries a stress from the start, each piece of the
+ground has its share of that; those models keep their outlines.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Outlines:
     fixed: Bools
     """Outlines that cannot move, shape (o,)."""
     gone: Bools
-    """Outlines of blocks that are gone, shape (o,)."""
+    """Outlines of excavated blocks, shape (o,)."""
 
     @kept_property
     def owners(self) -> Ints:

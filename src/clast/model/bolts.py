@@ -70,7 +70,7 @@ class Bolts:
     pretension: Floats = field(default_factory=_no_floats)
     """Force that each spring is installed with, N/m, shape (m,)."""
     compression: Bools = field(default_factory=_no_bools)
-    """True where a spring bears compression, shape (m,)."""
+    """True where a spring carries compression, shape (m,)."""
     jacked: Bools = field(default_factory=_no_bools)
     """True where a jack holds the pretension until it is locked, shape (m,)."""
 

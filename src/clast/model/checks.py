@@ -275,7 +275,7 @@ def _crossing(outlines: BlockOutlines, block: int) -> str:
 def check_overlaps(outlines: BlockOutlines, polygons: Geometries) -> StartOverlaps:
     """Return the pairs that overlap by more than round-off; refuse deep ones.
 
-    Shared edges and corners are normal, and so is the penetration that contacts need to bear:
+    Shared edges and corners are normal, and so is the penetration that contacts need to carry:
     blocks at the end of a run lie a little in each other.
     """
     first, second = shapely.STRtree(polygons).query(polygons)

@@ -25,7 +25,7 @@ class InSituStress:
     datum: float = 0.0
     """Height y at which ``stress`` holds, m, in the coordinates of the case."""
     in_contacts: float = 1.0
-    """Share of the stress that contacts bear at the start: 1, or 0 where they are to find it."""
+    """Share of the stress that contacts carry at the start: 1, or 0 where they are to find it."""
     held: tuple[float, float] = (1.0, 0.0)
     """Springs of the outline along its normal and along itself, in units of those of fixed points.
 

@@ -302,7 +302,7 @@ class Model:
     def outlines(self) -> Outlines | None:
         """Outlines on which contacts are looked for, None where they are those of the blocks.
 
-        Where joints have neither stiffness nor bond, and bear nothing from the start.
+        Where joints have neither stiffness nor bond, and carry nothing from the start.
         """
         _, cohesion, tensile_strength = self.joint_table.strengths
         own = [*cohesion, *tensile_strength, *np.nan_to_num(self.joint_table.stiffnesses).ravel()]

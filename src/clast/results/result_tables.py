@@ -169,7 +169,7 @@ class BoltHistory(Columns):
     """The force of one bolt, a row at the start and after every step; t rows.
 
     Columns: time, force, elongation, state.  A grouted bolt has the force and the elongation of the
-    joint where it bears most.
+    joint where it carries most.
     """
 
     @property

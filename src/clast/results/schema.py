@@ -228,7 +228,7 @@ HISTORY = TableSchema(
     ),
 )
 BOLT_STATES = ("not installed", "intact", "yielded", "broken", "lost")
-"""States of a bolt by their numbers; one is lost whose block is gone."""
+"""States of a bolt by their numbers; one is lost whose block is excavated."""
 BOLT_TABLE = TableSchema(
     name="bolts",
     meaning="Rock bolts: in each row force, elongation and state of all.",

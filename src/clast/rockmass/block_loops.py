@@ -113,7 +113,7 @@ def _pairs_of_one(node: Ints) -> Iterator[tuple[int, int]]:
 
 @dataclass(frozen=True, kw_only=True)
 class Tidied:
-    """Blocks as loops of nodes, after short edges and small blocks are gone."""
+    """Blocks as loops of nodes, after short edges and small blocks have been removed."""
 
     start: Ints
     """Index of each block's first vertex, shape (nb + 1,)."""

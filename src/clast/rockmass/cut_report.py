@@ -69,7 +69,7 @@ class CutRecord:
     dangling: Graph
     """Edges that were taken out."""
     blocks: Tidied
-    """Blocks after short edges and small blocks are gone."""
+    """Blocks after short edges and small blocks have been removed."""
     vertices: Floats
     """Vertices of the blocks, m, shape (nv, 2)."""
     loose: Floats

@@ -38,7 +38,7 @@ def excavated(
     """Return model and state without ``blocks`` (k,), which keep their places in all arrays.
 
     The share ``relax`` (0 to 1) of the forces that they exert on their neighbours ends at once, the
-    rest falls to nothing within ``relax_time``, s.  Blocks that are gone already count no more.
+    rest falls to nothing within ``relax_time``, s.  Excavated blocks already count no more.
     Raises ModelError for shares and times out of range, for values that are no numbers of blocks,
     and where no block would be left.
     """
@@ -83,7 +83,7 @@ def without(model: Model, gone: Bools) -> Model:
 
 
 def as_in(model: Model, state: State) -> Model:
-    """Return the model without the blocks that are gone in a state of its run."""
+    """Return the model without the excavated blocks in a state of its run."""
     gone = gone_in(state)
     return model if gone is None or not gone.any() else without(model, gone)
 

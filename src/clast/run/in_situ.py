@@ -70,7 +70,7 @@ STALLED = 10
 NEAR = 1e-10
 """Force that a solution may leave open, in the same units: the next one goes on from there."""
 CLOSED = 0.5
-"""Gap up to which a contact bears, in units of critdis: cutting rounds coordinates."""
+"""Gap up to which a contact carries, in units of critdis: cutting rounds coordinates."""
 LOOKS = 5
 """Looks for contacts at most."""
 RESTING = 1e-9
@@ -209,10 +209,10 @@ def _same(one: Contacts, other: Contacts) -> bool:
 
 
 def _contacts_of(model: Model, method: Method, state: State, step: float) -> Contacts:
-    """Return the contacts that bear at a state which does not move.
+    """Return the contacts that carry at a state which does not move.
 
     None is farther from its edge than every process looks for, and none a corner that only meets
-    the corner of another block: which of its edges it would bear on is a matter of rounding.
+    the corner of another block: which of its edges it would rest on is a matter of rounding.
     """
     context = begin(model, _still(method), state, step, None)
     critdis = method.critdis
@@ -253,13 +253,13 @@ def _of_stress(model: Model, method: Method, state: State, share: float, step: f
 
 
 def _with_forces(contacts: Contacts, normal: Floats, shear: Floats) -> Contacts:
-    """Return the contacts with N, and T as far as they can bear it, (m,) each, N/m."""
+    """Return the contacts with N, and T as far as they can carry it, (m,) each, N/m."""
     most = largest_forces(contacts, normal)[1]
     return replace(contacts, normal_force=normal, shear_force=np.clip(shear, -most, most))
 
 
 def _bearing(law: Penalty, contacts: Contacts) -> tuple[Contacts, ContactResponse]:
-    """Return the contacts with rest forces by which they bear N at their gaps, and their answer."""
+    """Return the contacts with rest forces that give N at their gaps, and their answer."""
     normal, none = contacts.normal_force, np.zeros(len(contacts))
     held = replace(contacts, friction_base=normal, multiplier=none, rest_force=none)
     stiffness = law.limits(held).normal_stiffness
@@ -287,7 +287,7 @@ def _static_terms(model: Model, method: Method, balance: Balance, step: float) -
 
 
 def _largest(model: Model, balance: Balance) -> float:
-    """Return the largest force that a contact or a block bears, or a block's weight, N/m."""
+    """Return the largest force that a contact or a block carries, or a block's weight, N/m."""
     in_blocks = np.abs(balance.state.stress).max(axis=1) * np.sqrt(model.area)
     weight = model.mass * float(np.hypot(*model.gravity))
     in_contacts = float(balance.contacts.normal_force.max(initial=0.0))

@@ -363,7 +363,7 @@ def _motion_warnings(model: Model, end: float) -> Iterator[str]:
 
 
 def _viscous_warnings(model: Model, end: float) -> Iterator[str]:
-    """Warn of viscous edges that bear no weight, begin after the end, or miss the wave."""
+    """Warn of viscous edges that carry no weight, begin after the end, or miss the wave."""
     edges = model.viscous_edges
     if not len(edges):
         return

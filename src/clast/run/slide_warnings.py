@@ -2,7 +2,7 @@
 
 Rock that slides over a bend has to shear inside.  A block whose base runs over the bend is locked.
 Of two slices that meet at a bend where the ground flattens, the toe of the upper one would go into
-the next plane: it bears there from the first movement on, whatever the direction of the cut.
+the next plane: it carries there from the first movement on, whatever the direction of the cut.
 """
 
 from __future__ import annotations

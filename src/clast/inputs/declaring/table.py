@@ -35,7 +35,7 @@ Loop = list[Point]
 class Table(BaseModel):
     """A table of the case file, or its keys from a script.
 
-    Unknown keys and numbers that are none are refused.
+    Unknown keys and numbers that are not finite are refused.
     """
 
     model_config = ConfigDict(defer_build=True, extra="forbid", frozen=True, allow_inf_nan=False)

@@ -29,7 +29,7 @@ class Tiling:
     held: list[int]
     """Constraint of each node:  ``FREE``, ``ON_OUTLINE`` or ``CORNER``."""
     loops: list[list[int]]
-    """Nodes of each block, counter-clockwise; empty where the block is gone."""
+    """Nodes of each block, counter-clockwise; empty where the block has been removed."""
     group: list[int]
     """Group of each block: -1 rock, else an opening; only blocks of one group are merged."""
     line: dict[Edge, int]

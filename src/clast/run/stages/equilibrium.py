@@ -4,7 +4,7 @@ A step ends in equilibrium where
 
 1. on every block the unbalanced force is below ``force_ratio`` of the sum of all forces on it,
 2. no point of a block is faster than ``speed`` times sqrt(g x its size),
-3. no contact that bears has changed its mode (a corner that goes on to the next edge of the same
+3. no contact that carries has changed its mode (a corner that goes on to the next edge of the same
    block with the same force has changed nothing), and
 4. no load, no ground motion and no relaxation is under way;
 
@@ -240,7 +240,7 @@ class EquilibriumCheck:
         return np.asarray(memory.normal_force > np.maximum(least, self._noise))
 
     def _changes(self, before: ContactMemory, after: ContactMemory, sums: ForceSums) -> str:
-        """Return which contact that bears has changed its mode, "" where none has.
+        """Return which contact that carries has changed its mode, "" where none has.
 
         A corner that goes on to the next edge of the same block, with as much force and in the
         same mode, has changed nothing.

@@ -220,9 +220,9 @@ def _check_excavation(stages: Sequence[Stage], model: Model) -> None:
 
 
 def _check_bolt(bolt: int, stage: Stage, model: Model, since: Mapping[int, str]) -> None:
-    """Refuse a bolt that a stage installs where ``since`` a stage one end of each spring is gone.
+    """Refuse a bolt of a stage where ``since`` a stage one end of each spring is excavated.
 
-    ``since`` has the blocks that are gone.
+    ``since`` has the excavated blocks.
     """
     springs = model.bolts.blocks[model.bolts.of_spring == bolt]
     gone = np.isin(springs, list(since))

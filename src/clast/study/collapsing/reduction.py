@@ -24,7 +24,7 @@ ANGLES = ("friction_angle", "residual_friction_angle")
 LOADS = {"point_load": "force", "line_load": "traction", "pressure": "value"}
 """Tables of loads, and the keys of their values."""
 STATIC_STEPS = 300
-"""Steps of a stage, at least, where a process does not bear steps of any length."""
+"""Steps of a stage, at least, where a process does not carry steps of any length."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,9 +7,9 @@ Coulomb's law does it.
 
 A trial *stands* where it comes to an equilibrium.  It *fails* where blocks have moved by a
 hundredth of their median size or more and their unbalanced force does not become less.  With a
-process that bears no steps of any length it also fails where its time is over and blocks are driven
-on.  All else (nothing moves far, but no equilibrium is found; the run cannot go on) is tried again,
-three times as long, and is *undecided* if that is no better.
+process that carries no steps of any length it also fails where its time is over and blocks are
+driven on.  All else (nothing moves far, but no equilibrium is found; the run cannot go on) is tried
+again, three times as long, and is *undecided* if that is no better.
 """
 
 from __future__ import annotations
@@ -232,7 +232,7 @@ def _judged(start: Settled, run: Run, factor: float, parts: int) -> Trial:
 def is_driven(start: Settled, run: Run) -> bool:
     """Return whether a run that its time has ended was driven on at its end.
 
-    For processes that bear no steps of any length.  A static step of length h moves a block by
+    For processes that carry no steps of any length.  A static step of length h moves a block by
     theta a h2, a being the acceleration of its unbalanced force.  It is driven on where a is more
     than a share of gravity and has not become less in the last third of the time.
     """

@@ -1,6 +1,6 @@
 """How stiff the contacts may be: the block on the incline and a dropped block over p.
 
-A penalty must be stiff enough not to be seen and soft enough to be borne.  The process that puts
+A penalty must be stiff enough not to be seen and soft enough to be carried.  The process that puts
 springs only on vertices which have already invaded, in one pass, has a limit: a block that falls
 into a contact during one step is thrown out in the next, and where p h2/m (m: mass per contact)
 exceeds about 6 it comes back faster than it went.  Processes that look for the contacts which the

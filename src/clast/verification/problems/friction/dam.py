@@ -1,7 +1,7 @@
 """A dam of one block under the triangular pressure of water on its face.
 
 With water to the height h the thrust is F = w h2/2, w being the unit weight of water, at h/3 above
-the base.  The base, with corners at heel and toe a width B apart, bears
+the base.  The base, with corners at heel and toe a width B apart, carries
 
     N = W/2 -+ M/B,    M = F h/3 = w h3/6
 

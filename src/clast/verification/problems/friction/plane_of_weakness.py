@@ -82,7 +82,7 @@ def specimen(dip: float = 60.0, planes: int = 1, difference: float | None = None
 
 
 def holds(difference: float, dip: float, planes: int, variant: Variant) -> bool:
-    """Return whether the specimen bears s1 - s3, Pa.
+    """Return whether the specimen carries s1 - s3, Pa.
 
     The acceleration that counts as one is that of s3 on the specimen's end.
     """

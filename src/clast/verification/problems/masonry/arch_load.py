@@ -68,7 +68,7 @@ def loaded_arch(place: int = PLACES[1], load: float = 2e4) -> Model:
 
 
 def holds(place: int, load: float, variant: Variant) -> bool:
-    """Return whether the arch bears a load."""
+    """Return whether the arch carries a load."""
     moving = unbalanced(
         loaded_arch(place, load),
         variant,

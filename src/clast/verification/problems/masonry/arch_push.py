@@ -1,6 +1,6 @@
-"""How much lateral push an arch bears: its weight times a factor, across.
+"""The lateral push that an arch resists: its weight times a factor, across.
 
-Voussoirs between radial joints bear no tension; a joint gives way to N1, N2 >= 0 at its ends and
+Voussoirs between radial joints carry no tension; a joint gives way to N1, N2 >= 0 at its ends and
 to a shear force |V| <= (N1 + N2) tan phi.  The largest factor whose push is in equilibrium is found
 by linear programming, three equations for every voussoir.  By the theorem of limit analysis it is
 exact where the arch folds on four hinges, as that of Oppenheim (1992) does at 0.37; where joints
@@ -114,7 +114,7 @@ def pushed(arch: Arch = OPPENHEIM, factor: float = 0.3) -> Model:
 
 
 def holds(arch: Arch, factor: float, variant: Variant) -> bool:
-    """Return whether an arch bears a push."""
+    """Return whether an arch resists a push."""
     moving = unbalanced(
         pushed(arch, factor),
         variant,

@@ -5,7 +5,7 @@ turns it about the middle of the joint; e = M/N.  While the joint is shut, e <= 
 
     theta = 12 M/(k b^3).
 
-Then it bears on the length a = 3 (b/2 - e) alone, with theta = 2 N/(k a^2).  With a tensile
+Then it rests on the length a = 3 (b/2 - e) alone, with theta = 2 N/(k a^2).  With a tensile
 strength s instead, and no N, it breaks at
 
     M = s b^2/6,      and where it is pulled at N = -s b.

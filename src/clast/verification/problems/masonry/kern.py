@@ -1,12 +1,12 @@
-"""A pier that is loaded off its middle, on a bed that bears no tension.
+"""A pier that is loaded off its middle, on a bed that carries no tension.
 
-A bed of stiffness k per area under a stiff pier b wide bears a force N at the distance e from the
+A bed of stiffness k per area under a stiff pier b wide carries a force N at the distance e from the
 middle with a pressure that is linear across the pier (Navier).  While e <= b/6, in the kern, it
 presses everywhere; beyond, the bed opens, and its part in contact, three times the distance of N
 from the edge, has a triangle of pressure:
 
     e <= b/6:  edge N/b (1 + 6 e/b),   turned by 12 N e/(k b3),
-    e >= b/6:  bears over L = 3 (b/2 - e),  edge 2 N/L,  turned by 2 N/(k L2).
+    e >= b/6:  carries over L = 3 (b/2 - e),  edge 2 N/L,  turned by 2 N/(k L2).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ WIDTH, HEIGHT = 2.0, 0.5
 FORCE, BEDDING = 1e5, 1e9
 """N, N/m, and k, Pa/m."""
 PARTS = 40
-"""Fixed blocks of which the bed is made; their corners bear the pier."""
+"""Fixed blocks of which the bed is made; their corners carry the pier."""
 SHARES = (0.0, 0.1, 1.0 / 6.0, 0.25, 0.35, 0.42)
 """e/b."""
 STEP, STEPS = 1e-2, 200
@@ -38,7 +38,7 @@ FIRST = WIDTH / PARTS
 
 
 def exact_bed(share: float) -> tuple[float, float, float]:
-    """Return length that bears, m, edge pressure, Pa, and turn, rad, for e/b."""
+    """Return length in contact, m, edge pressure, Pa, and turn, rad, for e/b."""
     if share <= 1.0 / 6.0:
         turn = 12.0 * FORCE * share / (BEDDING * WIDTH**2)
         return WIDTH, FORCE / WIDTH * (1.0 + 6.0 * share), turn

@@ -1,4 +1,4 @@
-"""How much lateral push a dry wall in running bond bears in its plane.
+"""The lateral push that a dry wall in running bond resists in its plane.
 
 Under a push of a share of its weight a wall does not turn over as one piece: a part of it stays
 behind a stepped crack.  The largest share is found by linear programming, which is exact where no
@@ -6,7 +6,7 @@ joint slips, else an upper bound (Drucker 1954).
 
 Head joints are smooth here.  Were they rough, the bound would count on friction there that needs
 them pressed together, which nothing does: with phi = 35
-degrees everywhere walls bear 5 to 8 % less than the bound.
+degrees everywhere walls carry 5 to 8 % less than the bound.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ def pushed(wall: Wall = WALLS[2], share: float = 0.3) -> Model:
 
 
 def holds(wall: Wall, share: float, variant: Variant) -> bool:
-    """Return whether a wall bears a push."""
+    """Return whether a wall resists a push."""
     moving = unbalanced(
         pushed(wall, share),
         variant,

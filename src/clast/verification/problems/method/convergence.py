@@ -1,7 +1,7 @@
 """How errors fall with the step and with the normal stiffness, in motion and at rest.
 
-A block of mass m on two contact springs of stiffness p, which bear its weight, swings about its sag
-W/(2 p) with
+A block of mass m on two contact springs of stiffness p, which carry its weight, swings about its
+sag W/(2 p) with
 
     x = (v/w) sin(w t),    w^2 = 2 p/m,
 

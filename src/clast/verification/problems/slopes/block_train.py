@@ -5,7 +5,7 @@ would slide faster than the one below it they move as one,
 
     acceleration = g (sin a - cos a sum(W_i tan phi_i)/sum(W_i)),
 
-and the joint below block k bears
+and the joint below block k carries
 
     E_k = sum over the blocks above it of W_i (sin a - cos a tan phi_i - acceleration/g).
 
@@ -13,7 +13,7 @@ With all friction divided by F they are at their limit where
 
     F = cos a sum(W_i tan phi_i)/(sin a sum(W_i)),
 
-and there the joints bear the same sum with tan phi_i/F and without acceleration.
+and there the joints carry the same sum with tan phi_i/F and without acceleration.
 """
 
 from __future__ import annotations

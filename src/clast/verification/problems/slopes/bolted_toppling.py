@@ -1,6 +1,6 @@
 """Goodman and Bray's toppling slope held by a horizontal bolt in its toe column.
 
-At tan phi = 0.65 the toe column is pushed by P more than it bears along its base.  It slides; a
+At tan phi = 0.65 the toe column is pushed by P more than it carries along its base.  It slides; a
 bolt that dips by d into the slope holds it with
 
     T = P (1 - tan2 phi)/(tan phi sin(a + d) + cos(a + d)),

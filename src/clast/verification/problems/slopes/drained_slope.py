@@ -117,7 +117,7 @@ def wet(water: WaterHead, divided_by: float = FIRM) -> Model:
 
 
 def borne(water: WaterHead, variant: Variant) -> tuple[float, float]:
-    """Return N' and T that the plane bears, N/m."""
+    """Return N' and T that the plane carries, N/m."""
     model, slope = wet(water), steep_slope()
     method = variant.method(
         model, normal_stiffness=STIFFNESS, max_displacement=0.02, dynamic_ratio=0.0

@@ -9,13 +9,13 @@ its foot,
     foot = (W - F + P v)/(K + P),   F/s = foot + c (W - F)
 
 for a bolt that is there from the start; v is the settlement of the pillar by its own weight.  A
-bolt that is installed when all has settled bears nothing.  Is the pillar then taken out, which bore
-N, the bolt and the ledges share that: two springs in parallel,
+bolt that is installed when all has settled carries nothing.  Is the pillar then taken out, which
+carried N, the bolt and the ledges share that: two springs in parallel,
 
     F = (N/K)/(1/s + 1/K + c),
 
 whether bolt or pillar comes first, provided that nothing has settled in between; after it the bolt
-bears nothing again.
+carries nothing again.
 """
 
 from __future__ import annotations

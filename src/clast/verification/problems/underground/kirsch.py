@@ -44,8 +44,8 @@ ANGLES = (0.0, 45.0, 90.0)
 AT = 1.5 * RADIUS
 """In which ring stresses are compared, m."""
 HELD = 1e-6
-"""Springs of the outline, in units of those of fixed points: they bear 2e-4 of the stress, and keep
-the rock from turning, which pressure that keeps its direction would make it do."""
+"""Springs of the outline, in units of those of fixed points: they carry 2e-4 of the stress, and
+keep the rock from turning, which pressure that keeps its direction would make it do."""
 MESH = "triangles of one stress each; the rock ends at 14 radii"
 
 

@@ -4,7 +4,7 @@ A block is pulled off a wall by the load F, across a joint that a grouted bolt o
 force F_y and rupture at the elongation u_r crosses.  A test frame, an elastic bar of stiffness K
 beside it, takes the load that the bolt does not, so that there is an equilibrium at every
 displacement.  A bolt with a pretension T_0 keeps the joint shut up to F = T_0; at a displacement u
-it then bears
+it then carries
 
     B = T_0 + s u up to F_y, then F_y, then 0 from u = u_r - T_0/s on,      F = B + K u.
 

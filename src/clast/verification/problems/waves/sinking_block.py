@@ -1,4 +1,4 @@
-"""A block on dashpots alone: it sinks with the speed at which these bear its weight.
+"""A block on dashpots alone: it sinks with the speed at which these carry its weight.
 
 With dashpots of rho c_p by area under its width b a rigid block of mass m sinks as
 
