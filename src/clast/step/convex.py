@@ -66,9 +66,9 @@ AT_REST = 1.0
 """Slip rate below which a new contact is taken to hold at first, in units of g h."""
 LANDING = 1e-3
 """Closing velocity from which a new contact is one that lands, in units of g h."""
-MOST_UPDATES = 20
+MOST_UPDATES = 30
 """Times at most that the friction bounds of a static step are renewed until they agree."""
-AGREES = 0.02
+AGREES = 0.002
 """Share of the forces on each block which new bounds may bring out of balance where they agree."""
 
 NO_COUNTS = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}

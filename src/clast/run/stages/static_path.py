@@ -5,7 +5,8 @@ solution where blocks have no support, too; but it holds back what moves, so tha
 a base that carries it along, and the answer depends on tau.  So the *pseudo time step* tau has
 nothing to do with the time of loads and supports:
 
-- tau grows from step to step while blocks move little against max_displacement, until the mass term
+- tau is long from the first step on, for what slips while mass bears has slipped for good; it grows
+  from step to step while blocks move little against max_displacement, until the mass term
   is nothing beside the stiffness of what is supported (pseudo-transient continuation; Kelley and
   Keyes 1998), and is cut where a step is rejected;
 - the time by which tables, the ground and relaxations go on stands still until the present
@@ -44,8 +45,11 @@ from clast.run.stages.transition import WELL_BELOW
 from clast.step.integration import ConstantAcceleration, forces_at
 from clast.step.method import Method, StepResult, bears_any_step
 
-FIRST = 0.5
-"""Fall of a free block in the first step of a stage, in units of max_displacement."""
+FIRST = 5.0
+"""Fall of a free block in the first step of a stage, in units of max_displacement: with a mass term
+that bears little, and two cuts from where nothing bears."""
+RESTING = 0.1
+"""The same in balance, where longer steps only let drift what nothing supports."""
 LONGEST = 300.0
 """Longest pseudo time step, in units of that in which a free block falls by max_displacement."""
 GROWTH = 10.0
@@ -297,7 +301,7 @@ class StaticPath:
                 return taken
             # longer ones would only let what nothing supports drift, a free body under loads that
             # balance each other, for one
-            return min(taken, self.first_step)
+            return min(taken, float(np.sqrt(RESTING)) * self._falls)
         growth = now.growth
         if result.approach > 0.0:
             comfort = COMFORT * self.method.max_displacement
