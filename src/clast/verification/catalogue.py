@@ -76,6 +76,7 @@ from clast.verification.problems.underground import (
     pull_test,
     relaxed_support,
     roof_wedge,
+    slipping_ring,
     snap_through,
     two_bolts,
 )
@@ -142,6 +143,7 @@ GROUPS: dict[str, tuple[Problem, ...]] = {
     "underground": (
         key_block.PROBLEM,
         roof_wedge.PROBLEM,
+        slipping_ring.PROBLEM,
         jointed_rock.PROBLEM,
         excavated_stack.PROBLEM,
         relaxed_support.PROBLEM,

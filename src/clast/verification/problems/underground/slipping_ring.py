@@ -13,12 +13,11 @@ are integrated here along the joints and by decrements of p, apart from all of c
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from clast.contact.contacts import SLIDE
 from clast.inputs.builder import ModelBuilder
 from clast.model.in_situ import InSituStress
 from clast.model.model import Floats, Model, PlaneStrain
@@ -26,7 +25,7 @@ from clast.pictures.verification import Chart, curve, exact_curve
 from clast.results import Run
 from clast.run.schedule import Schedule
 from clast.run.simulate import simulate
-from clast.verification.problem import Comparison, Outcome, Problem, relative
+from clast.verification.problem import Bracket, Comparison, Outcome, Problem, relative
 from clast.verification.variants import CONVEX, Variant
 
 INNER, OUTER, AROUND = 3.0, 4.0, 5.0
@@ -35,10 +34,12 @@ COUNT = 24
 """Blocks of the ring."""
 PRESSURE = 1e6
 """Stress in the rock, and pressure in the opening at first, Pa."""
-STIFF, STIFF_SHEAR = 1e9, 1e9
-"""Stiffness of the joints between the blocks of the ring, Pa/m."""
+STIFF = 1e9
+"""Stiffness of the joints between the blocks of the ring, across and along, Pa/m."""
 ROCK = 4e8
 """Stiffness of the joint towards the rock around, along it as well, Pa/m."""
+STRONG = 1e9
+"""Cohesion of that joint, Pa, which thus does not slip."""
 YOUNG = 1e13
 """So stiff that the joints alone give way, Pa."""
 STEP, STAGES = 1e-2, 20
@@ -49,7 +50,7 @@ POINTS, DECREMENTS = 400, 200
 
 @dataclass(frozen=True)
 class Ring:
-    """A ring whose joints are turned from the radius by an angle that friction may or may not bear."""
+    """A ring whose joints lean, so that their friction may not bear what the ring bears."""
 
     lean: float
     """Angle between the inner and the outer end of a joint, seen from the middle, degrees."""
@@ -57,107 +58,229 @@ class Ring:
     """Friction angle of the joints between blocks, degrees."""
 
     def corners(self, place: int) -> Floats:
-        """Return the corners of a block, m, shape (4, 2): inner edge, side, outer edge, side."""
+        """Return a block's corners, m, (4, 2), counter-clockwise: its outer edge comes second."""
         wide, lean = 2.0 * np.pi / COUNT, np.radians(self.lean)
-        angles = wide * (place + np.array([0.5, -0.5, -0.5, 0.5]))
-        angles[2:] += lean
-        radii = np.array([INNER, INNER, OUTER, OUTER])
-        return radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        angles = wide * (place + np.array([-0.5, -0.5, 0.5, 0.5])) + lean * np.array([0, 1, 1, 0])
+        radii = np.array([INNER, OUTER, OUTER, INNER])
+        return np.asarray(radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1))
+
+
+CASES = (Ring(15.0, 25.0), Ring(10.0, 10.0))
+"""What is looked at."""
+SHARES = (0.8, 0.6, 0.4, 0.2, 0.0)
+"""Pressures at which convergence is compared, in units of the first."""
+WHY = "a joint bears at three points, friction bounds agree within 0.2 % of the forces"
+
+
+@dataclass(frozen=True)
+class Face:
+    """Points of an edge from one end to the other."""
+
+    at: Floats
+    """Points, m, shape (m, 2)."""
+    along: Floats
+    """Unit vector from the first end to the other, shape (2,)."""
+    share: float
+    """Length that a point stands for, m."""
+
+    @classmethod
+    def of(cls, first: Floats, other: Floats) -> Face:
+        """Return the face between two ends, m."""
+        length = float(np.hypot(*(other - first)))
+        places = (np.arange(POINTS) + 0.5) / POINTS
+        at = first + places[:, None] * (other - first)
+        return cls(at, (other - first) / length, length / POINTS)
+
+    @property
+    def outwards(self) -> Floats:
+        """Unit vector to the left of the face, shape (2,)."""
+        return np.array([-self.along[1], self.along[0]])
+
+
+class Integration:
+    """One block of a ring, which stands for all of them."""
+
+    def __init__(self, ring: Ring) -> None:
+        corners = ring.corners(0)
+        angle = 2.0 * np.pi / COUNT
+        self.turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        """By which the next block is turned, for rows of vectors."""
+        self.centre = corners.mean(axis=0)
+        self.joint = Face.of(corners[3], corners[2])
+        """To the next block; seen from that one it is the joint to this."""
+        self.rock = Face.of(corners[2], corners[1])
+        self.wall = Face.of(corners[3], corners[0])
+        self.friction = float(np.tan(np.radians(ring.friction)))
+        self.shear = np.zeros(POINTS)
+        """Shear stress of the joint at the last equilibrium, Pa."""
+        self.moved = np.zeros(3)
+        """u, v, m, and rotation of the block there."""
+
+    def motion(self, moved: Floats, at: Floats) -> Floats:
+        """Return the displacement of points (m, 2) of the block, m."""
+        x, y = (at - self.centre).T
+        return np.asarray(moved[:2] + moved[2] * np.stack([-y, x], axis=1))
+
+    def parted(self, moved: Floats) -> Floats:
+        """Return by how much this block and the next one part along the joint, m, (m, 2)."""
+        next_one = self.motion(moved, self.joint.at @ self.turn.T) @ self.turn
+        return np.asarray(next_one - self.motion(moved, self.joint.at))
+
+    def stresses(self, moved: Floats) -> tuple[Floats, Floats, float]:
+        """Return s and t of the joint, Pa, (m,) each, and the share of it that slips."""
+        parted = self.parted(moved)
+        normal = np.maximum(0.0, PRESSURE - STIFF * (parted @ self.joint.outwards))
+        slip = (parted - self.parted(self.moved)) @ self.joint.along
+        trial, most = self.shear - STIFF * slip, self.friction * normal
+        return normal, np.clip(trial, -most, most), float(np.mean(np.abs(trial) > most))
+
+    def forces(self, moved: Floats, pressure: float) -> Floats:
+        """Return the sum of forces, N/m, and moments, N, on the block, shape (3,)."""
+        joint, rock, wall = self.joint, self.rock, self.wall
+        normal, shear, _ = self.stresses(moved)
+        on_joint = -joint.share * (normal[:, None] * joint.outwards + shear[:, None] * joint.along)
+        motion = self.motion(moved, rock.at)
+        pressed = np.maximum(0.0, PRESSURE + ROCK * (motion @ rock.outwards))
+        along = ROCK * (motion @ rock.along)
+        on_rock = -rock.share * (pressed[:, None] * rock.outwards + along[:, None] * rock.along)
+        on_wall = np.full((POINTS, 1), pressure * wall.share) * wall.outwards
+        sums = np.zeros(3)
+        for at, force in (
+            (joint.at, on_joint),
+            (joint.at @ self.turn.T, -on_joint @ self.turn.T),
+            (rock.at, on_rock),
+            (wall.at, on_wall),
+        ):
+            x, y = (at - self.centre).T
+            sums += [*force.sum(axis=0), float(np.sum(x * force[:, 1] - y * force[:, 0]))]
+        return sums
+
+    def at(self, pressure: float) -> tuple[float, float]:
+        """Return the convergence, m, and the share of the joints that slips, at a lower pressure.
+
+        By Newton's method from the last equilibrium, with differences for the derivatives.
+        """
+        moved, small = self.moved, 1e-9 * np.eye(3)
+        for _ in range(60):
+            left = self.forces(moved, pressure)
+            if np.abs(left).max() < 1e-8 * PRESSURE:
+                break
+            columns = [
+                self.forces(moved + d, pressure) - self.forces(moved - d, pressure) for d in small
+            ]
+            moved = moved - np.linalg.solve(np.array(columns).T / 2e-9, left)
+        _, shear, slips = self.stresses(moved)
+        self.moved, self.shear = moved, shear
+        return -float(moved[:2] @ self.centre) / float(np.hypot(*self.centre)), slips
+
+
+def reaction_curve(ring: Ring) -> tuple[Floats, Floats, float]:
+    """Return pressures, Pa, convergences, m, (k,) each, and the pressure of the first slip, Pa."""
+    block = Integration(ring)
+    pressures = PRESSURE * np.linspace(1.0, 0.0, DECREMENTS + 1)
+    found = np.array([block.at(float(pressure)) for pressure in pressures])
+    slips = np.flatnonzero(found[:, 1] > 0.0)
+    return pressures, found[:, 0], float(pressures[slips[0]]) if len(slips) else 0.0
 
 
 def ring_in_rock(ring: Ring) -> Model:
-    """Return the ring under stress, in fixed rock, with a pressure in the opening that fades out."""
+    """Return the ring under stress in fixed rock, with a pressure in the opening that fades out."""
     builder = ModelBuilder(title="Slipping ring", plane=PlaneStrain(), gravity=(0.0, 0.0))
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=2700.0)
-    tight = {"cohesion": 1e9, "tensile_strength": 0.0}
-    builder.add_joint("default", friction_angle=45.0, normal_stiffness=ROCK, shear_stiffness=ROCK)
-    builder.add_joint(
-        "iris", friction_angle=ring.friction, normal_stiffness=STIFF, shear_stiffness=STIFF_SHEAR
-    )
-    builder.add_joint(
-        "around", friction_angle=45.0, normal_stiffness=ROCK, shear_stiffness=ROCK, **tight
-    )
+    iris = {"normal_stiffness": STIFF, "shear_stiffness": STIFF}
+    builder.add_joint("default", friction_angle=ring.friction, **iris)
+    around = {"normal_stiffness": ROCK, "shear_stiffness": ROCK}
+    builder.add_joint("around", friction_angle=45.0, cohesion=STRONG, **around)
     builder.in_situ = InSituStress(stress=(-PRESSURE, -PRESSURE, 0.0))
-    end = STEP * (1 + STAGES)
-    fades = builder.add_table("fades", (0.0, STEP, end), (1.0, 1.0, 0.0))
+    # the first step is part of the equilibrium that the run begins with
+    instants = (0.0, STEP, STEP * (1 + STAGES))
+    fades = builder.add_table("fades", instants, (1.0, 1.0, 0.0))
     for place in range(COUNT):
-        corners = ring.corners(place)
-        joints = ["default", "iris", "around", "iris"]
-        builder.block(name=f"ring {place}", vertices=corners[::-1], edge_joint=joints_of(joints))
-        far = corners[[3, 2]] * (AROUND / OUTER)
-        outline = np.concatenate([corners[[3, 2]], far[::-1]])
-        builder.block(name=f"rock {place}", vertices=outline[::-1], fixed=True, edge_joint=["around"] * 4)
-        ends = corners[0], corners[1]
-        push = PRESSURE * (middle := 0.5 * (ends[0] + ends[1])) / np.hypot(*middle)
-        builder.line_load(tuple(ends[0]), tuple(ends[1]), tuple(push), block=f"ring {place}", factor=fades)
-        builder.measured_point(str(place), tuple(corners.mean(axis=0)), block=f"ring {place}")
+        name, corners = str(place), ring.corners(place)
+        far = corners[1:3] * (AROUND / OUTER)
+        joints = ["default", "around", "default", "default"]
+        builder.block(name=name, vertices=corners.tolist(), edge_joint=joints)
+        outline = np.concatenate([corners[2:0:-1], far]).tolist()
+        builder.block(name=f"rock {place}", vertices=outline, fixed=True, edge_joint=["around"] * 4)
+        wall = 0.5 * (corners[0] + corners[3])
+        push = PRESSURE * wall / float(np.hypot(*wall))
+        ends = [tuple(corners[k].tolist()) for k in (0, 3)]
+        builder.line_load(*ends, tuple(push.tolist()), block=name, factor=fades)
+        builder.measured_point(name, tuple(corners.mean(axis=0).tolist()), block=name)
     return builder.build()
 
 
-def joints_of(joints):
-    """Return the joints of the edges of a block whose corners are given the other way round."""
-    # edges of corners[::-1]: 3-2, 2-1, 1-0, 0-3
-    return [joints[2], joints[1], joints[0], joints[3]]
-
-
 def lowered(ring: Ring, variant: Variant) -> Run:
+    """Return the run in which the pressure fades out, with a frame after each decrement."""
     model = ring_in_rock(ring)
-    method = variant.method(model, normal_stiffness=ROCK, max_displacement=0.05, dynamic_ratio=0.0)
-    return simulate(model, method, Schedule(step=STEP, end=STEP * (1 + STAGES), every=STEP))
+    numbers = {"normal_stiffness": ROCK, "max_displacement": 0.05, "dynamic_ratio": 0.0}
+    schedule = Schedule(step=STEP, end=STEP * (1 + STAGES), every=STEP)
+    return simulate(model, variant.method(model, **numbers), schedule)
 
 
-def solution(ring: Ring, decrements: int = DECREMENTS):
-    """Return pressures and displacement of centroid (corner mean) radial, slip start."""
-    corners = ring.corners(0)
-    turn = 2.0 * np.pi / COUNT
-    rot = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    centre = corners.mean(axis=0)
-    s = (np.arange(POINTS) + 0.5) / POINTS
-    def points(a, b):
-        return a + s[:, None] * (b - a)
-    # the joint to the next block is from corner 0 (inner) to corner 3 (outer)
-    face = points(corners[0], corners[3]); lf = np.hypot(*(corners[3]-corners[0])); along=(corners[3]-corners[0])/lf
-    normal=np.array([-along[1],along[0]])
-    rock = points(corners[2], corners[3]); lr=np.hypot(*(corners[3]-corners[2])); alr=(corners[3]-corners[2])/lr
-    outw=np.array([alr[1],-alr[0]])
-    inner = 0.5*(corners[0]+corners[1]); li=np.hypot(*(corners[1]-corners[0])); inn=inner/np.hypot(*inner)
-    def moved(d, x):
-        r = x - centre
-        return d[:2] + d[2]*np.stack([-r[:,1], r[:,0]],axis=1)
-    before = np.zeros(POINTS)
-    last = np.zeros(3)
-    back = face @ rot   # R^T x
-    tan = np.tan(np.radians(ring.friction))
-    def state(d, shear0, dl):
-        rel = moved(d, face) - moved(d, back) @ rot.T      # own minus the next one's
-        sig = np.maximum(0.0, PRESSURE + STIFF*(rel@normal))
-        relold = moved(dl, face) - moved(dl, back) @ rot.T
-        trial = shear0 + STIFF_SHEAR*((rel-relold)@along)
-        tau = np.clip(trial, -tan*sig, tan*sig)
-        return sig, tau, np.abs(trial) > tan*sig
-    def cross(r, f): return r[:,0]*f[:,1]-r[:,1]*f[:,0]
-    def residual(d, p, shear0, dl):
-        sig, tau, _ = state(d, shear0, dl)
-        on_face = -(sig[:,None]*normal + tau[:,None]*along)*(lf/POINTS)
-        on_back = -(on_face @ rot)                          # R^T of the opposite
-        w = moved(d, rock)
-        sr = np.maximum(0.0, PRESSURE + ROCK*(w@outw)); tr = ROCK*(w@alr)
-        on_rock = -(sr[:,None]*outw + tr[:,None]*alr)*(lr/POINTS)
-        push = p*li*inn
-        force = on_face.sum(0)+on_back.sum(0)+on_rock.sum(0)+push
-        moment = (cross(face-centre,on_face)+cross(back-centre,on_back)+cross(rock-centre,on_rock)).sum() + cross((inner-centre)[None],push[None])[0]
-        return np.array([*force, moment])
-    out=[]
-    for k in range(decrements+1):
-        p = PRESSURE*(1-k/decrements)
-        d = last.copy()
-        for _ in range(60):
-            r = residual(d,p,before,last)
-            if np.abs(r).max() < 1e-9*PRESSURE: break
-            J=np.array([(residual(d+h,p,before,last)-residual(d-h,p,before,last))/(2e-9) for h in 1e-9*np.eye(3)]).T
-            d = d - np.linalg.solve(J,r)
-        sig,before,slips = state(d,before,last)
-        last=d
-        rad=centre/np.hypot(*centre); tang=np.array([-rad[1],rad[0]])
-        out.append((p, -d[:2]@rad, d[:2]@tang, d[2], slips.mean(), np.abs(r).max()))
-    return np.array(out)
+def convergences(run: Run, ring: Ring) -> tuple[Floats, Floats]:
+    """Return pressures, Pa, and mean convergence, m, (k,) each, after each decrement."""
+    pressures = PRESSURE * np.linspace(1.0, 0.0, STAGES + 1)
+    time = STEP * np.arange(1, STAGES + 2)
+    inwards = np.zeros(STAGES + 1)
+    for place in range(COUNT):
+        middle = ring.corners(place).mean(axis=0)
+        history = run.history(str(place))
+        # the last state at an instant is the one in balance
+        last = np.searchsorted(history.time, time + 0.1 * STEP) - 1
+        inwards -= history.displacement[last] @ middle / float(np.hypot(*middle)) / COUNT
+    return pressures, inwards
+
+
+def first_slip(run: Run) -> Bracket:
+    """Return the pressure, Pa, from which on friction takes energy."""
+    lost = np.asarray(run.energy["friction"])
+    time = float(run.energy["time"][np.flatnonzero(lost > 1e-6 * lost[-1])[0]])
+    after = 1.0 - (time - STEP) / (STEP * STAGES)
+    return Bracket(PRESSURE * after, PRESSURE * (after + 1.0 / STAGES))
+
+
+def examine(rings: tuple[Ring, ...], variant: Variant) -> Outcome:
+    """Compare the ground reaction curves and where slip begins."""
+    rows: list[Comparison] = []
+    curves = []
+    for ring in rings:
+        run, name = lowered(ring, variant), f"{ring.friction:g} degrees"
+        pressures, inwards = convergences(run, ring)
+        exact_at, exact, slips_at = reaction_curve(ring)
+        for share in SHARES:
+            k = round((1.0 - share) * STAGES)
+            true = float(np.interp(-pressures[k], -exact_at, exact))
+            quantity = f"convergence at {100 * share:g} % of the pressure, {name}"
+            rows.append(relative(quantity, "m", float(inwards[k]), true, 0.01, WHY))
+        slip = first_slip(run)
+        rows.append(
+            relative(f"pressure of the first slip, {name}", "Pa", slip, slips_at, 0.005, WHY)
+        )
+        curves += [
+            exact_curve(f"integrated, {name}", 1e3 * exact, 1e-6 * exact_at),
+            curve(f"{name}, {variant.name}", 1e3 * inwards, 1e-6 * pressures),
+        ]
+    chart = Chart(
+        title="ground reaction",
+        x_label="convergence, mm",
+        y_label="pressure in the opening, MPa",
+        curves=tuple(curves),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="slipping-ring",
+    title="Ground reaction curve of a ring that slips",
+    text="24 stiff blocks between radii of 3 and 4 m, under 1 MPa all round, in fixed rock behind "
+    "a joint of 0.4 GPa/m that does not slip; joints of 1 GPa/m between them lean by 15 or 10 "
+    "degrees, seen from the middle, with friction angles of 25 or 10 degrees. The pressure in the "
+    "opening goes from 1 MPa to 0 in 20 decrements, static (dynamic_ratio = 0).",
+    formula="s = s_0 - k d_n, |t| <= s tan(phi) on every point of a joint, for one block",
+    source="limit equilibrium and the stiffness of joints; independent integration",
+    set_up=partial(ring_in_rock, CASES[0]),
+    examine=partial(examine, CASES),
+    variants=(CONVEX,),
+    quick=(CONVEX,),
+)
