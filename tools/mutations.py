@@ -13,6 +13,7 @@ compiled anew for every change, which takes most of the time.
 from __future__ import annotations
 
 import argparse
+import hashlib
 import os
 import re
 import shutil
@@ -179,11 +180,24 @@ def copied(to: Path) -> Path:
     for name in COPIED:
         source = ROOT / name
         if source.is_dir():
-            ignored = shutil.ignore_patterns("*.nbi", "*.nbc", "images")
+            ignored = shutil.ignore_patterns("__pycache__", "images")
             shutil.copytree(source, to / name, ignore=ignored)
         else:
             shutil.copy2(source, to / name)
+    take_kernels(ROOT / "src", to / "src")
     return to
+
+
+def take_kernels(source: Path, to: Path) -> None:
+    """Copy the compiled kernels of a tree, which numba keeps by the place of their files."""
+    for folder in source.rglob("__pycache__"):
+        own, other = (
+            hashlib.sha1(os.path.abspath(root).encode(), usedforsecurity=False).hexdigest()
+            for root in (folder.parent, to / folder.parent.relative_to(source))
+        )
+        for kept in folder.glob(f"*/*_{own}"):
+            name = kept.name.replace(own, other)
+            shutil.copytree(kept, to / kept.parent.relative_to(source) / name, dirs_exist_ok=True)
 
 
 def found_by(mutations: Sequence[Mutation], tree: Path) -> Iterator[tuple[Mutation, str, float]]:
@@ -191,6 +205,7 @@ def found_by(mutations: Sequence[Mutation], tree: Path) -> Iterator[tuple[Mutati
     for mutation in mutations:
         path = tree / "src" / "clast" / mutation.file
         text, start = path.read_text("utf-8"), time.monotonic()
+        written = path.stat()
         path.write_text(mutated(text, mutation), "utf-8")
         try:
             test = finder(mutation, tree)
@@ -198,6 +213,8 @@ def found_by(mutations: Sequence[Mutation], tree: Path) -> Iterator[tuple[Mutati
             test = ""
         finally:
             path.write_text(text, "utf-8")
+            # numba compiles a file of another age anew
+            os.utime(path, ns=(written.st_atime_ns, written.st_mtime_ns))
         yield mutation, test, time.monotonic() - start
 
 
