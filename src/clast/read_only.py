@@ -8,7 +8,6 @@ place would change them without a word.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import is_dataclass
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -29,7 +28,7 @@ def read_only(value: Any) -> Any:
         return value
     if type(value) is tuple and value and not isinstance(value[0], str | float | int):
         return tuple([None if one is None else read_only(one) for one in value])
-    if is_dataclass(value) and not isinstance(value, type):
+    if hasattr(type(value), "__dataclass_fields__"):
         seal(value)
     return value
 
@@ -62,7 +61,7 @@ def changed(thing: Value, **fields: Any) -> Value:
     now, held = made.__dict__, before.__dict__
     for name in before.__dataclass_fields__:
         now[name] = held[name]
-    now.update(fields)
+    now |= fields
     result: Value = made
     return result
 

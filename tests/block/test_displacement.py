@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 from clast.block import polygon
-from clast.block.displacement import basis, displacements, movements
+from clast.block.displacement import basis, displacements, movements, plus_transposed
 from clast.block.elasticity import turned as turned_tensor
 from clast.block.inertia import mass_matrices
+from clast.block.positions import displacements_of, moved_to
 from clast.block.rotation import Exact, Linear, Sine
+from clast.compute.jit import kernel
+from clast.compute.vec6 import put_row, row
 from scenes.quadrature import integral
 from scenes.systems import box, convex, flat, star, turned
 
@@ -53,6 +56,38 @@ def test_displacements_are_the_basis_times_the_unknowns(count):
     d, block = rng.normal(size=(7, 6)), rng.integers(0, 7, count)
     wanted = np.einsum("kxi,ki->kx", basis(at), d[block])
     assert displacements(at, d, block) == pytest.approx(wanted, abs=1e-14)
+
+
+@kernel()
+def with_transposed(lines, x, y, two, result):
+    k = row(lines, 0), row(lines, 1), row(lines, 2), row(lines, 3), row(lines, 4), row(lines, 5)
+    k0, k1, k2, k3, k4, k5 = plus_transposed(k, x, y, row(two, 0), row(two, 1))
+    put_row(result, 0, k0)
+    put_row(result, 1, k1)
+    put_row(result, 2, k2)
+    put_row(result, 3, k3)
+    put_row(result, 4, k4)
+    put_row(result, 5, k5)
+
+
+def test_two_lines_are_added_by_the_transposed_basis():
+    rng = np.random.default_rng(3)
+    lines, two, at = rng.normal(size=(6, 6)), rng.normal(size=(2, 6)), np.array([[0.7, -1.3]])
+    result = np.empty((6, 6))
+    with_transposed(lines, *at[0], two, result)
+    assert result == pytest.approx(lines + basis(at)[0].T @ two, abs=1e-14)
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_places_are_reached_from_where_points_are(rule):
+    """What a step uses, to the last digit: offsets from the centroids are taken on the way."""
+    rng = np.random.default_rng(4)
+    at, centroid, d = points(), rng.normal(size=(3, 2)), 0.1 * rng.normal(size=(3, 6))
+    block = rng.integers(0, 3, len(at))
+    offset = at - centroid[block]
+    reached = moved_to(at, block, centroid, d, RULES[rule].gradient(d))
+    assert np.array_equal(reached, at + movements(RULES[rule], offset, d, block))
+    assert np.array_equal(displacements_of(at, block, centroid, d), displacements(offset, d, block))
 
 
 @pytest.mark.parametrize("rule", RULES)

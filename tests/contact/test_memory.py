@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from clast.contact.contacts import ContactResponse
-from clast.contact.memory import recall, renew
+from clast.contact.memory import first_rows, recall, renew
 from clast.model.state import ContactMemory
 from scenes.systems import at_start, box, contacts_of, march, method, system
 
@@ -45,7 +45,9 @@ def test_rows_are_found_by_edge_first_then_by_key(remembered, found, data):
     # the contacts of one vertex and block stand together, in any order
     contacts = [one for key in keys for one in sorted(found) if one[0] == key]
     table = np.array([[*key, edge] for key, edge in contacts], np.int64).reshape(-1, 3)
-    rows = recall(memory, *(np.ascontiguousarray(column) for column in table.T))
+    columns = [np.ascontiguousarray(column) for column in table.T]
+    count = 1 + max([vertex for (vertex, *_), _ in [*remembered, *found]], default=-1)
+    rows = recall(memory, first_rows(memory.vertex, count), *columns)
     known = rows[rows >= 0]
     assert len(set(known)) == len(known)  # no row is given twice
     remembered_rows = sorted(remembered)
@@ -87,7 +89,8 @@ def test_renewed_memory_is_sorted_and_forgets_what_has_opened():
     keys = list(zip(memory.vertex, memory.block, memory.edge, strict=True))
     assert keys == sorted(keys)
     assert len(set(keys)) == count
-    row = recall(memory, contacts.vertex, contacts.edge_block, contacts.edge)
+    start = first_rows(memory.vertex, 16)
+    row = recall(memory, start, contacts.vertex, contacts.edge_block, contacts.edge)
     assert np.array_equal(np.sort(row), np.arange(count))
     assert np.array_equal(memory.gap[row], gap)
     assert np.array_equal(memory.shear_force[row], np.where(gap < 0.0, np.arange(count) + 1.0, 0.0))

@@ -10,7 +10,7 @@ import pytest
 
 from clast.actions.acting import ActiveActions, actions_of
 from clast.actions.damping import Rayleigh, Undamped
-from clast.compute.reductions import is_any, least
+from clast.compute.reductions import is_any, largest_size, least
 from clast.compute.stopwatch import Stages
 from clast.read_only import changed
 from clast.results.result_tables import FIRST_ROWS, MORE_ROWS, GrowingTable
@@ -53,6 +53,7 @@ def test_a_stage_ends_where_the_next_begins():
     stages = Stages(lambda: next(times))
     stages("contacts")  # 0
     stages("law")  # 1
+    stages("law")  # goes on, and asks for no time
     stages("contacts")  # 3
     assert stages.ended() == {"contacts": 1.0 + 3.0, "law": 2.0}  # 6
     with stages("ledger"):  # 10
@@ -82,3 +83,5 @@ def test_reductions_of_a_few_numbers():
     assert least(np.array([3.0, -2.0, 1.0]), 0.0) == -2.0
     assert least(np.array([3.0]), 0.0) == 0.0 and least(np.zeros(0), 0.0) == 0.0
     assert np.isnan(least(np.array([3.0, np.nan, -4.0]), 0.0))
+    assert largest_size(np.array([3.0, -4.0, 1.0])) == 4.0 and largest_size(np.zeros(0)) == 0.0
+    assert np.isnan(largest_size(np.array([3.0, np.nan, -4.0])))

@@ -44,7 +44,7 @@ from scenes.systems import at_start, overlaps
 
 SHORT = ["--size", "40", "--steps", "3"]
 PRODUCT = {"bytes", "rate", "triad", "triad_by_threads", "shared", "share"}
-STAGES = {"contacts", "base system", "law", "advance", "tunnelling", "ledger", "other"}
+STAGES = {"contacts", "base system", "law", "advance", "ledger", "other"}
 
 
 def bench_command(*arguments: object):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import ast
+import hashlib
 from pathlib import Path
 
 import pytest
-from mutations import MUTATIONS, Mutation, mutated, order_of_tests
+from mutations import MUTATIONS, Mutation, mutated, order_of_tests, take_kernels
 
 TESTS = Path(__file__).parents[1]
 PACKAGE = TESTS.parent / "src" / "clast"
@@ -35,3 +36,16 @@ def test_tests_of_the_module_come_first():
     assert str(TESTS / "contact" / "test_laws.py") in order[0]
     assert order[1] == [str(TESTS / "contact")]
     assert order[2] == [str(TESTS / "linear")]
+
+
+def test_kernels_come_along_under_the_name_of_their_new_place(tmp_path):
+    own, other = tmp_path / "own", tmp_path / "other"
+
+    def place(root: Path) -> Path:
+        number = hashlib.sha1(str(root / "contact").encode(), usedforsecurity=False).hexdigest()
+        return root / "contact" / "__pycache__" / "laws-0123" / f"contact_{number}"
+
+    place(own).mkdir(parents=True)
+    (place(own) / "laws.one.nbi").write_bytes(b"code")
+    take_kernels(own, other)
+    assert (place(other) / "laws.one.nbi").read_bytes() == b"code"

@@ -12,7 +12,7 @@ from clast.actions.action import Action, ActionResult, Contribution, Solution, S
 from clast.actions.bolts.bolts import Bolting
 from clast.actions.gravity import Gravity
 from clast.actions.ground_motion import GroundAcceleration
-from clast.actions.handed_back import OWN, answer, checked_done, checked_share
+from clast.actions.handed_back import HEAD, OWN, answer, checked_done, checked_share
 from clast.actions.in_situ import InSituBoundary
 from clast.actions.loads import Loads
 from clast.actions.pressure import Pressures
@@ -85,7 +85,7 @@ def shares_of(
 
 def _share_of(action: Action, start: StepStart, own: Any) -> Contribution:
     """Return what an action adds to a step, looked at where it is that of a script."""
-    if action.__class__.__module__.startswith(OWN):
+    if action.__class__.__module__[HEAD] == OWN:
         return action.share(start, own)
     return checked_share(action, answer(action, action.share, start, own), start)
 
@@ -94,7 +94,7 @@ def done_by(
     action: Action, start: StepStart, own: Any, share: Contribution, solution: Solution
 ) -> ActionResult:
     """Return what an action has done in a step, looked at where it is that of a script."""
-    if action.__class__.__module__.startswith(OWN):
+    if action.__class__.__module__[HEAD] == OWN:
         return action.finish(start, own, share, solution)
     return checked_done(action, answer(action, action.finish, start, own, share, solution))
 

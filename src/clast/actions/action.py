@@ -195,10 +195,11 @@ def energy_of_linear(share: Contribution, displacement: Floats) -> tuple[float, 
     """
     moved = displacement[share.block]
     # no BLAS: its threads would cost more than these sums, and add up in an order of their own
-    pushed = float((share.force * moved).sum())
+    pushed = float(np.add.reduce(share.force * moved, axis=None))
     if share.stiffness is None:
         return pushed, -pushed
-    stretched = float((np.add.reduce(share.stiffness * moved[:, None], axis=2) * moved).sum())
+    along = np.add.reduce(share.stiffness * moved[:, None], axis=2) * moved
+    stretched = float(np.add.reduce(along, axis=None))
     return pushed - stretched, 0.5 / share.forces_at * stretched - pushed
 
 

@@ -19,6 +19,8 @@ Answer = TypeVar("Answer")
 HELP = "see the how-to page on actions"
 OWN = "clast."
 """How the modules of clast's own actions are called."""
+HEAD = slice(len(OWN))
+"""Where that stands in their names."""
 
 
 def answer(action: Action, method: Callable[..., Answer], *given: Any) -> Answer:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from clast.compute.jit import kernel
 from clast.compute.parallel import BLOCKS, shared
-from clast.model.model import Floats
 
 
-def strained(stress: Floats, elasticity: Floats, unknowns: Floats) -> Floats:
+@kernel()
+def strained(stress, elasticity, unknowns):
     """Return sigma + E' e, Pa, (n, 3), for the strains e of d (n, 6); E' (n, 3, 3) in Pa."""
     result = np.empty_like(stress)
     _strain(len(stress), stress, elasticity, unknowns, result)
@@ -26,7 +27,27 @@ def _strain(low, high, stress, elasticity, unknowns, result):
             result[b, i] = stress[b, i] + gained
 
 
-def turned(tensor: Floats, first: int, angle: Floats, shear_factor: float) -> Floats:
+@kernel()
+def strains(compliance, stress):
+    """Return the strains E'^-1 sigma, (n, 3), of stresses (n, 3), Pa; E'^-1 (n, 3, 3) in 1/Pa."""
+    result = np.empty_like(stress)
+    _strains(len(stress), compliance, stress, result)
+    return result
+
+
+@shared(BLOCKS)
+def _strains(low, high, compliance, stress, result):
+    """Write the strains of blocks ``low`` to ``high`` - 1."""
+    for b in range(low, high):
+        for i in range(3):
+            strain = 0.0
+            for j in range(3):
+                strain += compliance[b, i, j] * stress[b, j]
+            result[b, i] = strain
+
+
+@kernel()
+def turned(tensor, first, angle, shear_factor):
     """Return a copy with columns ``first`` to first + 2, xx, yy and xy, turned by angles (n,), rad.
 
     The shear is xy times ``shear_factor``: 1 for stress, 2 for strain with engineering shear.

@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from clast.compute.jit import kernel
+from clast.compute.reductions import largest_size
 from clast.model.model import Floats
 
 
@@ -40,7 +41,8 @@ class Exact:
 
     def gradient(self, unknowns: Floats) -> Floats:
         """Return G = R (I + E) - I of d (n, 6), shape (n, 2, 2)."""
-        return np.asarray(_exact_gradients(unknowns))
+        gradient: Floats = _exact_gradients(unknowns)
+        return gradient
 
 
 @kernel()
@@ -66,6 +68,8 @@ class Sine:
 
     def angle(self, unknown: Floats) -> Floats:
         """Return the rotation asin(unknown), rad; nan where the unknown exceeds 1."""
+        if largest_size(unknown) <= 1.0:
+            return np.arcsin(unknown)
         with np.errstate(invalid="ignore"):
             return np.arcsin(unknown)
 
@@ -75,7 +79,8 @@ class Sine:
         T's third column is (-(y + x tan(r/2)), x - y tan(r/2)), and sin r tan(r/2) = 1 - cos r.
         nan where the third unknown exceeds 1.
         """
-        return np.asarray(_sine_gradients(unknowns))
+        gradient: Floats = _sine_gradients(unknowns)
+        return gradient
 
 
 @kernel()
@@ -102,7 +107,8 @@ class Linear:
 
     def gradient(self, unknowns: Floats) -> Floats:
         """Return G = E + r0 J of d (n, 6), shape (n, 2, 2)."""
-        return np.asarray(_linear_gradients(unknowns))
+        gradient: Floats = _linear_gradients(unknowns)
+        return gradient
 
 
 @kernel()

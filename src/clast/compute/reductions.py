@@ -1,6 +1,7 @@
 """What numpy's reductions say of a few numbers, in a fifth of their time.
 
-numpy takes 2 us for the largest of eight numbers, a kernel 0.4 us.
+numpy takes 2 us for the largest of eight numbers, a kernel 0.4 us.  Sums are numpy's, which adds up
+many numbers in parts: ``np.add.reduce`` is what ``sum`` comes to after two more calls.
 """
 
 from __future__ import annotations
@@ -24,6 +25,18 @@ def least(values, start):
     for k in range(len(values)):
         if not values[k] >= found:
             found = values[k]
+            if found != found:
+                break
+    return found
+
+
+@kernel()
+def largest_size(values):
+    """Return the largest size of numbers (k,), 0 where there are none; nan where one is nan."""
+    found = 0.0
+    for k in range(len(values)):
+        if not abs(values[k]) <= found:
+            found = abs(values[k])
             if found != found:
                 break
     return found

@@ -9,7 +9,7 @@ import numpy as np
 
 from clast.block import polygon
 from clast.contact import seams
-from clast.contact.memory import pair_penetration, remembered_edges
+from clast.contact.memory import first_rows, pair_penetration, remembered_edges
 from clast.contact.narrow_phase import PART, candidates_of_parts, join_parts
 from clast.model.model import Floats, Ints
 from clast.model.state import ContactMemory
@@ -61,6 +61,8 @@ class Candidates:
     """Block of each vertex, shape (nv,)."""
     block_start: Ints
     """First vertex of each block, shape (n + 1,)."""
+    box: Floats
+    """Bounding box of each block, m, shape (n, 4)."""
     critdis: float
     """Length by which edges are extended where corners coincide, m."""
 
@@ -73,18 +75,19 @@ def find_candidates(
     reach: SearchDistance,
     shift: Floats | None = None,
     strain: Floats | None = None,
-    vertex_block: Ints | None = None,
+    of_vertices: tuple[Ints, Ints] | None = None,
 ) -> Candidates:
     """Return every edge that a vertex could be in contact with (contact/narrow_phase.py).
 
     ``shift`` (nv, 2) is how far the velocities would carry each vertex in the step, m, ``strain``
-    (n, 3) that of the blocks; nothing if not given.  ``vertex_block`` (nv,) is the block of each
-    vertex, if that is known already.
+    (n, 3) that of the blocks; nothing if not given.  ``of_vertices`` are the block of each vertex
+    (nv,) and its first row in the memory (nv + 1,), if they are known already.
     """
     direction, length = polygon.edges(vertices, block_start)
     box = polygon.boxes(vertices, block_start)
-    if vertex_block is None:
-        vertex_block = polygon.owners(block_start)
+    if of_vertices is None:
+        of_vertices = polygon.owners(block_start), first_rows(memory.vertex, len(vertices))
+    vertex_block, rows = of_vertices
     outlines = vertices, direction, length, vertex_block, block_start
     of_memory = memory.vertex, memory.block, memory.gap
     bearing = (
@@ -97,7 +100,7 @@ def find_candidates(
         seams.goes_on(pairs, box, outlines, reach.critdis),
     )
     depth = pair_penetration(vertex_block, pairs, memory)
-    start, vertex, edge, pair, gap, along = _found(
+    groups, pair, gap, along = _found(
         outlines,
         (pairs, box, depth, reach.travel_of(len(box))),
         (
@@ -106,11 +109,11 @@ def find_candidates(
             *bearing,
         ),
     )
-    remembered = remembered_edges(start, vertex, edge, vertex_block, memory)
+    remembered = remembered_edges(groups, vertex_block, memory, rows)
     return Candidates(
-        group_start=start,
-        vertex=vertex,
-        edge=edge,
+        group_start=groups[0],
+        vertex=groups[1],
+        edge=groups[2],
         pair=pair,
         gap=gap,
         along=along,
@@ -119,30 +122,35 @@ def find_candidates(
         length=length,
         vertex_block=vertex_block,
         block_start=block_start,
+        box=box,
         critdis=reach.critdis,
     )
 
 
 def _found(outlines: Any, near: Any, looks: Any) -> tuple[Any, ...]:
-    """Return group starts, and of each candidate vertex, edge, pair, gap and way along the edge.
+    """Return group starts, vertices and edges; of each candidate pair, gap and way along the edge.
 
     From what the kernels take (contact/narrow_phase.py).
     """
     count = len(near[0])
-    found = np.zeros((max(1, -(-count // PART)), 2), np.int64)
+    parts = max(1, -(-count // PART))
+    found = np.zeros((parts, 2), np.int64)
     most = 64 + 6 * min(PART, count)
     while True:
-        room = _room_for(len(found) * (most + 1))
-        candidates_of_parts(len(found), most, outlines, near, looks, room, found)
-        wanted = int(found[:, 0].max())
+        room = _room_for(parts * (most + 1))
+        candidates_of_parts(parts, most, outlines, near, looks, room, found)
+        wanted = int(found[0, 0] if parts == 1 else found[:, 0].max())
         if wanted <= most:
             break
         most = wanted
-    number, groups = found.sum(axis=0) if len(found) > 1 else found[0]
-    joined = _room_for(int(number))
-    joined[0][0] = 0
-    join_parts(len(found), most, found, room, joined)
-    return joined[0][: groups + 1], *joined[1:]
+    number, groups = found.sum(axis=0) if parts > 1 else found[0]
+    if parts > 1:  # else it lies together already
+        room, of_parts = _room_for(int(number)), room
+        join_parts(parts, most, found, of_parts, room)
+    start, vertex, edge, pair, gap, along = room
+    start[0] = 0
+    groups_of = start[: groups + 1], vertex[:number], edge[:number]
+    return groups_of, pair[:number], gap[:number], along[:number]
 
 
 def _room_for(number: int) -> tuple[Ints, Ints, Ints, Ints, Floats, Floats]:

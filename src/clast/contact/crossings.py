@@ -16,11 +16,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from clast.block import polygon
 from clast.block.edge_lists import edges_within, left_to_right
 from clast.block.polygon import ROUND_OFF, depth_inside, vertex_after, vertex_before
 from clast.block.segments import behind, cross, crossing_point, sideways
 from clast.compute.jit import kernel
+from clast.compute.reductions import is_any
 from clast.contact.memory import lost_contacts
 from clast.model.model import Bools, Floats, Ints
 from clast.model.state import ContactMemory
@@ -49,24 +49,26 @@ Chosen = tuple[Ints, Ints, Ints, Floats]
 def with_crossings(
     chosen: Chosen,
     pairs: Ints,
-    outlines: tuple[Floats, Floats, Ints],
-    vertex_block: Ints,
+    outlines: tuple[Floats, Floats, Ints, Floats],
+    of_vertices: tuple[Ints, Ints],
     memory: ContactMemory,
     front: Floats,
     critdis: float,
 ) -> Chosen:
     """Return the contacts, and with them those that crossings ask for which they do not explain.
 
-    ``outlines`` are vertices (nv, 2), directions of edges and the first vertex of each block,
+    ``outlines`` are vertices (nv, 2), directions of edges, the first vertex and the box of each
+    block, ``of_vertices`` the block of each vertex (nv,) and its first row in the memory (nv + 1,),
     ``front`` (n,) how far the vertices of each block may have moved in a step, m.  A contact that
     was closed at the end of the last step goes on where it explains a crossing, however shallow
     that is by now: its spring still bears.  Else the shorter way out of it becomes a contact, if a
     step's motion or what the pair remembers explains it.
     """
     vertex, edge, pair, gap = chosen
-    box = polygon.boxes(outlines[0], outlines[2])
+    outlines, box = outlines[:3], outlines[3]
+    vertex_block, rows = of_vertices
     contacts = (vertex, edge, gap, vertex_block)
-    lost = lost_contacts(memory, vertex, vertex_block.take(edge))
+    lost = lost_contacts(memory, rows, vertex, vertex_block.take(edge))
     bore = _have(memory, lost, pairs, vertex_block)
     floor = SHALLOW * critdis
     found = unseen(outlines, box, pairs, contacts, pair, (TAKEN_BACK, floor), bore)
@@ -93,7 +95,7 @@ def with_crossings(
 def _have(memory: ContactMemory, rows: Bools, pairs: Ints, vertex_block: Ints) -> Bools:
     """Return which pairs of blocks have one of some ``rows`` (r,) of the memory, (q,)."""
     have = np.zeros(len(pairs), np.bool_)
-    if rows.any():
+    if is_any(rows):
         width = len(vertex_block)
         own, other = vertex_block[memory.vertex[rows]], memory.block[rows]
         key = np.minimum(own, other) * width + np.maximum(own, other)

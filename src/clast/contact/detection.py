@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from clast.block import polygon
-from clast.block.displacement import displacements
 from clast.block.edge_lists import FEW, edges_around, first_at_least
+from clast.block.elasticity import strains
 from clast.block.polygon import depth_inside, vertex_after
+from clast.block.positions import displacements_of
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.contact.candidates import SearchDistance, find_candidates
@@ -24,7 +25,7 @@ from clast.contact.crossings import Chosen, with_crossings
 from clast.contact.joints.along_joint import contact_lengths, joints_of, springs_of_joints
 from clast.contact.joints.bonds import Bonds, bonds_of
 from clast.contact.joints.faces import Places, with_faces
-from clast.contact.memory import pair_penetration, recall
+from clast.contact.memory import first_rows, pair_penetration, recall
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.model.bodies import Outlines
 from clast.model.model import Bools, Floats, Ints, Model
@@ -48,7 +49,10 @@ def detect(
     """
     sought = _sought(model, state)
     around = reach.front + max(reach.critdis, reach.tip)
-    travel = reach.travel_of(model.block_count)[sought.block]
+    travel = reach.travel_of(model.block_count)
+    if model.outlines is not None:
+        travel = travel[sought.block]
+        reach = changed(reach, travel=travel)
     near = near or VerletList()
     pairs = near_pairs(
         near, sought.vertices, sought.start, sought.fixed, around, travel, sought.gone
@@ -56,32 +60,33 @@ def detect(
     owners = sought.owners
     shift = None
     if drift is not None:
-        block = model.vertex_block
-        offset = polygon.offsets(state.vertices, block, centroid)
-        shift = displacements(offset, drift, block)[sought.vertex]
-    strain = np.einsum("nab,nb->na", model.compliance, state.stress)[sought.block]
+        shift = displacements_of(state.vertices, model.vertex_block, centroid, drift)
+        shift = shift[sought.vertex]
+    strain = strains(model.compliance, state.stress)[sought.block]
+    of_vertices = owners, first_rows(sought.memory.vertex, len(owners))
     found = find_candidates(
         sought.vertices,
         sought.start,
         pairs,
         sought.memory,
-        changed(reach, travel=travel),
+        reach,
         shift,
         strain,
-        owners,
+        of_vertices,
     )
     keep = corner_rule.choose(found, sought.vertices)
     chosen = found.vertex[keep], found.edge[keep], found.pair[keep], found.gap[keep]
     chosen = with_crossings(
         chosen,
         pairs,
-        (sought.vertices, found.direction, sought.start),
-        owners,
+        (sought.vertices, found.direction, sought.start, found.box),
+        of_vertices,
         sought.memory,
         travel,
         reach.critdis,
     )
-    row = recall(sought.memory, chosen[0], owners.take(chosen[1]), chosen[1])
+    of_edges = owners.take(chosen[1])
+    row = recall(sought.memory, of_vertices[1], chosen[0], of_edges, chosen[1])
     edges = found.direction, found.length
     if model.outlines is not None:
         row = np.where(row >= 0, np.append(sought.row, -1)[row], -1)
@@ -128,9 +133,12 @@ class _Sought:
     memory: ContactMemory
     """What contacts remember, by these numbers."""
     row: Ints
-    """Row of the state's memory that each row of it is, shape (r,)."""
+    """Row of the state's memory that each row of it is, shape (r,), where these differ."""
     owners: Ints
     """Outline of each vertex, shape (k,)."""
+
+
+_NO_ROWS = np.zeros(0, np.int64)
 
 
 def _sought(model: Model, state: State) -> _Sought:
@@ -145,7 +153,7 @@ def _sought(model: Model, state: State) -> _Sought:
             fixed=model.fixed,
             gone=model.gone,
             memory=memory,
-            row=np.arange(len(memory.vertex)),
+            row=_NO_ROWS,
             owners=model.vertex_block,
         )
     vertex, edge = one.of_vertex[memory.vertex], one.of_edge[memory.edge]
@@ -218,9 +226,9 @@ def _contacts(
     # bonds exist only along joints that are closed at the start of the run
     bond_reach = critdis if state.time == 0.0 else -1.0
     carried = _carried(places.row, places.gap, bond_reach, state.memory, (places.edge, direction))
-    bonds = Bonds(bonded=carried.pop("bonded"), cohesive=carried.pop("cohesive"))
-    slid = carried.pop("slide_length")
-    strengths = bonds_of(bonds, slid, places, state.memory, direction, model)
+    bonds = Bonds(bonded=carried["bonded"], cohesive=carried["cohesive"])
+    slid = carried["slide_length"]
+    carried |= bonds_of(bonds, slid, places, state.memory, direction, model)
     springs = springs_of_joints(model, places.joint, places.of_springs)
     return Contacts(
         joint=places.joint,
@@ -240,9 +248,7 @@ def _contacts(
         point=places.point,
         along=places.along,
         levers=places.levers,
-        friction_base=carried.pop("friction_base"),
         **carried,
-        **strengths,
     )
 
 
@@ -251,7 +257,7 @@ def _that_touch(pair: Ints, pairs: Ints) -> tuple[Ints, Ints]:
 
     ``pair`` (m,) are the pairs of the contacts, ascending.
     """
-    of_contacts, which = np.empty(len(pair), np.int64), np.empty(len(pair), np.int64)
+    of_contacts, which = np.empty((2, len(pair)), np.int64)
     count = _number_pairs(pair, of_contacts, which)
     return of_contacts, pairs.take(which[:count], axis=0)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
+from clast.compute.reductions import is_any
 from clast.contact.contacts import OPEN, SLIDE, ContactResponse, Contacts
 from clast.contact.joints.bonds import torn
 from clast.model.model import Bools, Floats, Ints
@@ -17,18 +18,13 @@ from clast.model.state import ContactMemory
 
 
 @kernel()
-def _count_by_vertex(vertices, start):
-    """Write the first row of each vertex in rows sorted by vertex, into zeros (count + 1,)."""
-    for row in range(len(vertices)):
-        start[vertices[row] + 1] += 1
-    for vertex in range(len(start) - 1):
-        start[vertex + 1] += start[vertex]
-
-
-def _first_rows(vertices: Ints, count: int) -> Ints:
+def first_rows(vertices, count):
     """Return the first row of each of ``count`` vertices in sorted rows (k,), (count + 1,)."""
     start = np.zeros(count + 1, np.int64)
-    _count_by_vertex(vertices, start)
+    for row in range(len(vertices)):
+        start[vertices[row] + 1] += 1
+    for vertex in range(count):
+        start[vertex + 1] += start[vertex]
     return start
 
 
@@ -48,16 +44,22 @@ def _rows_of_key(vertex, block, start, memory_block):
 
 
 def remembered_edges(
-    group_start: Ints, vertex: Ints, edge: Ints, vertex_block: Ints, memory: ContactMemory
+    groups: tuple[Ints, Ints, Ints], vertex_block: Ints, memory: ContactMemory, start: Ints
 ) -> Ints:
     """Return the entrance edge that each group of candidates had in the last step, or -1, (k,).
 
-    ``group_start`` (k + 1,) is the first candidate of each group, ``vertex`` and ``edge`` (m,) are
-    those of the candidates, ``vertex_block`` (nv,) is the block of each vertex.
+    ``groups`` are the first candidate of each, (k + 1,), and vertices and edges (m,) of the
+    candidates; ``vertex_block`` (nv,) is the block of each vertex, ``start`` (nv + 1,) the first
+    row of each vertex in the memory.
     """
-    start = _first_rows(memory.vertex, len(vertex_block))
-    remembered = np.empty(len(group_start) - 1, np.int64)
-    groups, known = (group_start, vertex, edge), (start, memory.block, memory.edge)
+    remembered: Ints = _remembered(groups, vertex_block, (start, memory.block, memory.edge))
+    return remembered
+
+
+@kernel()
+def _remembered(groups, vertex_block, known):
+    """Return the entrance edges of groups, (k,); ``known`` are rows, blocks and edges."""
+    remembered = np.empty(len(groups[0]) - 1, np.int64)
     _remember(len(remembered), groups, vertex_block, known, remembered)
     return remembered
 
@@ -76,17 +78,23 @@ def _remember(low, high, groups, vertex_block, known, remembered):
 # the row of each contact -----------------------------------------------------------------------
 
 
-def recall(memory: ContactMemory, vertex: Ints, block: Ints, edge: Ints) -> Ints:
+def recall(memory: ContactMemory, start: Ints, vertex: Ints, block: Ints, edge: Ints) -> Ints:
     """Return the memory row of each contact (vertex, block of the edge, edge), or -1, (m,).
 
     The same edge first; else a row of the same (vertex, block) whose edge is no longer in
     contact: the vertex has slid round to the next edge and takes its memory along.  Contacts of
-    one (vertex, block) stand together; no row is given twice.
+    one (vertex, block) stand together; no row is given twice.  ``start`` (nv + 1,) is the first row
+    of each vertex.
     """
-    count = 1 + max(int(vertex.max(initial=-1)), int(memory.vertex.max(initial=-1)))
-    known = _first_rows(memory.vertex, count), memory.block, memory.edge
-    taken, rows = np.zeros(len(memory.vertex), np.bool_), np.empty(len(vertex), np.int64)
-    _find_rows(len(vertex), (vertex, block, edge), known, taken, rows)
+    rows: Ints = _rows_of((vertex, block, edge), (start, memory.block, memory.edge))
+    return rows
+
+
+@kernel()
+def _rows_of(contacts, known):
+    """Return the memory rows of contacts, (m,); ``known`` are first rows, blocks and edges."""
+    taken, rows = np.zeros(len(known[1]), np.bool_), np.empty(len(contacts[0]), np.int64)
+    _find_rows(len(rows), contacts, known, taken, rows)
     return rows
 
 
@@ -130,14 +138,14 @@ def _find_rows(low, high, contacts, known, taken, rows):
         start = stop
 
 
-def lost_contacts(memory: ContactMemory, vertex: Ints, block: Ints) -> Bools:
+def lost_contacts(memory: ContactMemory, start: Ints, vertex: Ints, block: Ints) -> Bools:
     """Return which closed contacts of the memory have none of the same vertex and block, (r,).
 
-    ``vertex`` and ``block`` (m,) are those of the contacts of now.
+    ``vertex`` and ``block`` (m,) are those of the contacts of now, ``start`` (nv + 1,) the first
+    row of each vertex.
     """
     lost = memory.gap < 0.0
-    count = 1 + max(int(vertex.max(initial=-1)), int(memory.vertex.max(initial=-1)))
-    _take_off(vertex, block, _first_rows(memory.vertex, count), memory.block, lost)
+    _take_off(vertex, block, start, memory.block, lost)
     return lost
 
 
@@ -160,9 +168,8 @@ def pair_penetration(vertex_block: Ints, pairs: Ints, memory: ContactMemory) -> 
     is handed from a vertex of one to a vertex of the other.  ``vertex_block`` (nv,) is the block of
     each vertex.
     """
-    depth = np.zeros(len(pairs))
-    if len(memory.vertex):
-        _deepen(pairs, vertex_block, (memory.vertex, memory.block, memory.gap), depth)
+    rows = memory.vertex, memory.block, memory.gap
+    depth: Floats = _depths(pairs, vertex_block, rows)
     return depth
 
 
@@ -184,9 +191,12 @@ def _find_pairs(low, high, pairs, start, vertex_block, vertex, block, found):
 
 
 @kernel()
-def _deepen(pairs, vertex_block, memory, depth):
-    """Write the largest penetration among the remembered contacts of each pair (q,), m."""
+def _depths(pairs, vertex_block, memory):
+    """Return the largest penetration among the remembered contacts of each pair (q,), m."""
     vertex, block, gap = memory
+    depth = np.zeros(len(pairs))
+    if len(vertex) == 0:
+        return depth
     start = np.zeros(vertex_block[-1] + 2, np.int64)
     for q in range(len(pairs)):
         start[pairs[q, 0] + 1] += 1
@@ -197,6 +207,7 @@ def _deepen(pairs, vertex_block, memory, depth):
     for row in range(len(pair)):
         if pair[row] >= 0:
             depth[pair[row]] = max(depth[pair[row]], -gap[row])
+    return depth
 
 
 # the memory of the next step -------------------------------------------------------------------
@@ -228,14 +239,22 @@ def renew(
         contacts.multiplier,
         contacts.rest_force,
     )
-    vertex, block, edge, mode = np.empty((4, count), np.int64)
-    new_bonds = np.empty((2, count), np.bool_)
-    new_keys = vertex, block, edge, mode, *new_bonds
-    new_forces = tuple(np.empty((5, count)))
+    numbers, bonds_left, values = (
+        np.empty((4, count), np.int64),
+        np.empty((2, count), np.bool_),
+        np.empty((7, count)),
+    )
+    # nobody writes into a state; kernels fill what they are given
+    for one in (numbers, bonds_left, values):
+        one.flags.writeable = False
+    vertex, block, edge, mode = numbers
+    bonded, holding = bonds_left
+    new_gap, normal, shear, multiplier, rest, slips, slides = values
+    new_keys = vertex, block, edge, mode, bonded, holding
+    new_forces = new_gap, normal, shear, multiplier, rest
     _renew(count, order, keys, forces, critdis, new_keys, new_forces)
     before = contacts.slip, contacts.slide_length, contacts.mode, contacts.bonded
     step = slip, response.mode, response.shear_force, response.dissipation
-    slips, slides = np.empty((2, count))
     _add_ways(count, order, before, step, slips, slides)
     return ContactMemory(
         vertex=vertex,
@@ -243,13 +262,13 @@ def renew(
         edge=edge,
         point=contacts.point.take(order),
         mode=mode,
-        bonded=new_bonds[0],
-        cohesive=new_bonds[1],
-        gap=new_forces[0],
-        normal_force=new_forces[1],
-        shear_force=new_forces[2],
-        multiplier=new_forces[3],
-        rest_force=new_forces[4],
+        bonded=bonded,
+        cohesive=holding,
+        gap=new_gap,
+        normal_force=normal,
+        shear_force=shear,
+        multiplier=multiplier,
+        rest_force=rest,
         slip=slips,
         slide_length=slides,
     )
@@ -274,25 +293,26 @@ def _add_ways(first, last, order, before, step, slips, slides):
 def _order_of(contacts: Contacts) -> Ints:
     """Return the order of contacts in the memory, shape (m,): vertices, then points of faces."""
     keys = contacts.vertex, contacts.edge_block, contacts.edge
-    if not contacts.point.any():
-        return _order(*keys)
+    if not is_any(contacts.point):
+        order: Ints = _order(*keys)
+        return order
     corners, inside = (np.flatnonzero(one) for one in (contacts.corners, ~contacts.corners))
     of_corners = _order(*(np.ascontiguousarray(key[corners]) for key in keys))
     of_inside = np.lexsort((contacts.point[inside], keys[2][inside], keys[0][inside]))
     return np.concatenate([corners[of_corners], inside[of_inside]])
 
 
-def _order(vertex: Ints, block: Ints, edge: Ints) -> Ints:
-    """Return the order of contacts by vertex, then block, then edge, shape (m,)."""
-    start = _first_rows(vertex, 1 + int(vertex.max(initial=-1)))
-    order = np.empty(len(vertex), np.int64)
-    _sort(vertex, block, edge, start, start[:-1].copy(), order)
-    return order
-
-
 @kernel()
-def _sort(vertex, block, edge, start, filled, order):
-    """Write the order: by counting, then by insertion, for the contacts of one vertex are few."""
+def _order(vertex, block, edge):
+    """Return the order of contacts by vertex, then block, then edge, shape (m,).
+
+    By counting, then by insertion, for the contacts of one vertex are few.
+    """
+    highest = -1
+    for c in range(len(vertex)):
+        highest = max(highest, vertex[c])
+    start = first_rows(vertex, highest + 1)
+    filled, order = start.copy(), np.empty(len(vertex), np.int64)
     for c in range(len(vertex)):
         position = filled[vertex[c]]
         filled[vertex[c]] += 1
@@ -303,6 +323,7 @@ def _sort(vertex, block, edge, start, filled, order):
             order[position] = other
             position -= 1
         order[position] = c
+    return order
 
 
 @shared(CONTACTS)

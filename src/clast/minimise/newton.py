@@ -8,6 +8,7 @@ from enum import Enum
 
 import numpy as np
 
+from clast.compute.reductions import is_any
 from clast.compute.stopwatch import Stages
 from clast.linear.block_matrix import dot
 from clast.linear.reuse import FactorOfStep
@@ -104,7 +105,7 @@ def best_of(potential: Potential, starts: tuple[Floats, ...]) -> Point:
     """Return the point that each island has from the best of ``starts``, (n, 6) each."""
     every = np.array(starts)
     choice = potential.distances_at(every).argmin(axis=0)
-    if (choice == choice[0]).all():
+    if not is_any(choice != choice[0]):
         return potential.at(starts[choice[0]])
     of_blocks = choice[potential.islands.of_blocks]
     return potential.at(every[of_blocks, np.arange(len(of_blocks))])

@@ -213,12 +213,13 @@ class Potential:
 
         Springs only add curvature to K, so r.H^-1 r <= r.K^-1 r, which costs no system.
         """
-        return float(point.distances.sum())
+        return float(np.add.reduce(point.distances))
 
     def island_distances(self, point: Point) -> Floats:
         """Return the part of the distance that each island has, J/m, shape (islands.count,)."""
         at = self.islands
-        return np.asarray(island_sums(point.distances, at.of_blocks, at.count))
+        found: Floats = island_sums(point.distances, at.of_blocks, at.count)
+        return found
 
     def distances_at(self, starts: Floats) -> Floats:
         """Return the ``island_distances`` (k, islands.count), J/m, at ``starts`` (k, n, 6)."""
@@ -226,7 +227,8 @@ class Potential:
         islands = at.of_blocks, at.count
         if self.law is None:
             table = springs.edge_block, springs.gap, springs.slip, springs.arrays
-            return np.asarray(left_at_starts(*self._balance, table, islands, starts))
+            left: Floats = left_at_starts(*self._balance, table, islands, starts)
+            return left
         bear = [self.law.at(*self.stretches(unknowns)) for unknowns in starts]
         normal = np.array([one.normal_force for one in bear])
         shear = np.array([one.shear_force for one in bear])

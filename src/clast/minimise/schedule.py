@@ -57,7 +57,9 @@ class SmallIslands:
         chosen = unfinished(left, self.finished * tolerance)
         if not is_any(chosen):
             return point, left
-        wanted = (chosen & self.small(potential)).nonzero()[0]
+        if len(potential.fixed) > self.few:  # else all are small
+            chosen &= self.small(potential)
+        wanted = chosen.nonzero()[0]
         if not len(wanted):
             return point, left
         if len(wanted) > 1:
@@ -79,17 +81,16 @@ class SmallIslands:
     def small(self, potential: Potential) -> Bools:
         """Return which islands (r,) are small."""
         islands = potential.islands
-        return np.asarray(
-            are_small(
-                islands.of_blocks,
-                islands.count,
-                potential.springs.pairs,
-                potential.graph[0],
-                potential.fixed,
-                self.few,
-                self.like_trees,
-            )
+        small: Bools = are_small(
+            islands.of_blocks,
+            islands.count,
+            potential.springs.pairs,
+            potential.graph[0],
+            potential.fixed,
+            self.few,
+            self.like_trees,
         )
+        return small
 
 
 def unfinished(distances: Floats, together: float) -> Bools:
@@ -102,7 +103,7 @@ def unfinished(distances: Floats, together: float) -> Bools:
     if not len(others):
         return wanted
     left = distances.take(others)
-    if float(left.sum()) > together:
+    if np.add.reduce(left) > together:
         order = np.argsort(left, kind="stable")
         wanted[others[order][np.cumsum(left[order]) > together]] = True
     return wanted
@@ -202,7 +203,7 @@ class Schedule:
             return point
         work.stages("small islands")
         point, left = self.small.minimise(potential, point, tolerance, work)
-        if float(left.sum()) <= tolerance:
+        if np.add.reduce(left) <= tolerance:
             return point
         work.stages("law")
         wanted = unfinished(left, self.finished * tolerance)

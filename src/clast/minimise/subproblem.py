@@ -105,29 +105,46 @@ def touched(potential: Potential, point: Point, most: float) -> Subproblem | Non
     All others go as their own forces take them.  None, too, where a link is between two blocks that
     stand still, or a law says what springs bear.
     """
-    moves = np.zeros(len(potential.fixed), np.bool_)
-    moves[potential.springs.pairs.ravel()] = True
-    free = ~potential.fixed
-    number = np.count_nonzero(moves & free)
-    if potential.law is not None or not 0 < number <= most * np.count_nonzero(free):
+    if potential.law is not None:
         return None
-    moves &= free
+    moves = np.zeros(len(potential.fixed), np.bool_)
+    number, free = _mark_linked(potential.springs.pairs, potential.fixed, moves)
+    if not 0 < number <= most * free:
+        return None
     part = subproblem(potential, point, moves)
     return part if len(part.links) == len(potential.springs) else None
 
 
+@kernel()
+def _mark_linked(pairs, fixed, marks):
+    """Write True for blocks (n,) that are not fixed and have ``pairs``.
+
+    Return how many these are, and how many are not fixed.
+    """
+    linked, free = 0, 0
+    for q in range(len(pairs)):
+        for side in range(2):
+            i = pairs[q, side]
+            if not fixed[i] and not marks[i]:
+                marks[i] = True
+                linked += 1
+    for i in range(len(fixed)):
+        free += not fixed[i]
+    return linked, free
+
+
 def copied(point: Point) -> Point:
     """Return a copy of a point."""
-    unknowns, gap, slip, normal, shear, kn, ks, residual, distances = [
-        one.copy() for one in point.arrays
-    ]
+    unknowns, *links, residual, distances = point.arrays
+    gap, slip, *forces = np.array(links)
+    unknowns, residual = np.array((unknowns, residual))
     return Point(
         unknowns=unknowns,
         gap=gap,
         slip=slip,
-        forces=Forces(normal, shear, kn, ks),
+        forces=Forces(*forces),
         residual=residual,
-        distances=distances,
+        distances=distances.copy(),
     )
 
 

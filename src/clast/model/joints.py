@@ -87,6 +87,16 @@ class JointTable:
         return bonded | ~np.isnan(self.stiffnesses).all(axis=0)
 
     @kept_property
+    def integrates(self) -> bool:
+        """Whether the faces of any joint are integrated."""
+        return bool(self.integrated.any())
+
+    @kept_property
+    def restitutions(self) -> Floats:
+        """Restitution of each joint, nan where the process has it, shape (joints,)."""
+        return np.array([one.restitution for one in self.joints], float)
+
+    @kept_property
     def residual_cohesion(self) -> Floats:
         """Cohesion left after slip, Pa, nan where slip leaves bonds whole, shape (joints,)."""
         return np.array([one.residual_cohesion for one in self.joints], float)

@@ -288,6 +288,21 @@ class Model:
         return self.density * self.area
 
     @kept_property
+    def lightest(self) -> float:
+        """Mass of the lightest block that can move, kg/m, inf where none can."""
+        return float(self.mass[~self.fixed].min(initial=np.inf))
+
+    @kept_property
+    def size_of_gravity(self) -> float:
+        """Size of the acceleration of gravity, m/s2."""
+        return float(np.hypot(*self.gravity))
+
+    @kept_property
+    def edges_name_joints(self) -> bool:
+        """Whether any edge says which joint it is."""
+        return bool(self.edge_joint.max(initial=-1) >= 0)
+
+    @kept_property
     def smallest(self) -> float:
         """Area of the smallest body that is not gone, m2: a block, or fixed ones that are one."""
         area = self.area if self.outlines is None else self.outlines.area

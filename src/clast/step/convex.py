@@ -107,12 +107,10 @@ class Convex:
     ) -> StepSolution:
         """Return the minimum of the potential with these contacts, after their impacts."""
         model, method, stages = context.model, context.method, context.stages
-        stages("contacts")
         contacts = relieved(model, method, context.state, contacts)
         graph = graph_of(contacts, model.block_count)
         stages("impacts")
         impacts = after_impacts(context, contacts, graph, self.restitution)
-        stages("contacts")
         share = context.at.forces_at
         taken = half_way(model, method.contact_law, contacts, share, context.step)
         scheme = scheme_of(context, contacts, graph, impacts, taken)
@@ -361,7 +359,7 @@ class Search:
             moved = renewed.again(point)
             left = potential.island_distances(point)
             tolerated = self.friction.share * renewed.island_distances(moved)
-            if asked <= enough or float(left[~(left <= tolerated)].sum()) <= enough:
+            if asked <= enough or np.add.reduce(left[~(left <= tolerated)]) <= enough:
                 return renewed, bounds, moved
             asked = max(enough, min(self.friction.sharper * asked, float(tolerated.sum())))
 
@@ -479,16 +477,15 @@ def first_friction_base(
     part.
     """
     step = context.step
-    speed = float(np.hypot(*context.model.gravity)) * step
-    return np.asarray(
-        first_bases(
-            contacts.normal_force,
-            contacts.gap,
-            impacts.before,
-            AT_REST * speed,
-            LANDING * speed,
-            step,
-            context.state.time == 0.0,
-            largest,
-        )
+    speed = context.model.size_of_gravity * step
+    base: Floats = first_bases(
+        contacts.normal_force,
+        contacts.gap,
+        impacts.before,
+        AT_REST * speed,
+        LANDING * speed,
+        step,
+        context.state.time == 0.0,
+        largest,
     )
+    return base

@@ -20,6 +20,7 @@ from clast.block.inertia import block_frames
 from clast.compute.jit import kernel
 from clast.compute.mat6 import times
 from clast.compute.parallel import Sharing, shared
+from clast.compute.reductions import largest_size
 from clast.compute.vec6 import plus_product, row, total, zeros
 from clast.contact.contacts import Contacts
 from clast.contact.joints.along_joint import range_of_springs
@@ -29,6 +30,8 @@ from clast.read_only import changed
 from clast.step.method import Method, StepSolution
 from clast.step.start import StepContext
 
+FINEST = 4.0 * float(np.finfo(float).eps)
+"""Rounding of coordinates, as a share of the largest."""
 CHUNK, PART = 128, 1024
 """Blocks, and contacts, that are summed up by themselves."""
 
@@ -69,7 +72,7 @@ def noise_of(model: Model, method: Method, state: State) -> float:
 
 def _finest(state: State) -> float:
     """Return the rounding of coordinates, m."""
-    return 4.0 * float(np.finfo(float).eps) * float(np.abs(state.vertices).max())
+    return FINEST * float(largest_size(state.vertices.ravel()))
 
 
 def with_overlap(ledger: Ledger, method: Method, contacts: Contacts) -> Ledger:
@@ -131,6 +134,7 @@ def balance(
         velocity=solution.velocity,
         gained=end.velocity - solution.velocity,
     )
+    numerical, unaccounted = ledger.numerical, ledger.unaccounted
     changes: list[Ledger] = []
     own = []
     for action, mine, share in zip(context.actions, context.own, context.shares, strict=True):
@@ -140,8 +144,11 @@ def balance(
             continue
         change = done.ledger
         removed = change.brought - done.work - change.stored - change.lost
-        changes += [change, Ledger(numerical=removed, unaccounted=-done.work)]
-    return ledger.plus(*changes), tuple(own)
+        numerical = numerical + change.numerical + removed
+        unaccounted = unaccounted + change.unaccounted - done.work
+        changes.append(change)
+    ledger = ledger.plus(*changes)
+    return changed(ledger, numerical=numerical, unaccounted=unaccounted), tuple(own)
 
 
 def _with_blocks_and_contacts(context: StepContext, solution: StepSolution, end: StepEnd) -> Ledger:

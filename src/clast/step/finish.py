@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from clast.block import elasticity, polygon
-from clast.block.displacement import movements
-from clast.block.rotation import RotationRule
-from clast.compute.reductions import least
+from clast.block.positions import moved_to
+from clast.compute.reductions import largest_size, least
 from clast.contact.detection import find_tunnelled
 from clast.contact.memory import renew
 from clast.contact.verlet_list import VerletList, near_pairs
@@ -34,11 +33,13 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
     stages("advance")
     end = end_of(context, solution)
     motion = moved(context, solution.unknowns, end)
-    kept = changed(solution.response, normal_force=solution.bearing)
+    kept = solution.response
+    if solution.bearing is not kept.normal_force:
+        kept = changed(kept, normal_force=solution.bearing)
     memory = renew(solution.contacts, kept, end.gap, end.slip, context.method.critdis)
-    stages("tunnelling")
     # no vertex has got deeper into a block than it has moved
     if motion.travel > depth:
+        stages("tunnelling")
         near = context.workspace.near
         reject_tunnelled(model, state.vertices, motion.vertices, memory, depth, near)
     stages("ledger")
@@ -69,7 +70,8 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
 def broken_in(solution: StepSolution) -> Ints:
     """Return which contacts have lost their bonds in a step, shape (b,)."""
     before = solution.contacts.bonded if solution.bonded is None else solution.bonded
-    return np.asarray((before & ~solution.response.bonded).nonzero()[0])
+    broken: Ints = (before & ~solution.response.bonded).nonzero()[0]
+    return broken
 
 
 def end_of(context: StepContext, solution: StepSolution) -> StepEnd:
@@ -134,25 +136,24 @@ STRESS, STRAIN_RATES = 0, 3
 
 
 def move(
-    rotation: RotationRule,
-    positions: Floats,
-    block: np.ndarray,
-    centroid: Floats,
-    unknowns: Floats,
+    positions: Floats, block: np.ndarray, centroid: Floats, unknowns: Floats, gradient: Floats
 ) -> Floats:
     """Return positions (k, 2) of material points of the blocks ``block`` (k,) after a step.
+
+    ``gradient`` (n, 2, 2) is what the rotation rule makes of d (n, 6).
 
     Written as position + movement, so that a block that does not move keeps every bit.
     """
     if not len(positions):
         return positions
-    offset = polygon.offsets(positions, block, centroid)
-    return positions + movements(rotation, offset, unknowns, block)
+    reached: Floats = moved_to(positions, block, centroid, unknowns, gradient)
+    return reached
 
 
 def end_stress(model: Model, state: State, unknowns: Floats) -> Floats:
     """Return the stress, Pa, (n, 3), after the strains of d (n, 6), in directions of the start."""
-    return elasticity.strained(state.stress, model.elasticity, unknowns)
+    stress: Floats = elasticity.strained(state.stress, model.elasticity, unknowns)
+    return stress
 
 
 def moved(context: StepContext, unknowns: Floats, end: StepEnd) -> Motion:
@@ -164,10 +165,11 @@ def moved(context: StepContext, unknowns: Floats, end: StepEnd) -> Motion:
     model, method, state = context.model, context.method, context.state
     centroid, near = context.frames.centroid, context.workspace.near
     turn = method.rotation.angle(np.ascontiguousarray(unknowns[:, 2]))
-    if not float(np.abs(turn).max(initial=0.0)) <= LARGEST_TURN:
+    if not largest_size(turn) <= LARGEST_TURN:
         raise StepRejected(StepOutcome.ROTATED_TOO_FAR)
     block = model.vertex_block
-    vertices = move(method.rotation, state.vertices, block, centroid, unknowns)
+    gradient = method.rotation.gradient(unknowns)
+    vertices = move(state.vertices, block, centroid, unknowns, gradient)
     travel = float(polygon.travel(state.vertices, vertices))
     if not math.isfinite(travel):
         raise StepRejected(StepOutcome.NOT_FINITE)
@@ -179,7 +181,7 @@ def moved(context: StepContext, unknowns: Floats, end: StepEnd) -> Motion:
             StepOutcome.TRAVELLED_TOO_FAR,
             f"{approach:.3g} m against max_displacement = {method.max_displacement:.3g} m",
         )
-    points = move(method.rotation, state.points, model.material_points.block, centroid, unknowns)
+    points = move(state.points, model.material_points.block, centroid, unknowns, gradient)
     return Motion(
         vertices=vertices,
         points=points,

@@ -30,6 +30,7 @@ import numpy as np
 
 from clast.block.inertia import BlockFrames
 from clast.compute.jit import kernel
+from clast.compute.reductions import is_any, least
 from clast.contact.contacts import Contacts
 from clast.contact.joints.along_joint import range_of_springs
 from clast.contact.laws import ContactLaw
@@ -77,6 +78,8 @@ class ImpactResult:
     """How fast contacts open after them, m/s, shape (m,)."""
     impact: float
     """Closing velocity from which contacts were struck, m/s."""
+    fastest: float
+    """Largest closing velocity after them, m/s, 0 where none closes."""
 
 
 def after_impacts(
@@ -87,11 +90,17 @@ def after_impacts(
     velocity, step = context.velocity, context.step
     before = contact_motions(contacts, velocity)
     rate = before[0]
-    fastest = float(-rate.min(initial=0.0))
+    fastest = -least(rate, 0.0)
     slow = slowest_impact(model, context.method.contact_law, step)
     impact = max(slow, NOISE * fastest)
     unchanged = ImpactResult(
-        velocity=velocity, drift=context.drift, lost=0.0, before=before, rate=rate, impact=impact
+        velocity=velocity,
+        drift=context.drift,
+        lost=0.0,
+        before=before,
+        rate=rate,
+        impact=impact,
+        fastest=fastest,
     )
     # gravity may add g h to what a contact closes by
     if fastest <= 0.0:
@@ -103,7 +112,7 @@ def after_impacts(
     bears |= (back == 0.0) & (contacts.gap <= even) & (rate >= -impact)
     acceleration = flying(context, contacts, graph)
     # a face that lands lands on its ends
-    some = contacts.corners if contacts.point.any() else slice(None)
+    some = contacts.corners if is_any(contacts.point) else slice(None)
     bears = bears[some]
     struck = (
         contacts.gap[some],
@@ -120,13 +129,15 @@ def after_impacts(
     after, shift, lost = collisions.strike(
         velocity, acceleration, mobility, frames.mass_matrix, struck, bears, limits
     )
+    rate = gap_rate(contacts, after)
     return ImpactResult(
         velocity=after,
         drift=step * after + shift,
         lost=float(lost),
         before=before,
-        rate=gap_rate(contacts, after),
+        rate=rate,
         impact=impact,
+        fastest=-least(rate, 0.0),
     )
 
 
@@ -137,15 +148,15 @@ def slowest_impact(model: Model, law: ContactLaw, step: float) -> float:
     swings about its sag on them, g/w with w^2 = 2 p/m.  What rests on soft springs opens and closes
     by less than it sags, and its springs answer that.
     """
-    mass = float(model.mass[~model.fixed].min(initial=np.inf))
+    mass = model.lightest
     softest = range_of_springs(model, law.normal_stiffness)[0]
     swings = math.sqrt(mass / (2.0 * softest)) if math.isfinite(mass) else 0.0
-    return IMPACT * float(np.hypot(*model.gravity)) * max(step, swings)
+    return IMPACT * model.size_of_gravity * max(step, swings)
 
 
 def restitutions(model: Model, contacts: Contacts, restitution: float) -> Floats:
     """Return the restitution of each contact, shape (m,): its joint's, or the one given."""
-    given = np.array([one.restitution for one in model.joint_table.joints], float)
+    given = model.joint_table.restitutions
     return np.where(np.isnan(given), restitution, given).take(contacts.joint)
 
 
@@ -213,15 +224,14 @@ def scheme_of(
     Contacts whose forces are ``taken`` half way stop nothing.
     """
     model, scheme = context.model, context.scheme
-    gravity = float(np.hypot(*model.gravity))
-    threshold = slowest_of(context.method.contact_law) * gravity * context.step
-    if scheme.theta == 1.0 or not float(impacts.rate.min(initial=0.0)) < -threshold:
+    threshold = slowest_of(context.method.contact_law) * model.size_of_gravity * context.step
+    if scheme.theta == 1.0 or not impacts.fastest > threshold:
         return scheme
     moved, _ = contact_motions(contacts, impacts.drift)
     closes = closing(contacts.gap, moved, impacts.rate, threshold)
     if taken is not None:
         closes &= ~taken.bearing(contacts)
-    if not closes.any():
+    if not is_any(closes):
         return scheme
     bears = closes | (contacts.normal_force > 0.0)
     stopped = stopping.stopped_motions(
@@ -240,6 +250,8 @@ def bearing(contacts: Contacts, impacts: ImpactResult, normal_force: Floats) -> 
     None where a contact strikes only then, and has closed by a hair before: the equations know of
     more than the approach does.
     """
+    if not impacts.fastest > impacts.impact:
+        return normal_force
     early = (contacts.normal_force == 0.0) & (impacts.rate < -impacts.impact)
     return np.where(early, 0.0, normal_force)
 

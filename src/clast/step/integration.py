@@ -71,7 +71,7 @@ def end_velocity(scheme: Scheme, displacement: Floats, drift: Floats, velocity: 
     result: Floats = velocity + scheme.inertia * scheme.step * change
     if scheme.stopped is not None:
         stopping.add_velocities(scheme.stopped, scheme.of_stopped * scheme.step, change, result)
-    return np.asarray(result)
+    return result
 
 
 class Integrator(Protocol):

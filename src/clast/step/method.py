@@ -15,7 +15,6 @@ from clast.actions.acting import ActiveActions
 from clast.actions.action import Action
 from clast.actions.damping import Undamped
 from clast.block.rotation import RotationRule
-from clast.compute.compilation import working_time
 from clast.compute.stopwatch import Clock
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.corner_rules import CornerRule
@@ -49,8 +48,8 @@ class Workspace:
     acting: ActiveActions = field(default_factory=ActiveActions)
     """What acts on the blocks beside contacts."""
     _inexact: tuple[Any, Any] = (None, None)
-    clock: Clock = working_time
-    """Clock by which the time of the stages of a step is taken."""
+    clock: Clock | None = None
+    """Clock by which the time of the stages of a step is taken; None: wall time."""
 
     def inexact(self, solver: LinearSolver) -> LinearSolver:
         """Return the solver for directions of Newton's method, which need not be accurate."""

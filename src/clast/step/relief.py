@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from clast.compute.jit import kernel
 from clast.compute.reductions import is_any
 from clast.contact.contacts import Contacts
 from clast.contact.laws import normal_stiffness_of
@@ -36,21 +37,39 @@ def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> 
     law = method.contact_law
     if has_multipliers(law) or state.time == 0.0 or not len(contacts):
         return contacts
+    known = contacts.normal_force, contacts.gap, contacts.multiplier, contacts.rest_force
+    springs = contacts.normal_stiffness, contacts.spring_share, law.normal_stiffness
+    if _rest_at_edges(known, springs, method.critdis):
+        return contacts
     stiffness = normal_stiffness_of(contacts, law)
     slack = stiffness * SLACK * method.critdis
     held, before = np.maximum(contacts.normal_force, 0.0), contacts.multiplier
     rest = held + stiffness * contacts.gap - contacts.rest_force
     sunk = rest < before - slack
-    any_sunk = is_any(sunk)
-    if not any_sunk and not before.any():
-        return contacts
-    if any_sunk:
+    if is_any(sunk):
         taken_over = _left_over(model, state, contacts, sunk)
         more = np.hypot(held, taken_over) - held
         rest = np.where(sunk, rest + more, rest)
     # a spring that bears keeps its point of rest; where it is open that follows the vertex out
     follows = np.where(held > 0.0, before, np.maximum(rest, before))
     return replace(contacts, multiplier=np.minimum(np.where(sunk, rest, follows), 0.0))
+
+
+@kernel()
+def _rest_at_edges(known, springs, critdis):
+    """Return whether no contact begins too deep, and none has a multiplier already.
+
+    ``known`` are N, gap, multiplier and rest force (m,), ``springs`` the stiffness that joints give
+    (m,), the share of the law's that contacts have (m,), and that of the law.
+    """
+    normal, gap, multiplier, rest_force = known
+    of_joint, share, of_law = springs
+    for c in range(len(gap)):
+        stiffness = share[c] * of_law if np.isnan(of_joint[c]) else of_joint[c]
+        rest = max(normal[c], 0.0) + stiffness * gap[c] - rest_force[c]
+        if multiplier[c] != 0.0 or rest < multiplier[c] - stiffness * SLACK * critdis:
+            return False
+    return True
 
 
 def _left_over(model: Model, state: State, contacts: Contacts, wanting: np.ndarray) -> Floats:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from clast.block.displacement import farthest_moved
+from clast.compute.reductions import is_any
 from clast.contact.candidates import SearchDistance
 from clast.contact.contacts import Contacts
 from clast.linear.system import gap_at_end
@@ -97,7 +98,7 @@ def travel_of(context: StepContext, displacement: Floats) -> Floats:
 
 def travel_expected(context: StepContext) -> Floats:
     """Return how far blocks go, m, shape (n,), by their velocities, weight and a push."""
-    fall = float(np.hypot(*context.model.gravity)) * context.step**2
+    fall = context.model.size_of_gravity * context.step**2
     if context.method.clock is not None:
         # a static step is as long as it is because blocks hardly move
         fall = min(fall, context.method.critdis)
@@ -110,7 +111,7 @@ def farther(method: Method, expected: Floats, travel: Floats) -> Floats | None:
     A block that is thrown further than max_displacement has the step cut if anything is near.
     """
     too_far = travel > expected + SPARE * method.critdis
-    if not too_far.any() or not np.all(travel[too_far] <= method.max_displacement):
+    if not is_any(too_far) or not np.all(travel[too_far] <= method.max_displacement):
         return None
     return np.where(too_far, np.maximum(expected, GROWTH * travel), expected)
 

@@ -29,7 +29,7 @@ def joints_of(
     table = model.joint_table
     of_pairs, named = table.of_pairs(model.block_rock, pairs)
     joint = of_pairs[ends[4]]
-    if model.edge_joint.max(initial=-1) >= 0:
+    if model.edges_name_joints:
         places = ends[0], ends[1], model.block_start[ends[2]], model.block_start[ends[2] + 1]
         _along_edges(len(joint), places, model.edge_joint, direction, named[ends[4]], joint)
     return joint
@@ -180,7 +180,7 @@ def springs_of_joints(model: Model, joint: Ints, length: Floats) -> tuple[Floats
     """
     table = model.joint_table
     normal, shear = table.stiffnesses
-    if table.integrated.any():
+    if table.integrates:
         share = np.where(table.integrated.take(joint), per_area(1.0, model) * length, 1.0)
     else:
         share = np.empty(len(length))
@@ -203,7 +203,7 @@ def range_of_springs(model: Model, stiffness: float) -> tuple[float, float]:
     size of the smallest block and the longest edge.
     """
     table = model.joint_table
-    if not table.integrated.any():
+    if not table.integrates:
         return stiffness, stiffness
     normal = table.stiffnesses[0]
     own = np.where(np.isnan(normal), per_area(stiffness, model), normal)[table.integrated]

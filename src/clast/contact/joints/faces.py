@@ -104,7 +104,7 @@ def with_faces(
     ``edges`` are the directions (nv, 2) and the lengths, m, (nv,) of all edges.
     """
     integrated = model.joint_table.integrated
-    if not integrated.any() or not integrated[corners.joint].any():
+    if not model.joint_table.integrates or not integrated[corners.joint].any():
         return corners
     share = np.where(integrated[corners.joint], OF_TWO_CORNERS, 1.0)
     length, of_springs = share * corners.length, share * corners.of_springs
