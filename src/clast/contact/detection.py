@@ -158,7 +158,8 @@ def _sought(model: Model, state: State) -> _Sought:
         )
     vertex, edge = one.of_vertex[memory.vertex], one.of_edge[memory.edge]
     outline = np.searchsorted(one.start, edge, side="right") - 1
-    row = np.lexsort((edge, outline, vertex))
+    # edges are numbered outline by outline
+    row = np.argsort(vertex * len(one.vertex) + edge, kind="stable")
     row = row[(vertex[row] >= 0) & (edge[row] >= 0)]
     kept = {name: values[row] for name, values in vars(memory).items()}
     return _Sought(
@@ -192,15 +193,17 @@ def _of_blocks(
     from_begin = sought.vertices[vertex] - sought.vertices[edge]
     along = np.sum(from_begin * edges[0][edge], axis=1)
     vertex, edge = one.vertex[vertex], one.edges_at(edge, along)
-    blocks = np.stack([model.vertex_block[vertex], model.vertex_block[edge]], axis=1)
-    blocks.sort(axis=1)
-    order = np.lexsort((edge, vertex, blocks[:, 1], blocks[:, 0]))
-    vertex, edge, blocks = vertex[order], edge[order], blocks[order]
-    pairs, pair = np.unique(blocks, axis=0, return_inverse=True)
+    i, j, count = model.vertex_block[vertex], model.vertex_block[edge], model.block_count
+    key = np.minimum(i, j) * count + np.maximum(i, j)
+    order = np.lexsort((vertex * len(model.vertex_block) + edge, key))
+    vertex, edge, key = vertex[order], edge[order], key[order]
+    begins = np.ones(len(key), np.bool_)
+    np.not_equal(key[1:], key[:-1], out=begins[1:])
+    pairs, pair = np.stack(np.divmod(key[begins], count), axis=1), np.cumsum(begins) - 1
     direction = polygon.edges(state.vertices, model.block_start)[0][edge]
     away = state.vertices[vertex] - state.vertices[edge]
     gap = away[:, 0] * direction[:, 1] - away[:, 1] * direction[:, 0]
-    return (vertex, edge, pair.ravel(), gap), pairs, order
+    return (vertex, edge, pair, gap), pairs, order
 
 
 def _contacts(

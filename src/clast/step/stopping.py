@@ -4,6 +4,10 @@ A block with a contact that closes is stopped by all that bear it.  The motions 
 on a block with mass matrix M are M^-1 n, and M^-1 t where it rubs; straining is among them, too.
 They are made orthonormal, q_a.M q_b = 1 or 0, so that Q = sum q (M q)^T takes of any
 motion what the contacts stop, and the rest is free of them.
+
+With L L^T = M a motion q is y = L^T q, and q_a.M q_b = y_a.y_b.  Strains come last among the
+unknowns, so the motions M^-1 f of forces f that strain alone have y = (0, 0, 0, ., ., .), and those
+of a contact count by the first three entries of theirs.
 """
 
 from __future__ import annotations
@@ -22,7 +26,6 @@ from clast.compute.vec6 import (
     put_line,
     row,
     total,
-    with_number,
     zeros,
 )
 from clast.contact.jacobian import force_on
@@ -48,44 +51,58 @@ def _factor(mass_matrix, b, low):
 
 
 @kernel()
-def _add(force, b, low, room, stopped):
-    """Add the motion that a force on block b brings, if it is none of those that there are."""
+def _add_strains(b, low, stopped):
+    """Add the three motions that forces bring which strain block b and do not move it."""
     count, motions, momenta = stopped
-    known = count[b]
-    y = room[6]
-    y[0], y[1], y[2], y[3], y[4], y[5] = numbers(force)
-    for i in range(6):
+    for a in range(3):
+        own = 3 + a
+        for i in range(6):
+            motions[b, a, i] = 1.0 / low[i, i] if i == own else 0.0
+            momenta[b, a, i] = low[i, own] if i >= own else 0.0
+        for i in range(own - 1, -1, -1):
+            value = 0.0
+            for k in range(i + 1, own + 1):
+                value -= low[k, i] * motions[b, a, k]
+            motions[b, a, i] = value / low[i, i]
+    count[b] = 3
+
+
+@kernel()
+def _add(force, b, low, room, stopped):
+    """Add the motion that a force on block b brings, if it is none of those that there are.
+
+    ``room`` (4, 3) are the y of those added before, beyond strains, and that of this one.
+    """
+    count, motions, momenta = stopped
+    known, y = count[b] - 3, room[3]
+    y[0], y[1], y[2], _, _, _ = numbers(force)
+    whole = 0.0
+    for i in range(3):
         for k in range(i):
             y[i] -= low[i, k] * y[k]
         y[i] /= low[i, i]
-    whole = 0.0
-    for i in range(6):
         whole += y[i] * y[i]
     for _ in range(2):  # once more for what round-off has left
         for a in range(known):
-            share = 0.0
-            for i in range(6):
-                share += room[a, i] * y[i]
-            for i in range(6):
+            share = room[a, 0] * y[0] + room[a, 1] * y[1] + room[a, 2] * y[2]
+            for i in range(3):
                 y[i] -= share * room[a, i]
-    rest = 0.0
-    for i in range(6):
-        rest += y[i] * y[i]
-    if known == 6 or not rest > SAME * whole:
+    rest = y[0] * y[0] + y[1] * y[1] + y[2] * y[2]
+    if known == 3 or not rest > SAME * whole:
         return
+    length, at = np.sqrt(rest), 3 + known
+    for i in range(3):
+        room[known, i] = y[i] / length
     for i in range(6):
-        room[known, i] = y[i] / np.sqrt(rest)
-    for i in range(6):
-        value = 0.0
-        for k in range(i + 1):
-            value += low[i, k] * room[known, k]
-        momenta[b, known, i] = value
-    for i in range(5, -1, -1):
+        momenta[b, at, i] = motions[b, at, i] = 0.0
+        for k in range(min(i + 1, 3)):
+            momenta[b, at, i] += low[i, k] * room[known, k]
+    for i in range(2, -1, -1):
         value = room[known, i]
-        for k in range(i + 1, 6):
-            value -= low[k, i] * motions[b, known, k]
-        motions[b, known, i] = value / low[i, i]
-    count[b] = known + 1
+        for k in range(i + 1, 3):
+            value -= low[k, i] * motions[b, at, k]
+        motions[b, at, i] = value / low[i, i]
+    count[b] = at + 1
 
 
 @kernel()
@@ -117,7 +134,7 @@ def _of_blocks(low, high, mass_matrix, fixed, graph, contacts, stops, stopped):
     start, right, left, listed = graph
     closes, _, _ = stops
     count, _, _ = stopped
-    factor, room = np.empty((6, 6)), np.empty((7, 6))
+    factor, room = np.empty((6, 6)), np.empty((4, 3))
     for b in range(low, high):
         count[b] = 0
         if fixed[b]:
@@ -129,8 +146,7 @@ def _of_blocks(low, high, mass_matrix, fixed, graph, contacts, stops, stopped):
         if not found:
             continue
         _factor(mass_matrix, b, factor)
-        for a in range(3, 6):
-            _add(with_number(zeros(), a, 1.0), b, factor, room, stopped)
+        _add_strains(b, factor, stopped)
         _stop(b, own[0], own[1], contacts, stops, (factor, room), stopped)
         for at in range(left[b], left[b + 1]):
             q = listed[at]
