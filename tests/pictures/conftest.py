@@ -117,7 +117,7 @@ def wall(tmp_path: Path) -> Callable[..., Results]:
 
 
 @pytest.fixture(scope="session")
-def parted() -> clast.Run:
+def parted(tmp_path_factory: pytest.TempPathFactory) -> clast.Run:
     """Return the run of two bricks on a table: one stands, the other slides away from it."""
     builder = clast.ModelBuilder(title="Parted", gravity=(0.0, -9.8))
     builder.add_rock("rock", young=5e9, poisson=0.2, density=2500.0)
@@ -127,4 +127,5 @@ def parted() -> clast.Run:
     builder.block(name="still", vertices=[(0, 0), (1, 0), (1, 1), (0, 1)])
     builder.block(name="moved", vertices=[(1, 0), (2, 0), (2, 1), (1, 1)], velocity=(1.0, 0.0, 0.0))
     builder.measured_point("A", (1.0, 0.0), block="moved")
-    return clast.simulate(builder.build(), step=2e-3, end=0.04, every=0.02)
+    path = tmp_path_factory.mktemp("parted") / "parted.vtkhdf"
+    return clast.simulate(builder.build(), step=2e-3, end=0.04, every=0.02, output=path)

@@ -1,14 +1,20 @@
 """The page in a browser, drawn on the 2D canvas and by WebGL2: what a person would see and do."""
 
+import dataclasses
 import shutil
+import threading
 import time
 
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
+import clast
 from clast.pictures.joints.joint_values import JOINT_FIELDS, scale_of_faces
-from clast.pictures.page.document import write_page
+from clast.pictures.live.feed import Feed
+from clast.pictures.live.server import LiveServer
+from clast.pictures.page.document import BUDGET, page_text, write_page
+from clast.pictures.page.scene import scene_of
 from clast.pictures.scale import scale_of
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
@@ -42,12 +48,14 @@ def opened(request, wall, tmp_path):
                 "request",
                 lambda asked: (
                     page.faults.append(asked.url)
-                    if not asked.url.startswith(("file:", "blob:", "data:"))
+                    if not asked.url.startswith(("file:", "blob:", "data:", "http://127.0.0.1:"))
                     else None
                 ),
             )
-            file = write_page(results, tmp_path / "page.html")
-            page.goto(f"{file.as_uri()}?renderer={request.param}{address}")
+            if results is not None:
+                file = write_page(results, tmp_path / "page.html")
+                address = f"{file.as_uri()}?renderer={request.param}{address}"
+            page.goto(address)
             page.wait_for_selector("main[data-ready=yes]", timeout=60_000)
             settled(page)
             return page
@@ -210,3 +218,37 @@ def test_pictures_and_tables_can_be_taken_along(opened, wall, tmp_path):
         file = tmp_path / f"taken.{part}"
         taken.value.save_as(file)
         assert file.read_bytes().startswith(begins)
+
+
+def test_a_live_page_takes_up_frames_and_leads_its_run(opened, parted, tmp_path, request):
+    results = clast.read(parted.output)
+    orders = []
+    feed = Feed(results.path)
+    feed.say({"time": 0.0, "end": 0.04, "step": 2e-3, "steps": 0, "contacts": 4, "paused": True})
+    # of three frames the file seems to have one
+    feed._results = dataclasses.replace(results, times=results.times[:1], report=None)
+    server = LiveServer(("127.0.0.1", 0), feed, orders.append)
+    threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True).start()
+    address = server.address.replace("/#", f"/?renderer={request.node.callspec.params['opened']}#")
+    page = opened(None, address=address)
+    assert page.evaluate("clastPage.run.frameCount") == 1
+    assert "paused" in page.inner_text("[data-part=status]")
+    feed.end()
+    page.wait_for_selector("main[data-live=over]")
+    page.wait_for_selector(f"main[data-frames='{len(results.times)}']")
+    settled(page)
+    assert page.evaluate("clastPage.state.frame") == len(results.times) - 1
+    drawn = np.reshape(
+        page.evaluate("Array.from(clastPage.run.vertices(clastPage.state.frame))"), (-1, 2)
+    )
+    away = drawn + page.evaluate("clastPage.run.scene.origin") - results.vertices(-1)
+    assert np.abs(away).max() < 1e-5
+    assert results.report.outcome in page.inner_text("[data-part=report]")
+    with page.expect_download() as saved:
+        page.click("[data-part=keep]")
+    saved.value.save_as(tmp_path / "saved.html")
+    assert (tmp_path / "saved.html").read_text("utf-8") == page_text(scene_of(results, BUDGET))
+    assert page.evaluate("location.hash").startswith(f"#token={server.token}&t=")
+    assert page.faults == []
+    server.shutdown()
+    server.server_close()

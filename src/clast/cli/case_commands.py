@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from clast.cli.exit_codes import SIGNALLED
+from clast.cli.live import followed
 from clast.cli.options import (
     AsJson,
     CaseFile,
@@ -28,6 +29,7 @@ from clast.spelling import visible
 
 if TYPE_CHECKING:
     from clast.results import Run
+    from clast.run.schedule import Progress
     from clast.studies import Deviation
 
 LONGEST_FILE_NAME = 255
@@ -42,22 +44,39 @@ def run(
     ] = None,
     settings: Settings = None,
     threads: Threads = None,
+    live: Annotated[
+        bool, typer.Option("--live", help="Show the run in a browser on this machine, and lead it.")
+    ] = False,
+    live_at: Annotated[
+        str,
+        typer.Option(
+            "--live-at", metavar="HOST:PORT", help="Do so at this address, e.g. 127.0.0.1:8080."
+        ),
+    ] = "",
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Simulate a case and write its result file."""
-    with heard():
-        _run(case, output or Path(f"{case.stem}.vtkhdf"), settings or (), as_json, quiet)
+    target = output or Path(f"{case.stem}.vtkhdf")
+    with heard(), followed(target, live or bool(live_at), live_at, not quiet) as progress:
+        _run(case, target, settings or (), progress, as_json, quiet)
 
 
-def _run(case: Path, target: Path, settings: Sequence[str], as_json: bool, quiet: bool) -> None:
+def _run(
+    case: Path,
+    target: Path,
+    settings: Sequence[str],
+    progress: bool | Callable[[Progress], None],
+    as_json: bool,
+    quiet: bool,
+) -> None:
     """Simulate a case; print how it went."""
     from clast.case.case_file import Case
     from clast.studies import deviations
 
     loaded = Case.from_toml(case, settings)
     _shown(
-        lambda warn: loaded.run(progress=not quiet, output=target, warn=warn),
+        lambda warn: loaded.run(progress=progress, output=target, warn=warn),
         lambda done: deviations(loaded, done),
         as_json=as_json,
         quiet=quiet,

@@ -179,6 +179,16 @@ class RunRecorder:
             rows = self._fields.contacts(state, contacts, response)
         self._keep(state, rows)
 
+    def keep_last(self) -> None:
+        """Keep a frame of the last state, if it is in none yet."""
+        last, before = self._result, self._recorded
+        if self.state.time in self._frame_times[-1:]:
+            return
+        if last is not None:
+            self.frame(last.state, last.contacts, last.response)
+        elif before is not None:
+            self._keep(self.state, before.contacts)
+
     def _keep(self, state: State, rows: NDArray[Any]) -> None:
         """Keep a frame with a row for every contact."""
         if self._kept is not None:
@@ -239,7 +249,7 @@ class RunRecorder:
         if self._recorded is not None:
             report = replace(report, wall_seconds=report.wall_seconds + self._recorded.wall)
         try:
-            self._last_frame()
+            self.keep_last()
             if self._file is not None:
                 self._file.finish(report, self._tables)
         except ResultsLost as lost:
@@ -251,16 +261,6 @@ class RunRecorder:
             note = f"frames from t = {self._kept.left_out_from:.4g} s on found no room in memory"
             report = replace(report, notes=(*report.notes, f"{note}: name an output file"))
         return self._run(report)
-
-    def _last_frame(self) -> None:
-        """Keep a frame of the last state, if it is in none yet."""
-        last, before = self._result, self._recorded
-        if self.state.time in self._frame_times[-1:]:
-            return
-        if last is not None:
-            self.frame(last.state, last.contacts, last.response)
-        elif before is not None:
-            self._keep(self.state, before.contacts)
 
     def _run(self, report: Report) -> Run:
         path = self._file.path if self._file else None

@@ -26,6 +26,13 @@ class Interrupted(KeyboardInterrupt):
         super().__init__(signal.Signals(number).name)
 
 
+class EndedFromPage(KeyboardInterrupt):
+    """Who watches a run has asked it to end."""
+
+    number = signal.SIGINT
+    how = "ended from its page"
+
+
 def interrupt(number: int, _frame: FrameType | None) -> NoReturn:
     """Raise Interrupted."""
     raise Interrupted(number)

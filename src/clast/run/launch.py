@@ -160,6 +160,14 @@ class Checkpointing:
         self._stages += 1
         self._write(checkpoint_path(self.output, stage), stage=stage)
 
+    def at_once(self) -> str:
+        """Write a checkpoint of the last step; return where it is, or what went wrong."""
+        if self._now is None:
+            return "no checkpoint: no step has been made yet"
+        path, time = checkpoint_path(self.output), self._now[0].state.time
+        self._write(path)
+        return self._trouble or f"checkpoint of t = {time:.6g} s in {path.name}"
+
     def over(self, outcome: str, *, finished: bool) -> tuple[str, ...]:
         """Write the last checkpoint, where one is wanted; return the failures of checkpoints."""
         wanted = not finished or self.every is not None or self._stages > 0

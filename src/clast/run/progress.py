@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 from clast.compute.compilation import COMPILATION, working_time
 from clast.errors import RunStopped, RunWarning
+from clast.run.run_state import Leader
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -51,7 +52,11 @@ PARTS = {
 @contextmanager
 def shown(progress: bool | Watch) -> Iterator[Watch | None]:
     """Yield the function to call after every step: none, the caller's own function, or a line."""
-    if callable(progress):
+    if isinstance(progress, Leader) and progress.wants_line:
+        with _on_stderr() as watch:
+            progress.line = watch
+            yield progress
+    elif callable(progress):
         yield progress
     elif progress:
         with _on_stderr() as watch:

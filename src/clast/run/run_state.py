@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol, TypeVar, runtime_checkable
 
 from clast.model.stages.records import Event
 from clast.model.state import Ledger, State
 from clast.run.run_checks import Watched
+from clast.run.schedule import Progress
 from clast.run.stages.position import Position
 from clast.run.stages.static_path import OnPath
 from clast.step.method import StepResult
@@ -96,6 +97,40 @@ class Keeper(Protocol):
         """Keep its data at the end of a stage."""
         ...
 
+    def at_once(self) -> str:
+        """Keep what it carried last; return where, or why that is not possible."""
+        ...
+
     def over(self, outcome: str, *, finished: bool) -> tuple[str, ...]:
         """Keep its last data; return the failures of keeping."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Halt:
+    """What whoever leads a run may do between two of its steps."""
+
+    let_go: Callable[[], None]
+    """Raises KeyboardInterrupt if the key was pressed; to be called while the run waits."""
+    keep_frame: Callable[[], None]
+    """Keeps a frame of the last step, if it is in none yet."""
+    checkpoint: Callable[[], str]
+    """Writes a checkpoint of the last step and says where, or why not."""
+
+
+@runtime_checkable
+class Leader(Protocol):
+    """Follows a run as its ``watch``, and may hold it up between steps."""
+
+    wants_line: bool
+    """Whether the terminal is to show a line beside it."""
+    line: Callable[[Progress], None] | None
+    """That line, to be told of the progress; set when the run begins."""
+
+    def __call__(self, progress: Progress) -> None:
+        """Hear where the run is after a step."""
+        ...
+
+    def lead(self, halt: Halt) -> None:
+        """Wait, keep a frame, write a checkpoint, or raise KeyboardInterrupt, before a step."""
         ...

@@ -28,7 +28,7 @@ from clast.run.in_situ import in_equilibrium
 from clast.run.interrupts import held_back
 from clast.run.method_warnings import check_overlaps
 from clast.run.run_checks import Watch, reject_created_energy
-from clast.run.run_state import Keeper, RunState
+from clast.run.run_state import Halt, Keeper, Leader, RunState
 from clast.run.schedule import Progress, Schedule
 from clast.run.stages.equilibrium import EquilibriumCheck
 from clast.run.stages.position import EquilibriumStreak, Position
@@ -280,7 +280,8 @@ def simulate(
             outcome = f"stopped at t = {march.recorder.state.time:.6g} s: {failure}"
         except KeyboardInterrupt as asked:
             ended_by = getattr(asked, "number", signal.SIGINT)
-            outcome = f"interrupted{_by(ended_by)} at t = {march.recorder.state.time:.6g} s"
+            how = getattr(asked, "how", f"interrupted{_by(ended_by)}")
+            outcome = f"{how} at t = {march.recorder.state.time:.6g} s"
         if isinstance(keep, Keeper):
             warnings += keep.over(outcome, finished=not failure and not ended_by)
         report = march.report(
@@ -353,8 +354,12 @@ class _March:
     def _step_on(self, let_go: Callable[[], None]) -> None:
         """Step to the end of the schedule, or of a stage."""
         stepping = self.stepping
+        leader = self.watch if isinstance(self.watch, Leader) else None
+        halt = Halt(let_go=let_go, keep_frame=self.recorder.keep_last, checkpoint=self._checkpoint)
         while not stepping.is_over(self.now):
             let_go()
+            if leader is not None:
+                leader.lead(halt)
             self.now, result = stepping.next(self.now)
             self.touching = result.contacts if len(result.contacts) else self.touching
             self.recorder.step(result, self.now.taken)
@@ -368,6 +373,12 @@ class _March:
             )
             if self.keep:
                 self.keep(self.now)
+
+    def _checkpoint(self) -> str:
+        """Write a checkpoint of the last step; return where, or why not."""
+        if not isinstance(self.keep, Keeper):
+            return "a run that writes no file has no checkpoints"
+        return self.keep.at_once()
 
     def _enter(self) -> None:
         """Begin the next stage."""

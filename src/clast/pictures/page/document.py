@@ -31,6 +31,9 @@ SCRIPTS = (
     "draw_webgl",
     "layers",
     "charts",
+    "report",
+    "live",
+    "live_panel",
     "app",
 )
 """Modules of the page, each after those that it imports."""
@@ -53,12 +56,22 @@ def write_page(results: Recording, path: Path | str, *, budget: float = BUDGET) 
 
 def page_text(scene: dict[str, Any]) -> str:
     """Return the text of a page from the result of ``scene_of``."""
+    return _text(scene, scene["title"], "'none'")
+
+
+def live_text() -> str:
+    """Return the text of a page that asks the server it came from for a run that goes on."""
+    return _text(None, "clast", "'self'")
+
+
+def _text(scene: dict[str, Any] | None, title: str, network: str) -> str:
+    """Return the text of a page that may ask ``network``, as a policy has it."""
     scripts = ["const modules = {};", *map(_own, SCRIPTS), "modules.app.main();"]
     library = _file("vendor/uPlot.iife.min.js")
     program = "\n".join(['"use strict";', *scripts])
     style = _file("vendor/uPlot.min.css") + _file("page.css")
     policy = (
-        "default-src 'none'; img-src data: blob:; "
+        f"default-src 'none'; connect-src {network}; img-src data: blob:; "
         f"script-src {_hash(library)} {_hash(program)}; style-src 'unsafe-inline'"
     )
     # a closing tag within the data would end it
@@ -69,7 +82,7 @@ def page_text(scene: dict[str, Any]) -> str:
             '<html lang="en"><head><meta charset="utf-8">',
             f'<meta http-equiv="Content-Security-Policy" content="{policy}">',
             '<meta name="viewport" content="width=device-width,initial-scale=1">',
-            f"<title>{escape(scene['title'])} - clast</title>",
+            f"<title>{escape(title)} - clast</title>",
             f"<style>{style}</style></head><body>",
             _file("page.html"),
             f'<script type="application/json" id="scene">{data}</script>',

@@ -8,6 +8,9 @@ import { CanvasDrawing, drawBlocks } from "./draw_canvas.js";
 import { WebglDrawing, isSoftware } from "./draw_webgl.js";
 import { LAYERS, drawChosen, drawFaces, drawScaleBar, layersOf } from "./layers.js";
 import { CanvasPen, SvgPen } from "./pens.js";
+import { Live } from "./live.js";
+import { LivePanel } from "./live_panel.js";
+import { fillReport } from "./report.js";
 import { View, followPointers } from "./view.js";
 
 const LIGHT = {
@@ -22,8 +25,9 @@ const SLOW = 250;
 /** One page of one run, within an element. */
 export class Page {
   /** @param {HTMLElement} root @param {any} scene what scene.py made */
-  constructor(root, scene) {
+  constructor(root, scene, token = "") {
     this.root = root;
+    this.token = token;
     this.run = new RunData(scene);
     this.view = new View();
     this.state = { frame: 0, field: "displacement", share: null, limits: null, layers: new Set(), chosen: -1 };
@@ -55,7 +59,7 @@ export class Page {
     this.readAddress();
     this.charts = new Charts(this.$("chart"), this.run.scene.curves, (time) => this.goTo(this.run.frameAt(time)));
     this.fillCurves();
-    this.fillReport();
+    fillReport(this.$("report"), this.run.scene);
     this.applyTheme();
     this.root.dataset.ready = "yes";
   }
@@ -91,7 +95,17 @@ export class Page {
     const { run } = this;
     const fields = this.$("field");
     for (const [name, label] of Object.entries(fieldsOf(run))) fields.append(new Option(label, name));
-    for (const name of layersOf(run)) {
+    this.fillLayers();
+    this.$("title").textContent = run.scene.title;
+    document.title = `${run.scene.title} - clast`;
+    this.fillCounts();
+    this.fillTicks();
+  }
+
+  /** List the layers that the run has something for. */
+  fillLayers() {
+    this.$("layers").replaceChildren();
+    for (const name of layersOf(this.run)) {
       const label = document.createElement("label");
       const box = document.createElement("input");
       box.type = "checkbox";
@@ -99,17 +113,12 @@ export class Page {
       label.append(box, ` ${LAYERS[name].label}`);
       this.$("layers").append(label);
     }
-    const time = this.$("time");
-    time.max = String(run.frameCount - 1);
-    this.$("title").textContent = run.scene.title;
-    document.title = `${run.scene.title} - clast`;
-    this.fillCounts();
-    this.fillTicks();
   }
 
   /** Say how many blocks, frames, contacts and joints of how many are shown. */
   fillCounts() {
     const { run } = this;
+    this.$("time").max = String(run.frameCount - 1);
     const { of } = run.scene.frames;
     const part = (what, { shown, of: all }) =>
       shown < all ? `the largest ${shown} of ${all} ${what}` : `${all} ${what}`;
@@ -147,46 +156,11 @@ export class Page {
 
   fillCurves() {
     const list = this.$("curve");
+    const chosen = list.value;
+    list.replaceChildren();
     this.run.scene.curves.forEach((curve, k) => list.append(new Option(curve.name, String(k))));
     list.append(new Option("Chosen block", "block"));
-  }
-
-  fillReport() {
-    const { report, events } = this.run.scene;
-    const place = this.$("report");
-    const say = (kind, text) => {
-      const element = document.createElement(kind);
-      element.textContent = text;
-      place.append(element);
-      return element;
-    };
-    say("p", report.outcome);
-    const table = document.createElement("table");
-    for (const [name, value] of report.rows) {
-      const row = table.insertRow();
-      const head = document.createElement("th");
-      head.scope = "row";
-      head.textContent = name;
-      row.append(head);
-      row.insertCell().textContent = value;
-    }
-    place.append(table);
-    const lists = [
-      ["Stages", report.stages ?? []],
-      ["Warnings", report.warnings ?? []],
-      ["Notes", report.notes ?? []],
-      ["Events", events.slice(0, 200).map(({ text }) => text)],
-    ];
-    for (const [heading, texts] of lists) {
-      if (!texts.length) continue;
-      say("h3", heading);
-      const list = say("ul", "");
-      for (const text of texts) {
-        const item = document.createElement("li");
-        item.textContent = text;
-        list.append(item);
-      }
-    }
+    if (chosen && [...list.options].some((option) => option.value === chosen)) list.value = chosen;
   }
 
   listen() {
@@ -529,6 +503,7 @@ export class Page {
     if (this.playing) return;
     const { state, view, run } = this;
     const said = [
+      ...(this.token ? [`token=${this.token}`] : []),
       `t=${Number(run.times[state.frame].toPrecision(9))}`,
       `field=${state.field}`,
       `view=${[view.x, view.y, view.scale].map((one) => Number(one.toPrecision(6))).join(",")}`,
@@ -574,13 +549,19 @@ export class Page {
   }
 }
 
-/** Show the page of the run whose data stand in the document. */
+/** Show the page of the run whose data stand in the document, or come from its server. */
 export async function main() {
   const root = document.querySelector("main");
   try {
-    const page = new Page(root, JSON.parse(document.getElementById("scene").textContent));
+    let scene = JSON.parse(document.getElementById("scene").textContent);
+    const token = new URLSearchParams(location.hash.slice(1)).get("token") ?? "";
+    const live = scene === null ? new Live(token) : null;
+    if (live) root.querySelector('[data-part="counts"]').textContent = "waiting for the first frame";
+    scene ??= await live.scene();
+    const page = new Page(root, scene, live ? token : "");
     globalThis.clastPage = page;
     await page.start();
+    if (live) await new LivePanel(page, live).follow();
   } catch (fault) {
     const say = root.querySelector('[data-part="fault"]');
     say.hidden = false;

@@ -1,0 +1,75 @@
+"""The process of a live page: ``python -m clast.pictures.live RESULTS HOST:PORT``.
+
+It says its address in the first line of its output, and in the others what pages ask for; what it
+is told in its input is where the run is.  Where the input ends, so has the run: it stays then as
+long as pages look on.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from clast.pictures.live.feed import Feed
+from clast.pictures.live.server import LiveServer
+
+TICK = 0.1
+"""Time between two looks around, s."""
+GRACE = 3.0
+"""How long nobody may look at a run that is over before its page goes, s."""
+ABSENT = 10.0
+"""A run that is paused goes on where no page has looked on for so long, s."""
+
+
+def main() -> None:
+    """Serve the page of the run that writes a result file."""
+    path, at = sys.argv[1:]
+    host, _, port = at.rpartition(":")
+    feed = Feed(Path(path))
+    try:
+        server = LiveServer((host, int(port)), feed, _say)
+    except (OSError, OverflowError) as error:
+        why = getattr(error, "strerror", None) or str(error)
+        fault = f"no page can be served at {at}: {why}"
+        _say(json.dumps({"fault": fault, "remedy": "name another address or port"}))
+        return
+    _say(json.dumps({"address": server.address}))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    threading.Thread(target=_hear, args=(feed,), daemon=True).start()
+    while not (feed.is_over and _is_alone(server, GRACE)):
+        time.sleep(TICK)
+        feed.look()
+        if feed.status.get("paused") and _is_alone(server, ABSENT):
+            _say("go")
+            feed.say({"paused": False})
+
+
+def _is_alone(server: LiveServer, seconds: float) -> bool:
+    """Return whether no page has looked on for a time, s."""
+    return server.pages == 0 and time.monotonic() - server.left > seconds
+
+
+def _say(line: str) -> None:
+    """Say something to the run; where it has gone nobody hears it."""
+    try:
+        print(line, flush=True)  # noqa: T201
+    except OSError:
+        pass
+
+
+def _hear(feed: Feed) -> None:
+    """Hear what the run says, until it is over."""
+    for line in sys.stdin:
+        try:
+            said: dict[str, Any] = json.loads(line)
+        except ValueError:
+            continue  # half a line: the pipe was full
+        feed.say(said)
+    feed.end()
+
+
+main()

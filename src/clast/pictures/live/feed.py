@@ -1,0 +1,150 @@
+"""What a live page is fed with: frames of a result file as a run writes them, and what it says."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from clast.errors import CaseError
+from clast.pictures.page.document import BUDGET, page_text
+from clast.pictures.page.frames import moving
+from clast.pictures.page.scene import scene_of, told
+from clast.results import Results, read_results
+
+PERIOD = 0.25
+"""Time between two looks at the file at least, s."""
+DUTY = 20.0
+"""A look is followed by a rest of this many times what it took: a run that writes waits for it."""
+EXPECTED = 200
+"""Frames that the budget of contacts is shared among while a run goes on."""
+
+
+@dataclass
+class Feed:
+    """Reads the result file of a run for all who look on."""
+
+    path: Path
+    budget: float = BUDGET
+    status: dict[str, Any] = field(default_factory=dict)
+    """What the run has said last."""
+    version: int = 0
+    """Counts what is new."""
+    _results: Results | None = None
+    _seen: tuple[int, int] = (0, 0)
+    _parts: dict[tuple[int, int], str] = field(default_factory=dict)
+    _curves: tuple[int, float, str] = (-1, 0.0, "")
+    _rest: float = 0.0
+    _looked: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.changed = threading.Condition()
+        """Told when there is something new."""
+        self._reading = threading.Lock()
+
+    @property
+    def frames(self) -> int:
+        """Frames that are there."""
+        return 0 if self._results is None else len(self._results.times)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the run has ended."""
+        return bool(self.status.get("over"))
+
+    def say(self, status: dict[str, Any]) -> None:
+        """Take what the run says of itself."""
+        with self.changed:
+            self.status = {**self.status, **status}
+            self.version += 1
+            self.changed.notify_all()
+
+    def look(self) -> None:
+        """Look whether the file has new frames, if it is time to; not before the run has begun."""
+        now = time.monotonic()
+        rest = PERIOD if self.status.get("paused") else max(PERIOD, self._rest)
+        if not self.status or now - self._looked < rest:
+            return
+        self._looked = now
+        if self._has_changed():
+            self._open()
+
+    def end(self) -> None:
+        """Take all that a run has left, and say that it is over."""
+        if self.status:
+            self._open()
+        self.say({"over": True, "paused": False})
+
+    def _open(self) -> None:
+        begun = time.monotonic()
+        with self._reading:
+            try:
+                self._results = read_results(self.path, whole=0)
+            except CaseError:
+                return  # later
+        with self.changed:
+            self.version += 1
+            self.changed.notify_all()
+        self._rested(begun)
+
+    def _has_changed(self) -> bool:
+        try:
+            found = self.path.stat()
+        except OSError:
+            return False
+        seen = found.st_mtime_ns, found.st_size
+        changed = seen != self._seen
+        self._seen = seen
+        return changed
+
+    def _rested(self, begun: float) -> None:
+        self._rest = DUTY * (time.monotonic() - begun)
+
+    def scene(self) -> str:
+        """Return all that there is, as JSON: "null" before the first frame."""
+        with self._reading:
+            if self._results is None:
+                return "null"
+            results = self._read()
+            scene = scene_of(results, self.budget)
+        return json.dumps({**scene, "next": len(results.times), "status": self.status})
+
+    def part(self, first: int) -> tuple[str, int]:
+        """Return the frames from ``first`` on as JSON, and how many frames there are then."""
+        begun = time.monotonic()
+        with self._reading:
+            results = self._read()
+            count = len(results.times)
+            key = first, count
+            if key not in self._parts:
+                share = self.budget * (count - first) / max(EXPECTED, count)
+                part = moving(results, np.arange(first, count), share)
+                self._parts = {key: json.dumps({**part, "next": count})}
+                self._rested(begun)
+            return self._parts[key], count
+
+    def words(self) -> tuple[int, str]:
+        """Return curves and report as JSON, with the number of frames that they go to."""
+        begun = time.monotonic()
+        with self._reading:
+            results = self._read()
+            count = len(results.times) + (results.report is not None)
+            if count != self._curves[0]:
+                self._curves = count, begun, json.dumps(told(results))
+                self._rested(begun)
+            return count, self._curves[2]
+
+    def page(self) -> str:
+        """Return the text of the page as ``clast page`` writes it."""
+        with self._reading:
+            return page_text(scene_of(self._read(), self.budget))
+
+    def _read(self) -> Results:
+        if self._results is None:
+            raise CaseError("the run has not begun", remedy="wait for its first frame")
+        return self._results

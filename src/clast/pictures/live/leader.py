@@ -1,0 +1,189 @@
+"""The run's side of its live page: says how far it is, and does between steps what it is told.
+
+The page has a process of its own (``clast.pictures.live``), which reads the result file as anybody
+may.  The run writes lines into a pipe that is never waited for, and looks at a flag before each
+step: what reads slowly, hangs or has gone costs it nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from time import perf_counter
+from typing import IO, TYPE_CHECKING, Any, cast
+
+from clast.errors import CaseError
+from clast.run.interrupts import EndedFromPage
+
+if TYPE_CHECKING:
+    from clast.run.run_state import Halt
+    from clast.run.schedule import Progress
+
+HERE = "127.0.0.1:0"
+"""This machine alone, and a port that is free."""
+TELL_EVERY = 0.2
+"""Time between two lines about where the run is, s of wall time."""
+WAIT = 0.1
+"""How long a run that is paused waits before it looks whether the key was pressed, s."""
+START = 60.0
+"""How long the process of the page may take to begin, s."""
+ORDERS = ("pause", "go", "step", "end", "checkpoint")
+"""What a page may ask for."""
+
+
+class LivePage:
+    """The page of a run that writes ``output``; it goes where ``progress`` of a run goes.
+
+    ``address`` is what a browser opens.  Raises CaseError where the page cannot be served.
+    """
+
+    def __init__(self, output: Path, at: str = HERE, *, wants_line: bool = False) -> None:
+        self.wants_line = wants_line
+        self.line: Callable[[Progress], None] | None = None
+        self.has_ended = False
+        """Whether the page has ended the run."""
+        self._orders: SimpleQueue[str] = SimpleQueue()
+        self._news = threading.Event()
+        self._asked = False
+        self._begun = False
+        self._paused = False
+        self._steps = 0
+        self._told = 0.0
+        self._where: dict[str, Any] = {}
+        self._said = ""
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "clast.pictures.live", str(output.resolve()), at],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            # Ctrl-C is for the run
+            start_new_session=True,
+        )
+        self._pipe = cast("IO[bytes]", self._process.stdin)
+        heard = self._first_line()
+        if "fault" in heard:
+            self.close()
+            raise CaseError(heard["fault"], where="--live", remedy=heard["remedy"])
+        self.address: str = heard["address"]
+        """Where the page is: whoever knows it may look on and lead the run."""
+        # what a process that hangs does not read is lost, and not waited for
+        os.set_blocking(self._pipe.fileno(), False)
+        threading.Thread(target=self._hear, daemon=True).start()
+
+    def _first_line(self) -> dict[str, Any]:
+        """Return what the process of the page says first."""
+        guard = threading.Timer(START, self._process.kill)
+        guard.start()
+        try:
+            line = cast("IO[bytes]", self._process.stdout).readline()
+        finally:
+            guard.cancel()
+        return json.loads(line) if line else {"fault": "the page did not begin", "remedy": ""}
+
+    # --- between steps -----------------------------------------------------------------------
+
+    def __call__(self, progress: Progress) -> None:
+        """Say where the run is, a few times a second."""
+        if self.line is not None:
+            self.line(progress)
+        now = perf_counter()
+        if now - self._told < TELL_EVERY and not self._paused:
+            return
+        self._told = now
+        self._where = {
+            "time": progress.time,
+            "end": progress.end,
+            "step": progress.step,
+            "steps": progress.steps,
+            "contacts": progress.contacts,
+            "stage": progress.stage,
+        }
+        self._tell()
+
+    def lead(self, halt: Halt) -> None:
+        """Do what the page asks for: wait, take one step, end, write a checkpoint."""
+        if not self._begun:
+            self._begun = True
+            self._tell()
+        if not self._asked:
+            return
+        self._obey(halt)
+        if not self._paused:
+            self._asked = not self._orders.empty()
+            return
+        halt.keep_frame()
+        self._tell()
+        while self._paused and not self._steps:
+            halt.let_go()
+            self._news.wait(WAIT)
+            self._obey(halt)
+        self._steps = max(0, self._steps - 1)
+        self._asked = self._paused or not self._orders.empty()
+
+    def _obey(self, halt: Halt) -> None:
+        """Take what has been asked for since."""
+        self._news.clear()
+        while True:
+            try:
+                order = self._orders.get_nowait()
+            except Empty:
+                return
+            if order == "end":
+                self.has_ended = True
+                raise EndedFromPage
+            if order == "checkpoint":
+                self._said = halt.checkpoint()
+            else:
+                self._steps += order == "step"
+                self._paused = order != "go"
+            self._tell()
+
+    # --- the other process -------------------------------------------------------------------
+
+    def _tell(self) -> None:
+        """Write a line that nobody need read."""
+        line = {**self._where, "paused": self._paused, "said": self._said}
+        # raw: what finds no room in a buffer of Python's would be written later, in the way
+        with suppress(OSError, ValueError):
+            os.write(self._pipe.fileno(), json.dumps(line).encode() + b"\n")
+
+    def _hear(self) -> None:
+        """Take what the page asks for, until its process has gone."""
+        for line in cast("IO[bytes]", self._process.stdout):
+            order = line.decode().strip()
+            if order in ORDERS:
+                self._order(order)
+        self._order("go")  # a run whose page has gone is not left waiting
+
+    def _order(self, order: str) -> None:
+        self._orders.put(order)
+        self._asked = True
+        self._news.set()
+
+    # --- the end -----------------------------------------------------------------------------
+
+    def over(self) -> None:
+        """Say that the run is over; the page stays as long as somebody looks at it."""
+        with suppress(OSError):
+            self._pipe.close()
+
+    def is_watched(self) -> bool:
+        """Return whether the page's process is still there for somebody."""
+        return self._process.poll() is None
+
+    def wait(self) -> None:
+        """Wait until nobody looks at the page any more."""
+        self._process.wait()
+
+    def close(self) -> None:
+        """End the page's process."""
+        self._process.kill()
+        self._process.wait()
+        with suppress(OSError):
+            self._pipe.close()

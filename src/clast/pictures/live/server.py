@@ -1,0 +1,250 @@
+"""The page of a run over HTTP, for browsers on this machine that know its token.
+
+A page of somebody else in the same browser may ask this server as well: what it asks for has its
+own ``Origin``, and where it has had its name point here, that name as ``Host``.  Both are looked at
+before anything else, and the token, which stands behind the ``#`` of the address and is sent to no
+server by itself, before anything is said of the run.
+"""
+
+from __future__ import annotations
+
+import hmac
+import json
+import secrets
+import time
+from collections.abc import Callable
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from ipaddress import ip_address
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+from clast.errors import CaseError
+from clast.pictures.live.feed import Feed
+from clast.pictures.live.leader import ORDERS
+from clast.pictures.page.document import live_text
+
+PATIENCE = 10.0
+"""How long a browser may take to read or to ask, s."""
+BEAT, BEAT_AFTER = 5.0, 1.0
+"""A sign of life goes to every page at least so often, s; more often when the run is over."""
+MOST_PAGES = 8
+"""Pages that look on at the same time."""
+MOST_BYTES = 1000
+"""Length of what a page may send."""
+CURVES_EVERY = 2.0
+"""Time between two sendings of curves, s."""
+
+
+class LiveServer(ThreadingHTTPServer):
+    """Serves the page of a run at an address; port 0 is one that is free."""
+
+    daemon_threads = True
+    block_on_close = False
+
+    def __init__(self, at: tuple[str, int], feed: Feed, order: Callable[[str], None]) -> None:
+        self.feed = feed
+        self.order = order
+        self.token = secrets.token_urlsafe(24)
+        self.pages = 0
+        """Pages that look on."""
+        self.left = time.monotonic()
+        """When the last of them went."""
+        super().__init__(at, Handler)
+        self.host, self.port = str(at[0]), int(self.server_address[1])
+
+    @property
+    def address(self) -> str:
+        """What a browser opens."""
+        host = "127.0.0.1" if _is_any(self.host) else self.host
+        return f"http://{host}:{self.port}/#token={self.token}"
+
+    def knows(self, host: str) -> bool:
+        """Return whether a name and port are this server's: numbers cannot point elsewhere."""
+        name, _, port = host.rpartition(":")
+        if port != str(self.port):
+            return False
+        return name in ("localhost", self.host) or (_is_any(self.host) and _is_number(name))
+
+    def looks_on(self, change: int) -> None:
+        """Count pages that look on."""
+        with self.feed.changed:
+            self.pages += change
+            self.left = time.monotonic()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Say nothing of browsers that went away."""
+
+
+def _is_any(host: str) -> bool:
+    return _is_number(host) and ip_address(host).is_unspecified
+
+
+def _is_number(host: str) -> bool:
+    try:
+        ip_address(host.strip("[]"))
+    except ValueError:
+        return False
+    return True
+
+
+class Handler(BaseHTTPRequestHandler):
+    """Answers one browser."""
+
+    server: LiveServer
+    protocol_version = "HTTP/1.1"
+    timeout = PATIENCE
+
+    def do_GET(self) -> None:
+        """Answer with the page, what it shows, or what is new as it comes."""
+        parts = urlsplit(self.path)
+        answers: dict[str, Callable[[str], None]] = {
+            "/scene": lambda _: self._answer("application/json", self.server.feed.scene),
+            "/page": lambda _: self._answer("text/html; charset=utf-8", self.server.feed.page),
+            "/events": self._events,
+        }
+        if not self._is_from_here():
+            return
+        if parts.path == "/":
+            self._send(HTTPStatus.OK, "text/html; charset=utf-8", live_text())
+        elif parts.path not in answers:
+            self._refuse(HTTPStatus.NOT_FOUND, "there is no such page")
+        elif self._has_token():
+            answers[parts.path](parts.query)
+
+    def do_POST(self) -> None:
+        """Hand on what a page asks the run for."""
+        length = self.headers.get("Content-Length", "")
+        if not length.isdecimal() or int(length) > MOST_BYTES:
+            self.close_connection = True
+            self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"at most {MOST_BYTES} bytes")
+            return
+        body = self.rfile.read(int(length))
+        if not self._is_from_here() or not self._has_token():
+            return
+        try:
+            asked = json.loads(body)["do"]
+        except (ValueError, KeyError, TypeError):
+            asked = None
+        if self.path != "/do" or asked not in ORDERS:
+            self._refuse(HTTPStatus.BAD_REQUEST, f"ask for one of: {', '.join(ORDERS)}")
+            return
+        self.server.order(asked)
+        self._send(HTTPStatus.OK, "application/json", "{}")
+
+    # --- who may ask -------------------------------------------------------------------------
+
+    def _is_from_here(self) -> bool:
+        """Refuse names that are not this server's, and pages of others."""
+        origin = self.headers.get("Origin")
+        if not self.server.knows(self.headers.get("Host", "")):
+            self._refuse(HTTPStatus.FORBIDDEN, "this is not the name of this server")
+            return False
+        if origin is not None and not (
+            origin.startswith("http://") and self.server.knows(origin.removeprefix("http://"))
+        ):
+            self._refuse(HTTPStatus.FORBIDDEN, "another page may not ask")
+            return False
+        return True
+
+    def _has_token(self) -> bool:
+        """Refuse who does not know the token."""
+        given = self.headers.get("Authorization", "").removeprefix("Bearer ")
+        if hmac.compare_digest(given.encode(), self.server.token.encode()):
+            return True
+        self._refuse(HTTPStatus.UNAUTHORIZED, "the address lacks its token, or has another")
+        return False
+
+    # --- answers -----------------------------------------------------------------------------
+
+    def _answer(self, kind: str, text: Callable[[], str]) -> None:
+        try:
+            self._send(HTTPStatus.OK, kind, text())
+        except CaseError as error:
+            self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, str(error))
+
+    def _events(self, query: str) -> None:
+        """Send what is new as it comes, until the run is over or the browser has gone."""
+        server, given = self.server, parse_qs(query).get("from", ["0"])[0]
+        if server.pages >= MOST_PAGES:
+            self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_PAGES} pages look on already")
+            return
+        if not given.isdecimal() or int(given) > server.feed.frames:
+            self._refuse(HTTPStatus.BAD_REQUEST, f"there are {server.feed.frames} frames")
+            return
+        self.close_connection = True
+        self._head(HTTPStatus.OK, "text/event-stream", None)
+        server.looks_on(1)
+        try:
+            _Stream(server.feed, self._event).run(int(given))
+        except OSError:
+            pass  # the browser has gone, or reads too slowly: it asks again from where it was
+        finally:
+            server.looks_on(-1)
+
+    def _event(self, kind: str, data: str) -> None:
+        self.wfile.write(f"event: {kind}\ndata: {data}\n\n".encode())
+
+    def _refuse(self, status: HTTPStatus, why: str) -> None:
+        self._send(status, "text/plain; charset=utf-8", why)
+
+    def _send(self, status: HTTPStatus, kind: str, text: str) -> None:
+        body = text.encode()
+        self._head(status, kind, len(body))
+        self.wfile.write(body)
+
+    def _head(self, status: HTTPStatus, kind: str, length: int | None) -> None:
+        self.send_response(status)
+        self.send_header("Content-Type", kind)
+        if length is not None:
+            self.send_header("Content-Length", str(length))
+        for name, value in (
+            ("Cache-Control", "no-store"),
+            ("X-Content-Type-Options", "nosniff"),
+            ("X-Frame-Options", "DENY"),
+            ("Referrer-Policy", "no-referrer"),
+            ("Cross-Origin-Resource-Policy", "same-origin"),
+        ):
+            self.send_header(name, value)
+        self.end_headers()
+
+    def version_string(self) -> str:
+        """Name no versions."""
+        return "clast"
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Say nothing of what is asked for."""
+
+
+class _Stream:
+    """What one page has been sent."""
+
+    def __init__(self, feed: Feed, send: Callable[[str, str], None]) -> None:
+        self._feed, self._send = feed, send
+        self._words = -1
+        self._curves = 0.0
+        self._said: dict[str, Any] = {}
+
+    def run(self, first: int) -> None:
+        """Send frames from ``first`` on, until the run is over and all of it has been sent."""
+        feed, seen = self._feed, -1
+        while True:
+            with feed.changed:
+                beat = BEAT_AFTER if feed.is_over else BEAT
+                feed.changed.wait_for(lambda: feed.version != seen, beat)  # noqa: B023
+                seen, over, status = feed.version, feed.is_over, feed.status
+            if first < feed.frames:
+                part, first = feed.part(first)
+                self._send("frames", part)
+            if over or time.monotonic() - self._curves > CURVES_EVERY:
+                self._send_words()
+            # a page that shows the end has all of it
+            self._send("status", json.dumps(status))
+
+    def _send_words(self) -> None:
+        """Send curves and report where they have grown."""
+        count, text = self._feed.words()
+        self._curves = time.monotonic()
+        if count != self._words:
+            self._words = count
+            self._send("words", text)
