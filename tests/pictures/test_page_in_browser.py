@@ -1,7 +1,6 @@
 """The page in a browser, drawn on the 2D canvas and by WebGL2: what a person would see and do."""
 
 import dataclasses
-import shutil
 import threading
 import time
 
@@ -16,16 +15,12 @@ from clast.pictures.live.server import LiveServer
 from clast.pictures.page.document import BUDGET, page_text, write_page
 from clast.pictures.page.scene import scene_of
 from clast.pictures.scale import scale_of
+from scenes.browsers import CHROMIUM, RENDERERS
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 pytestmark = [
     pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
 ]
-RENDERERS = {
-    "canvas": ["--disable-gpu"],
-    "webgl2": ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-}
 
 
 @pytest.fixture(params=RENDERERS)

@@ -443,6 +443,11 @@ class Case(BaseModel):
         )
         return launch(what, progress, warn)
 
+    def _repr_html_(self) -> str:
+        from clast.case.thumbnail import thumbnail_of
+
+        return thumbnail_of(self)
+
     def __repr__(self) -> str:
         numbered = len(self.geometry.blocks) if self.geometry else 0
         chosen = self.method_.chosen

@@ -16,6 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from clast import thumbnails
 from clast.model.bodies import Outlines, joined_outlines
 from clast.model.bolts import Bolts
 from clast.model.factors import NO_FACTOR, Factor
@@ -410,6 +411,16 @@ class Model:
         """Return the start outline of one block in user coordinates, m, shape (k, 2)."""
         rows = slice(self.block_start[block], self.block_start[block + 1])
         return self.vertices[rows] + self.origin
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("blocks", f"{self.block_count} ({int(self.fixed.sum())} fixed)"),
+            ("rocks", ", ".join(rock.name for rock in self.rocks)),
+            ("joints", ", ".join(joint.name for joint in self.joint_table.joints)),
+            ("measured points", ", ".join(self.measured_points.name) or "none"),
+        ]
+        drawing = thumbnails.blocks(self.vertices, self.block_start, self.fixed)
+        return thumbnails.side_by_side(self.title or "Model", drawing, rows)
 
     def __repr__(self) -> str:
         return (

@@ -65,6 +65,14 @@ def plot_results(
     The format follows from the ending of ``path``.  Raises CaseError for results that are not
     there, or that cannot be drawn or written.
     """
+    figure = draw_results(results, frame=frame, field=field, contacts=contacts, look=look)
+    return canvas.save(figure, Path(path))
+
+
+def draw_results(
+    results: Recording, *, frame: int, field: str, contacts: bool, look: Look
+) -> Figure:
+    """Return the picture that ``plot_results`` writes."""
     check_field(field, JOINT_FIELDS)
     number = results.frame(frame).number
     here, start = results.vertices(number), results.vertices(0)
@@ -115,7 +123,7 @@ def plot_results(
         draw_blocks.draw_names(axes, results, here, gone)
     draw_points(axes, results.point_name, places_of_points(results, [number])[0])
     keys.draw(figure, sheet)
-    return canvas.save(figure, Path(path))
+    return figure
 
 
 def _part(

@@ -7,12 +7,14 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from clast import thumbnails
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.stages.records import Event, StageRecord
 from clast.model.state import State
@@ -39,6 +41,9 @@ from clast.results.result_tables import (
 )
 from clast.results.run_report import Report
 from clast.results.schema import BOLT_TABLE, ENERGY, HISTORY, OVER_TIME, STEPS, TableSchema
+
+NOTEBOOK = "clast.pictures.notebook"
+"""Makes what a notebook shows; it is in a layer above and only asked for when it is wanted."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -254,6 +259,59 @@ class Recording:
     def steps(self) -> Columns:
         """Accepted steps: time, step, passes, contacts, penetration, travel, each of shape (t,)."""
         return self.table(STEPS.name)
+
+    def plot(self, **wishes: Any) -> Any:
+        """Return the picture of a frame, which a notebook shows; ``.save("run.pdf")`` writes it.
+
+        ``frame``, ``field``, ``contacts`` and ``look`` as in ``clast.plot_results``.  Raises
+        CaseError as it does.
+        """
+        return import_module(NOTEBOOK).plot(self, **wishes)
+
+    def page(self, **wishes: Any) -> Any:
+        """Return the page of the run (``clast page``) for a notebook, which shows it.
+
+        It is a widget where anywidget is installed (``pip install 'clast[notebook]'``), else a
+        frame.  ``budget`` is what contacts and joints may take, bytes, uncompressed.
+        """
+        return import_module(NOTEBOOK).page(self, **wishes)
+
+    def to_pandas(self) -> dict[str, Any]:
+        """Return the tables of the run as pandas.DataFrame, by their names.
+
+        "blocks" has a row per frame and block, "contacts" one per frame and contact; the others,
+        as "energy", have one per instant or step, those of points and bolts with their names.
+        Raises CaseError where pandas is not installed.
+        """
+        from clast.results.libraries.frames_of_pandas import to_pandas
+
+        return to_pandas(self)
+
+    def to_xarray(self) -> Any:
+        """Return fields of blocks and histories of the run as an xarray.Dataset.
+
+        Its dimensions are frame, block, vertex, instant, point, bolt, and the components.  Raises
+        CaseError where xarray is not installed.
+        """
+        from clast.results.libraries.dataset_of_xarray import to_xarray
+
+        return to_xarray(self)
+
+    def _repr_html_(self) -> str:
+        last = len(self.times) - 1
+        moved = np.hypot(*field_of(self._frames, "displacement", last).T)
+        drawing = thumbnails.blocks(self.vertices(last), self.block_start, self.fixed, moved)
+        outcome = self.report.outcome if self.report else "the run did not end, or goes on"
+        rows: list[tuple[str, object]] = [
+            ("blocks", len(self.block_name)),
+            ("frames", f"{len(self.times)}, to t = {self.times[-1]:.6g} s"),
+            ("outcome", outcome),
+            ("largest displacement", f"{float(moved.max(initial=0.0)):.4g} m"),
+            ("measured points", ", ".join(self.point_name[:8]) or "none"),
+        ]
+        if self.report:
+            rows += [("steps", self.report.steps), ("warnings", len(self.report.warnings))]
+        return thumbnails.side_by_side(self.title or self.name, drawing, rows)
 
 
 def parts_of(model: Model) -> dict[str, Any]:

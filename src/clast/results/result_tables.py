@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from clast import thumbnails
 from clast.errors import CaseError
 from clast.model.model import Floats, Ints
 from clast.results.schema import BOLT_STATES, BOLT_TABLE, CONTACTS, PLANE, SLIP, TENSOR
@@ -99,9 +100,24 @@ class Columns(dict[str, NDArray[Any]]):
     def __repr__(self) -> str:
         return f"{type(self).__name__}({len(self)} rows: {', '.join(self)})"
 
+    drawn: tuple[str, ...] = ()
+    """Columns that a notebook draws over time."""
+
+    def _repr_html_(self) -> str:
+        lines = [self[name] for name in self.drawn if name in self]
+        drawing = thumbnails.curves(self["time"], lines) if "time" in self and lines else ""
+        said = f"{len(self)} rows"
+        if drawing:
+            said += f"; drawn: {', '.join(self.drawn)}"
+        return thumbnails.side_by_side(type(self).__name__, drawing, [(said, "")]) + (
+            thumbnails.table(self)
+        )
+
 
 class MotionTable(Columns):
     """How a point moved, a row per instant; t rows."""
+
+    drawn = ("displacement_x", "displacement_y")
 
     @property
     def time(self) -> Floats:
@@ -171,6 +187,8 @@ class BoltHistory(Columns):
     Columns: time, force, elongation, state.  A grouted bolt has the force and the elongation of the
     joint where it carries most.
     """
+
+    drawn = ("force",)
 
     @property
     def time(self) -> Floats:

@@ -44,7 +44,7 @@ class LivePage:
     ``address`` is what a browser opens.  Raises CaseError where the page cannot be served.
     """
 
-    def __init__(self, output: Path, at: str = HERE, *, wants_line: bool = False) -> None:
+    def __init__(self, output: Path | str, at: str = HERE, *, wants_line: bool = False) -> None:
         self.wants_line = wants_line
         self.line: Callable[[Progress], None] | None = None
         self.has_ended = False
@@ -59,7 +59,7 @@ class LivePage:
         self._where: dict[str, Any] = {}
         self._said = ""
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "clast.pictures.live", str(output.resolve()), at],
+            [sys.executable, "-m", "clast.pictures.live", str(Path(output).resolve()), at],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             # Ctrl-C is for the run

@@ -64,6 +64,26 @@ def live_text() -> str:
     return _text(None, "clast", "'self'")
 
 
+def widget_script() -> str:
+    """Return the page as one module with ``export default {render}``, as anywidget wants it.
+
+    The page is put into a shadow tree: its style is that of nothing else in the notebook.
+    """
+    style = _file("vendor/uPlot.min.css") + _file("page.css")
+    return "\n".join(
+        [
+            f"const uPlot = (() => {{ {_file('vendor/uPlot.iife.min.js')}\nreturn uPlot; }})();",
+            "const modules = {};",
+            *map(_own, SCRIPTS),
+            f"const style = {json.dumps(style)};",
+            f"const markup = {json.dumps(_file('page.html'))};",
+            "export default { render: ({ model, el }) => modules.app.embed(",
+            '  el, markup, style, JSON.parse(model.get("scene"))) };',
+            "",
+        ]
+    )
+
+
 def _text(scene: dict[str, Any] | None, title: str, network: str) -> str:
     """Return the text of a page that may ask ``network``, as a policy has it."""
     scripts = ["const modules = {};", *map(_own, SCRIPTS), "modules.app.main();"]

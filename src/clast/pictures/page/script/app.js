@@ -28,6 +28,8 @@ export class Page {
   constructor(root, scene, token = "") {
     this.root = root;
     this.token = token;
+    /** Within another page the address is that one's. */
+    this.embedded = root.classList.contains("embedded");
     this.run = new RunData(scene);
     this.view = new View();
     this.state = { frame: 0, field: "displacement", share: null, limits: null, layers: new Set(), chosen: -1 };
@@ -82,6 +84,21 @@ export class Page {
     return new CanvasDrawing(this.canvas, this.run);
   }
 
+  /** Let the graphics card go while the page is out of sight: browsers give few contexts. */
+  rest() {
+    if (this.drawing?.name !== "webgl2") return;
+    this.drawing.gl.getExtension("WEBGL_lose_context")?.loseContext();
+    this.renewCanvas();
+    this.drawing = null;
+  }
+
+  /** Draw again, when the page comes into sight. */
+  wake() {
+    if (this.drawing) return;
+    this.drawing = this.chooseDrawing();
+    this.resize();
+  }
+
   /** Put a new canvas in the place of one that has given a WebGL context. */
   renewCanvas() {
     const fresh = this.canvas.cloneNode();
@@ -97,7 +114,7 @@ export class Page {
     for (const [name, label] of Object.entries(fieldsOf(run))) fields.append(new Option(label, name));
     this.fillLayers();
     this.$("title").textContent = run.scene.title;
-    document.title = `${run.scene.title} - clast`;
+    if (!this.embedded) document.title = `${run.scene.title} - clast`;
     this.fillCounts();
     this.fillTicks();
   }
@@ -188,7 +205,7 @@ export class Page {
     followPointers(this.above, this.view, () => this.changed(), (x, y) => this.click(x, y));
     this.root.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.resize()).observe(this.$("stage"));
-    addEventListener("hashchange", () => this.readAddress());
+    if (!this.embedded) addEventListener("hashchange", () => this.readAddress());
   }
 
   key(event) {
@@ -481,7 +498,7 @@ export class Page {
 
   /** Take over what the address says: #t=1.5&field=velocity&view=x,y,scale&layers=bolts&block=3. */
   readAddress() {
-    if (location.hash === this.written) return;
+    if (this.embedded || location.hash === this.written) return;
     const said = new URLSearchParams(location.hash.slice(1));
     const { run, state, view } = this;
     const time = Number(said.get("t"));
@@ -500,7 +517,7 @@ export class Page {
   }
 
   writeAddress() {
-    if (this.playing) return;
+    if (this.playing || this.embedded) return;
     const { state, view, run } = this;
     const said = [
       ...(this.token ? [`token=${this.token}`] : []),
@@ -547,6 +564,36 @@ export class Page {
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
   }
+}
+
+/**
+ * Show the page of a run within an element of another page; return what takes it away.
+ * @param {HTMLElement} place @param {string} markup @param {string} style @param {any} scene
+ */
+export function embed(place, markup, style, scene) {
+  const shadow = place.attachShadow({ mode: "open" });
+  const sheet = document.createElement("style");
+  sheet.textContent = style;
+  const body = document.createElement("div");
+  body.innerHTML = markup; // ours: what a case calls things stands in the scene
+  shadow.append(sheet, body);
+  const root = body.querySelector("main");
+  root.classList.add("embedded");
+  const page = new Page(root, scene);
+  page.ready = page.start();
+  const narrow = new ResizeObserver(() => root.classList.toggle("narrow", place.clientWidth < 700));
+  narrow.observe(place);
+  const seen = new IntersectionObserver(([entry]) => {
+    page.ready.then(() => (entry.isIntersecting ? page.wake() : page.rest()));
+  });
+  seen.observe(root);
+  place.clastPage = page;
+  return () => {
+    narrow.disconnect();
+    seen.disconnect();
+    page.play(false);
+    page.rest();
+  };
 }
 
 /** Show the page of the run whose data stand in the document, or come from its server. */

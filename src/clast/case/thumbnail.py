@@ -1,0 +1,31 @@
+"""What a notebook shows of a case: its blocks, and what it is run with."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from clast import thumbnails
+from clast.errors import ClastError
+
+if TYPE_CHECKING:
+    from clast.case.case_file import Case
+
+
+def thumbnail_of(case: Case) -> str:
+    """Return a case as HTML; one that is not right yet says what is wrong."""
+    chosen = case.method_.chosen
+    rows: list[tuple[str, object]] = [
+        ("process", chosen("process").name),
+        ("contact law", chosen("contact_law").name),
+        ("step", f"{case.time.step:.6g} s"),
+        ("end", f"{case.time.end:.6g} s"),
+        ("stages", ", ".join(stage.name for stage in case.stage) or "none"),
+    ]
+    drawing = ""
+    try:
+        model = case.model()
+        drawing = thumbnails.blocks(model.vertices, model.block_start, model.fixed)
+        rows.insert(0, ("blocks", f"{model.block_count} ({int(model.fixed.sum())} fixed)"))
+    except ClastError as error:
+        rows.append(("cannot be built", str(error)))
+    return thumbnails.side_by_side(case.title or case.name, drawing, rows)
