@@ -13,7 +13,7 @@ import numpy as np
 
 from clast.errors import CaseError
 from clast.pictures.page.document import BUDGET, page_text
-from clast.pictures.page.frames import moving
+from clast.pictures.page.frame_data import moving
 from clast.pictures.page.scene import scene_of, told
 from clast.results import Results, read_results
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from clast.pictures import canvas
-from clast.pictures.look import NO_WISHES, Look
+from clast.pictures.figure_options import DEFAULT, Look
 from clast.pictures.notebook.view import page_view
 from clast.pictures.page.document import BUDGET
 from clast.pictures.page.scene import scene_of
@@ -44,7 +44,7 @@ def plot(
     frame: int = -1,
     field: str = "displacement",
     contacts: bool = True,
-    look: Look = NO_WISHES,
+    look: Look = DEFAULT,
 ) -> Picture:
     """Return the picture of a frame, as ``plot_results`` draws it."""
     return Picture(draw_results(results, frame=frame, field=field, contacts=contacts, look=look))

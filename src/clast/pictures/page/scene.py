@@ -9,9 +9,9 @@ import numpy as np
 
 from clast.pictures.fields import SCALARS
 from clast.pictures.joints.joint_values import JOINT_FIELDS, THICK, THIN
-from clast.pictures.page.curves import curves_of
-from clast.pictures.page.frames import moving
+from clast.pictures.page.frame_data import moving
 from clast.pictures.page.packing import raw
+from clast.pictures.page.page_curves import curves_of
 from clast.pictures.scale import colours_between
 from clast.results import Recording
 

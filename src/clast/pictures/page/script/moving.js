@@ -7,7 +7,7 @@ const NUMBERS = ["on", "by", "mode"];
 const ENDS = ["x0", "y0", "x1", "y1"];
 
 /**
- * Decode some frames: see frames.py.
+ * Decode some frames: see frame_data.py.
  * @param {any} part what ``moving`` made @param {number} wide blocks
  */
 export async function decodeMoving(part, wide) {
