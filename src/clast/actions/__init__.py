@@ -1,1 +1,1 @@
-"""What acts on blocks beside their contacts; a new one is one file and its tables in the case."""
+"""Actions on blocks beside their contacts; a new one is one file and its tables in the case."""

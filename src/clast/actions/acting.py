@@ -1,4 +1,4 @@
-"""All that acts on the blocks of a model, and what it adds to the equations of a step."""
+"""All actions on the blocks of a model, and their contributions to the equations of a step."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from clast.model.state import State
 
 
 def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> tuple[Action, ...]:
-    """Return what acts on the blocks: gravity first, then what the model has, then the user's own.
+    """Return all actions: gravity first, then those of the model, then the user's own.
 
     ``fixed_point_stiffness`` is that of the supports, N/m per m.  Some ``damping`` there is always,
     were it none: stages may change it, and own states belong to actions by their places.
@@ -54,21 +54,21 @@ def actions_of(model: Model, fixed_point_stiffness: float, damping: Action) -> t
 
 
 class ActiveActions:
-    """What acts on the blocks of a model, kept for as long as model and method stay the same."""
+    """The actions on the blocks of a model, kept for as long as model and method stay the same."""
 
     def __init__(self) -> None:
         self._asked: tuple[Any, ...] = ()
         self._found: tuple[Action, ...] = ()
 
     def actions(self, *asked: Any) -> tuple[Action, ...]:
-        """Return what ``actions_of`` does of the same."""
+        """Return the actions that ``actions_of`` finds for the same arguments."""
         if len(asked) != len(self._asked) or any(map(is_not, asked, self._asked)):
             self._asked, self._found = asked, actions_of(*asked)
         return self._found
 
 
 def own_states(actions: Sequence[Action], model: Model, state: State) -> tuple[Any, ...]:
-    """Return the own state of each action: what a run carries, or that of its start."""
+    """Return the own state of each action: the one that a run carries, or that of its start."""
     if len(state.actions) == len(actions):
         return state.actions
     return tuple(answer(action, action.begin, model) for action in actions)
@@ -77,14 +77,14 @@ def own_states(actions: Sequence[Action], model: Model, state: State) -> tuple[A
 def shares_of(
     actions: Sequence[Action], start: StepStart, own: Sequence[Any]
 ) -> tuple[Contribution, ...]:
-    """Return what each action adds to the equations of a step."""
+    """Return the contribution of each action to the equations of a step."""
     return tuple(
         [_share_of(action, start, mine) for action, mine in zip(actions, own, strict=True)]
     )
 
 
 def _share_of(action: Action, start: StepStart, own: Any) -> Contribution:
-    """Return what an action adds to a step, looked at where it is that of a script."""
+    """Return the contribution of an action to a step, checked for an action of a script."""
     if action.__class__.__module__[HEAD] == OWN:
         return action.share(start, own)
     return checked_share(action, answer(action, action.share, start, own), start)
@@ -93,7 +93,7 @@ def _share_of(action: Action, start: StepStart, own: Any) -> Contribution:
 def done_by(
     action: Action, start: StepStart, own: Any, share: Contribution, solution: Solution
 ) -> ActionResult:
-    """Return what an action has done in a step, looked at where it is that of a script."""
+    """Return the result of an action in a step, checked for an action of a script."""
     if action.__class__.__module__[HEAD] == OWN:
         return action.finish(start, own, share, solution)
     return checked_done(action, answer(action, action.finish, start, own, share, solution))

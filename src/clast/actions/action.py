@@ -1,9 +1,9 @@
-"""What an action is: what acts on blocks beside their contacts.
+"""The protocol of actions: forces on blocks beside those of their contacts.
 
-In each step an action says what it adds to the equations K d = F, with forces as they are at the
-end of the step, and afterwards what its forces have done with the energy.  Gravity, loads, supports
-and the ground's motion are actions; an object of one's own with the same methods, handed to
-``ModelBuilder.actions``, is one more (see the how-to page on actions).
+In each step an action contributes to the equations K d = F, with forces as they are at the end of
+the step, and afterwards reports the work of its forces and the change of energy.  Gravity, loads,
+supports and the ground's motion are actions; an object of one's own with the same methods, handed
+to ``ModelBuilder.actions``, is one more (see the how-to page on actions).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ INSTANT = 1e-5
 
 @dataclass(frozen=True, kw_only=True)
 class StepStart:
-    """What an action may know of a step before it is solved."""
+    """The start of a step, as far as actions may know it."""
 
     model: Model
     state: State
@@ -56,7 +56,7 @@ class StepStart:
 
     @property
     def span(self) -> tuple[float, float]:
-        """Start and end of the time whose mean acts, s: a static step has what acts at its end."""
+        """Start and end of the time over which loads are averaged, s; of a static step, its end."""
         if self.clock is None:
             return self.state.time, self.end
         return self.end - INSTANT, self.end
@@ -113,7 +113,7 @@ def _no_forces() -> Floats:
 
 @dataclass(frozen=True, kw_only=True)
 class Contribution:
-    """What an action adds to the equations of a step."""
+    """The contribution of an action to the equations of a step."""
 
     acceleration: Floats | None = None
     """Acceleration that acts on every mass, m/s2, shape (2,)."""
@@ -140,7 +140,7 @@ NO_SHARE = Contribution()
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
-    """What a step has come to, as far as actions need to know."""
+    """The solution of a step, as far as actions need to know it."""
 
     displacement: Floats
     """d, shape (n, 6)."""
@@ -169,14 +169,14 @@ class Solution:
 
 @dataclass(frozen=True, kw_only=True)
 class ActionResult:
-    """What an action's forces have done in a step."""
+    """The result of an action in a step: work, energy and its state."""
 
     work: float
     """Work of the forces that the equations held on the blocks, J/m."""
     ledger: Ledger
     """By how much the entries of the energy ledger have changed by it, J/m.
 
-    What it stores or has lost counts as it is, and what has come in from outside as ``loads`` or
+    Stored and lost energy count as they are, and energy brought in from outside as ``loads`` or
     ``water``.
     """
     own: Any = None
@@ -184,14 +184,14 @@ class ActionResult:
 
 
 NOTHING = ActionResult(work=0.0, ledger=Ledger())
-"""What an action has done that does nothing."""
+"""The result of an action that does nothing."""
 
 
 def energy_of_linear(share: Contribution, displacement: Floats) -> tuple[float, float]:
-    """Return what forces f - K d of a share have done over d (n, 6), J/m: work and stored energy.
+    """Return work and stored energy of forces f - K d of a contribution over d (n, 6), J/m.
 
-    The work is that of the forces in the equations, (f - K d).d; what they store grows by -f.d and
-    by 1/2 d.K d of the whole stiffness, if they store it.
+    The work is that of the forces in the equations, (f - K d).d; the stored energy grows by -f.d
+    and by 1/2 d.K d of the whole stiffness, if they store it.
     """
     moved = displacement[share.block]
     # no BLAS: its threads would cost more than these sums, and add up in an order of their own
@@ -204,10 +204,10 @@ def energy_of_linear(share: Contribution, displacement: Floats) -> tuple[float, 
 
 
 def energy_of_springs(springs: Springs, solution: Solution) -> tuple[float, float]:
-    """Return what clipped springs have done in a step, J/m: work and change of their potential.
+    """Return the work of clipped springs in a step and the change of their potential, J/m.
 
-    The work is that of the forces which the equations held.  The potential grows by what a spring
-    stores, and by what it loses where its force has reached a bound.
+    The work is that of the forces which the equations held.  The potential grows by the energy that
+    a spring stores, and by the energy that it loses where its force has reached a bound.
     """
     normal, shear = solution.spring_forces(springs)
     gap, slip = stretches(springs, solution.displacement)
@@ -216,20 +216,20 @@ def energy_of_springs(springs: Springs, solution: Solution) -> tuple[float, floa
 
 
 class Action(Protocol):
-    """What acts on blocks."""
+    """An action on the blocks: forces beside those of contacts."""
 
     def begin(self, model: Model) -> Any:
         """Return its own state at the start of a run: any frozen data, None where it has none."""
         ...
 
     def share(self, start: StepStart, own: Any) -> Contribution:
-        """Return what it adds to the equations of a step, ``own`` being its own state."""
+        """Return its contribution to the equations of a step, ``own`` being its own state."""
         ...
 
     def finish(
         self, start: StepStart, own: Any, share: Contribution, solution: Solution
     ) -> ActionResult:
-        """Return what its forces have done in a step that is solved."""
+        """Return the result of its forces in a step that is solved."""
         ...
 
 

@@ -34,7 +34,7 @@ def _none_yet() -> Floats:
 
 @dataclass(frozen=True, kw_only=True)
 class DampingState:
-    """What damping knows of the steps before."""
+    """The memory of damping: the motion of the steps before."""
 
     frequency: float = 0.0
     """Circular frequency of the last step's motion, 1/s."""
@@ -49,7 +49,7 @@ class Undamped:
     """No damping."""
 
     def begin(self, model: Model) -> None:
-        """Return what is known before the first step: nothing."""
+        """Return None: nothing is known before the first step."""
 
     def share(self, start: StepStart, own: DampingState | None) -> Contribution:
         """Return nothing."""
@@ -76,7 +76,7 @@ class Rayleigh:
     """Damping by the elasticity of the blocks, s."""
 
     def begin(self, model: Model) -> None:
-        """Return what is known before the first step: nothing."""
+        """Return None: nothing is known before the first step."""
 
     def share(self, start: StepStart, own: DampingState | None) -> Contribution:
         """Return C/h as a stiffness."""
@@ -98,16 +98,16 @@ class Rayleigh:
 class Adaptive:
     """Mass damping with the ratio ``ratio`` of the frequency in which the blocks move just now.
 
-    c = 2 ratio w,  w^2 = d.K d / d.M d  with K d the change of all forces in the last step
-    (Underwood 1983): what falls or slides freely changes no forces and is not damped.  Velocities
-    enter a step times exp(-c h), which is what mass damping leaves of them whatever c h.
+    c = 2 ratio w, w^2 = d.K d / d.M d with K d the change of all forces in the last step (Underwood
+    1983): a block that falls or slides freely changes no forces and is not damped.  Velocities
+    enter a step times exp(-c h), the exact solution of mass damping for any c h.
     """
 
     ratio: float = 0.8
     """Damping ratio; 1 is critical."""
 
     def begin(self, model: Model) -> None:
-        """Return what is known before the first step: nothing."""
+        """Return None: nothing is known before the first step."""
 
     def share(self, start: StepStart, own: DampingState | None) -> Contribution:
         """Return the share of the velocities that damping leaves."""
@@ -140,7 +140,7 @@ class Kinetic:
     """
 
     def begin(self, model: Model) -> None:
-        """Return what is known before the first step: nothing."""
+        """Return None: nothing is known before the first step."""
 
     def share(self, start: StepStart, own: DampingState | None) -> Contribution:
         """Return that no velocity enters the step if the kinetic energy has fallen in the last."""

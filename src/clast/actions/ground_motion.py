@@ -15,7 +15,7 @@ class GroundAcceleration:
     """The body force -rho a of the model's ground motion, where that acts by one."""
 
     def begin(self, model: Model) -> None:
-        """Return nothing: what the ground does is known beforehand."""
+        """Return None: the motion of the ground is known beforehand."""
 
     def share(self, start: StepStart, own: None) -> Contribution:
         """Return minus the mean acceleration of the ground in the step."""

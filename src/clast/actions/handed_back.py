@@ -1,4 +1,4 @@
-"""What actions of a script hand back, looked at before kernels count on it.
+"""Checks of the answers of a script's actions, before kernels rely on them.
 
 Kernels look at no block number twice: one that does not exist would be read from anywhere.
 """
@@ -24,7 +24,7 @@ HEAD = slice(len(OWN))
 
 
 def answer(action: Action, method: Callable[..., Answer], *given: Any) -> Answer:
-    """Return what a method of an action gives; raises ActionFault where it edits what it gets."""
+    """Return the answer of an action's method; raises ActionFault if it edits its arguments."""
     try:
         return method(*given)
     except ValueError as error:
@@ -48,7 +48,7 @@ def checked_share(action: Action, share: Any, start: StepStart) -> Contribution:
 
 
 def checked_done(action: Action, done: Any) -> ActionResult:
-    """Return what an action has done; raises ActionFault where it is nothing of the kind."""
+    """Return the result of an action; raises ActionFault where it is no ActionResult."""
     if not isinstance(done, ActionResult):
         fault = f"a {type(done).__name__}, not an ActionResult"
     elif not _is_number(done.work):
@@ -71,7 +71,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _of_share(share: Any, blocks: int) -> Iterator[str]:
-    """Give what is wrong with a share for so many blocks."""
+    """Yield the faults of a contribution for so many blocks."""
     if not isinstance(share, Contribution):
         yield f"a {type(share).__name__}, not a Contribution"
         return
@@ -89,7 +89,7 @@ def _of_share(share: Any, blocks: int) -> Iterator[str]:
 
 
 def _of_blocks(name: str, number: Any, blocks: int) -> Iterator[str]:
-    """Give what is wrong with an array of block numbers (k,)."""
+    """Yield the faults of an array of block numbers (k,)."""
     if not isinstance(number, np.ndarray) or number.ndim != 1:
         yield f"{name} as a {type(number).__name__} of shape {np.shape(number)}, not an array (k,)"
     elif number.dtype != np.int64:
@@ -102,7 +102,7 @@ def _of_blocks(name: str, number: Any, blocks: int) -> Iterator[str]:
 def _of_numbers(
     name: str, values: Any, shape: tuple[int, ...], limit: float = 0.0
 ) -> Iterator[str]:
-    """Give what is wrong with an array of numbers, which ``limit`` infinity lets be infinite."""
+    """Yield the faults of an array of numbers, which ``limit`` infinity lets be infinite."""
     if not isinstance(values, np.ndarray) or values.dtype != np.float64:
         kind = values.dtype if isinstance(values, np.ndarray) else type(values).__name__
         yield f"{name} as {kind}, not an array of numbers (numpy.float64)"
@@ -113,7 +113,7 @@ def _of_numbers(
 
 
 def _of_springs(springs: Any, blocks: int) -> Iterator[str]:
-    """Give what is wrong with springs between blocks."""
+    """Yield the faults of springs between blocks."""
     if not isinstance(springs, Springs):
         yield f"springs as a {type(springs).__name__}, not as clipped_spring.table makes them"
         return

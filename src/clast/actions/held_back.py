@@ -1,4 +1,4 @@
-"""What holds blocks back while weight, stress and loads come on by increments.
+"""Forces that hold blocks back while weight, stress and loads come on by increments.
 
 Where a static stage begins, the forces on each block have a sum that is not nothing: weight, stress
 and loads that have just begun to act, supports that have just been taken away.  The negative of
@@ -20,7 +20,7 @@ from clast.model.state import Ledger
 
 @dataclass(frozen=True, eq=False)
 class HeldBack:
-    """Forces against what has not come on yet, where other steps have their damping."""
+    """Forces against the loads that have not come on yet, where other steps have their damping."""
 
     force: Floats
     """Generalised force on each block, N/m and N, shape (n, 6)."""

@@ -3,8 +3,8 @@
     f = q - k_n n n.u - k_t t t.u,    q = sigma n L
 
 at either end of an edge of length L with its outward normal n, half of q each; u is how far the end
-has moved from where it was.  The traction stays as it was at the start and does not turn: it is
-what the rock beyond bears on the model with.
+has moved from where it was.  The traction stays as it was at the start and does not turn: it is the
+load of the rock beyond.
 """
 
 from __future__ import annotations

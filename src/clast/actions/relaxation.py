@@ -1,9 +1,9 @@
-"""What excavated blocks bore on their neighbours, taken away little by little.
+"""Support forces of excavated blocks on their neighbours, taken away little by little.
 
     f(t) = (1 - relax) f_0 (1 - (t - t_0)/T),    t_0 <= t <= t_0 + T
 
-f_0 is what the contacts of a block bore on the blocks beside it when it was excavated at t_0, where
-they touched: on the edges of the neighbours, and at their corners.  These points move with their
+f_0 are the contact forces between a block and the blocks beside it when it was excavated at t_0, at
+their places: on the edges of the neighbours, and at their corners.  These points move with their
 blocks; the forces keep their directions.
 """
 
@@ -36,7 +36,7 @@ class SupportForces:
     since: Floats
     """When it began, s, shape (k,)."""
     duration: Floats
-    """In what time it falls to nothing, s, shape (k,)."""
+    """Time in which it falls to zero, s, shape (k,)."""
 
     def rows(self, kept: Bools) -> SupportForces:
         """Return those forces that are ``kept`` (k,)."""
@@ -51,7 +51,7 @@ class SupportForces:
 
 
 OF_FORCES = tuple(one.name for one in fields(SupportForces))[1:]
-"""Names of what there is of each force."""
+"""Names of the arrays that have one row for each force."""
 
 
 def no_forces(gone: Bools) -> SupportForces:
@@ -92,7 +92,7 @@ class Relaxation:
         return no_forces(model.gone)
 
     def share(self, start: StepStart, own: SupportForces) -> Contribution:
-        """Return what is left of the forces when forces are taken."""
+        """Return the remaining forces at the time at which forces are taken."""
         if not len(own.block):
             return Contribution()
         first, second = start.midway.vertices[own.vertex.T]

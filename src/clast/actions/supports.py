@@ -44,7 +44,7 @@ class Supports:
     def finish(
         self, start: StepStart, own: None, share: Contribution, solution: Solution
     ) -> ActionResult:
-        """Return the work of the springs, what they store, and what a moving ground has done.
+        """Return the work of the springs, their stored energy, and the work of a moving ground.
 
         The ground moves the anchors by u under the forces of the step; that alone stretches a
         spring, by -u, if its block does not move.

@@ -3,10 +3,10 @@
     t = t_0 - (a rho c_p n n^T + b rho c_s t t^T) v + 2 (rho c_p n n^T + rho c_s t t^T) v_in
 
 is the traction on an edge with the outward normal n: v is its mean velocity d/h in the step, v_in
-that of a wave that comes up from below (only on edges that face down), and t_0 what the edge bore
-before: springs hold it until its dashpots begin, and their reaction then stays.  Two Gauss points
-an edge.  The dashpots take the energy v.C v h from a step, which cannot be negative; all work of
-the traction goes through the boundary.
+that of a wave that comes up from below (only on edges that face down), and t_0 the traction on the
+edge before: springs hold it until its dashpots begin, and their reaction then stays.  Two Gauss
+points an edge.  The dashpots take the energy v.C v h from a step, which cannot be negative; all
+work of the traction goes through the boundary.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Reaction:
-    """What the rock beyond the edges bears."""
+    """The reaction of the rock beyond the edges."""
 
     force: Floats
     """Force at the Gauss points, N/m, shape (k, 2, 2); springs that still hold add to it."""
@@ -39,7 +39,7 @@ class Reaction:
 
 @dataclass(frozen=True, kw_only=True)
 class _Acting:
-    """What acts at the Gauss points in a step; edge, point, component."""
+    """Forces at the Gauss points in a step; edge, point, component."""
 
     rows: Floats
     """T, shape (k, 2, 2, 6)."""
@@ -83,7 +83,7 @@ class BoundaryDashpots:
     def finish(
         self, start: StepStart, own: Reaction, share: Contribution, solution: Solution
     ) -> ActionResult:
-        """Return what went through the boundary, and what springs store that still hold."""
+        """Return the energy that left through the boundary, and that of springs that hold."""
         acting = self._acting(start, own)
         moved = _movement(acting.rows, solution.displacement[share.block])
         resisted = np.einsum("kgx,kxy,kgy->k", moved, acting.stiffness, moved)
@@ -118,7 +118,7 @@ class BoundaryDashpots:
         return self.stiffness * _along_and_across(normal, held.astype(np.float64))
 
     def _acting(self, start: StepStart, own: Reaction) -> _Acting:
-        """Return what acts in a step."""
+        """Return the forces of a step."""
         model, edges = start.model, start.model.viscous_edges
         at, length, normal = gauss_points(model, start.state.vertices)
         held = start.state.time < edges.begins - ROUNDING * start.step

@@ -3,8 +3,8 @@
     F_i = int T_i^T p n ds,    F_j = -int T_j^T p n ds
 
 A joint's water lies halfway between its two faces, and presses on both with the same p n ds there:
-the two forces and their moments cancel to the last bit, whatever the blocks do.  What contacts bear
-beside it is the effective stress.
+the two forces and their moments cancel to the last bit, whatever the blocks do.  The contact forces
+beside it are the effective stress.
 """
 
 from __future__ import annotations

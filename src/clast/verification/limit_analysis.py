@@ -16,6 +16,8 @@ from scipy.optimize import linprog
 
 from clast.model.model import Floats
 
+Bounds = tuple[float | None, None]
+"""Least and largest value of an unknown; None: unbounded."""
 GROUND = -1
 """Block number of the ground."""
 
@@ -94,33 +96,14 @@ class RigidBlocks:
 
 def largest_factor(blocks: RigidBlocks, dead: Floats, live: Floats) -> float:
     """Return the largest factor of ``live`` that is in equilibrium with ``dead``, loads (3 n,)."""
-    count = 3 * len(blocks.joints)
-    cost = np.zeros(count + 1)
-    cost[-1] = -1.0
     friction = np.hstack([blocks.friction(), np.zeros((2 * len(blocks.joints), 1))])
-    found = linprog(
-        cost,
-        A_ub=friction,
-        b_ub=np.zeros(len(friction)),
-        A_eq=np.hstack([blocks.equilibrium(), live[:, None]]),
-        b_eq=-dead,
-        bounds=[*_signs(blocks), (0.0, None)],
-    )
-    return float(found.x[-1])
+    bounds = [*_signs(blocks), (0.0, None)]
+    return -_least(_last_unknown(blocks), friction, blocks, dead, bounds, live)
 
 
 def least(blocks: RigidBlocks, dead: Floats, cost: Floats) -> float:
     """Return the least sum of ``cost`` times the unknowns (3 k,) in equilibrium with ``dead``."""
-    friction = blocks.friction()
-    found = linprog(
-        cost,
-        A_ub=friction,
-        b_ub=np.zeros(len(friction)),
-        A_eq=blocks.equilibrium(),
-        b_eq=-dead,
-        bounds=_signs(blocks),
-    )
-    return float(found.fun)
+    return _least(cost, blocks.friction(), blocks, dead, _signs(blocks))
 
 
 def reserve(blocks: RigidBlocks, dead: Floats) -> float:
@@ -133,20 +116,39 @@ def reserve(blocks: RigidBlocks, dead: Floats) -> float:
     above = np.zeros((len(ends), count + 1))
     above[np.arange(len(ends)), ends] = -1.0
     above[:, -1] = 1.0
-    cost = np.zeros(count + 1)
+    free: list[Bounds] = [(None, None)] * (count + 1)
+    return -_least(_last_unknown(blocks), above, blocks, dead, free, np.zeros(len(dead)))
+
+
+def _last_unknown(blocks: RigidBlocks) -> Floats:
+    """Return the cost (3 k + 1,) of the largest last unknown, after the forces of k joints."""
+    cost = np.zeros(3 * len(blocks.joints) + 1)
     cost[-1] = -1.0
+    return cost
+
+
+def _least(
+    cost: Floats,
+    above: Floats,
+    blocks: RigidBlocks,
+    dead: Floats,
+    bounds: list[Bounds],
+    live: Floats | None = None,
+) -> float:
+    """Return the least cost.x with above.x <= 0 and the blocks in equilibrium.
+
+    The unknowns are the joint forces (3 k,) and, with ``live``, the factor of these loads (3 n,).
+    """
+    equilibrium = blocks.equilibrium()
+    if live is not None:
+        equilibrium = np.hstack([equilibrium, live[:, None]])
     found = linprog(
-        cost,
-        A_ub=above,
-        b_ub=np.zeros(len(ends)),
-        A_eq=np.hstack([blocks.equilibrium(), np.zeros((len(dead), 1))]),
-        b_eq=-dead,
-        bounds=[(None, None)] * (count + 1),
+        cost, A_ub=above, b_ub=np.zeros(len(above)), A_eq=equilibrium, b_eq=-dead, bounds=bounds
     )
-    return float(found.x[-1])
+    return float(found.fun)
 
 
-def _signs(blocks: RigidBlocks) -> list[tuple[float | None, None]]:
+def _signs(blocks: RigidBlocks) -> list[Bounds]:
     """Return the bounds of N1, N2 and V of each joint."""
     return [(0.0, None), (0.0, None), (None, None)] * len(blocks.joints)
 

@@ -1,1 +1,1 @@
-"""Rock bolts: their forces, what their springs have been through, and what is said of it."""
+"""Rock bolts: their forces, the history of their springs, and their events."""

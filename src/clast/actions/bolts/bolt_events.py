@@ -1,4 +1,4 @@
-"""What has happened to bolts, in words: which yielded, broke, or lost their block."""
+"""The events of bolts in words: yielding, rupture, loss of their block."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MOST = 20
 def happened(
     model: Model, before: BoltStates, after: BoltStates
 ) -> list[tuple[float, str, str, str]]:
-    """Return what happened to bolts between two states of a run, in the order of time.
+    """Return the events of bolts between two states of a run, in the order of time.
 
     Time, s, kind, name of the bolt, and a sentence.  ``before`` and ``after`` are the own states of
     the action on bolts (``State.actions``); a block is lost between steps, and has no time.

@@ -1,4 +1,4 @@
-"""What the springs of bolts have been through."""
+"""The history of the springs of bolts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from clast.model.model import Bools, Floats, Ints
 
 @dataclass(frozen=True, kw_only=True)
 class BoltStates:
-    """What the m springs of bolts have been through."""
+    """The history of the m springs of bolts."""
 
     rest: Floats
     """Length at which it was installed l0, m, nan before, shape (m,)."""
@@ -38,7 +38,7 @@ class BoltStates:
 
     @property
     def state(self) -> Ints:
-        """Number of what it is: not installed, intact, yielded, broken, lost, shape (m,).
+        """Number of its state: not installed, intact, yielded, broken, lost, shape (m,).
 
         The names are ``clast.results.schema.BOLT_STATES``.
         """
@@ -48,7 +48,7 @@ class BoltStates:
         return np.where(self.lost, 4, found).astype(np.int64)
 
     def elongation(self, bolts: Bolts) -> Floats:
-        """Return F/s + p: what it is longer than without a force at the start, m, shape (m,)."""
+        """Return F/s + p: the elongation since the state without force, m, shape (m,)."""
         return np.asarray(self.force / bolts.stiffness + self.plastic)
 
     def energy(self, bolts: Bolts) -> Floats:

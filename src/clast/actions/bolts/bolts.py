@@ -44,10 +44,10 @@ class Bolting:
     def finish(
         self, start: StepStart, own: BoltStates, share: Contribution, solution: Solution
     ) -> ActionResult:
-        """Return what the bolts have done: they store energy, yield and break.
+        """Return the result of the bolts: they store energy, yield and break.
 
-        What jacks do, and what bolts are installed with, comes from outside as ``loads``; what was
-        in a bolt whose block is gone is taken out.
+        The work of jacks and the energy of installed pretension come from outside as ``loads``; the
+        energy of a bolt whose block is excavated is taken out.
         """
         model, bolts = start.model, start.model.bolts
         before = lengths(model, start.state.points[model.point_slices.bolts])
@@ -76,7 +76,7 @@ class Bolting:
     def events(
         self, model: Model, before: BoltStates, after: BoltStates
     ) -> Iterator[tuple[str, str, str]]:
-        """Give kind, name and sentence of what has happened to bolts in a step."""
+        """Yield kind, name and sentence of each event of bolts in a step."""
         for _, kind, name, text in happened(model, before, after):
             yield kind, name, text
 
@@ -107,7 +107,7 @@ def taken_up(model: Model, own: BoltStates, length: Floats) -> BoltStates:
 
 
 def stretched(bolts: Bolts, own: BoltStates, length: Floats, time: float) -> BoltStates:
-    """Return the springs at other lengths (m,), m: their forces, and what yields of them.
+    """Return the springs at other lengths (m,), m: their forces, and their yielding.
 
     Where a jack holds it the length at rest follows, so that it goes on from there when locked.
     """

@@ -1,8 +1,8 @@
 """A static run, or a static stage, is a path of equilibria.
 
 A static step begins at rest and solves (M/(theta tau^2) + K) d = F.  With the mass term it has a
-solution where blocks have no support, too; but it holds back what moves, so that a block slips on
-a base that carries it along, and the answer depends on tau.  So the *pseudo time step* tau has
+solution where blocks have no support, too; but it holds back moving blocks, so that a block slips
+on a base that carries it along, and the answer depends on tau.  So the *pseudo time step* tau has
 nothing to do with the time of loads and supports:
 
 - tau is long from the first step on, for what slips while mass bears has slipped for good; it grows
@@ -11,16 +11,16 @@ nothing to do with the time of loads and supports:
   Keyes 1998), and is cut where a step is rejected;
 - the time by which tables, the ground and relaxations go on stands still until the present
   increment is in balance;
-- what is out of balance when a stage begins, its weight, stress and loads, comes on at once.  Where
-  that breaks bonds it comes on by increments, each of them brought to balance, for what breaks
-  under all of the load may bear under what its neighbours leave it.
+- the imbalance at the start of a stage, of its weight, stress and loads, comes on at once.  Where
+  that breaks bonds it comes on by increments, each of them brought to balance, for bonds that break
+  under all of the load may hold under the part that their neighbours leave them.
 
 A process whose contacts need not settle in long steps (the modified one, with p tau^2/m below 6,
 and open-close iteration, whose sliding friction is that of the solve before) has steps of the
 length of the schedule, and time that does not wait: with it the mass term stays.
 
-Where step after step moves blocks and what drives them does not become less (failing.py), there is
-no equilibrium: the system *fails*, and the blocks that have moved are its mechanism.
+Where step after step moves blocks and their unbalanced force does not become less (failing.py),
+there is no equilibrium: the system *fails*, and the blocks that have moved are its mechanism.
 """
 
 from __future__ import annotations
@@ -61,9 +61,9 @@ COMFORT = 0.8
 FAR = 0.2
 """Movement in a step, in units of max_displacement, that is as far as it lets blocks go."""
 INCREMENTS = (1.0, 0.125, 0.03125)
-"""Share of what is out of balance that comes on at once: where bonds break the next is tried."""
+"""Share of the imbalance that comes on at once: where bonds break the next is tried."""
 SLOW = "If an equilibrium is farther away than that, raise time.max_displacement"
-"""What is said where so many steps went not far enough."""
+"""Message where so many steps went not far enough."""
 TOGETHER = 0.5
 """Movement, in units of the largest, of the blocks that a mechanism is made of."""
 
@@ -103,7 +103,7 @@ class OnPath:
     failure: Mechanism | None = None
     """How the system fails; None: it does not."""
     missing: Floats = field(default_factory=_no_forces)
-    """What was out of balance when the stage began, N/m and N, (n, 6); (0, 6) where it has come."""
+    """Imbalance when the stage began, N/m and N, (n, 6); (0, 6) where it has come."""
     reached: float = 0.0
     """Share of it that has come on and is in balance."""
     increment: float = INCREMENTS[0]
@@ -115,7 +115,7 @@ class OnPath:
 
     @property
     def load(self) -> float:
-        """Share of what was out of balance that acts in the present increment."""
+        """Share of the imbalance that acts in the present increment."""
         return min(1.0, self.reached + self.increment)
 
     @property
@@ -138,7 +138,7 @@ class StaticPath:
     def of(
         cls, model: Model, method: Method, schedule: Schedule, stage: Stage | None
     ) -> StaticPath | None:
-        """Return what leads a run or a stage; None where it is not static."""
+        """Return the path of a run or a stage; None where it is not static."""
         if method.dynamic_ratio > 0.0:
             return None
         judge = EquilibriumCheck(model=model, method=method, stage=stage or Stage(name=""))
@@ -167,7 +167,7 @@ class StaticPath:
         return model, method
 
     def judge_of(self, now: OnPath) -> EquilibriumCheck:
-        """Return what judges a step."""
+        """Return the equilibrium check of a step."""
         model, method = self.at(now, 0.0)
         return replace(self.judge, model=model, method=method)
 
