@@ -4,11 +4,13 @@
 #   WORKERS      processes for the tests
 #   PORT         port on which docs-serve shows the documentation site
 #   SINCE        branch or commit since which test-changed looks for changes
+#   BENCH_ARGS   arguments of clast bench, for example BENCH_ARGS="slope --size 100"
 #   PYTEST_ARGS  further arguments for pytest, for example PYTEST_ARGS="-k incline"
 
 PYTHON ?= python3
 WORKERS ?= 2
 PYTEST_ARGS ?=
+BENCH_ARGS ?= wall heap --size 1000
 SINCE ?= main
 PORT ?= 8000
 
@@ -18,7 +20,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help env env-test env-docs demo paper verify performance docs docs-serve reference warm test test-system test-long test-changed test-ci test-release compile-cost mutations format lint types layers check build clean distclean
+.PHONY: help env env-test env-docs digits bench sizes english demo paper verify performance docs docs-serve reference warm test test-system test-long test-changed test-ci test-release compile-cost mutations format lint types layers check build clean distclean
 
 help:
 	@echo "make env        make .venv, install clast in it and compile its kernels"
@@ -34,6 +36,9 @@ help:
 	@echo "make test-system, test-long   run whole runs; killed runs, threads, cold caches"
 	@echo "make test-changed   run core tests of what changed since main, and of what uses it"
 	@echo "make test-ci    run what CI runs; make test-release runs every test there is"
+	@echo "make digits     write hashes of short runs; once they are there, compare (minutes)"
+	@echo "make bench      time a wall and a heap of 1,000 blocks (BENCH_ARGS for others)"
+	@echo "make sizes      report lines and files by folder; make english counts words of docstrings"
 	@echo "make compile-cost   measure what each kernel costs to compile (minutes)"
 	@echo "make mutations  look whether core tests see a wrong sign (an hour)"
 	@echo "make format     format the code and sort its imports"
@@ -170,6 +175,20 @@ test-ci: env-test
 
 test-release: env-test
 	@$(PYTEST) --no-loadscope-reorder --undrawn --durations=20 $(PYTEST_ARGS)
+
+# written once, before a change, then compared; make clean forgets them
+digits: env
+	@if [ -f build/digits.json ]; then $(BIN)/python tools/digits.py --against; \
+	    else $(BIN)/python tools/digits.py --write; fi
+
+bench: env
+	@$(BIN)/clast bench $(BENCH_ARGS)
+
+sizes:
+	@$(PYTHON) tools/sizes.py
+
+english:
+	@$(PYTHON) tools/english.py --list
 
 compile-cost: $(VENV)/.stamp-env
 	@$(BIN)/python tools/compile_cost.py
