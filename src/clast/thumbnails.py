@@ -1,4 +1,4 @@
-"""What notebooks show of an object: a small drawing as SVG and a table, without any library."""
+"""Objects in notebooks: a small drawing as SVG and a table, without any library."""
 
 from __future__ import annotations
 

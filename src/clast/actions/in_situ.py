@@ -107,7 +107,7 @@ def _squares(direction: Floats) -> Floats:
 def loaded_parts(model: Model, stress: InSituStress) -> tuple[Ints, Floats]:
     """Return the parts of edges that the stress loads: edge (k,), share (k, 2).
 
-    Those on the sides that are named, or on the convex hull.  Where the top of the model bears
+    Those on the sides that are named, or on the convex hull.  Where the top of the model carries
     stress it is cut out of the rock at depth: then notches within the hull are loaded too.  Where
     it does not it is the ground surface, and so are the faces of slopes within the hull.
     """
@@ -122,7 +122,7 @@ def loaded_parts(model: Model, stress: InSituStress) -> tuple[Ints, Floats]:
 
 
 def _is_deep(model: Model, stress: InSituStress) -> bool:
-    """Return whether the top of the model bears stress."""
+    """Return whether the top of the model carries stress."""
     height = model.vertices[:, 1] + model.origin[1]
     top, bottom = np.abs(stress.at(np.array([height.max(), height.min()]))).max(axis=1)
     return bool(top > NOTHING * bottom)

@@ -43,7 +43,7 @@ class SupportForces:
         return replace(self, **{name: getattr(self, name)[kept] for name in OF_FORCES})
 
     def plus(self, others: SupportForces) -> SupportForces:
-        """Return these forces and others, with the blocks that are gone for these."""
+        """Return these forces and others, with the excavated blocks for these."""
         joined = {
             name: np.concatenate([getattr(self, name), getattr(others, name)]) for name in OF_FORCES
         }
@@ -68,7 +68,7 @@ def no_forces(gone: Bools) -> SupportForces:
 
 
 def gone_in(state: State) -> Bools | None:
-    """Return which blocks are gone in a state, shape (n,); None where nothing is ever excavated."""
+    """Return which blocks are excavated in a state, shape (n,); None where none ever is."""
     for own in state.actions:
         if isinstance(own, SupportForces):
             return own.gone

@@ -65,7 +65,7 @@ class BoundaryDashpots:
     """Stiffness of springs at each Gauss point before dashpots begin, N/m per m."""
 
     def begin(self, model: Model) -> Reaction:
-        """Return that nothing is borne yet, and springs hold."""
+        """Return that nothing is carried yet, and springs hold."""
         count = len(model.viscous_edges)
         return Reaction(force=np.zeros((count, 2, 2)), held=np.ones(count, np.bool_))
 
@@ -103,7 +103,7 @@ class BoundaryDashpots:
     def after(
         self, model: Model, own: Reaction, vertices: Floats, centroid: Floats, unknowns: Floats
     ) -> Reaction:
-        """Return the reaction when springs have borne d (n, 6), which moves nothing."""
+        """Return the reaction when springs have carried d (n, 6), which moves nothing."""
         block = model.viscous_edges.block
         at, _, _ = gauss_points(model, vertices)
         moved = _movement(_rows(at, centroid[block]), unknowns[block])

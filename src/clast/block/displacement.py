@@ -1,4 +1,4 @@
-"""The first-order displacement function T(x, y) of a block (Shi 1988), and what follows from it.
+"""The first-order displacement function T(x, y) of a block (Shi 1988), and its derivatives.
 
 A point at the offset (x, y) = (X - Xc, Y - Yc) from the centroid of its block is displaced by
 (u, v) = T(x, y) d, with the six unknowns d = (u0, v0, r0, ex, ey, gxy) of the block and
@@ -45,7 +45,7 @@ def plus_transposed(k, x, y, u, v):
 
 @kernel(forceinline=True)
 def powers_at(x, y):
-    """Return (1, x, y, x^2, xy, y^2) as vec6: what T^T C T is made of at an offset, m."""
+    """Return (1, x, y, x^2, xy, y^2) as vec6: the terms of T^T C T at an offset, m."""
     return six(1.0, x, y, x * x, x * y, y * y)
 
 

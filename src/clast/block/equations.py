@@ -1,4 +1,4 @@
-"""What each block contributes to the equations K d = F by itself."""
+"""The contribution of each block by itself to the equations K d = F."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def _elasticity(b, area, elasticity, matrix):
 
 @kernel()
 def _stress(b, area, stress, force):
-    """Add -A sigma to the strain rows of block b: initial stress and what has built up."""
+    """Add -A sigma to the strain rows of block b: the stress at the start of the step."""
     for i in range(3):
         force[b, 3 + i] -= area[b] * stress[b, i]
 

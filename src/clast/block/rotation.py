@@ -1,4 +1,4 @@
-"""Rotation rules: what the third unknown means and how a block is placed with it.
+"""Rotation rules: the meaning of the third unknown, and how a block is placed with it.
 
 To first order all three are the same; they differ in how the block is placed after the solve:
 a point at x from the centroid moves by u(x) = (u0, v0) + G x, E being the strain, R the rotation
@@ -18,7 +18,7 @@ from clast.model.model import Floats
 
 
 class RotationRule(Protocol):
-    """What the third unknown means, and the displacement gradient that follows from it."""
+    """The meaning of the third unknown, and the displacement gradient that follows from it."""
 
     def angle(self, unknown: Floats) -> Floats:
         """Return the rotation, rad, of the third unknown, same shape; nan where impossible."""

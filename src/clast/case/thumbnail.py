@@ -1,4 +1,4 @@
-"""What a notebook shows of a case: its blocks, and what it is run with."""
+"""A case in a notebook: its blocks, and its method."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def thumbnail_of(case: Case) -> str:
-    """Return a case as HTML; one that is not right yet says what is wrong."""
+    """Return a case as HTML; one with faults lists them."""
     chosen = case.method_.chosen
     rows: list[tuple[str, object]] = [
         ("process", chosen("process").name),

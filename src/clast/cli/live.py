@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def followed(
     output: Path, wanted: bool, at: str, progress: bool
 ) -> Iterator[bool | Callable[[Progress], None]]:
-    """Give what a run is to tell its progress: the page of ``output``, if it is wanted.
+    """Yield the watcher of a run: the page of ``output``, if it is wanted.
 
     The page stays, when the run is over, as long as somebody looks at it.
     """
@@ -52,7 +52,7 @@ def _stay(page: LivePage) -> None:
 
 
 def _address(written: str) -> str:
-    """Return where the page is to be; raises CaseError for what is no address."""
+    """Return where the page is to be; raises CaseError for a bad address."""
     from clast.pictures.live.leader import HERE
 
     host, colon, port = (written or HERE).rpartition(":")

@@ -17,7 +17,7 @@ MANY = 3000
 
 @kernel()
 def in_part(two, first, last):
-    """Return of two arrays (m,) what belongs to the contacts ``first`` to ``last`` - 1."""
+    """Return the parts of two arrays (m,) that belong to the contacts ``first`` to ``last`` - 1."""
     return two[0][first:last], two[1][first:last]
 
 

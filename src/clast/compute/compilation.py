@@ -1,4 +1,4 @@
-"""What is compiled while a program runs, and a clock that stands still meanwhile.
+"""Compilation while a program runs, and a clock that stands still meanwhile.
 
 numba announces every function that it compiles, and none that it finds on disk.  A kernel is
 compiled within the compilation of the kernel that calls it: the time of the outermost counts.

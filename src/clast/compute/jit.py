@@ -1,7 +1,7 @@
 """How kernels are compiled: once, kept on disk, and again when any kernel has changed.
 
-numba keeps what it has compiled beside each file and looks at the age of that file alone; a kernel
-that calls one of another file would go on with the old one after a change there.  So what is kept
+numba keeps compiled code beside each file and looks at the age of that file alone; a kernel that
+calls one of another file would go on with the old one after a change there.  So the compiled code
 of a file lies in a folder named after its text and that of every kernel file it uses.
 
 One thread works unless NUMBA_NUM_THREADS asks for more.  Threads come from OpenMP where numba has
@@ -14,8 +14,8 @@ second to import.  None of our kernels needs it; one that does (np.dot) asks aga
 compiled.
 
 Every iteration needs arrays as large as those that the one before has just given back.  Linux' C
-library would hand them to the system and ask for them again, which costs as much as a third of what
-is done with them, and by one thread: it is told to keep them.
+library would hand them to the system and ask for them again, which costs as much as a third of the
+work on them, and by one thread: it is told to keep them.
 """
 
 from __future__ import annotations
@@ -69,8 +69,8 @@ def load_arrays() -> None:
 
 
 KEPT_MEMORY = {-1: 2**30, -3: 2**28}
-"""glibc's M_TRIM_THRESHOLD and M_MMAP_THRESHOLD, bytes: free memory kept, and size of what is not
-kept at all."""
+"""glibc's M_TRIM_THRESHOLD and M_MMAP_THRESHOLD, bytes: free memory kept, and size of blocks that
+are not kept at all."""
 
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -78,7 +78,7 @@ PACKAGE = Path(__file__).resolve().parents[1]
 USES = re.compile(r"^from clast((?:\.\w+)*) import (\([^)]*\)|.*)$", re.MULTILINE)
 """An import of another module: `.folder.file import name`, or `.folder import file, file`."""
 KERNELS = re.compile(r"^from clast\.compute\b", re.MULTILINE)
-"""What a file says that has kernels."""
+"""The import in files that have kernels."""
 
 
 @cache
@@ -92,7 +92,7 @@ def text_of(file: Path) -> str:
 
 @cache
 def has_kernels(file: Path) -> bool:
-    """Return whether a file has kernels of its own, or belongs to what they are compiled with."""
+    """Return whether a file has kernels of its own, or belongs to the tools that compile them."""
     return file.parent.name == "compute" or bool(KERNELS.search(text_of(file)))
 
 

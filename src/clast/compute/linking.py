@@ -32,9 +32,9 @@ class Linked(JITCodeLibrary):
         self._linking_libraries.append(library)
 
     def _all_called(self) -> list[Any]:
-        """Return the code that is called, and what that calls, each after all that call it.
+        """Return the code that is called, and all that it calls, each after its callers.
 
-        LLVM leaves out what nothing calls of the code that is there already.
+        LLVM leaves out code that nothing of the present code calls.
         """
         found: dict[Any, None] = {}
 
@@ -49,7 +49,7 @@ class Linked(JITCodeLibrary):
         return list(found)[-2::-1]
 
     def _get_module_for_linking(self) -> Any:
-        """Return the code for others to take in; before it is finalised, without what it calls."""
+        """Return the code for others to take in; until it is finalised, without its callees."""
         if self._finalized:
             return super()._get_module_for_linking()
         module = self._final_module.clone()
@@ -99,8 +99,8 @@ class Kernel(CPUDispatcher):
     """A compiled function, which Python may call, and which other kernels take in."""
 
     kept_in: str | None = None
-    """Folder where what is compiled is kept and looked for, "" where numba chooses it, None where
-    it is not, or is open already.  It is opened at the first call: most kernels of a file are never
+    """Folder where compiled code is kept and looked for, "" where numba chooses it, None where it
+    is not, or is open already.  It is opened at the first call: most kernels of a file are never
     called, and opening takes half a millisecond for each."""
 
     def __init__(self, py_func: Any, locals: Any = None, targetoptions: Any = None) -> None:
@@ -109,7 +109,7 @@ class Kernel(CPUDispatcher):
 
     @cached_property
     def taken_in(self) -> Any:
-        """What other kernels call, made when the first of them is compiled.
+        """Code for other kernels, made when the first of them is compiled.
 
         Of a kernel that is found on disk nobody needs it.
         """
@@ -133,7 +133,7 @@ class Kernel(CPUDispatcher):
             SETTINGS.CACHE_DIR = usual
 
     def typeof_pyval(self, val: Any) -> Any:
-        """Return the type of what Python hands over.
+        """Return the type of a value from Python.
 
         Arrays of models and states are read-only to Python, others are not: to numba these would
         be two types, and every kernel would be compiled for both.  Kernels write into none that
@@ -146,7 +146,7 @@ class Kernel(CPUDispatcher):
         return self.taken_in.get_call_template(args, kws)
 
     def get_overload(self, sig: Any) -> Any:
-        """Return what stands for the code that another kernel calls."""
+        """Return the entry for the code that another kernel calls."""
         return self.taken_in.get_overload(sig)
 
 

@@ -8,9 +8,9 @@
     add(len(a), a, b, total)
 
 The body does the pieces ``first`` to ``last`` - 1 of a loop, and writes to places of their own.
-What ``shared`` makes of it takes the length of the loop first; ``summed`` makes a function that
-returns the sum of what the body returns of each part, in the order of the parts.  Parts do not
-depend on the number of threads, and so neither does any digit.
+The result of ``shared`` takes the length of the loop first; ``summed`` makes a function that
+returns the sum of the body's results for each part, in the order of the parts.  Parts do not depend
+on the number of threads, and so neither does any digit.
 
 Code for several threads takes longer to compile than all else.  A process that has one thread, as
 all have that do not ask for more by NUMBA_NUM_THREADS, compiles and keeps a plain loop instead, and
@@ -18,7 +18,7 @@ the body within it: that takes a third of the time of body and loop by themselve
 
 Threads are never equally fast: one may have to share its core or its part of the cache.  Halves of
 a loop would both wait for the slower thread; so each takes part after part of its own stretch, and
-when that is done parts of the others'.  Its own comes first, for what it has in its cache.
+when that is done parts of the others'.  Its own comes first, for the code in its cache.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ def _continue(context, builder, signature, arguments, result):
 
 
 def _disowned(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-    """Return an array, or what is in a tuple, without its owner."""
+    """Return an array, or the arrays of a tuple, without its owner."""
     if isinstance(kind, types.Array):
         array = cgutils.create_struct_proxy(kind)(context, builder, value=value)
         array.meminfo = cgutils.get_null_value(array.meminfo.type)
@@ -183,10 +183,10 @@ def borrowed(context, value):
 
 @dataclass(frozen=True)
 class Sharing:
-    """From how many on, and in what parts, threads share a loop."""
+    """The length of a loop from which threads share it, and the size of their parts."""
 
     part: int
-    """What a thread takes at a time."""
+    """Length of the part of a thread at a time."""
     many: int
     """Length of a loop from which threads share it; below, starting them costs more."""
 

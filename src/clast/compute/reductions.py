@@ -1,7 +1,7 @@
-"""What numpy's reductions say of a few numbers, in a fifth of their time.
+"""numpy's reductions of a few numbers, in a fifth of their time.
 
 numpy takes 2 us for the largest of eight numbers, a kernel 0.4 us.  Sums are numpy's, which adds up
-many numbers in parts: ``np.add.reduce`` is what ``sum`` comes to after two more calls.
+many numbers in parts:  ``sum`` calls ``np.add.reduce`` after two more calls.
 """
 
 from __future__ import annotations

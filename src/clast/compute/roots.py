@@ -1,10 +1,10 @@
-"""The kernels that Python calls, and the types that it calls them with: what a first run compiles.
+"""The kernels that Python calls, and the types that it calls them with: the work of a first run.
 
 A kernel that others call becomes part of them (compute/linking.py); only those that Python calls
 are kept on disk.  They are listed in roots.json, so that several processes can share the work of
-compiling them before anybody waits for it: `clast warmup` does so, and `make env` at its end.
-`python tools/compile_cost.py --write` lists them anew.  What the list lacks is compiled when it is
-first needed, as ever.
+compiling them before anybody waits for it:  `clast warmup` does so, and `make env` at its end.
+`python tools/compile_cost.py --write` lists them anew.  Kernels that are not listed are compiled
+when first needed, as ever.
 
 Types are written as numba has them: `float64`, `int64[2]` for an array of two dimensions in the
 order of C, `(bool, float64[1])` for a tuple.
@@ -85,7 +85,7 @@ def called() -> Iterator[Root]:
 
 
 def listed() -> dict[str, tuple[Root, ...]]:
-    """Return the list: what the first case of all needs, and what others need beside it."""
+    """Return the list: kernels of the first case of all, and those of others beside it."""
     content = json.loads(LISTED.read_text("utf-8"))
     return {key: tuple(Root(*one) for one in roots) for key, roots in content.items()}
 

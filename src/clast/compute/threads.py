@@ -1,4 +1,4 @@
-"""How many threads may take part in a run, and what becomes of them in a process that is forked.
+"""How many threads may take part in a run, and their fate in a process that is forked.
 
 GNU's OpenMP would wait for ever in a forked process for its threads, which did not come along, and
 numba ends a process that calls it there.  By one thread it is sound: it has nobody to wait for.  So
@@ -23,7 +23,7 @@ from clast.compute.parallel import BLOCKS
 def threads_worth(blocks: int) -> Iterator[None]:
     """Let one thread work alone, as long as this lasts, where there are too few ``blocks``.
 
-    Nothing that takes long is shared then, but calling the others for what is costs time.
+    Nothing that takes long is shared then, but calling the others for the rest costs time.
     """
     asked = numba.get_num_threads()
     if blocks < BLOCKS.many:

@@ -1,6 +1,6 @@
 """Six numbers in single precision at once, in one register for eight.
 
-What compute/vec6.py is for double precision: half of the bytes, and half of the instructions.  A
+The single precision form of compute/vec6.py: half of the bytes, and half of the instructions.  A
 value of type Eight is six numbers and two that do not count.  Vectors have rows of eight, (n, 8),
 whose last two numbers are zero; blocks are (n, 6, 6) as everywhere.
 
@@ -125,7 +125,7 @@ def lines(context, blocks, q):
 
 @operation
 def fetch(context, blocks, q, ahead):
-    """Ask the memory for what will be read, the block ``ahead`` blocks behind block q.
+    """Prefetch the memory of the block ``ahead`` blocks behind block q.
 
     It may lie behind the last block or before the first: asking for it does nothing then.
     """

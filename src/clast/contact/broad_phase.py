@@ -111,7 +111,7 @@ def _overlap(box, a, b):
 
 @kernel()
 def _collect(first, last, filed, slots, origin, occupied, pairs):
-    """Fill ``pairs`` with what overlaps boxes ``first`` to ``last`` - 1; return how many there are.
+    """Fill ``pairs`` with overlaps of boxes ``first`` to ``last`` - 1; return how many there are.
 
     There may be more than fit.  ``filed`` are boxes, which are fixed, levels, cells and blocks in
     the order in which they are filed, ``slots`` (s + 1,) the first of each slot of the hash table,

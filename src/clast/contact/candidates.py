@@ -20,7 +20,7 @@ class SearchDistance:
     """How far contact detection looks, m."""
 
     front: float
-    """In front of an edge, beside what the blocks may move."""
+    """In front of an edge, beside the movement of the blocks."""
     depth: float
     """Behind an edge, beyond the remembered penetration: how deep a vertex may have moved."""
     critdis: float
@@ -130,7 +130,7 @@ def find_candidates(
 def _found(outlines: Any, near: Any, looks: Any) -> tuple[Any, ...]:
     """Return group starts, vertices and edges; of each candidate pair, gap and way along the edge.
 
-    From what the kernels take (contact/narrow_phase.py).
+    From the output of the kernels (contact/narrow_phase.py).
     """
     count = len(near[0])
     parts = max(1, -(-count // PART))

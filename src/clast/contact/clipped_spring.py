@@ -75,7 +75,7 @@ class Clipped:
         return self.at_zero, self.stiffness, self.low, self.high
 
     def taken_at(self, place: Floats, start: Floats) -> Clipped:
-        """Return the springs that bear at x what these do at a ``place`` between start and x.
+        """Return springs with these forces at x, taken at a ``place`` between start and x.
 
         ``start`` (m,), m, is the stretch there, ``place`` (m,) 0 at the start and 1 at x.
         """
@@ -145,7 +145,7 @@ class Springs:
         )
 
     def at(self, gap: Floats, slip: Floats) -> Forces:
-        """Return what the springs bear at gaps and slips (m,), m."""
+        """Return the forces of the springs at gaps and slips (m,), m."""
         return Forces(*forces_at(gap, slip, self.arrays))
 
     def energy(self, gap: Floats, slip: Floats) -> float:
@@ -164,7 +164,7 @@ NO_COUPLING: Floats = np.zeros(0)
 
 @dataclass(frozen=True)
 class Forces:
-    """What springs bear, and how stiff they are."""
+    """Forces of springs, and their stiffness."""
 
     normal_force: Floats
     """N, N/m, compression positive, shape (m,)."""

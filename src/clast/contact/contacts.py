@@ -1,4 +1,4 @@
-"""Contacts of one step as flat arrays, and what a contact law answers."""
+"""Contacts of one step as flat arrays, and the answer of a contact law."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ class ContactResponse:
 
 @dataclass(frozen=True, kw_only=True)
 class SpringLimits:
-    """Linear springs with bounds: what a law offers whose forces are clipped straight lines.
+    """Linear springs with bounds: offered by a law whose forces are clipped straight lines.
 
     N = max(-tension, rest_force + multiplier - p gap), T = shear_force - k slip within +-strength.
     """
@@ -152,7 +152,7 @@ class SpringLimits:
     shear_stiffness: Floats
     """k, N/m per m, shape (m,)."""
     tension: Floats
-    """Tension that the contact bears, N/m, >= 0, shape (m,)."""
+    """Tension that the contact carries, N/m, >= 0, shape (m,)."""
     strength: Floats
     """Largest shear force, N/m, >= 0, shape (m,)."""
 

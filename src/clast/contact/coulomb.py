@@ -3,7 +3,7 @@
     N >= -sigma_t L        |T| <= N tan(phi) + c L
 
 L is the length of joint that a contact stands for; compression is positive.  Cohesion counts where
-the joint is pressed together, or bears tension: |T| = 0 where N = 0 and sigma_t = 0, by whatever
+the joint is pressed together, or carries tension: |T| = 0 where N = 0 and sigma_t = 0, by whatever
 normal force friction is bounded, so that a face has nothing to lose as it opens.  The shear force
 follows its spring from the remembered one, T = T_old - k s, and is returned to the bound (Shi 1988:
 lock, slide, open).  A bond ends with the step in which it reaches its tension, or, if the joint is
@@ -23,14 +23,14 @@ from clast.contact.contacts import LOCK, OPEN, SLIDE, Contacts
 from clast.model.model import Floats
 
 Found = tuple[Floats, Floats, Floats, Floats, Floats, Any, Any, Floats, Floats]
-"""What kernels write of each contact (m,): N, T, -dN/dgap, -dT/dslip, dT/dN, mode, bond, energy,
+"""Output of kernels for each contact (m,):  N, T, -dN/dgap, -dT/dslip, dT/dN, mode, bond, energy,
 loss; the fields of a ContactResponse."""
 
 
 def strengths_of(contacts: Contacts) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """Return tan(phi), c, sigma_t, Pa, L, m, and residual c, Pa, of contacts, for kernels.
 
-    (m,) each.  c and sigma_t are what is left; the last is nan where slip leaves bonds whole.
+    (m,) each. c and sigma_t are the remaining ones; the last is nan where slip leaves bonds whole.
     """
     strengths = contacts.friction, contacts.cohesion, contacts.tensile_strength
     return *strengths, contacts.length, contacts.residual_cohesion
@@ -54,9 +54,9 @@ def nothing_found(count: int) -> Found:
 
 @kernel(forceinline=True)
 def shear_strength(normal, friction, cohesion, length, tension):
-    """Return N tan(phi) + c L, N/m, not below 0; what is no number stays none.
+    """Return N tan(phi) + c L, N/m, not below 0; NaN propagates.
 
-    What is not pressed together and bears no ``tension``, N/m, has no cohesion either.
+    A contact that is not pressed together and has no ``tension``, N/m, has no cohesion either.
     """
     bound = normal * friction + cohesion * length
     return 0.0 if (bound < 0.0) | ((normal <= 0.0) & (tension == 0.0)) else bound
@@ -64,7 +64,7 @@ def shear_strength(normal, friction, cohesion, length, tension):
 
 @kernel(forceinline=True)
 def tension_of(tensile_strength, length):
-    """Return the largest tension that a contact bears, sigma_t L, N/m."""
+    """Return the largest tension that a contact carries, sigma_t L, N/m."""
     return tensile_strength * length
 
 
@@ -75,9 +75,8 @@ def resist(slip, k, strengths, memory, normal, bears, counts):
     ``strengths`` are tan(phi), c, sigma_t, length and residual c, ``memory`` the bond, T_old and
     the N that bounds friction, numbers of one contact (``strengths_of``, ``memory_of``).
     ``normal`` is its N, N/m; ``bears``: whether it is pressed together; ``counts``: whether it may
-    bear shear.
-    What the spring does not take up of a slip is lost.  Without any strength there is nothing to
-    stick to, even at rest.
+    carry shear.  The part of a slip that the spring does not take up is lost.  Without any strength
+    there is nothing to stick to, even at rest.
     """
     friction, cohesion, tensile_strength, length, residual = strengths
     bonded, shear_force, friction_base = memory
@@ -118,7 +117,7 @@ def of_joint_or_law(of_joint, of_law):
 
 @shared(CONTACTS, error_model="numpy")
 def answer_with_friction(first, last, slip, k, strengths, memory, found):
-    """Write what contacts ``first`` to ``last`` - 1 answer to slips under a given N.
+    """Write the answer of contacts ``first`` to ``last`` - 1 to slips under a given N.
 
     N (m,) stands in ``found``, in N/m; energies become those of the shear spring alone.
     ``k`` are the stiffness of the law and those that joints give (m,), N/m per m, and the shares of
@@ -145,7 +144,7 @@ def answer_with_friction(first, last, slip, k, strengths, memory, found):
 
 @shared(CONTACTS)
 def limits_of_contacts(first, last, stiffnesses, strengths, base, found):
-    """Write the springs of contacts ``first`` to ``last`` - 1, and what they bear at most.
+    """Write the springs of contacts ``first`` to ``last`` - 1, and their strength.
 
     p, k, tension and shear force (m,), N/m per m and N/m, into ``found``.  ``base`` (m,) are the
     normal forces that bound friction, N/m.
@@ -161,7 +160,7 @@ def limits_of_contacts(first, last, stiffnesses, strengths, base, found):
 
 
 def largest_forces(contacts: Contacts, normal: Floats) -> tuple[Floats, Floats]:
-    """Return the tension and the shear force that contacts bear at most, N/m, (m,) each.
+    """Return the tension and the shear force that contacts carry at most, N/m, (m,) each.
 
     ``normal`` (m,) are the normal forces that bound friction, N/m.
     """

@@ -30,10 +30,11 @@ TAKEN_BACK = 1.01
 SHALLOW = 1e-3
 """New crossings less deep than this are left alone, in units of critdis."""
 NEIGHBOUR = 1.5
-"""A new crossing less deep than this times what touches one of the blocks anyway is left alone: a
-corner that bears on a surface is below the next block's corner before it comes upon that block."""
+"""A new crossing less deep than this times the penetration of other contacts of one of the blocks
+is left alone: a corner that rests on a surface is below the next block's corner before it comes
+upon that block."""
 HANDED_ON = 2.0
-"""How much deeper than what the pair remembers a contact may be that takes over from another."""
+"""How much deeper than the memory of the pair a contact may be that takes over from another."""
 PAIRWISE = 256
 """Edges are tried each against each where that takes no more trials; else by a sweep."""
 NEAR = 10.0
@@ -61,8 +62,8 @@ def with_crossings(
     block, ``of_vertices`` the block of each vertex (nv,) and its first row in the memory (nv + 1,),
     ``front`` (n,) how far the vertices of each block may have moved in a step, m.  A contact that
     was closed at the end of the last step goes on where it explains a crossing, however shallow
-    that is by now: its spring still bears.  Else the shorter way out of it becomes a contact, if a
-    step's motion or what the pair remembers explains it.
+    that is by now: its spring still carries.  Else the shorter way out of it becomes a contact, if
+    a step's motion or the memory of the pair explains it.
     """
     vertex, edge, pair, gap = chosen
     outlines, box = outlines[:3], outlines[3]
@@ -170,8 +171,8 @@ def _is_at_a_corner(a, e, bounds, floor, vertices, direction):
     """Return whether edges cross for no more than ``floor``, m, that one stands out at a corner.
 
     Where corners of two blocks meet, edges that lie nearly in line cross next to both.  The far end
-    of one may lie far behind the other, by as much as they bend, but taken back along an edge by
-    what stands out there the blocks do not overlap any more.
+    of one may lie far behind the other, by as much as they bend, but moved back along an edge by
+    the projection there the blocks do not overlap any more.
     """
     b, f = vertex_after(a, bounds[0], bounds[1]), vertex_after(e, bounds[2], bounds[3])
     out, x, y = sideways(a, b, e, f, vertices, direction)
@@ -212,7 +213,7 @@ def _is_accounted_for(crossing, way_out, span, contacts, share, outlines):
     """Return whether contacts of a ``span`` (first, last + 1) end a crossing if taken back.
 
     One of them, or two of different directions together: a vertex in a re-entrant corner.  Only
-    those near the crossing count: what holds one end of two faces does not hold the other.
+    those near the crossing count: a contact at one end of two faces does not hold the other.
     """
     a, e, bounds, lower = crossing
     vertices, direction, _ = outlines
@@ -240,7 +241,7 @@ def _is_accounted_for(crossing, way_out, span, contacts, share, outlines):
 
 @kernel()
 def _window(box, i, j):
-    """Return what the boxes of two blocks share: xmin, ymin, xmax, ymax, m."""
+    """Return the overlap of the boxes of two blocks: xmin, ymin, xmax, ymax, m."""
     return (
         max(box[i, 0], box[j, 0]),
         max(box[i, 1], box[j, 1]),
@@ -323,8 +324,8 @@ def _of_pair(couples, crossed, span, contacts, limits, outlines, room, found):
 
     ``crossed`` are the first and last + 1 vertex of the pair's blocks and the lower block.
     ``limits`` are the share, the depth from which a crossing counts in any pair, and that from
-    which it counts in this one.  ``found`` are there already; what exceeds the ``room`` is counted
-    only.
+    which it counts in this one.  ``found`` are there already; those that exceed the ``room`` are
+    counted only.
     """
     vertices, direction, _ = outlines
     bounds, lower = crossed
@@ -393,13 +394,12 @@ def unseen(outlines, box, pairs, contacts, pair, limits, bore):
     """Return the crossings of edges that no contact accounts for.
 
     Of ``pairs`` (q, 2) of blocks: the two edges, that of the pair's lower block first, (k, 2);
-    vertex and edge of the shorter way out, (k, 2); its length, m, and the pair, (k,).
-    ``outlines`` are vertices (nv, 2), directions of the
-    edges that start there and the first vertex of each block, ``box`` (n, 4) their boxes;
-    ``contacts`` vertex, edge and gap (m,), m, in the order of their ``pair`` (m,), and the block of
-    each vertex.  ``limits`` are the share of a contact's penetration that, taken back, undoes what
-    it accounts for, and the depth from which a crossing counts, m; where the pair ``bore`` (q,) by
-    a contact that is no more, any depth does.
+    vertex and edge of the shorter way out, (k, 2); its length, m, and the pair, (k,).  ``outlines``
+    are vertices (nv, 2), directions of the edges that start there and the first vertex of each
+    block, ``box`` (n, 4) their boxes; ``contacts`` vertex, edge and gap (m,), m, in the order of
+    their ``pair`` (m,), and the block of each vertex.  ``limits`` are the share of a contact's
+    penetration that, taken back, undoes the overlap it accounts for, and the depth from which a
+    crossing counts, m; where the pair ``bore`` (q,) by a contact that is no more, any depth does.
     """
     size = 64
     while True:

@@ -1,4 +1,4 @@
-"""From the blocks' outlines to the contacts of a step, and what has jumped past all contacts.
+"""From the blocks' outlines to the contacts of a step, and jumps past all contacts.
 
 Broad phase (boxes) -> candidate edges (signed gap to the lengthened edge, entrance test) ->
 corner rule -> contacts with their memory, strength and levers.
@@ -129,9 +129,9 @@ class _Sought:
     fixed: Bools
     """Those that cannot move, shape (o,)."""
     gone: Bools
-    """Those of blocks that are gone, shape (o,)."""
+    """Those of excavated blocks, shape (o,)."""
     memory: ContactMemory
-    """What contacts remember, by these numbers."""
+    """Memory of contacts, by these numbers."""
     row: Ints
     """Row of the state's memory that each row of it is, shape (r,), where these differ."""
     owners: Ints
@@ -338,7 +338,7 @@ def _carried(
     memory: ContactMemory,
     ways: tuple[Ints, Floats],
 ) -> dict[str, Any]:
-    """Return what contacts remember, (m,) each by its name.
+    """Return the memory of contacts, (m,) each by its name.
 
     ``row`` (m,) is the row of a contact in the memory or -1: then it carries nothing, and it is
     bonded where the gap is within ``bond_reach``, m.  ``ways`` are the edge of each contact (m,)
@@ -372,7 +372,7 @@ def _carried(
 
 @shared(CONTACTS)
 def _carry(first, last, row, gap, bond_reach, memory, carried):
-    """Write what contacts ``first`` to ``last`` - 1 remember."""
+    """Write the memory of contacts ``first`` to ``last`` - 1."""
     bonded, cohesive, mode, shear_force, normal_force, multiplier, rest_force, slip, way = memory
     known, intact, holding, modes, shear, normal, multipliers, rests, slips, ways = carried
     for c in range(first, last):
@@ -393,7 +393,7 @@ def _carry(first, last, row, gap, bond_reach, memory, carried):
 def _turn_rest_forces(first, last, row, before, ways, forces):
     """Keep the direction of rest forces of contacts ``first`` to ``last`` - 1, whatever the edge.
 
-    A rest force belongs to the face that bore it before the run.  Where its vertex has passed to
+    A rest force belongs to the face that carried it before the run.  Where its vertex has passed to
     the next edge of the block, the same force has other shares along normal and edge.  ``before``
     are the edges in the memory.
     """
@@ -417,7 +417,7 @@ def _turn_rest_forces(first, last, row, before, ways, forces):
 def find_tunnelled(
     model: Model, before: Floats, vertices: Floats, memory: ContactMemory, near: VerletList
 ) -> tuple[float, int, int]:
-    """Return depth beyond what contacts know, m, vertex and block of the deepest jump.
+    """Return depth beyond that of contacts, m, vertex and block of the deepest jump.
 
     From where the vertices (nv, 2) were ``before`` the step.  (0, -1, -1) where no vertex has got
     deeper into a block than the contacts of the two have.

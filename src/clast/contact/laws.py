@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @shared(CONTACTS, error_model="numpy")
 def answer_of_springs(first, last, gap, slip, stiffnesses, strengths, memory, found):
-    """Write what contacts ``first`` to ``last`` - 1 answer to gaps and slips: see ``springs``.
+    """Write the answer of contacts ``first`` to ``last`` - 1 to gaps and slips: see ``springs``.
 
     In a minimisation (friction bound given) a contact that just touches counts with its stiffness:
     at the kink either is a derivative, and it is about to close.
@@ -97,10 +97,10 @@ def with_friction(
     """Return any normal force with a shear spring and Coulomb friction, for laws of one's own.
 
     The shear force is that of ``springs``, bounded by |T| <= N tan(phi) + c L with N the
-    ``normal_force`` (m,), N/m, or what ``contacts.friction_base`` gives.  ``normal_stiffness`` (m,)
-    is -dN/dgap, N/m per m, ``energy`` (m,) the work that N has stored, J/m; that of the shear
-    spring is added.  ``slip`` (m,) in m, ``shear_stiffness`` in N/m per m, where the joint of a
-    contact gives none.
+    ``normal_force`` (m,), N/m, or that of ``contacts.friction_base``.  ``normal_stiffness`` (m,) is
+    -dN/dgap, N/m per m, ``energy`` (m,) the work that N has stored, J/m; that of the shear spring
+    is added.  ``slip`` (m,) in m, ``shear_stiffness`` in N/m per m, where the joint of a contact
+    gives none.
     """
     found = nothing_found(len(slip))
     found[0][:] = normal_force
@@ -129,7 +129,7 @@ def _stiffnesses(
 
 
 def _response(found: Found) -> ContactResponse:
-    """Return what kernels have found, by its names."""
+    """Return the output of kernels, by its names."""
     normal, shear, kn, ks, coupling, mode, bonded, energy, loss = found
     return ContactResponse(
         normal_force=normal,
@@ -218,7 +218,7 @@ class Carried:
     carries: ClassVar[bool] = True
 
     def first(self, remembered: Floats) -> Floats:
-        """Return what is remembered, shape (m,)."""
+        """Return the remembered multipliers, shape (m,)."""
         return remembered
 
 
@@ -228,7 +228,7 @@ class AugmentedLagrangian:
 
     Reset at each step, n solves leave beta/((1 + beta)^n - 1) of the penalty law's penetration,
     beta = p h2/(2 m) with m the mass per contact: 1/n for a soft spring.  A joint with a normal
-    stiffness of its own gives way by what that says: its contacts have no multipliers.
+    stiffness of its own gives way by that: its contacts have no multipliers.
     """
 
     normal_stiffness: float = 1e9

@@ -222,10 +222,10 @@ def renew(
 ) -> ContactMemory:
     """Return the memory after a step; ``gap`` (m,) at its end and ``slip`` (m,) in it, m.
 
-    Slip adds up from the step on in which a contact is made, also while it is open for a while;
-    the length of sliding only while it slides, without what its shear spring will give back.
-    A contact that has opened forgets its shear force, and what it bore at the start; one that is
-    open further than critdis loses its bond and all cohesion.
+    Slip adds up from the step on in which a contact is made, also while it is open for a while; the
+    length of sliding only while it slides, without the elastic part of its shear spring.  A contact
+    that has opened forgets its shear force, and its force at the start; one that is open further
+    than critdis loses its bond and all cohesion.
     """
     count = len(gap)
     cohesive = contacts.cohesive & ~torn(contacts, response)

@@ -1,4 +1,4 @@
-"""What processes need of a law that may or may not have Lagrange multipliers."""
+"""The interface of processes to a law that may or may not have Lagrange multipliers."""
 
 from __future__ import annotations
 

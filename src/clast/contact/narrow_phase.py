@@ -8,8 +8,8 @@ the edge that starts at each, the block of each (nv,) and the first vertex of ea
 ``own`` are the two edges of a vertex, pointing away from it, (ax, ay, bx, by); ``shift`` (nv, 2) is
 how far the velocities would carry each vertex in the step, m; ``distances`` are how far to look, m,
 in front of an edge, behind it, beyond an end where corners coincide (critdis), and for a tip;
-``bearing`` is what blocks stand on, and where outlines go on over joints (contact/seams.py).  The
-last three together are ``looks``.
+``bearing`` has the ground of each block, and where outlines go on over joints (contact/seams.py).
+The last three together are ``looks``.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ PART = CONTACTS.part
 def _foot_allowance(e, own, beyond_end, distances, direction):
     """Return how far beyond the end of edge e the foot may lie, m.
 
-    critdis where the vertex's own edge runs back along the candidate edge within 3 degrees (face
-    to face: the corners coincide, as in walls and arches); else what is allowed to a tip.  Without
-    this distinction a tip that passes beside a corner would be held by air.
+    critdis where the vertex's own edge runs back along the candidate edge within 3 degrees (face to
+    face: the corners coincide, as in walls and arches); else the allowance of a tip.  Without this
+    distinction a tip that passes beside a corner would be held by air.
     """
     ax, ay, bx, by = own
     tx, ty = direction[e, 0], direction[e, 1]
@@ -116,7 +116,7 @@ def _passes_by(p, e, gap, at_end, own, shift, outlines):
     """Return True if vertex p stands at the very end of edge e, flush with the next edge there.
 
     Its block lies beyond that end then, as two blocks do that meet corner to corner across a joint:
-    moving towards e it would slide along the next edge and not come to bear on this one, unless the
+    moving towards e it would slide along the next edge and not come to rest on this one, unless the
     step's motion takes it in.
     """
     vertices, direction, length, vertex_block, block_start = outlines
@@ -243,7 +243,7 @@ def _is_candidate(p, e, gap, along, own, outlines, looks):
 def _of_vertex(p, edges, outlines, looks, room, found):
     """Append the candidate edges among ``edges`` (first, last + 1) for vertex p; return the count.
 
-    What exceeds the ``room`` (edge, gap, along) is counted only.
+    Those that exceed the ``room`` (edge, gap, along) are counted only.
     """
     vertices, direction, _, vertex_block, block_start = outlines
     out_edge, out_gap, out_along = room
@@ -354,7 +354,7 @@ def candidates_of_parts(first, last, most, outlines, near, looks, room, found):
 
 @shared(EACH)
 def join_parts(first, last, most, found, room, joined):
-    """Copy what parts ``first`` to ``last`` - 1 have found behind what those before have found."""
+    """Copy the results of parts ``first`` to ``last`` - 1 behind those of the parts before."""
     for part in range(first, last):
         at, group = found[:part, 0].sum(), found[:part, 1].sum()
         begin = part * (most + 1)

@@ -1,6 +1,6 @@
-"""Seams: blocks that lie flush make one surface, and what they cover is no entrance.
+"""Seams: blocks that lie flush make one surface, and covered faces are no entrance.
 
-A vertex that bears lies below its surface by N/p.  Where the surface goes on over a joint it so
+A vertex that carries lies below its surface by N/p.  Where the surface goes on over a joint it so
 lies in front of the next block's side face, and below its top.  A body that is not pressed in would
 pass above the corner there: it can come in through the top, but not through the side.
 
@@ -10,7 +10,7 @@ well and one of the two blocks stands on a third, facing as f does, on a surface
 - the other block's corner (C or V) does not stand out of by more than the contacts give way, and
 - the standing block's own corner (V or C) does not hang below by more than it is pressed in.
 
-What the contacts give way is the penetration with which the block stands there, and how far the
+The settlement of the contacts is the penetration with which the block stands there, and how far the
 block below has been pressed down with it: the sum of the penetrations under it, block by block, and
 of the shortening of these blocks.  A higher step is an obstacle.  At a free corner, where no third
 block makes a surface, the corner rule alone decides.
@@ -46,7 +46,7 @@ def rows_by_block(memory, vertex_block, block_count, critdis):
     """Return the first memory row of each block, (block_count + 1,), and these rows, (2 k,).
 
     ``memory`` are its vertices, the blocks of its edges, and its gaps (r,), m.  Each row belongs to
-    the block of its vertex and to the block of its edge, k rows in all: nothing stands on what is
+    the block of its vertex and to the block of its edge, k rows in all: nothing stands on a block
     farther than ``critdis``, m, away, which is remembered only because blocks are fast.
     """
     vertex, block, gap = memory
@@ -68,7 +68,7 @@ def rows_by_block(memory, vertex_block, block_count, critdis):
 
 @kernel()
 def _surface(row, block, bearing, vertices, direction, vertex_block):
-    """Return the surface on which ``block`` stands by a remembered contact, and what gives way.
+    """Return the surface on which ``block`` stands by a remembered contact, and its settlement.
 
     A point of it, its normal (towards the block), the other block, and the penetration, m.
     """
@@ -98,7 +98,7 @@ def _shortening(block, nx, ny, outlines, strain):
 
 @kernel()
 def _settlement(block, nx, ny, outlines, bearing):
-    """Return how far a block has been pressed down against (nx, ny), m: its own and what is below.
+    """Return how far a block has been pressed down against (nx, ny), m: its own and that below.
 
     From block to block, each by the contact in which it is pressed in most.
     """
@@ -152,7 +152,7 @@ def _is_flush(block, side, top, own, other, scale, outlines, bearing):
 
     The surface is that of a third block, or of the second one beyond a step or a notch of it.
     ``other``, a vertex of the second, does not stand out of it, and ``own``, a vertex of this one,
-    does not hang below it, but for what gives way.  An edge that faces as the surface does, with
+    does not hang below it, but for the settlement.  An edge that faces as the surface does, with
     normal ``side``, is part of it and no side face.
     """
     vertices, direction, _, vertex_block, _ = outlines
@@ -265,7 +265,7 @@ def _end_of(e, vertex_block, block_start):
 def _is_level(v, e, side, outlines, bearing):
     """Return True if the corner at vertex v is flush with that of the edge e beyond the joint.
 
-    But for what the blocks of both have given way.  ``side`` is 0 where e comes before v.
+    But for the settlement of the blocks of both.  ``side`` is 0 where e comes before v.
     """
     vertices, direction, length, vertex_block, block_start = outlines
     i, k = vertex_block[v], vertex_block[e]
@@ -284,7 +284,7 @@ def _is_level(v, e, side, outlines, bearing):
 
 @kernel()
 def is_no_corner(v, j, nx, ny, own, outlines, bearing):
-    """Return True if v, with what lies flush beside it, is no vertex that could enter block j.
+    """Return True if v, with flush blocks beside it, is no vertex that could enter block j.
 
     Over an edge with the normal (nx, ny); ``own`` (ax, ay, bx, by) are the vertex's two edges,
     pointing away from it.
@@ -346,7 +346,7 @@ def _runs_along(x, y, e, inwards, direction):
 def _has_given_way(p, block, v, f, outlines, bearing):
     """Return how far the block of edge f has given way under vertex p of another one, m.
 
-    And that one to vertex v of the block of f; with it what is below the block of f.
+    And that one to vertex v of the block of f; with it the blocks below the block of f.
     """
     _, direction, _, vertex_block, _ = outlines
     below = vertex_block[f]
@@ -359,8 +359,8 @@ def stands_beyond(p, e, at_end, inside, own, outlines, bearing):
     """Return True if vertex p and edge e overlap only as one block overhangs a joint of the other.
 
     Near one end of e: p's block lies on the edge beyond the joint there, or the block of e on the
-    edge beyond the joint at p.  They overlap by ``inside``, m; it is no more than what that edge
-    and what is below it have given way.
+    edge beyond the joint at p.  They overlap by ``inside``, m; it is no more than the settlement of
+    that edge and below it.
     """
     _, direction, length, vertex_block, block_start = outlines
     i, j = vertex_block[p], vertex_block[e]

@@ -17,8 +17,8 @@ from clast.contact import broad_phase
 from clast.model.model import Bools, Floats, Ints
 
 SPARE = 8.0
-"""By how much boxes are wider than asked for, in units of what they are widened by in any case: the
-steps, more or less, that a moving block takes before pairs must be found again."""
+"""By how much boxes are wider than asked for, in units of their least widening: the steps, more or
+less, that a moving block takes before pairs must be found again."""
 WIDEST = 0.25
 """And in units of the mean side of the box itself at most, so that few pairs are kept in vain."""
 
@@ -58,8 +58,8 @@ def neighbourhood_of(
 class VerletList:
     """Pairs of blocks near each other, kept for as long as they serve (Verlet 1967).
 
-    A run has one of its own, which may be thrown away at any time: what it answers is a function of
-    what is asked alone.
+    A run has one of its own, which may be thrown away at any time: its answer is a function of the
+    arguments alone.
     """
 
     def __init__(self) -> None:

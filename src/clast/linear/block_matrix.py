@@ -187,9 +187,9 @@ def coupled_pairs(upper):
 
 @shared(BLOCKS)
 def _left_over(first, last, diagonal, upper, rows, coupled, found):
-    """Write the translational stiffness of blocks, what is left of it, and its share (n, 3).
+    """Write the translational stiffness of blocks, its remainder, and its share (n, 3).
 
-    What is left is K_ii + sum of K_ij, its translations alone; its share is that in the weakest
+    The remainder is K_ii + sum of K_ij, its translations alone; its share is that in the weakest
     direction.  Blocks that are coupled to none have 0, 0 and 1.
     """
     right, left, listed = rows

@@ -1,8 +1,8 @@
 """The coarse space of the preconditioner: aggregates of blocks that move as one block.
 
-A factor without fill settles what neighbours do to each other, and takes many iterations for what
-moves many blocks at once.  That is left to aggregates of neighbouring blocks, whose system is
-solved exactly, and the two are added (Nicolaides 1987; Bramble, Pasciak and Xu 1990):
+A factor without fill settles the exchange between neighbours, and takes many iterations for
+movements of many blocks at once.  That is left to aggregates of neighbouring blocks, whose system
+is solved exactly, and the two are added (Nicolaides 1987; Bramble, Pasciak and Xu 1990):
 
     B = (L D L^T)^-1 + P (P^T K P)^-1 P^T
 
@@ -51,7 +51,7 @@ more would need fewer iterations, and cost more to factorise than those."""
 def _select(order, place, low, middle, high):
     """Sort order[low:high] so far that all before ``middle`` have no larger ``place``, in place.
 
-    Hoare's selection: what is not to be told apart may be on either side.
+    Hoare's selection: equal values may be on either side.
     """
     first, last = low, high - 1
     while first < last:
@@ -87,8 +87,8 @@ def _longer_side(order, centroid, low, high):
 def bisected(centroid, number):
     """Return the aggregate (n,) of each block: 0 to ``number`` - 1, which is a power of two.
 
-    Blocks are halved across the longer side of what they fill, and halved again; ``centroid``
-    (n, 2), m, says where they are.  There are at least as many blocks as aggregates.
+    Blocks are halved across the longer side of their common box, and halved again; ``centroid`` (n,
+    2), m, says where they are.  There are at least as many blocks as aggregates.
     """
     count = len(centroid)
     along = centroid[:, 0].copy(), centroid[:, 1].copy()
@@ -245,8 +245,8 @@ def _find_pair(t, other, coarse):
 def _coarse_rows(first, last, matrix, fine, aggregates, coarse, own, coupling):
     """Write the rows of aggregates ``first`` to ``last`` - 1 of P^T K P.
 
-    Pairs within an aggregate are taken once, and half of the diagonal blocks: what the other side
-    adds is the transpose.
+    Pairs within an aggregate are taken once, and half of the diagonal blocks: the other side adds
+    the transpose.
     """
     diagonal, upper = matrix
     _, _, pairs, right, left, listed, _ = fine
@@ -351,7 +351,7 @@ def factor(fine, matrix, aggregates):
     """Return the coarse system made ready, and whether it is positive definite.
 
     ``fine`` is the pattern of a factor without fill and ``matrix`` K in its order (linear/ldlt.py);
-    ``aggregates`` is what ``aggregates_of`` returns.  Made ready, it is (aggregate, start,
+    ``aggregates`` is the result of ``aggregates_of``.  Made ready, it is (aggregate, start,
     members, offset, factor), the first four in the order of the pattern, the last one in single
     precision.
     """
@@ -376,7 +376,7 @@ def number_of_aggregates(blocks: int) -> int:
 
 
 def aggregates_of(system: BlockSystem) -> tuple[Any, ...]:
-    """Return the aggregates of neighbouring blocks, whatever their contacts bear.
+    """Return the aggregates of neighbouring blocks, whatever their contacts carry.
 
     That of each block (n,), the blocks' offsets (n, 2), m, and the pattern of their factor.
     """
@@ -389,7 +389,7 @@ def aggregates_of(system: BlockSystem) -> tuple[Any, ...]:
 
 
 def no_aggregates() -> tuple[Any, ...]:
-    """Return what linear/pcg.py takes for no coarse system."""
+    """Return the argument of linear/pcg.py for no coarse system."""
     none, start = np.zeros(0, np.int64), np.zeros(1, np.int64)
     short, pairs = np.zeros(1, np.int32), np.zeros((0, 2), np.int32)
     nothing = none, np.zeros(3, np.int64), pairs, short, short, np.zeros(0, np.int32), none

@@ -1,4 +1,4 @@
-"""What a solver of the block system is."""
+"""The protocol of a solver of the block system."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class LinearSolver(Protocol):
     def factor(self, system: BlockSystem, patterns: Patterns) -> Factor:
         """Return the matrix made ready; raises StepRejected where it is singular.
 
-        ``patterns`` is for what depends on the pairs alone, not to be found again for every matrix;
-        a solver that keeps nothing leaves it alone.
+        ``patterns`` keeps data that depend on the pairs alone, not to be found again for every
+        matrix; a solver that keeps nothing leaves it alone.
         """
         ...

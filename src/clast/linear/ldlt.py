@@ -3,11 +3,11 @@
 One elimination for three patterns (linear/pattern.py): with all fill it is exact, without any it is
 a preconditioner, and the coarse system of aggregates (linear/coarse_space.py) is exact again.
 
-Without fill, what would fall on a pair of blocks that share no contact is left out (Meijerink and
-van der Vorst 1977).  For want of that a pivot may be next to singular, and a few of those among
-100,000 have cost hundreds of iterations: what is eliminated is K with slightly larger blocks on its
-diagonal (Manteuffel 1980).  Where a pivot still is not positive definite the diagonal block of K
-takes its place, so that the product is positive definite in any case.
+Without fill, entries that would fall on a pair of blocks that share no contact are left out
+(Meijerink and van der Vorst 1977).  For want of that a pivot may be next to singular, and a few of
+those among 100,000 have cost hundreds of iterations: the eliminated matrix is K with slightly
+larger blocks on its diagonal (Manteuffel 1980).  Where a pivot still is not positive definite the
+diagonal block of K takes its place, so that the product is positive definite in any case.
 
 Pivots are D_i = C_i C_i^T, and rows are eliminated by W_ij = C_i^-1 K_ij: K_jk -= W_ij^T W_ik.  An
 inverse of D_i in between would cost digits where springs are far stiffer than the rock.  An exact
@@ -33,7 +33,7 @@ from clast.linear.pattern import FILL
 def _root(blocks, i):
     """Write C of block i = C C^T, its diagonal inverted; return whether the block is definite.
 
-    What is above the diagonal has no meaning afterwards.
+    The part above the diagonal has no meaning afterwards.
     """
     for a in range(6):
         pivot = blocks[i, a, a]
@@ -106,7 +106,7 @@ def _subtract_product(blocks, q, f, target, t):
 
 @kernel()
 def _pass_on(i, low, high, pattern, work):
-    """Subtract what row i leaves for the rows ``low`` to ``high`` - 1: K_jk -= W_ij^T W_ik.
+    """Subtract row i from the rows ``low`` to ``high`` - 1:  K_jk -= W_ij^T W_ik.
 
     Places that the pattern lacks are left out.
     """
@@ -177,7 +177,7 @@ def _finish(first, last, pattern, work, inverse, scaled):
 
 @kernel()
 def finished(pattern, work):
-    """Return what eliminated blocks become for an iteration: (pattern, D^-1, L^T), in single."""
+    """Return eliminated blocks in the form for an iteration: (pattern, D^-1, L^T), in single."""
     diagonal, upper = work
     inverse, scaled = np.empty(diagonal.shape, np.float32), np.empty(upper.shape, np.float32)
     _finish(len(diagonal), pattern, work, inverse, scaled)
@@ -284,7 +284,7 @@ def _begin(low, high, pattern, matrix, work, kept):
 
 @shared(EACH)
 def _eliminate_strips(first, last, pattern, matrix, work, kept, leading):
-    """Copy and eliminate strips; write which rows lead to the seam, and what is singular."""
+    """Copy and eliminate strips; write which rows lead to the seam, and which are singular."""
     begin = pattern[1]
     leaders, number, bad = leading
     for c in range(first, last):
@@ -296,7 +296,7 @@ def _eliminate_strips(first, last, pattern, matrix, work, kept, leading):
 
 @shared(EACH)
 def _begin_segments(first, last, pattern, matrix, work, kept, leading):
-    """Copy segments of the seam and subtract what the strips leave for them, in their order.
+    """Copy segments of the seam and subtract the contributions of the strips, in their order.
 
     A strip may be coupled to any segment, and a row to several.
     """
@@ -337,10 +337,10 @@ def incomplete(pattern, own, given, shift):
     """Return the factor of K without fill, K in its order, and the first block without a pivot.
 
     That is -1 where all have one.  ``pattern`` has no fill, ``own`` (n, 6, 6) are the diagonal
-    blocks of K and ``given`` (q, 6, 6) those of its pairs; what is eliminated has diagonal blocks
-    larger by the share ``shift``.  The factor is (pattern, D^-1, L^T); it and K, its diagonal
-    blocks (n, 6, 6) and those of the pattern's pairs (p, 6, 6), are in single precision, pivots and
-    all arithmetic in double.
+    blocks of K and ``given`` (q, 6, 6) those of its pairs; the eliminated matrix has diagonal
+    blocks larger by the share ``shift``.  The factor is (pattern, D^-1, L^T); it and K, its
+    diagonal blocks (n, 6, 6) and those of the pattern's pairs (p, 6, 6), are in single precision,
+    pivots and all arithmetic in double.
     """
     order, begin, pairs, right, left, listed, source = pattern
     strips, single = len(begin) // 2, np.float32

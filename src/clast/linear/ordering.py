@@ -7,11 +7,11 @@ such: their principal component runs along the part (compare landmark multidimen
 Silva and Tenenbaum 2004), and its quantiles are straight cuts.  Only the pattern is used, so the
 same pattern always gives the same order.
 
-Without fill what matters is that blocks near each other have places near each other, for strength
-as for memory: blocks are ordered row by row along the shorter side of what they fill.  As many
-blocks each make a strip.  Those coupled to an earlier strip form the seam, which comes last, so
-that of what is left no strip is coupled to another one: threads share the strips (one level of
-nested dissection).  The seam keeps the order of the strips that its blocks were in: these are its
+Without fill it matters that blocks near each other have places near each other, for strength as for
+memory: blocks are ordered row by row along the shorter side of their common box.  As many blocks
+each make a strip.  Those coupled to an earlier strip form the seam, which comes last, so that of
+the rest no strip is coupled to another one: threads share the strips (one level of nested
+dissection).  The seam keeps the order of the strips that its blocks were in: these are its
 segments.  The number of strips depends on that of the blocks alone, and with it every sum.
 """
 

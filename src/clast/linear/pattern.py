@@ -1,4 +1,4 @@
-"""Patterns of a factor: which blocks it has, in what order, without fill or with all of it.
+"""Patterns of a factor: which blocks it has, in which order, without fill or with all of it.
 
 A pattern is (order, begin, pairs, right, left, listed, source): the blocks in the order of their
 elimination (n,); where its strips begin and then the segments of the seam (2 strips + 1,)
@@ -265,7 +265,7 @@ def strips_of(system: BlockSystem) -> tuple[Ints, Ints]:
 
 
 class Patterns:
-    """What depends on the pairs and the places of the blocks alone, of the last few systems.
+    """Data that depend on the pairs and the places of the blocks alone, of the last few systems.
 
     The matrices of a step share it; whoever owns a step or a run owns one of these, and may throw
     it away at any time.
@@ -276,7 +276,7 @@ class Patterns:
         self._known: list[tuple[tuple[Any, ...], dict[Callable[..., Any], Any]]] = []
 
     def of(self, system: BlockSystem, analysis: Callable[[BlockSystem], Found]) -> Found:
-        """Return what an analysis finds, or has found for the same pairs and places of blocks."""
+        """Return the result of an analysis, or the earlier one for the same pairs and places."""
         found = self._found((system.pairs, system.centroid, system.fixed))
         if analysis not in found:
             found[analysis] = analysis(system)
@@ -284,7 +284,7 @@ class Patterns:
         return known
 
     def _found(self, key: tuple[Any, ...]) -> dict[Callable[..., Any], Any]:
-        """Return what has been found for these arrays, which nobody changes, to be added to."""
+        """Return the results for these arrays, which nobody changes, to be added to."""
         for other, found in self._known:
             if all(
                 one is its or np.array_equal(one, its) for one, its in zip(key, other, strict=True)

@@ -4,8 +4,8 @@ Where inertia holds its own against the contacts, p h2/m of a few units, one to 
 enough; each costs a product and as much again for the substitutions.  Where it does not, a coarse
 system is added, which costs a fifth more (linear/coarse_space.py).
 
-All is in single precision.  What must be more accurate is found by iterative refinement (Wilkinson
-1963): the residual of what has been found is computed in double precision, and solved for again.
+All is in single precision.  Greater accuracy is reached by iterative refinement (Wilkinson 1963):
+the residual of the solution is computed in double precision, and solved for again.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from clast.linear.single_precision import multiply, substitute
 SHORTEST = 0.01
 """Length of a step along a direction below which the preconditioner is none: it is 1 where B K is
 one, and was 0.03 and more wherever B was sound.  Where pivots of the factor are next to singular it
-was between 6e-3 and 1e-23, and what is left by the measure of r.B r tells nothing: 1e-6 after two
+was between 6e-3 and 1e-23, and the residual by the measure of r.B r tells nothing: 1e-6 after two
 steps, with nothing solved."""
 HOPE = 1.5
 """Iterations, as a share of the limit, that may seem needed then: the rate improves."""
@@ -70,7 +70,7 @@ def _from_order(first, last, order, ordered, found):
 def _precondition(factor, coarse, r, z, of_coarse):
     """Write the incomplete factor's part of B r into z; return r.B r.
 
-    What the coarse system finds is the second of ``of_coarse``, two vectors of it.
+    The solution of the coarse system is the second of ``of_coarse``, two vectors of it.
     """
     product = substitute(factor, r, z)
     _, start, members, offset, of_aggregates = coarse
@@ -82,7 +82,7 @@ def _precondition(factor, coarse, r, z, of_coarse):
 
 @kernel()
 def _turn_to(coarse, z, of_coarse, beta, p):
-    """Turn the direction, in place: p = B r + beta p, with what was found of B r."""
+    """Turn the direction, in place: p = B r + beta p, with the parts of B r."""
     aggregate, start, _, offset, _ = coarse
     if len(start) > 1:
         turn_with(len(p), aggregate, offset, of_coarse[1], z, beta, p)
@@ -117,7 +117,7 @@ def _iterate(ready, vectors, of_coarse, wanted, limits):
 def solve(ready, force, goal, tolerance, limit, trial):
     """Return d (n, 6) of K d = F, the iterations, and sqrt(r.B r) at first and at last.
 
-    Stops where sqrt(r.B r) is at most ``goal`` or ``tolerance`` of what it was; after ``limit``
+    Stops where sqrt(r.B r) is at most ``goal`` or ``tolerance`` of its first value; after ``limit``
     iterations; where far more than that seem needed after the first ``trial``; or where B is no
     preconditioner, which is said by infinity.  ``ready`` is the factor M, K in its order
     (linear/ldlt.py) and the coarse system (linear/coarse_space.py), which has no aggregates where B

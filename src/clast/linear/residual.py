@@ -1,4 +1,4 @@
-"""What is out of balance: forces on the blocks, with those of contacts, block by block."""
+"""The unbalanced forces on the blocks, with those of contacts, block by block."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _balance_some(first, last, blocks, system, graph, contacts, at, found):
 
 @kernel()
 def balance_again(blocks, system, graph, contacts, d, normal, shear, found):
-    """Write what ``unbalanced`` returns where some ``blocks`` (k,) have changed, in place."""
+    """Write the result of ``unbalanced`` where some ``blocks`` (k,) have changed, in place."""
     _balance_some(len(blocks), blocks, system, graph, contacts, (d, normal, shear), found)
 
 

@@ -112,7 +112,7 @@ def _both_sides(low, high, end, x_i, upper, pairs, x, y):
 
 @kernel()
 def _begin_stretch(first, last, upper, pattern, x, y):
-    """Write into rows ``first`` to ``last`` - 1 of y what they have of the pairs of earlier rows.
+    """Write into rows ``first`` to ``last`` - 1 of y the contribution of the pairs of earlier rows.
 
     By itself, for in one loop with the rest registers would not suffice.
     """

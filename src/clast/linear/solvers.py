@@ -57,7 +57,7 @@ class Attempt:
     coarse: bool
     """Whether there is a coarse space beside the factor without fill."""
     shift: float
-    """Share by which diagonal blocks are larger in what is eliminated than they are in K."""
+    """Share by which diagonal blocks are larger in the eliminated matrix than in K."""
     iterations: int
     """Iterations at most."""
     trial: int
@@ -66,7 +66,7 @@ class Attempt:
     def ready(
         self, system: BlockSystem, coupled: Bools, patterns: Patterns
     ) -> tuple[Any, ...] | None:
-        """Return what linear/pcg.py iterates with, or None where single precision is not enough.
+        """Return the factor for linear/pcg.py, or None where single precision is not enough.
 
         ``coupled`` (q,) says which pairs are.  Raises StepRejected where K is singular.
         """
@@ -86,19 +86,19 @@ NO_AGGREGATES = coarse_space.no_aggregates()
 """No coarse system."""
 SHIFT, SAFE_SHIFT = 0.006, 0.02
 """Shares by which diagonal blocks are larger, at first and where pivots were next to singular all
-the same: there 15 to 40 iterations then do what took 50 to 900, or ended in numbers that are not
+the same: there 15 to 40 iterations then take the place of 50 to 900, or of numbers that are not
 finite; elsewhere it costs up to half as many more."""
 TRIED = 8
 """Iterations after which the rate of convergence is judged."""
 TENTH = 10
 """One in so many iterations has been made before the last attempt is judged: the first may gain
-nothing, and what comes after them is an exact factor."""
+nothing, and an exact factor comes after them."""
 SINGLE = 1e-5
 """Reduction of the residual that single precision is good for, before it is computed anew."""
 GAIN = 0.5
 """Reduction of the residual, computed anew, without which single precision is not enough."""
 MARGIN = 0.5
-"""Share of what may be left that a refinement leaves, for it to hold when computed anew."""
+"""Share of the tolerance that a refinement leaves, for it to hold when computed anew."""
 
 
 class IteratedMatrix:
@@ -256,12 +256,12 @@ WEAK = 5e-4
 def suffices_alone(system: BlockSystem, coupled: Bools) -> bool:
     """Return whether a factor without fill alone takes few iterations: thirty at most.
 
-    A translation of all blocks together moves no contact between two of them, so that what is left
-    of e.K e, e being all translations, is inertia: its share of the diagonal blocks' own says how
-    much of the blocks' stiffness is not that of contacts.  Springs to fixed blocks count as inertia
-    there, so that it may be large although most blocks have next to none; the least share of one
-    block with its row of K may be that of a single light block, and is of no account beside a large
-    one of all.
+    A translation of all blocks together moves no contact between two of them, so that the remainder
+    of e.K e, e being all translations, is inertia: its share of the diagonal blocks' own is the
+    share of the blocks' stiffness that is not that of contacts.  Springs to fixed blocks count as
+    inertia there, so that it may be large although most blocks have next to none; the least share
+    of one block with its row of K may be that of a single light block, and is of no account beside
+    a large one of all.
     """
     share, least = block_matrix.inertia_shares(system.diagonal, system.upper, system.rows, coupled)
     return bool(share > HEAVY or (share > SOFT and least > WEAK))

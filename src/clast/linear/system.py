@@ -36,7 +36,7 @@ class DiagonalTerms:
 
 
 class Bearing(Protocol):
-    """What links between blocks carry, linearised (see ContactResponse); each of shape (m,)."""
+    """Forces of links between blocks, linearised (see ContactResponse); each of shape (m,)."""
 
     @property
     def normal_force(self) -> Floats:
@@ -126,7 +126,7 @@ class Links(Protocol):
 
     @property
     def levers(self) -> Floats:
-        """What they are in the equations (contact/jacobian.py)."""
+        """Their rows in the equations (contact/jacobian.py)."""
         ...
 
     @property

@@ -50,11 +50,11 @@ class EachBlock:
         return max(self.floor, min(SHARPER, 1.0 / worst**2) * tolerance)
 
     def excess(self, potential: Potential, point: Point) -> Floats:
-        """Return what is out of balance on each block, in units of what may be, shape (n,)."""
+        """Return the imbalance of each block, in units of the tolerance, shape (n,)."""
         return self.shares(potential, point) / self.share
 
     def shares(self, potential: Potential, point: Point) -> Floats:
-        """Return what is out of balance on each block, as a share of the forces on it, (n,).
+        """Return the imbalance of each block, as a share of the forces on it, (n,).
 
         Forces of which rounding alone makes more than may be out of balance count as larger.
         """

@@ -1,8 +1,8 @@
-"""The next guess of a fixed point x = g(x), from guesses and what they gave (Anderson 1965).
+"""The next guess of a fixed point x = g(x), from guesses and their values (Anderson 1965).
 
-With residuals f = g - x of the last guesses, the changes of f are combined so that what is left of
-the last f is least, and the same combination is taken off the last g.  Where g swings about its
-fixed point, or creeps towards it, that takes a few guesses in place of tens.
+With residuals f = g - x of the last guesses, the changes of f are combined so that the rest of the
+last f is least, and the same combination is taken off the last g.  Where g swings about its fixed
+point, or creeps towards it, that takes a few guesses in place of tens.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ ALIKE = 1e-12
 
 @dataclass(frozen=True)
 class Guesses:
-    """Guesses x, shape (k, m), and what they gave, g(x), (k, m), the last ones last."""
+    """Guesses x, shape (k, m), and their values g(x), (k, m), the last ones last."""
 
     given: tuple[Floats, ...] = ()
     """The guesses, shape (m,) each."""
     answers: tuple[Floats, ...] = ()
-    """What they gave, shape (m,) each."""
+    """Their values, shape (m,) each."""
 
     def with_one(self, given: Floats, answer: Floats) -> Guesses:
         """Return the last guesses and one more."""
         return Guesses((*self.given[-DEPTH:], given), (*self.answers[-DEPTH:], answer))
 
     def next_guess(self) -> Floats:
-        """Return the next guess, shape (m,); after one guess what it gave."""
+        """Return the next guess, shape (m,); after one guess its value."""
         answers = np.array(self.answers)
         residuals = answers - np.array(self.given)
         changes = np.diff(residuals, axis=0)

@@ -18,7 +18,7 @@ to 30 up to p = 50 E, hardly depends on the number of blocks.
 A state of springs is an array (5, m): f, f - low, high - f, w- and w+; both numbers of a bound that
 is not there are 0, and those of both where they are equal, for then f is given.  A direction from
 there is an array (3, m): the changes of f, w- and w+.  It is kept in single precision: systems are
-solved to a tenth, and what a direction leaves is part of the next one.
+solved to a tenth, and the residual of a direction is part of the next one.
 """
 
 from __future__ import annotations
@@ -146,7 +146,7 @@ class Conditions:
         )
 
     def bearing(self, at: Iterate) -> Forces:
-        """Return what the springs bear at an iterate."""
+        """Return the forces of the springs at an iterate."""
         return Forces(at.states[0][0], at.states[1][0], *at.stiffnesses)
 
     def towards(
@@ -160,7 +160,7 @@ class Conditions:
         """Return the direction to where all products are ``target``, J/m, to first order.
 
         The bend that the direction ``before`` has shown is corrected for; an iteration begins from
-        that, and is done where what it leaves has fallen to ``accuracy`` of itself.
+        that, and ends where its residual has fallen to ``accuracy`` of itself.
         """
         potential, work, count = self.potential, self.work, len(at.stretches[0])
         about = *at.errors, *at.stiffnesses
@@ -195,7 +195,7 @@ NOTHING_SHOWN = np.zeros((3, 0), np.float32), np.zeros((3, 0), np.float32)
 
 @dataclass(frozen=True, kw_only=True)
 class Predicted:
-    """The conditions linearised about an iterate, and what goes to zero products from there."""
+    """The conditions linearised about an iterate, and the step to zero products from there."""
 
     at: Iterate
     system: BlockSystem
@@ -225,7 +225,7 @@ class InteriorPoint:
     rough: float = 0.1
     """Accuracy of directions where systems are solved by iteration,"""
     fine: float = 0.01
-    """and what it becomes where products hardly fall, as of stiff slopes with little inertia."""
+    """and its value where products hardly fall, as of stiff slopes with little inertia."""
     held_up: float = 0.8
     """Share of all products that two iterations in a row leave where they are held up."""
     near: float = 1e3
@@ -265,9 +265,9 @@ class InteriorPoint:
     def begun(self, conditions: Conditions, point: Point) -> Predicted:
         """Return the first system about ``point`` with its predictor.
 
-        Where mu is small beside what is out of balance hardly anything of the direction is free,
-        and iterations would creep along the bounds.  The kinks are then rounded so much more that
-        about ``free`` of it should be.
+        Where mu is small beside the imbalance hardly anything of the direction is free, and
+        iterations would creep along the bounds.  The kinks are then rounded so much more that about
+        ``free`` of it should be.
         """
         rounding = self.start * conditions.largest_force()
         stiffest = float(conditions.potential.springs.normal.stiffness.max())
@@ -404,7 +404,7 @@ def _bent(shown, first, last):
 
 @kernel(forceinline=True, error_model="numpy")
 def _slips(above, below, lower, upper, target, bent_low, bent_high):
-    """Return what w- and w+ would change by, m, if f stayed."""
+    """Return the changes of w- and w+, m, if f stayed."""
     below_it = (target - above * lower - bent_low) / above if above > 0.0 else 0.0
     return below_it, (target - below * upper - bent_high) / below if below > 0.0 else 0.0
 
@@ -457,7 +457,7 @@ def _go(state, aim, error, stiffness, stretching, direction):
 
 @shared(CONTACTS)
 def _go_both(first, last, states, about, target, shown, of_springs, found):
-    """Write the directions of all springs, and by parts what ``_go`` finds of them.
+    """Write the directions of all springs, and by parts the results of ``_go``.
 
     ``about`` are errors, stiffnesses and the changes of gap and slip, (m,) each.
     """

@@ -1,8 +1,8 @@
 """Islands: blocks that springs connect, and Newton's method on a small one by itself.
 
 Blocks of two islands share no spring; blocks that stand still belong to none and connect nothing.
-Each island has a minimum, a system and iterations of its own.  What a small one needs is copied
-together and stays in the processor's cache from the first iteration to the last; threads take
+Each island has a minimum, a system and iterations of its own.  The data of a small one are copied
+together and stay in the processor's cache from the first iteration to the last; threads take
 islands one by one.
 
 A problem is (system, links): B, B^-1 (n, 6, 6), the load (n, 6) and which blocks stand still (n,);
@@ -381,7 +381,7 @@ def _searched(problem, point, direction, decrement):
 
 @kernel()
 def _minimum(problem, point, tolerance, iterations):
-    """Return the point within ``tolerance`` of an island's minimum, its distance, what it took.
+    """Return a point within ``tolerance`` of an island's minimum, its distance, iterations.
 
     By as many ``iterations`` at most; or the point from which it does not go on, where there is no
     direction that is as good as exact.
@@ -408,7 +408,7 @@ def _minimum(problem, point, tolerance, iterations):
 
 @shared(EACH)
 def _minimise(first, last, which, problem, springs, point, limits, found):
-    """Minimise islands; what threads share takes no tuples of tuples."""
+    """Minimise islands; arrays that threads share are no tuples of tuples."""
     wanted, start, blocks, place = which
     links = problem[4], problem[5:9], problem[9:12], springs
     left, counts = found
@@ -428,10 +428,10 @@ def _minimise(first, last, which, problem, springs, point, limits, found):
 def minimise_each(wanted, listing, problem, point, limits, left):
     """Minimise the islands ``wanted`` (k,) in place; return the most iterations and evaluations.
 
-    ``listing`` is that of ``Islands``, ``limits`` (2,) are the tolerance, J/m, of each island
-    and the iterations that it may take.  What islands have ``left`` (r,), J/m, is written for those
-    wanted: at most the tolerance, unless an island takes more iterations, or its system is
-    singular.
+    ``listing`` is that of ``Islands``, ``limits`` (2,) are the tolerance, J/m, of each island and
+    the iterations that it may take.  The distance of islands from their minimum, ``left`` (r,),
+    J/m, is written for those wanted: at most the tolerance, unless an island takes more iterations,
+    or its system is singular.
     """
     counts = np.zeros((len(wanted), 2), np.int64)
     system, (pairs, graph, ends, springs) = problem

@@ -94,7 +94,7 @@ def _works(first, last, forces, motions, works):
 
 @kernel()
 def slopes(of_blocks, of_links, count, blocks, residual, direction, forces, motions):
-    """Return along a direction (n, 6) what blocks bend, the slope, and that without springs.
+    """Return along a direction (n, 6) the curvature of blocks, the slope, and that without springs.
 
     Of each of ``count`` islands, J/m; ``of_blocks`` (n,) and ``of_links`` (m,) are the islands,
     ``blocks`` K without springs (n, 6, 6), ``residual`` (n, 6) minus the gradient, ``forces`` N and
@@ -128,7 +128,7 @@ def _lengths(length, island):
 
 @shared(CONTACTS)
 def _work(first, last, island, length, line, springs, works, bends):
-    """Write what the forces of each link do along the line, and how that bends."""
+    """Write the work of the forces of each link along the line, and its curvature."""
     at = _lengths(length, island[first:last])
     gap, d_gap = in_part((line[0], line[1]), first, last)
     slip, d_slip = in_part((line[2], line[3]), first, last)

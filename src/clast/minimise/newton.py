@@ -18,7 +18,7 @@ from clast.model.model import Floats
 
 @dataclass(frozen=True, kw_only=True)
 class Work:
-    """What the minimisations of a step share."""
+    """The shared data of the minimisations of a step."""
 
     factor: FactorOfStep
     """Solves the systems, and keeps the last matrix."""

@@ -48,10 +48,10 @@ MOMENTUM_SHARE = 1e-4
 
 
 class Law(Protocol):
-    """Springs that are not clipped straight lines, given by what they bear."""
+    """Springs that are not clipped straight lines, given by their forces."""
 
     def at(self, gap: Floats, slip: Floats) -> Bearing:
-        """Return what all springs bear at gaps and slips (m,), m."""
+        """Return the forces of all springs at gaps and slips (m,), m."""
         ...
 
     def energy(self, gap: Floats, slip: Floats) -> float:
@@ -70,7 +70,7 @@ class Point:
     slip: Floats
     """Slip of each link, m, shape (m,)."""
     forces: Bearing
-    """What the springs bear."""
+    """The forces of the springs."""
     residual: Floats
     """F - K d + spring forces, minus the gradient, shape (n, 6); 0 for fixed blocks."""
     distances: Floats
@@ -95,7 +95,7 @@ class Point:
 
 @dataclass(frozen=True, kw_only=True)
 class Line:
-    """A search direction, what it does to the links, and how far to go along it."""
+    """A search direction, its effect on the links, and how far to go along it."""
 
     direction: Floats
     """Change of d, shape (n, 6)."""
@@ -122,7 +122,7 @@ class Potential:
     islands: Islands
     """Which blocks are connected by springs."""
     law: Law | None = None
-    """What the springs bear where it is not what the clipped springs of the table do."""
+    """The law of springs that are not the clipped springs of the table."""
 
     # --- energy, gradient, Hessian
 
@@ -145,7 +145,7 @@ class Potential:
 
     @property
     def forces(self) -> Springs | Law:
-        """What knows the forces of the springs."""
+        """The source of the forces of the springs."""
         return self.springs if self.law is None else self.law
 
     # --- points
@@ -168,7 +168,7 @@ class Potential:
         return self.bearing(unknowns, gap, slip, self.forces.at(gap, slip))
 
     def bearing(self, unknowns: Floats, gap: Floats, slip: Floats, forces: Bearing) -> Point:
-        """Return the point at ``unknowns`` (n, 6) where the springs bear ``forces``."""
+        """Return the point at ``unknowns`` (n, 6) where the springs carry ``forces``."""
         found = self.unbalanced(unknowns, forces.normal_force, forces.shear_force)
         return Point(
             unknowns=unknowns,
@@ -195,7 +195,7 @@ class Potential:
 
     @property
     def _balance(self) -> tuple[Any, Graph, Any]:
-        """What is known of the blocks, which links they have, and what is known of those."""
+        """Data of the blocks, their links, and data of those."""
         system = self.base.diagonal, self.inverse, self.base.force, self.fixed
         return system, self.graph, (self.springs.vertex_block, self.springs.levers)
 
@@ -257,7 +257,7 @@ class Potential:
         return float(of_forces + MOMENTUM_SHARE * moving)
 
     def sum_of_forces(self) -> float:
-        """Return the sum of all forces on the blocks, N/m: more than any spring has to bear."""
+        """Return the sum of all forces on the blocks, N/m: more than any spring has to carry."""
         return float(_sum_of_forces(len(self.fixed), self.base.force, self.fixed))
 
     # --- Newton's method
@@ -272,7 +272,7 @@ class Potential:
     def line_search(self, point: Point, direction: Floats) -> tuple[Line, int]:
         """Return how far to go along ``direction`` to the least potential, and evaluations.
 
-        Each island has a length of its own, unless a law says what the springs bear.
+        Each island has a length of its own, unless a law gives the forces of the springs.
         """
         opening, slip = contact_motions(self.springs, direction)
         motions = (point.gap, opening, point.slip, slip)

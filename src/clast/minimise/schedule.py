@@ -3,7 +3,7 @@
 Small islands go one by one (islands.py): of a falling heap, of towers, of rock that comes down in
 many places all together would take as many iterations as the slowest of them.
 
-What is left goes on together by Newton's method.  It goes along its direction as far as the springs
+The others go on together by Newton's method.  It goes along its direction as far as the springs
 allow that open, close, stick and slide on the way: all blocks no farther than suits those few of
 them that have most to settle, and the more blocks there are the more of those.  Yet nearly all that
 is left to the minimum lies with few blocks.  So before a direction for all, these few and their
@@ -39,14 +39,14 @@ class SmallIslands:
     """Pairs for each block up to which larger ones are, too: they are solved with next to no
     fill."""
     iterations: int = 30
-    """Iterations at most; what needs more goes on with the large ones."""
+    """Iterations at most; islands that need more go on with the large ones."""
     finished: float = 0.25
     """Share of the tolerance that islands may hold together which are left as they are."""
 
     def minimise(
         self, potential: Potential, point: Point, tolerance: float, work: Work
     ) -> tuple[Point, Floats]:
-        """Return the point where small islands are at their minimum, what all have left, J/m, (r,).
+        """Return the point where small islands are at their minimum, and all distances, J/m, (r,).
 
         They come near enough for all to be within ``tolerance``, J/m, where all are small.
         Iterations are counted of the island that takes most.
@@ -122,9 +122,9 @@ class NonlinearElimination:
     nearly: float = 0.25
     """Share of the tolerance at which they are done in any case."""
     all_the_same: float = 0.05
-    """What an iteration of few blocks costs in any case, as a share of one of all blocks."""
+    """Fixed cost of an iteration of few blocks, as a share of one of all blocks."""
     least: float = 1e-4
-    """Share of what is left that the iterations of few blocks come to at best."""
+    """Smallest share of the distance that the iterations of few blocks can reach."""
 
     def lower(self, potential: Potential, point: Point, tolerance: float, work: Work) -> Point:
         """Return a lower point: the worst blocks are near their minimum, where they are few.
@@ -150,11 +150,11 @@ class NonlinearElimination:
         return part.put_back(potential, point, moved)
 
     def worst(self, distances: Floats) -> tuple[Bools, float]:
-        """Return which blocks (n,) are worth going first, and what the others have left, J/m.
+        """Return which blocks (n,) are worth going first, and the distance of the others, J/m.
 
         They are those whose ``distances`` (n,), J/m, are of some power of two or a higher one: of
-        the one with which most is gained, as a logarithm of what is left, for the price of an
-        iteration.  There are none where a distance is not finite.
+        the one with which most is gained, as a logarithm of the remaining distance, for the price
+        of an iteration.  There are none where a distance is not finite.
         """
         total = float(distances.sum())
         if not 0.0 < total < np.inf:
@@ -178,11 +178,11 @@ class Schedule:
     newton: Newton = field(default_factory=Newton)
     """Newton's method on all blocks together."""
     small: SmallIslands = field(default_factory=SmallIslands)
-    """What small islands do first."""
+    """The strategy of small islands, which come first."""
     elimination: NonlinearElimination = field(default_factory=NonlinearElimination)
-    """What the worst blocks do before each iteration."""
+    """The strategy of the worst blocks before each iteration."""
     inside: InteriorPoint | None = field(default_factory=InteriorPoint)
-    """What takes over where Newton's method takes long; None: nothing."""
+    """The method that takes over where Newton's method takes long; None: none."""
     patience: float = 60.0
     """Iterations to go that are worth a change to the interior point method, which needs 20 to 30:
     Newton's last iterations gain far more than those from which their number is foretold."""

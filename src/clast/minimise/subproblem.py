@@ -19,7 +19,7 @@ from clast.read_only import changed
 class Subproblem:
     """The potential of some blocks of a whole while all others stand still.
 
-    What stands still is one block, the last, of which nothing but that is known.
+    All fixed parts are one block, the last, of which nothing but that is known.
     """
 
     potential: Potential
@@ -103,7 +103,7 @@ def touched(potential: Potential, point: Point, most: float) -> Subproblem | Non
     """Return the blocks that have links, where they are at most a share ``most`` of those free.
 
     All others go as their own forces take them.  None, too, where a link is between two blocks that
-    stand still, or a law says what springs bear.
+    stand still, or a law gives the forces of springs.
     """
     if potential.law is not None:
         return None

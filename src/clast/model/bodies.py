@@ -1,7 +1,7 @@
 """Fixed blocks that lie flush are one body: its outline runs on over the joints between them.
 
 Nothing that meets the ground can tell in how many pieces it was drawn.  So contacts are looked for
-on outlines in which faces that fixed blocks share are left out: what is inside the body is no
+on outlines in which faces that fixed blocks share are left out: the inside of the body is no
 entrance, corners that coincide are one, with the edges on either side of the joint, and where the
 surface goes straight on there is none.  A contact then belongs to the block on whose edge it stands
 (contact/detection.py).
@@ -209,7 +209,7 @@ def _bodies(sides: _Sides, count: int) -> Ints:
 
 
 def _loops(sides: _Sides) -> list[list[tuple[int, int]]]:
-    """Return the ways round what no two blocks share: vertex and edge of each side.
+    """Return the loops round the parts that no two blocks share: vertex and edge of each side.
 
     Where a face that is shared begins the outline goes on along the block beyond it.
     """

@@ -43,7 +43,7 @@ from clast.results.run_report import Report
 from clast.results.schema import BOLT_TABLE, ENERGY, HISTORY, OVER_TIME, STEPS, TableSchema
 
 NOTEBOOK = "clast.pictures.notebook"
-"""Makes what a notebook shows; it is in a layer above and only asked for when it is wanted."""
+"""Makes the view for a notebook; it is in a layer above and only imported when it is wanted."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -272,7 +272,7 @@ class Recording:
         """Return the page of the run (``clast page``) for a notebook, which shows it.
 
         It is a widget where anywidget is installed (``pip install 'clast[notebook]'``), else a
-        frame.  ``budget`` is what contacts and joints may take, bytes, uncompressed.
+        frame.  ``budget`` is the size of contacts and joints, bytes, uncompressed.
         """
         return import_module(NOTEBOOK).page(self, **wishes)
 

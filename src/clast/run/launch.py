@@ -161,7 +161,7 @@ class Checkpointing:
         self._write(checkpoint_path(self.output, stage), stage=stage)
 
     def at_once(self) -> str:
-        """Write a checkpoint of the last step; return where it is, or what went wrong."""
+        """Write a checkpoint of the last step; return where it is, or the failure."""
         if self._now is None:
             return "no checkpoint: no step has been made yet"
         path, time = checkpoint_path(self.output), self._now[0].state.time

@@ -108,7 +108,7 @@ class Keeper(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Halt:
-    """What whoever leads a run may do between two of its steps."""
+    """The control of a run between two of its steps."""
 
     let_go: Callable[[], None]
     """Raises KeyboardInterrupt if the key was pressed; to be called while the run waits."""

@@ -1,1 +1,1 @@
-"""One step: the three processes, what they begin with and how they finish."""
+"""One step: the three processes, their start and their finish."""

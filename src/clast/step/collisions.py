@@ -4,11 +4,11 @@ An impact changes velocities and no position.  From there on a block goes on as 
 step with its new velocity, ``shift`` away from where it was: by -t dv for a change dv at time t.
 
 ``bodies`` are velocities now and before the impact (n, 6), shifts (n, 6), m, the time of the last
-impact (n,), s, accelerations (n, 2), mobilities (n, 3, 3), what an impulse changes of (u, v, r),
+impact (n,), s, accelerations (n, 2), mobilities (n, 3, 3), the change of (u, v, r) by an impulse,
 and mass matrices (n, 6, 6).  ``contacts`` are gaps (m,), m, the two blocks (m,) each, levers
 (contact/jacobian.py), restitutions and tan(phi) (m,).  ``live`` are the moment (m,), s, at which a
-contact strikes, infinity if it does not; whether it bears, and how often it has struck (m,); which
-contacts may wait to strike, whether each is among them (m,), and how many they are.
+contact strikes, infinity if it does not; whether it carries, and how often it has struck (m,);
+which contacts may wait to strike, whether each is among them (m,), and how many they are.
 ``around`` is where the contacts of each block begin (n + 1,) and these.  ``limits`` are the step,
 s, the closing velocity, m/s, from which contacts strike, and the gap, m, at which one strikes along
 with another of its blocks.
@@ -32,7 +32,7 @@ from clast.step.impulses import describe, find, renew
 SAME = 1e-9
 """Time between impacts that are one, in units of the step."""
 OFTEN = 8
-"""Impacts of a contact within a step after which it gives nothing back, and bears."""
+"""Impacts of a contact within a step after which it gives nothing back, and carries."""
 NEVER = 16
 """Impacts of a contact within a step after which it is left to its spring."""
 FELT = 1e-2
@@ -51,7 +51,7 @@ RENEWED, TIMES = 500, 8
 WORK, SOME = 500, 200
 """Impulses that are renewed in a step at most for each of its contacts, of which it has some.
 
-What strikes later is left to the springs.
+Later strikes are left to the springs.
 """
 
 
@@ -157,7 +157,7 @@ def _moment_of_all(first, bodies, contacts, live, around, limits, group):
     """Return when contact ``first`` strikes, s, with those that strike before it is pressed in.
 
     A block that turns about a corner which is pressed in lands flat a little later on its far
-    corner than on what lies in between.  So the impact is that of the last contact which closes
+    corner than on the ground between.  So the impact is that of the last contact which closes
     before any other of these blocks is as deep as faces are uneven.
     """
     before, acceleration, mobility = bodies[1], bodies[4], bodies[5]
@@ -215,7 +215,7 @@ def _gather(first, time, bodies, contacts, live, around, limits, group):
 
 @kernel()
 def _pass_on(time, felt, bodies, contacts, live, around, group):
-    """Let contacts take part that bear and close by more than what is felt; return whether any.
+    """Let contacts under load take part that close by more than the limit; return whether any.
 
     Each takes its first impulse at once: a blow runs on from block to block before all are renewed.
     """
@@ -305,11 +305,11 @@ def _put(other, bodies, group):
 
 @kernel()
 def _give_no_more(time, fastest, bodies, contacts, live, around, limits, group):
-    """Give back no more than there was: mix with what gives nothing back.
+    """Blend with the plastic impact so that no energy is created.
 
     Of several contacts that rub each other a rebound of each with its own restitution may need more
-    energy than there is (Kane 1984); so may one that gives nothing back but turns a slip round, and
-    that is then mixed with what was before.
+    energy than there is (Kane 1984); so may a plastic one that turns a slip round, and that is then
+    blended with the velocities before.
     """
     velocity, before, _, _, _, _, _ = bodies
     _, _, target, linear, course, _, _, counts = group
@@ -329,7 +329,7 @@ def _give_no_more(time, fastest, bodies, contacts, live, around, limits, group):
 
 @kernel()
 def _end(time, bodies, contacts, live, around, limits, group):
-    """Write what the impact leaves: which contacts bear, the shifts, and what strikes next."""
+    """Write the result of the impact: contacts under load, the shifts, and the next strike."""
     velocity, before, shift, last, acceleration, _, _ = bodies
     moment, bears, hits, _, _, _ = live
     members, place, _, _, _, blocks, among, counts = group
@@ -406,9 +406,9 @@ def _contacts_of_blocks(contacts, mobility):
 
 @kernel()
 def flying(force, mass, fixed, acceleration):
-    """Return the accelerations of blocks between impacts, m/s2, (n, 2): what is not borne.
+    """Return the accelerations of blocks between impacts, m/s2, (n, 2): the part without support.
 
-    Contacts bear blocks with ``force`` (n, 6), N/m; of ``acceleration``, m/s2, that leaves between
+    Contacts carry blocks with ``force`` (n, 6), N/m; of ``acceleration``, m/s2, that leaves between
     nothing and all.
     """
     found = np.zeros((len(fixed), 2))
@@ -423,7 +423,7 @@ def flying(force, mass, fixed, acceleration):
 
 @kernel()
 def mobilities(mass_matrix, fixed):
-    """Return what an impulse changes of (u, v, r) of each block, (n, 3, 3); 0 where ``fixed``."""
+    """Return the change of (u, v, r) of each block by an impulse, (n, 3, 3); 0 where ``fixed``."""
     found = np.zeros((len(fixed), 3, 3))
     for b in range(len(fixed)):
         if not fixed[b]:
@@ -449,7 +449,7 @@ def strike(velocity, acceleration, mobility, mass_matrix, contacts, bears, limit
     """Return velocities (n, 6) and shifts (n, 6), m, after the impacts of a step, and their loss.
 
     The loss is the kinetic energy, J/m, at the moments of impact.  ``bears`` (m,) says which
-    contacts bear already: they do not strike, but pass impulses on.
+    contacts carry already: they do not strike, but pass impulses on.
     """
     count, blocks = len(bears), len(velocity)
     after, shift = velocity.copy(), np.zeros_like(velocity)

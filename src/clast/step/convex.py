@@ -8,12 +8,12 @@ potential is convex and once continuously differentiable: Newton's method with a
 converges from anywhere.  Each iteration solves one assembled, symmetric positive definite system.
 Where it takes long the interior point method takes over (minimise/interior_point.py).
 
-What is not convex is taken out of the minimisation and repeated around it: the friction bound
-follows the normal force (``friction_updates``), and bonds that reach their strength are broken
-before the minimum is sought again; bonds only break, so this ends.  Multipliers, where the law has
-them, are renewed after convergence.
+Parts that are not convex are taken out of the minimisation and repeated around it: the friction
+bound follows the normal force (``friction_updates``), and bonds that reach their strength are
+broken before the minimum is sought again; bonds only break, so this ends.  Multipliers, where the
+law has them, are renewed after convergence.
 
-What a minimisation leaves open is no more than a start for the next one, with bounds that push the
+The residual of a minimisation is no more than a start for the next one, with bounds that push the
 minimum away in any case.  So where the friction bound is going to be renewed, the minimum need not
 be nearer than a small share of how far the new bounds push it.
 """
@@ -72,7 +72,7 @@ AGREES = 0.002
 """Share of the forces on each block which new bounds may bring out of balance where they agree."""
 
 NO_COUNTS = {"passes": 0, "line_search": 0, "factorisations": 0, "pcg": 0}
-"""What a step counts, before it has counted anything."""
+"""Counts of a step, before it has counted anything."""
 
 
 @dataclass(frozen=True)
@@ -198,8 +198,8 @@ class Convex:
     def friction(self, method: Method) -> FrictionLoop:
         """Return how friction bounds are brought into accord with the normal forces.
 
-        A static step may be as long as it likes, and what slips in it has slipped for good: by
-        bounds that are not those of its forces blocks slide as far as the step lets them.
+        A static step may be as long as it likes, and a joint that slips in it has slipped for good:
+        by bounds that are not those of its forces blocks slide as far as the step lets them.
         """
         once = FrictionLoop(updates=self.friction_updates)
         if method.dynamic_ratio > 0.0 or method.balance is None or self.friction_updates == 0:
@@ -216,7 +216,7 @@ class FrictionLoop:
     coarse: float = 1e8
     """Energy left open to begin with, in units of the tolerance."""
     share: float = 1e-2
-    """Energy left open in the end, in units of what new friction bounds bring in."""
+    """Energy left open in the end, in units of the energy that new friction bounds bring in."""
     sharper: float = 0.1
     """Energy left open at the next try, in units of that at the last, at most."""
     agrees: float = 0.0
@@ -250,7 +250,7 @@ class Search:
     def minimum(
         self, potential: Potential, contacts: Contacts, starts: tuple[Floats, ...]
     ) -> tuple[Floats, Contacts, ContactResponse]:
-        """Return d (n, 6), the contacts and what the law answers at the minimum.
+        """Return d (n, 6), the contacts and the answer of the law at the minimum.
 
         It is searched for from the best of the ``starts``, (n, 6) each, with the friction bounds
         that the contacts have, and where many blocks have no links without these.
@@ -392,7 +392,7 @@ class Search:
 
 @dataclass(frozen=True)
 class OfContacts:
-    """What springs bear of which some are contacts whose law is no clipped straight line."""
+    """Forces of springs of which some are contacts whose law is no clipped straight line."""
 
     law: ContactLaw
     taken: HalfWay | None
@@ -401,10 +401,10 @@ class OfContacts:
     rows: Rows
     """Where the contacts are in the table of springs."""
     springs: Springs
-    """That table; what it has for the contacts does not count."""
+    """That table; its rows for the contacts do not count."""
 
     def at(self, gap: Floats, slip: Floats) -> Bearing:
-        """Return what all springs bear at gaps and slips (m,), m."""
+        """Return the forces of all springs at gaps and slips (m,), m."""
         answer = self._answer(gap, slip)
         if len(self.contacts) == len(self.springs):
             return answer
@@ -420,7 +420,7 @@ class OfContacts:
         return of_contacts + self.springs.energy(gap, slip)
 
     def _answer(self, gap: Floats, slip: Floats) -> ContactResponse:
-        """Return what the contacts answer."""
+        """Return the answer of the contacts."""
         return answer(self.law, self.contacts, gap[self.rows], slip[self.rows], self.taken)
 
 
@@ -470,8 +470,8 @@ def first_friction_base(
 ) -> Floats:
     """Return the normal forces, N/m, that bound friction at first, shape (m,).
 
-    Those of the last step.  A contact that bore nothing then holds whatever comes, ``largest``, if
-    it lands without slipping, or was there at the start of the run, so that blocks just put upon
+    Those of the last step.  A contact that carried nothing then holds whatever comes, ``largest``,
+    if it lands without slipping, or was there at the start of the run, so that blocks just put upon
     each other are not minimised without any friction first.  It has none if it slips, or stays
     open, or only slides in beside another block's face.  Since when it has been known plays no
     part.

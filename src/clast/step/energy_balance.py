@@ -1,10 +1,10 @@
-"""The energy ledger: what each kind of force did in a step, measured term by term.
+"""The energy ledger: the work of each kind of force in a step, measured term by term.
 
 For unknowns d, every force of the step's equations does the work F.d at its end-of-step value, or
-at that of its middle where the scheme has forces taken there.
-Where that differs from the change of the energy that the force stores, the difference is what the
-time integration removed.  Kinetic energy is compared with the inertia terms of the scheme, so
-``unaccounted`` is what the solved equations leave open: it is measured, not made to vanish.
+at that of its middle where the scheme has forces taken there.  Where that differs from the change
+of the energy that the force stores, the difference is the energy that the time integration removed.
+Kinetic energy is compared with the inertia terms of the scheme, so ``unaccounted`` is the residual
+of the solved equations: it is measured, not made to vanish.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ CHUNK, PART = 128, 1024
 
 
 def opening(model: Model, state: State) -> Ledger:
-    """Return the ledger of a state at the start of a run: what it holds already."""
+    """Return the ledger of a state at the start of a run: its stored energy."""
     frames = block_frames(model, state)
     velocity, stress = state.velocity, state.stress
     energies = energies_of_blocks(  # those of a step in which nothing moves
@@ -51,7 +51,7 @@ def opening(model: Model, state: State) -> Ledger:
 
 
 def created(ledger: Ledger, first: Ledger) -> float:
-    """Return the energy, J/m, held beyond what the start and the loads gave (negative: lost)."""
+    """Return the energy, J/m, held beyond that of the start and the loads (negative: lost)."""
     held = ledger.stored + ledger.removed + ledger.boundary
     return held - ledger.brought - first.stored
 
@@ -76,7 +76,7 @@ def _finest(state: State) -> float:
 
 
 def with_overlap(ledger: Ledger, method: Method, contacts: Contacts) -> Ledger:
-    """Return the ledger at the start of a run with what contacts hold there already, J/m.
+    """Return the ledger at the start of a run with the energy of contacts there, J/m.
 
     ``contacts`` are those of the first step; coordinates are rounded, blocks may be wedged in,
     bonds reach over gaps, and there may be forces of in-situ stress.
@@ -89,8 +89,9 @@ def with_overlap(ledger: Ledger, method: Method, contacts: Contacts) -> Ledger:
 def tolerated(model: Model, ledger: Ledger, first: Ledger) -> float:
     """Return the created energy, J/m, above which a run is called unstable.
 
-    Impacts of the constant acceleration scheme give back a little too much now and then, so this
-    is a wide bound: what lifts every block by a twentieth of its size, or doubles what there was.
+    Impacts of the constant acceleration scheme return a little too much energy now and then, so
+    this is a wide bound: the energy that lifts every block by a twentieth of its size, or doubles
+    the first one.
     """
     size = np.sqrt(model.area[~model.fixed])
     weight = model.mass[~model.fixed] * np.hypot(*model.gravity)
@@ -152,7 +153,7 @@ def balance(
 
 
 def _with_blocks_and_contacts(context: StepContext, solution: StepSolution, end: StepEnd) -> Ledger:
-    """Return the ledger with what inertia, elasticity, impacts and contacts have done."""
+    """Return the ledger with the work of inertia, elasticity, impacts and contacts."""
     before, model = context.state.ledger, context.model
     of_blocks = energies_of_blocks(
         (solution.unknowns, solution.velocity, end.velocity),
@@ -251,7 +252,7 @@ def energies_of_blocks(motion, inertia, stresses, elastic):
 
 @kernel()
 def energies_of_contacts(forces, gaps, slip, stored):
-    """Return the work of contact forces, J/m, and the sums of what is ``stored``, shape (3,).
+    """Return the work of contact forces, J/m, and the sums of ``stored`` energy, shape (3,).
 
     ``forces``: normal and shear, N/m; ``gaps``: at the start and the end, m; ``slip``, m;
     ``stored``: energy and dissipation, J/m; (m,) each.

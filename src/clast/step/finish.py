@@ -140,7 +140,7 @@ def move(
 ) -> Floats:
     """Return positions (k, 2) of material points of the blocks ``block`` (k,) after a step.
 
-    ``gradient`` (n, 2, 2) is what the rotation rule makes of d (n, 6).
+    ``gradient`` (n, 2, 2) is the one of the rotation rule for d (n, 6).
 
     Written as position + movement, so that a block that does not move keeps every bit.
     """
@@ -160,7 +160,7 @@ def moved(context: StepContext, unknowns: Floats, end: StepEnd) -> Motion:
     """Return where the unknowns d (n, 6) of a step take the system.
 
     Raises StepRejected where a vertex moves further than max_displacement against a block that it
-    might touch, or a block turns further than the equations bear.
+    might touch, or a block turns further than the equations carry.
     """
     model, method, state = context.model, context.method, context.state
     centroid, near = context.frames.centroid, context.workspace.near
@@ -198,7 +198,7 @@ def approach_of(model: Model, before: Floats, after: Floats, near: VerletList) -
     """Return how far a vertex moves at most against a block that it might touch, m.
 
     From vertices ``before`` to ``after`` a step, (nv, 2).  Free flight is exact at any length, and
-    so is what two blocks do together: only pairs whose ways meet count.
+    so is the motion of two blocks together: only pairs whose ways meet count.
     """
     moved = after - before
     thrown = float(np.hypot(*moved.T).max())

@@ -1,24 +1,24 @@
-"""Impacts: what happens to the velocities where a contact closes that bore nothing.
+"""Impacts: velocities where a contact closes that carried no force.
 
 No time scheme gives back a wanted share of the closing velocity by a spring: constant acceleration
 reflects a stiff contact whatever the step, a soft one rebounds as it likes.  So an impact is an
 event.  Blocks fly, as the scheme has them fly, until the first contact closes; there they meet as
 rigid bodies, impulses change their velocities, n.v+ >= -e n.v with e the restitution and Coulomb's
-friction, and they fly on until the next contact closes (step/collisions.py).  What is left of
-this for the step's equations are the velocities after the impacts and how far they would take each
-block in the step, its drift.  Neither the contact's spring nor the step's length plays any part in
-it, momentum is exchanged exactly, and what energy is lost is known.
+friction, and they fly on until the next contact closes (step/collisions.py).  The step's equations
+then have the velocities after the impacts and how far they would take each block in the step, its
+drift.  Neither the contact's spring nor the step's length plays any part in it, momentum is
+exchanged exactly, and the lost energy is known.
 
-Contacts that bear already pass impulses on, as far as these can be felt: a stack that is hit does
-not rebound from the springs between its blocks.  Blocks that touch and bear nothing are hit one
+Contacts that carry already pass impulses on, as far as these can be felt: a stack that is hit does
+not rebound from the springs between its blocks.  Blocks that touch and carry nothing are hit one
 after the other (Newton's cradle).
 
 A contact that closes more slowly than its block falls in one step is none of this.  It is its
 spring that stops it; but the constant acceleration scheme, v+ = (2/h) d - v, would have blocks at
 rest swing for ever on stiff springs.  The motions of a block that such contacts stop are therefore
 taken with theta = 1 (step/integration.py): those along their normals, and along edges with
-friction, whether they stick or slide: what changes with that costs accuracy.  All other motions,
-and these in their next step, keep the scheme of the run.
+friction, whether they stick or slide: changes with that cost accuracy.  All other motions, and
+these in their next step, keep the scheme of the run.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ of g h, which must not count again.
 
 @dataclass(frozen=True, kw_only=True)
 class ImpactResult:
-    """What the impacts of a step leave for its equations."""
+    """The result of the impacts of a step for its equations."""
 
     velocity: Floats
     """Velocity after the impacts, shape (n, 6)."""
@@ -85,7 +85,7 @@ class ImpactResult:
 def after_impacts(
     context: StepContext, contacts: Contacts, graph: Graph, restitution: float
 ) -> ImpactResult:
-    """Return what the impacts of a step that has begun leave for its equations."""
+    """Return the result of the impacts of a step that has begun for its equations."""
     model, frames, state = context.model, context.frames, context.state
     velocity, step = context.velocity, context.step
     before = contact_motions(contacts, velocity)
@@ -145,8 +145,8 @@ def slowest_impact(model: Model, law: ContactLaw, step: float) -> float:
     """Return the closing velocity from which contacts strike, m/s.
 
     The speed of one step of fall, g h; where the step resolves the contacts that of a block that
-    swings about its sag on them, g/w with w^2 = 2 p/m.  What rests on soft springs opens and closes
-    by less than it sags, and its springs answer that.
+    swings about its sag on them, g/w with w^2 = 2 p/m.  A block at rest on soft springs opens and
+    closes by less than it sags, and its springs answer that.
     """
     mass = model.lightest
     softest = range_of_springs(model, law.normal_stiffness)[0]
@@ -163,7 +163,7 @@ def restitutions(model: Model, contacts: Contacts, restitution: float) -> Floats
 def flying(context: StepContext, contacts: Contacts, graph: Graph) -> Floats:
     """Return the acceleration of each block between impacts, m/s2, shape (n, 2).
 
-    It is that of weight, as far as contacts did not bear it at the end of the last step.
+    It is that of weight, as far as contacts did not carry it at the end of the last step.
     """
     model = context.model
     borne = with_contact_forces(
@@ -180,7 +180,7 @@ def flying(context: StepContext, contacts: Contacts, graph: Graph) -> Floats:
 
 
 def mobilities(model: Model, frames: BlockFrames, state: State) -> Floats:
-    """Return what an impulse changes of the (u, v, r) of each block, shape (n, 3, 3).
+    """Return the change of the (u, v, r) of each block by an impulse, shape (n, 3, 3).
 
     A block with a fixed point turns about it, one with several does not move.
     """
@@ -245,7 +245,7 @@ def scheme_of(
 
 
 def bearing(contacts: Contacts, impacts: ImpactResult, normal_force: Floats) -> Floats:
-    """Return the normal forces (m,), N/m, by which contacts bear in the next step.
+    """Return the normal forces (m,), N/m, by which contacts carry in the next step.
 
     None where a contact strikes only then, and has closed by a hair before: the equations know of
     more than the approach does.
@@ -260,8 +260,8 @@ def bearing(contacts: Contacts, impacts: ImpactResult, normal_force: Floats) -> 
 def closing(gap, moved, rate, threshold):
     """Return which contacts (m,) close faster than ``threshold``, m/s, and within the step.
 
-    ``gap`` (m,), m, and its ``rate`` (m,), m/s, are those at the start; ``moved`` (m,), m, is what
-    velocities would change of the gap in the step.
+    ``gap`` (m,), m, and its ``rate`` (m,), m/s, are those at the start; ``moved`` (m,), m, is the
+    change of the gap by velocities in the step.
     """
     found = np.empty(len(gap), np.bool_)
     for c in range(len(gap)):

@@ -14,10 +14,10 @@
 ``course`` are the impulses (k, 2), N s/m, how much the last renewal has changed them, and the way
 they went on before that.
 
-Impulse by impulse is renewed from what it has to come to (projected Gauss-Seidel).  That alone is
-slow where impulses run along rows of blocks, so the changes that renewals make are taken as
-gradients, and impulses go on along conjugate directions (Silcowitz-Hansen, Niebuhr and Erleben
-2010, "A nonsmooth nonlinear conjugate gradient method for interactive contact force problems").
+Impulse by impulse is renewed from its target (projected Gauss-Seidel).  That alone is slow where
+impulses run along rows of blocks, so the changes that renewals make are taken as gradients, and
+impulses go on along conjugate directions (Silcowitz-Hansen, Niebuhr and Erleben 2010, "A nonsmooth
+nonlinear conjugate gradient method for interactive contact force problems").
 """
 
 from __future__ import annotations
@@ -116,7 +116,7 @@ def renew(first, last, linear, course, velocity):
 
 @kernel()
 def _go_on(share, count, course, blocks, pace, velocity):
-    """Let impulses go on by a share of the way they went last, and add what was made.
+    """Let impulses go on by a share of the way they went last, and add their effect.
 
     ``pace`` (b, 2, 3) are the velocities that this way has changed the ``blocks`` (b,) by, and
     theirs when the last renewal began; both change with it.

@@ -6,26 +6,26 @@ theta = 1/2 is constant acceleration (Shi 1988), 1 is backward Euler.  Eliminati
 M/(theta h2) (d - h v) = F.  Every block receives the impulse h F whatever its theta, so blocks with
 different theta still exchange momentum exactly.
 
-theta may be 1 for some motions of a block and the scheme's for all others: with Q that takes of a
-motion what contacts stop, orthogonally in the sense of M, M (1/theta + (1 - 1/theta) Q) stands in
-place of M/theta.  What is free of these contacts moves as if they were not there.
+theta may be 1 for some motions of a block and the scheme's for all others: with Q the projection on
+motions that contacts stop, orthogonal in the sense of M, M (1/theta + (1 - 1/theta) Q) stands in
+place of M/theta.  Motions free of these contacts go on as if they were not there.
 
 Where impacts change a block's velocity within the step (step/impact.py) v is that after them,
 and in place of h v stands how far the block would go, its ``drift``.
 
-F are the forces at the end of the step, which takes energy from vibrations; or those half way
-(the implicit midpoint rule; Simo, Tarnow & Wong 1992): what is stretched by x at the start and by
-x + d at the end bears what it does at x + d/2.  A contact then has
+F are the forces at the end of the step, which takes energy from vibrations; or those half way (the
+implicit midpoint rule; Simo, Tarnow & Wong 1992): a spring stretched by x at the start and by x + d
+at the end has its force at x + d/2.  A contact then has
 
     N = clip(N_0 - p (gap + x_n/2)),    T = clip(T_0 - k x_t/2)
 
-with x_n and x_t by how much it opens and slips, if it bears when the step starts or has a tensile
-strength.  Work and stored energy then agree to the last digit where the force goes straight,
-N x_n = 1/2 p gap^2 - 1/2 p (gap + x_n)^2; where it is clipped on the way, for the contact opens or
-slips, energy is lost and never made.  A contact that bears nothing may close, and half of that way
-would resist too little: it has the forces of the end of the step, which resist too much.  So has
-one without tensile strength whose own swing the step leaps over, w h > 2 pi: what rests on it would
-swing from step to step for ever.  Multipliers are those of the end of the step.
+with x_n and x_t by how much it opens and slips, if it carries when the step starts or has a tensile
+strength.  Work and stored energy then agree to the last digit where the force goes straight, N x_n
+= 1/2 p gap^2 - 1/2 p (gap + x_n)^2; where it is clipped on the way, for the contact opens or slips,
+energy is lost and never made.  A contact that carries nothing may close, and half of that way would
+resist too little: it has the forces of the end of the step, which resist too much.  So has one
+without tensile strength whose own swing the step leaps over, w h > 2 pi: a block on it would swing
+from step to step for ever.  Multipliers are those of the end of the step.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Scheme:
 
     @property
     def of_stopped(self) -> float:
-        """What stopped motions have beside that, (1 - 1/theta)/h2, 1/s2."""
+        """Addition for stopped motions, (1 - 1/theta)/h2, 1/s2."""
         return (1.0 - 1.0 / self.theta) / self.step**2
 
 
@@ -122,7 +122,7 @@ class HalfWay:
     """Where in the step the forces of contacts are taken."""
 
     share: float
-    """Place of those that bear when it starts: 0 at the start, 1 at the end."""
+    """Place of those that carry when it starts: 0 at the start, 1 at the end."""
     springs_only: Bools
     """Contacts without multipliers, shape (m,)."""
     followed: Bools
@@ -140,7 +140,7 @@ class HalfWay:
     def springs(
         self, springs: tuple[Clipped, Clipped], contacts: Contacts
     ) -> tuple[Clipped, Clipped]:
-        """Return normal and shear springs that at gap and slip bear what these do on the way."""
+        """Return normal and shear springs with the forces of these on the way."""
         normal, shear = springs
         place, none = self.place(contacts), np.zeros(len(contacts))
         return normal.taken_at(place, contacts.gap), shear.taken_at(place, none)
@@ -148,7 +148,7 @@ class HalfWay:
     def respond(
         self, law: ContactLaw, contacts: Contacts, gap: Floats, slip: Floats
     ) -> ContactResponse:
-        """Return what a law answers on the way to gaps and slips (m,), m, as functions of these.
+        """Return the answer of a law on the way to gaps and slips (m,), m, as functions of these.
 
         The energy is that of the potential whose slopes the forces are.
         """
@@ -166,7 +166,7 @@ class HalfWay:
 def answer(
     law: ContactLaw, contacts: Contacts, gap: Floats, slip: Floats, taken: HalfWay | None
 ) -> ContactResponse:
-    """Return what contacts answer in the equations to gaps and slips (m,) of the end, m."""
+    """Return the answer of contacts in the equations to gaps and slips (m,) of the end, m."""
     if taken is None:
         return law.respond(contacts, gap, slip)
     return taken.respond(law, contacts, gap, slip)

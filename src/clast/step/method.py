@@ -1,4 +1,4 @@
-"""What a step is done with, the process of a step, and what a step leaves.
+"""Method, StepProcess and StepResult.
 
 Algorithms are frozen dataclasses of their own numbers.  Nothing needs to be inherited or
 registered: an object with these methods can be put into a ``Method`` from a script.
@@ -35,10 +35,10 @@ def _no_contacts() -> Ints:
 
 @dataclass(kw_only=True)
 class Workspace:
-    """What is found once and serves several steps; a run has its own.
+    """Data found once that serve several steps; a run has its own.
 
-    It may be thrown away before any step without changing a digit, and so is no part of what a run
-    must carry on.
+    It may be thrown away before any step without changing a digit, and so is no part of the data of
+    a run.
     """
 
     near: VerletList = field(default_factory=VerletList)
@@ -46,7 +46,7 @@ class Workspace:
     patterns: Patterns = field(default_factory=Patterns)
     """Orders and fill of the last factors, and the aggregates of the last coarse space."""
     acting: ActiveActions = field(default_factory=ActiveActions)
-    """What acts on the blocks beside contacts."""
+    """The actions on the blocks beside contacts."""
     _inexact: tuple[Any, Any] = (None, None)
     clock: Clock | None = None
     """Clock by which the time of the stages of a step is taken; None: wall time."""
@@ -61,7 +61,7 @@ class Workspace:
 
 @dataclass(frozen=True, kw_only=True)
 class StepResult:
-    """What one accepted step leaves."""
+    """The result of one accepted step."""
 
     state: State
     """State at the end of the step."""
@@ -70,7 +70,7 @@ class StepResult:
     response: ContactResponse
     """Contact forces at the end of the step."""
     counts: dict[str, int]
-    """What the process counted: "passes" (assemblies and solves) and more."""
+    """Counts of the process: "passes" (assemblies and solves) and more."""
     travel: float
     """Largest movement of a vertex, m."""
     penetration: float
@@ -141,12 +141,12 @@ class StepProcess(Protocol):
     ) -> StepResult:
         """Return the state ``step`` seconds later, or raise StepRejected (a smaller step helps).
 
-        ``workspace`` is what the run keeps to save time; a process need not use it.
+        ``workspace`` holds data that the run keeps to save time; a process need not use it.
         """
         ...
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
-        """Return what a user should know before the first step of length ``step``, s."""
+        """Return advice for a user before the first step of length ``step``, s."""
         ...
 
     def stiffness(self, model: Model, step: float) -> tuple[float, str]:
@@ -165,7 +165,7 @@ class Method:
     corner_rule: CornerRule
     """Rule that picks the entrance edge at corners."""
     rotation: RotationRule
-    """Rotation rule: what the third unknown of a block means."""
+    """Rotation rule: the meaning of the third unknown of a block."""
     integrator: Integrator
     """Time integration scheme."""
     solver: LinearSolver
@@ -185,6 +185,6 @@ class Method:
     """Unbalanced force that the process may leave each block, as a share of the forces on it; None:
     a tolerance of all blocks together is enough."""
     damping: Action = field(default_factory=Undamped)
-    """What takes energy from all blocks: Undamped, Rayleigh, Adaptive, Kinetic."""
+    """Energy taken from all blocks:  Undamped, Rayleigh, Adaptive, Kinetic."""
     notes: tuple[str, ...] = ()
-    """What was chosen automatically, and why."""
+    """Automatic choices, and their reasons."""

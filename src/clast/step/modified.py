@@ -43,7 +43,7 @@ THROWN = (
     "The contacts throw blocks apart: lower method.contact_law.normal_stiffness or time.step, or "
     "use method.process.passes >= 2"
 )
-"""What helps where contacts do not settle in one pass."""
+"""Remedy where contacts do not settle in one pass."""
 
 
 class Friction(Protocol):
@@ -74,7 +74,7 @@ class ImplicitFriction:
 
 @dataclass(frozen=True, kw_only=True)
 class PassResult:
-    """What a solve has found."""
+    """The result of a solve."""
 
     unknowns: Floats
     """Displacements d, shape (n, 6)."""
@@ -87,14 +87,14 @@ class PassResult:
     response: ContactResponse
     """The law's answer at the end of the step."""
     acting: ContactResponse
-    """The same, or half way where forces are taken there: what equations would hold."""
+    """The same, or half way where forces are taken there: as in the equations."""
     applied: tuple[Floats, Floats]
     """Normal and shear forces (m,) that the equations held at the end of the step, N/m."""
 
 
 @dataclass(frozen=True)
 class Modified:
-    """The paper's process; ``passes`` > 1 repeats steps (10)-(12) with what the last pass found."""
+    """The paper's process; ``passes`` > 1 repeats steps (10)-(12) with the last result."""
 
     friction: Friction = field(default_factory=LaggedFriction)
     """Sliding friction, lagged (the paper's) or inside the solve."""
@@ -120,7 +120,7 @@ class Modified:
     def solve(
         self, context: StepContext, contacts: Contacts, before: StepSolution | None = None
     ) -> StepSolution:
-        """Return what the passes of the step, with their multiplier solves, have found."""
+        """Return the result of the passes of the step, with their multiplier solves."""
         law, factor, stages = context.method.contact_law, factor_of(context), context.stages
         stages("base system")
         # (5) inertia and elasticity; (6) stress, weight, loads; (7) fixed points
@@ -158,7 +158,7 @@ class Modified:
             contacts, seen, at = found.contacts, (found.gap, found.slip), unknowns
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
-        """Warn where p h2/m is beyond what one pass bears, or carried multipliers swing up."""
+        """Warn where p h2/m is beyond the limit of one pass, or carried multipliers swing up."""
         swing = *multipliers.advice(method.contact_law, model, step), *advice_without(model)
         number = stability_number(model, method, state, step)
         if self.passes > 1 or number <= STABILITY_LIMIT:
@@ -188,7 +188,7 @@ def pass_result(
     unknowns: Floats,
     taken: HalfWay | None,
 ) -> PassResult:
-    """Return what a solve leaves; ``seen`` are gap and slip (m,) where the law was linearised."""
+    """Return the result of a solve; ``seen`` are gap and slip (m,) where the law was linearised."""
     opening, slip = contact_motions(contacts, unknowns)
     gap = contacts.gap + opening
     response = law.respond(contacts, gap, slip)
@@ -225,7 +225,7 @@ def solution_of(
 
 
 def factor_of(context: StepContext) -> FactorOfStep:
-    """Return what solves the systems of a step."""
+    """Return the factor for the systems of a step."""
     return FactorOfStep(context.method.solver, context.workspace.patterns)
 
 
@@ -236,7 +236,7 @@ def counts_of(passes: int, factor: FactorOfStep) -> dict[str, int]:
 
 @dataclass(frozen=True, kw_only=True)
 class Bearing:
-    """What all links bear, in the order of their table; see ContactResponse."""
+    """Forces of all links, in the order of their table; see ContactResponse."""
 
     normal_force: Floats
     shear_force: Floats
@@ -254,7 +254,7 @@ def coupled_system(
     at: Floats,
     fixed: Bools,
 ) -> tuple[BlockSystem, ContactResponse | Bearing]:
-    """Return the system of a solve, and what it was assembled with.
+    """Return the system of a solve, and the forces in it.
 
     The contacts' ``response`` was evaluated at the gaps and slips ``seen`` (m,), m, the springs are
     at the displacements ``at`` (n, 6).
@@ -305,7 +305,7 @@ def forces_in_equations(
     """Return N and T (m,) that the solved equations held at the end of the step, N/m.
 
     ``gap`` and ``slip`` (m,) are where the law was linearised, ``end_gap`` and ``end_slip`` those
-    of the solution; N may be tensile: that is what one pass without checking costs.
+    of the solution; N may be tensile: that is the price of one pass without checking.
     """
     normal = response.normal_force - response.normal_stiffness * (end_gap - gap)
     shear = (
@@ -332,7 +332,7 @@ NEAR = 0.005
 
 
 def bearable_stiffness(model: Model, step: float) -> tuple[float, str]:
-    """Return the normal stiffness, N/m per m, that a step of ``step``, s, bears, and the reason.
+    """Return the normal stiffness, N/m per m, that a step of ``step``, s, carries, and the reason.
 
     p h2/m = 1 for the lightest block with four contacts; no more than the limit for any block with
     the contacts that it has at the start, the points of a face counted by their shares of p.

@@ -56,7 +56,7 @@ SHI_FACTOR = 40.0
 
 
 THROWN = "The contacts throw blocks apart: lower method.contact_law.normal_stiffness or time.step"
-"""What helps where stiff contacts give back too much."""
+"""Remedy where stiff contacts return too much energy."""
 
 
 @dataclass(frozen=True)
@@ -123,9 +123,9 @@ class OpenClose:
         )
 
     def advice(self, model: Model, method: Method, state: State, step: float) -> tuple[str, ...]:
-        """Warn where p h2/m is beyond what impacts bear, or carried multipliers swing up.
+        """Warn where p h2/m is beyond the limit of impacts, or carried multipliers swing up.
 
-        Blocks at rest bear more: steps whose modes do not settle are cut.
+        Blocks at rest carry more: steps whose modes do not settle are cut.
         """
         usual = *multipliers.advice(method.contact_law, model, step), *advice_without(model)
         number = stability_number(model, method, state, step)

@@ -3,9 +3,9 @@
 Contact detection picks a vertex and an edge anew in every step.  On soft springs a contact can come
 up, or pass to another edge, where the vertex has long been behind it: its spring would begin as
 stretched as it had never been pulled, and the blocks would get that energy for nothing.  Such a
-contact begins with the force that it, or what it takes over from within its pair of blocks, ended
-the last step with; from there its spring follows the gap.  The spring's point of rest lies behind
-the edge then, and comes back with the vertex.
+contact begins with the force that it, or the contact it takes over from within its pair of blocks,
+ended the last step with; from there its spring follows the gap.  The spring's point of rest lies
+behind the edge then, and comes back with the vertex.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ move on arcs, which the linear gap of a step does not know."""
 def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> Contacts:
     """Return the contacts with multipliers (m,), N/m, below 0 where springs rest behind an edge.
 
-    Of laws that have no multipliers of their own.  What overlaps at the start of a run is taken as
-    it is.
+    Of laws that have no multipliers of their own.  An overlap at the start of a run is taken as it
+    is.
     """
     law = method.contact_law
     if has_multipliers(law) or state.time == 0.0 or not len(contacts):

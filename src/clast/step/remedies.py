@@ -1,4 +1,4 @@
-"""What a user can do about a run that could not go on, by what its process and state say."""
+"""Remedies for a run that could not go on, by the advice of its process and its state."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ GENERAL: Mapping[StepOutcome, str] = {
     ),
     StepOutcome.NOT_CONVERGED: "Lower method.contact_law.normal_stiffness or time.step",
 }
-"""What helps with any process."""
+"""Remedy with any process."""
 
 
 def remedy(
     outcome: StepOutcome, model: Model, method: Method, state: State, smallest: float
 ) -> str:
-    """Return what to do where no step from ``state`` down to ``smallest``, s, is accepted.
+    """Return the remedy where no step from ``state`` down to ``smallest``, s, is accepted.
 
-    What the state says comes first; then what the process, by ``remedies`` of its own, and any
-    other would be helped by.
+    Remedies of the state come first; then those of the process, ``remedies`` of its own, and those
+    that help any other.
     """
     by_state = {
         StepOutcome.TRAVELLED_TOO_FAR: _too_fast,

@@ -1,4 +1,4 @@
-"""What every process begins a step with: where the blocks are, what acts on them, their equations.
+"""The start of a step for every process: places of blocks, actions, equations.
 
 The equations K d = F of a step without contacts are block diagonal: inertia, elasticity, stress and
 weight (block/equations.py), and the shares of all actions (actions/).  Contacts, which couple
@@ -36,7 +36,7 @@ class StepContext:
     """A step that has begun: all that its equations are made from."""
 
     at: StepStart
-    """What actions know of the step."""
+    """The start of the step for actions."""
     model: Model
     state: State
     """State at the start of the step."""
@@ -49,11 +49,11 @@ class StepContext:
     velocity: Floats
     """Velocity that enters the equations, shape (n, 6)."""
     actions: tuple[Action, ...]
-    """What acts on the blocks beside contacts."""
+    """The actions on the blocks beside contacts."""
     own: tuple[Any, ...]
     """Own state of each action."""
     shares: tuple[Contribution, ...]
-    """What each action adds to the equations."""
+    """The contribution of each action to the equations."""
     drift: Floats
     """Displacement that the velocities would bring, h v, m, shape (n, 6)."""
     springs: Springs | None
@@ -121,7 +121,7 @@ def begin(
 
 
 def diagonal_terms(context: StepContext, drift: Floats, scheme: Scheme) -> DiagonalTerms:
-    """Return everything of a step but what couples blocks; ``drift`` (n, 6) is h v, m."""
+    """Return everything of a step but the coupling of blocks; ``drift`` (n, 6) is h v, m."""
     model, frames, share = context.model, context.frames, context.at.forces_at
     matrix, force, momentum = equations.terms(
         (frames.mass_matrix, scheme.inertia, drift),

@@ -1,9 +1,9 @@
-"""Motions of blocks that contacts stop, and what the time scheme does with these alone.
+"""Motions of blocks that contacts stop, and their treatment by the time scheme.
 
-A block with a contact that closes is stopped by all that bear it.  The motions that a contact stops
-on a block with mass matrix M are M^-1 n, and M^-1 t where it rubs; straining is among them, too.
-They are made orthonormal, q_a.M q_b = 1 or 0, so that Q = sum q (M q)^T takes of any
-motion what the contacts stop, and the rest is free of them.
+A block with a contact that closes is stopped by all that carry it.  The motions that a contact
+stops on a block with mass matrix M are M^-1 n, and M^-1 t where it rubs; straining is among them,
+too.  They are made orthonormal, q_a.M q_b = 1 or 0, so that Q = sum q (M q)^T is the projection on
+stopped motions, and the rest is free of them.
 
 With L L^T = M a motion q is y = L^T q, and q_a.M q_b = y_a.y_b.  Strains come last among the
 unknowns, so the motions M^-1 f of forces f that strain alone have y = (0, 0, 0, ., ., .), and those
@@ -107,7 +107,7 @@ def _add(force, b, low, room, stopped):
 
 @kernel()
 def _stop(b, first, last, contacts, stops, room, stopped):
-    """Add what contacts ``first`` to ``last`` - 1 stop on block b."""
+    """Add the motions of block b that contacts ``first`` to ``last`` - 1 stop."""
     (vertex_block, levers), (_, bears, sticks), (low, free) = contacts, stops, room
     count = stopped[0]
     for c in range(first, last):
@@ -130,7 +130,7 @@ def _any(first, last, closes):
 
 @shared(BLOCKS)
 def _of_blocks(low, high, mass_matrix, fixed, graph, contacts, stops, stopped):
-    """Write what contacts stop on blocks ``low`` to ``high`` - 1."""
+    """Write the stopped motions of blocks ``low`` to ``high`` - 1."""
     start, right, left, listed = graph
     closes, _, _ = stops
     count, _, _ = stopped
@@ -160,7 +160,7 @@ def stopped_motions(
 
     Rows from that number on are not written.  ``graph`` is that of the contacts
     (linear/assembly.py), ``contacts`` their vertex_block (m,) and levers, ``stops`` which of them
-    close, which bear and which of these rub (m,).
+    close, which carry and which of these rub (m,).
     """
     count = len(fixed)
     stopped = np.empty(count, np.int64), np.empty((count, 6, 6)), np.empty((count, 6, 6))

@@ -40,7 +40,7 @@ def take_step(
 ) -> StepResult:
     """Return the state ``step`` seconds later, or raise StepRejected (a smaller step helps).
 
-    ``workspace`` is what the run keeps to save time; None: nothing is kept.
+    ``workspace`` holds data that the run keeps to save time; None: nothing is kept.
     """
     context = begin(model, method, state, step, workspace)
     search = process.search(context)

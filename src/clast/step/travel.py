@@ -4,8 +4,8 @@ A contact that closes within the step must be among those of the step, or the ve
 the block unopposed.  Blocks near each other could move by max_displacement; but a fall of loose
 blocks would then carry tens of contacts that stay open for every one that closes.  So contacts are
 looked for as far as the velocities go, with critdis to spare, and once more where a block was found
-to have moved further than that.  Behind an edge they are looked for as far, beyond what the pair of
-blocks remembers: a limit that users lower to be careful must not make contacts harder to find.
+to have moved further than that.  Behind an edge they are looked for as far, beyond the memory of
+the pair of blocks: a limit that users lower to be careful must not make contacts harder to find.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from clast.step.start import StepContext
 SPARE = 0.4
 """Share of critdis that a block may move further than expected; half would be the whole."""
 PUSH = 0.5
-"""What others are expected to push a block, in units of critdis."""
+"""Expected push of others on a block, in units of critdis."""
 JUMP = 4.0
 """How deep a vertex may get into a block within a step unseen, in units of critdis."""
 GROWTH = 1.5
@@ -119,7 +119,7 @@ def farther(method: Method, expected: Floats, travel: Floats) -> Floats | None:
 def closes_unseen(seen: Contacts, contacts: Contacts, displacement: Floats) -> bool:
     """Return True where d (n, 6) closes one of the ``contacts`` that is not among those ``seen``.
 
-    While none does, d is the solution with all of them: an open contact bears nothing.
+    While none does, d is the solution with all of them: an open contact carries nothing.
     """
     # points inside faces come with the vertices at their ends
     closed = contacts.corners & (gap_at_end(contacts, displacement) < 0.0)

@@ -27,13 +27,13 @@ class BoltStates:
     locked: Bools
     """False where a jack holds it, shape (m,)."""
     lost: Bools
-    """True where a block that it was anchored in is gone, shape (m,)."""
+    """True where a block that it was anchored in is excavated, shape (m,)."""
     counted: Bools
     """True where the ledger has the energy that it was installed with, shape (m,)."""
 
     @property
     def bears(self) -> Bools:
-        """Whether it can bear a force, shape (m,)."""
+        """Whether it can carry a force, shape (m,)."""
         return np.asarray(~np.isnan(self.rest) & np.isnan(self.broken_at) & ~self.lost)
 
     @property

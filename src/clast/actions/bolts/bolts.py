@@ -1,6 +1,6 @@
 """Rock bolts: springs between points of two blocks, along the line on which these lie now.
 
-    F = T0 + s (l - l0 - p),    0 <= F <= Fy    (-Fy <= F <= Fy where it bears compression)
+    F = T0 + s (l - l0 - p),    0 <= F <= Fy    (-Fy <= F <= Fy where it carries compression)
 
 l is the length between the points, l0 that at which the bolt was installed, with its pretension T0;
 the plastic elongation p grows where F would exceed the yield force Fy, so that a bolt unloads along
@@ -36,7 +36,7 @@ class Bolting:
         return taken_up(model, none, lengths(model, model.bolts.at))
 
     def share(self, start: StepStart, own: BoltStates) -> Contribution:
-        """Return the springs of all bolts that bear between blocks that can move."""
+        """Return the springs of all bolts that carry between blocks that can move."""
         points = start.state.points[start.model.point_slices.bolts]
         length = lengths(start.model, points)
         return Contribution(springs=_springs(start, taken_up(start.model, own, length), length))
@@ -91,7 +91,7 @@ def taken_up(model: Model, own: BoltStates, length: Floats) -> BoltStates:
     """Return the springs when a step begins, at lengths (m,), m.
 
     Those installed since take their length as the one at rest, those whose jack is off go on from
-    the length they have, and those whose block is gone bear nothing more.
+    the length they have, and those whose block is excavated carry nothing more.
     """
     bolts = model.bolts
     there = bolts.installed[bolts.of_spring]
@@ -141,7 +141,7 @@ def ruptured(bolts: Bolts, own: BoltStates, time: float) -> BoltStates:
 
 
 def _springs(start: StepStart, own: BoltStates, length: Floats) -> Springs | None:
-    """Return the links of the springs that bear, None where there are none.
+    """Return the links of the springs that carry, None where there are none.
 
     The force of a link is that on its first block along the line from the second one, compression
     positive.

@@ -1,8 +1,8 @@
 """Which joint a contact lies along, how much of it, and the springs that this gives it.
 
-A pair of blocks that a joint names goes before what edges say for themselves, and that before a
-pair of rocks and the default.  Two blocks can touch along several joints, at a step in a fault for
-example: a pair cannot say that, their edges can.
+A pair of blocks that a joint names goes before the joints of edges, and these before a pair of
+rocks and the default.  Two blocks can touch along several joints, at a step in a fault for example:
+a pair cannot say that, their edges can.
 """
 
 from __future__ import annotations

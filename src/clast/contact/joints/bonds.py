@@ -1,4 +1,4 @@
-"""Bonds of contacts: where they are, what slip and tension leave of them.
+"""Bonds of contacts: their places, and their loss by slip and tension.
 
 Contacts along a joint with strength are bonded where the joint is closed at the start of the run.
 A bond has the cohesion c and the tensile strength sigma_t of its joint.
@@ -30,7 +30,7 @@ from clast.model.state import ContactMemory
 
 @dataclass(frozen=True)
 class Bonds:
-    """What is left of the bonds of contacts."""
+    """The remaining bonds of contacts."""
 
     bonded: Bools
     """True while cohesion and tensile strength are intact, shape (m,)."""

@@ -8,7 +8,7 @@ it.  These add up to 1 and their second moment about the middle is L^2/12, so th
 rotation k L^3/12 and opening at e = L/6 are exact.  Points are denser towards the ends, and places
 and shares are those with which a face that has opened in part is nearest to its integral, too
 (contact length 3 (L/2 - e), rotation within 4 % up to e = 0.465 L), under the condition that no
-crack that has begun bears more than sigma_t L^2/6, the moment that began it (decision 82).
+crack that has begun carries more than sigma_t L^2/6, the moment that began it (decision 82).
 
 A point is kept by the two edges and its number.  It moves along with the shared length, whose ends
 are vertices: as blocks slide, its place and its share are those of the moment.  Of edges that lie
@@ -189,7 +189,7 @@ def _inside(
     centroid: Floats,
     edges: tuple[Floats, Floats],
 ) -> Places:
-    """Return the points P on edges ``own`` (k,) inside what they share with edges ``edge``."""
+    """Return the points P on edges ``own`` (k,) inside their common part with edges ``edge``."""
     vertices, (direction, length) = state.vertices, edges
     block = model.vertex_block
     end = model.vertex_after[own]

@@ -1,4 +1,4 @@
-"""Which edges lie flush: what faces carry along as they slide on belongs to these."""
+"""Which edges lie flush: strength that faces carry along as they slide on belongs to these."""
 
 from __future__ import annotations
 

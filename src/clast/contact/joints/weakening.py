@@ -1,4 +1,4 @@
-"""Peak and residual strength: what is left of it after sliding.
+"""Peak and residual strength: the strength after sliding.
 
     tan(phi) = tan(phi_p) + s (tan(phi_r) - tan(phi_p))        s = min(1, slid / slip_weakening)
 
@@ -9,7 +9,7 @@ strengths are constant, so that the equations of a step stay those of Coulomb's 
 Contacts that are closed at the start of the run have their peak strength.  How far they have slid
 belongs to their faces, as bonds do (contact/joints/bonds.py): a contact that comes up where a face
 slides on, to the next piece of its plane as well, has slid as far as the face has.  Where neither
-face has borne there is the residual strength: they have never fitted each other.
+face has carried there is the residual strength: they have never fitted each other.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def slide_lengths(
     direction: Floats,
     model: Model,
 ) -> Floats:
-    """Return how far contacts have slid, m, (m,), given what they remember of themselves.
+    """Return how far contacts have slid, m, (m,), given their memory.
 
     ``carried`` (m,) is 0 and ``bonded`` (m,) False for contacts that come up after the start;
     ``direction`` (nv, 2) are the unit vectors of edges.

@@ -1,8 +1,8 @@
 """The process of a live page: ``python -m clast.pictures.live RESULTS HOST:PORT``.
 
-It says its address in the first line of its output, and in the others what pages ask for; what it
-is told in its input is where the run is.  Where the input ends, so has the run: it stays then as
-long as pages look on.
+It says its address in the first line of its output, and in the others the requests of pages; its
+input has the progress of the run.  Where the input ends, so has the run: it stays then as long as
+pages look on.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def _say(line: str) -> None:
 
 
 def _hear(feed: Feed) -> None:
-    """Hear what the run says, until it is over."""
+    """Read the messages of the run, until it is over."""
     for line in sys.stdin:
         try:
             said: dict[str, Any] = json.loads(line)

@@ -1,4 +1,4 @@
-"""What a live page is fed with: frames of a result file as a run writes them, and what it says."""
+"""The feed of a live page: frames of a result file as a run writes them, and its messages."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from clast.results import Results, read_results
 PERIOD = 0.25
 """Time between two looks at the file at least, s."""
 DUTY = 20.0
-"""A look is followed by a rest of this many times what it took: a run that writes waits for it."""
+"""A look is followed by a rest of this many times its duration: a run that writes waits for it."""
 EXPECTED = 200
 """Frames that the budget of contacts is shared among while a run goes on."""
 
@@ -32,9 +32,9 @@ class Feed:
     path: Path
     budget: float = BUDGET
     status: dict[str, Any] = field(default_factory=dict)
-    """What the run has said last."""
+    """The last message of the run."""
     version: int = 0
-    """Counts what is new."""
+    """Counts news."""
     _results: Results | None = None
     _seen: tuple[int, int] = (0, 0)
     _parts: dict[tuple[int, int], str] = field(default_factory=dict)
@@ -58,7 +58,7 @@ class Feed:
         return bool(self.status.get("over"))
 
     def say(self, status: dict[str, Any]) -> None:
-        """Take what the run says of itself."""
+        """Take a message of the run."""
         with self.changed:
             self.status = {**self.status, **status}
             self.version += 1

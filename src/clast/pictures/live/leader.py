@@ -1,8 +1,8 @@
-"""The run's side of its live page: says how far it is, and does between steps what it is told.
+"""The run's side of its live page: reports its progress, and obeys requests between steps.
 
 The page has a process of its own (``clast.pictures.live``), which reads the result file as anybody
 may.  The run writes lines into a pipe that is never waited for, and looks at a flag before each
-step: what reads slowly, hangs or has gone costs it nothing.
+step: a page that reads slowly, hangs or has closed costs it nothing.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ WAIT = 0.1
 START = 60.0
 """How long the process of the page may take to begin, s."""
 ORDERS = ("pause", "go", "step", "end", "checkpoint")
-"""What a page may ask for."""
+"""Requests of a page."""
 
 
 class LivePage:
     """The page of a run that writes ``output``; it goes where ``progress`` of a run goes.
 
-    ``address`` is what a browser opens.  Raises CaseError where the page cannot be served.
+    ``address`` is the one that a browser opens.  Raises CaseError where the page cannot be served.
     """
 
     def __init__(self, output: Path | str, at: str = HERE, *, wants_line: bool = False) -> None:
@@ -77,7 +77,7 @@ class LivePage:
         threading.Thread(target=self._hear, daemon=True).start()
 
     def _first_line(self) -> dict[str, Any]:
-        """Return what the process of the page says first."""
+        """Return the first message of the process of the page."""
         guard = threading.Timer(START, self._process.kill)
         guard.start()
         try:
@@ -107,7 +107,7 @@ class LivePage:
         self._tell()
 
     def lead(self, halt: Halt) -> None:
-        """Do what the page asks for: wait, take one step, end, write a checkpoint."""
+        """Obey a request of the page: wait, take one step, end, write a checkpoint."""
         if not self._begun:
             self._begun = True
             self._tell()
@@ -127,7 +127,7 @@ class LivePage:
         self._asked = self._paused or not self._orders.empty()
 
     def _obey(self, halt: Halt) -> None:
-        """Take what has been asked for since."""
+        """Take the requests since."""
         self._news.clear()
         while True:
             try:
@@ -154,7 +154,7 @@ class LivePage:
             os.write(self._pipe.fileno(), json.dumps(line).encode() + b"\n")
 
     def _hear(self) -> None:
-        """Take what the page asks for, until its process has gone."""
+        """Take the requests of the page, until its process has gone."""
         for line in cast("IO[bytes]", self._process.stdout):
             order = line.decode().strip()
             if order in ORDERS:

@@ -1,7 +1,7 @@
 """The page of a run over HTTP, for browsers on this machine that know its token.
 
-A page of somebody else in the same browser may ask this server as well: what it asks for has its
-own ``Origin``, and where it has had its name point here, that name as ``Host``.  Both are looked at
+A page of somebody else in the same browser may ask this server as well: its requests have its own
+``Origin``, and where it has had its name point here, that name as ``Host``.  Both are looked at
 before anything else, and the token, which stands behind the ``#`` of the address and is sent to no
 server by itself, before anything is said of the run.
 """
@@ -31,7 +31,7 @@ BEAT, BEAT_AFTER = 5.0, 1.0
 MOST_PAGES = 8
 """Pages that look on at the same time."""
 MOST_BYTES = 1000
-"""Length of what a page may send."""
+"""Greatest length of a request."""
 CURVES_EVERY = 2.0
 """Time between two sendings of curves, s."""
 
@@ -55,7 +55,7 @@ class LiveServer(ThreadingHTTPServer):
 
     @property
     def address(self) -> str:
-        """What a browser opens."""
+        """The address for a browser."""
         host = "127.0.0.1" if _is_any(self.host) else self.host
         return f"http://{host}:{self.port}/#token={self.token}"
 
@@ -96,7 +96,7 @@ class Handler(BaseHTTPRequestHandler):
     timeout = PATIENCE
 
     def do_GET(self) -> None:
-        """Answer with the page, what it shows, or what is new as it comes."""
+        """Answer with the page, its content, or news as they come."""
         parts = urlsplit(self.path)
         answers: dict[str, Callable[[str], None]] = {
             "/scene": lambda _: self._answer("application/json", self.server.feed.scene),
@@ -113,7 +113,7 @@ class Handler(BaseHTTPRequestHandler):
             answers[parts.path](parts.query)
 
     def do_POST(self) -> None:
-        """Hand on what a page asks the run for."""
+        """Hand on a request of a page to the run."""
         length = self.headers.get("Content-Length", "")
         if not length.isdecimal() or int(length) > MOST_BYTES:
             self.close_connection = True
@@ -164,7 +164,7 @@ class Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, str(error))
 
     def _events(self, query: str) -> None:
-        """Send what is new as it comes, until the run is over or the browser has gone."""
+        """Send news as they come, until the run is over or the browser has gone."""
         server, given = self.server, parse_qs(query).get("from", ["0"])[0]
         if server.pages >= MOST_PAGES:
             self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_PAGES} pages look on already")
@@ -213,11 +213,11 @@ class Handler(BaseHTTPRequestHandler):
         return "clast"
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Say nothing of what is asked for."""
+        """Log no requests."""
 
 
 class _Stream:
-    """What one page has been sent."""
+    """The news that one page has got."""
 
     def __init__(self, feed: Feed, send: Callable[[str, str], None]) -> None:
         self._feed, self._send = feed, send

@@ -27,7 +27,7 @@ class PageFrame:
 
 
 def page_view(scene: dict[str, Any]) -> Any:
-    """Return what shows a scene in a notebook: a widget where anywidget is there, else a frame."""
+    """Return the view of a scene in a notebook: a widget where anywidget is there, else a frame."""
     try:
         from anywidget import AnyWidget
         from traitlets import Unicode

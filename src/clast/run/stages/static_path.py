@@ -5,10 +5,10 @@ solution where blocks have no support, too; but it holds back moving blocks, so 
 on a base that carries it along, and the answer depends on tau.  So the *pseudo time step* tau has
 nothing to do with the time of loads and supports:
 
-- tau is long from the first step on, for what slips while mass bears has slipped for good; it grows
-  from step to step while blocks move little against max_displacement, until the mass term
-  is nothing beside the stiffness of what is supported (pseudo-transient continuation; Kelley and
-  Keyes 1998), and is cut where a step is rejected;
+- tau is long from the first step on, for a joint that slips while mass carries load has slipped for
+  good; it grows from step to step while blocks move little against max_displacement, until the mass
+  term is nothing beside the stiffness of supported blocks (pseudo-transient continuation; Kelley
+  and Keyes 1998), and is cut where a step is rejected;
 - the time by which tables, the ground and relaxations go on stands still until the present
   increment is in balance;
 - the imbalance at the start of a stage, of its weight, stress and loads, comes on at once.  Where
@@ -47,9 +47,9 @@ from clast.step.method import Method, StepResult, bears_any_step
 
 FIRST = 5.0
 """Fall of a free block in the first step of a stage, in units of max_displacement: with a mass term
-that bears little, and two cuts from where nothing bears."""
+that carries little, and two cuts from where nothing carries."""
 RESTING = 0.1
-"""The same in balance, where longer steps only let drift what nothing supports."""
+"""The same in balance, where longer steps only let blocks without support drift."""
 LONGEST = 300.0
 """Longest pseudo time step, in units of that in which a free block falls by max_displacement."""
 GROWTH = 10.0
@@ -310,7 +310,7 @@ class StaticPath:
 
     @property
     def _grows(self) -> bool:
-        """Whether the process bears steps of any length."""
+        """Whether the process carries steps of any length."""
         return bears_any_step(self.method.process)
 
     @property

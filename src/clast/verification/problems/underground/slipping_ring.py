@@ -66,7 +66,7 @@ class Ring:
 
 
 CASES = (Ring(15.0, 25.0), Ring(10.0, 10.0))
-"""What is looked at."""
+"""The quantity."""
 SHARES = (0.8, 0.6, 0.4, 0.2, 0.0)
 """Pressures at which convergence is compared, in units of the first."""
 WHY = "a joint bears at three points, friction bounds agree within 0.2 % of the forces"
