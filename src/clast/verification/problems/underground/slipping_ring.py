@@ -18,7 +18,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.in_situ import InSituStress
 from clast.model.model import Floats, Model, PlaneStrain
 from clast.pictures.verification import Chart, curve, exact_curve
@@ -185,7 +185,7 @@ def reaction_curve(ring: Ring) -> tuple[Floats, Floats, float]:
 
 def ring_in_rock(ring: Ring) -> Model:
     """Return the ring under stress in fixed rock, with a pressure in the opening that fades out."""
-    builder = ModelBuilder(title="Slipping ring", plane=PlaneStrain(), gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Slipping ring", plane=PlaneStrain(), gravity=(0.0, 0.0))
     builder.add_rock("rock", young=YOUNG, poisson=0.0, density=2700.0)
     iris = {"normal_stiffness": STIFF, "shear_stiffness": STIFF}
     builder.add_joint("default", friction_angle=ring.friction, **iris)
