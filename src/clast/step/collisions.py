@@ -98,24 +98,24 @@ def _moment(c, bodies, contacts, limits):
     return moment if moment <= step else np.inf
 
 
-@kernel()
-def _moments_around(b, bodies, contacts, live, around, limits):
-    """Write when the contacts of block b strike."""
-    first, listed = around
-    moment, bears, hits, waiting, waits, number = live
-    for at in range(first[b], first[b + 1]):
-        c = listed[at]
-        strikes = not bears[c] and hits[c] < NEVER
-        moment[c] = _moment(c, bodies, contacts, limits) if strikes else np.inf
-        if moment[c] < np.inf and not waits[c]:
-            waiting[number[0]], waits[c] = c, True
-            number[0] += 1
-
-
 @kernel(forceinline=True)
 def _moves(b, mobility):
     """Return whether an impulse can move block b."""
     return mobility[b, 0, 0] + mobility[b, 1, 1] + mobility[b, 2, 2] > 0.0
+
+
+@kernel()
+def _look_ahead(listed, bodies, contacts, live, limits):
+    """Write when the contacts listed (k,) strike; no impulse moves two blocks that cannot move."""
+    moment, bears, hits, waiting, waits, number = live
+    mobility, vertex_block, edge_block = bodies[5], contacts[1], contacts[2]
+    for c in listed:
+        strikes = not bears[c] and hits[c] < NEVER
+        strikes &= _moves(vertex_block[c], mobility) or _moves(edge_block[c], mobility)
+        moment[c] = _moment(c, bodies, contacts, limits) if strikes else np.inf
+        if moment[c] < np.inf and not waits[c]:
+            waiting[number[0]], waits[c] = c, True
+            number[0] += 1
 
 
 @kernel()
@@ -344,8 +344,9 @@ def _end(time, bodies, contacts, live, around, limits, group):
             shift[b, a] -= time * (velocity[b, a] - before[b, a])
             before[b, a] = velocity[b, a]
         last[b], among[b] = time, False
+    start, listed = around
     for b in blocks[: counts[1]]:
-        _moments_around(b, bodies, contacts, live, around, limits)
+        _look_ahead(listed[start[b] : start[b + 1]], bodies, contacts, live, limits)
 
 
 @kernel()
@@ -477,8 +478,7 @@ def strike(velocity, acceleration, mobility, mass_matrix, contacts, bears, limit
         np.zeros(blocks, np.bool_),
         np.array([0, 0, WORK * max(count, SOME)]),
     )
-    for b in range(blocks):
-        _moments_around(b, bodies, contacts, live, around, limits)
+    _look_ahead(np.arange(count), bodies, contacts, live, limits)
     lost, first = 0.0, _earliest(live)
     while first >= 0 and group[7][2] > 0:
         lost += _strike(first, bodies, contacts, live, around, limits, group)

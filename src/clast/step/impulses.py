@@ -25,21 +25,17 @@ from __future__ import annotations
 import numpy as np
 
 from clast.compute.jit import kernel
-from clast.compute.vec6 import line, numbers, plus_product, plus_scaled, six, total, zeros
+from clast.compute.vec6 import numbers
 from clast.contact.jacobian import force_on
 
 
 @kernel(forceinline=True)
-def _motion_of(i, j, velocity):
-    """Return (u, v, r) of blocks i and j (vec6)."""
-    u, v, r = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-    return six(u, v, r, velocity[j, 0], velocity[j, 1], velocity[j, 2])
-
-
-@kernel(forceinline=True)
-def _along(rows, at, k, motion):
-    """Return what a motion (vec6) of its blocks is to contact ``at`` along k."""
-    return total(plus_product(zeros(), line(rows, at, k), motion))
+def _along(at, k, rows, i, j, velocity):
+    """Return what the motion of its blocks i and j is to contact ``at`` along k."""
+    found = 0.0
+    for a in range(3):
+        found += rows[at, k, a] * velocity[i, a] + rows[at, k, 3 + a] * velocity[j, a]
+    return found
 
 
 @kernel(forceinline=True)
@@ -70,9 +66,11 @@ def describe(at, c, rates, target, velocity, mobility, contacts, linear):
         ease[at, k] = 0.0
         _respond(at, k, 0, i, mobility, force_on(levers, c, True, normal, shear), linear)
         _respond(at, k, 1, j, mobility, force_on(levers, c, False, normal, shear), linear)
-        goal[at, k] = _along(rows, at, k, _motion_of(i, j, velocity)) - rates[k]
+        goal[at, k] = _along(at, k, rows, i, j, velocity) - rates[k]
     goal[at, 0] += target
-    coupling[at] = _along(rows, at, 1, line(effects, at, 0))
+    coupling[at] = 0.0
+    for a in range(6):
+        coupling[at] += rows[at, 1, a] * effects[at, 0, a]
     for k in range(2):
         give = 1.0 / ease[at, k] if ease[at, k] > 0.0 else 0.0
         goal[at, k] *= give
@@ -93,9 +91,9 @@ def renew(first, last, linear, course, velocity):
     most, size = 0.0, 0.0
     for at in range(first, last):
         i, j = ends[at, 0], ends[at, 1]
-        motion = _motion_of(i, j, velocity)
-        normal = max(0.0, impulses[at, 0] + goal[at, 0] - _along(rows, at, 0, motion))
-        shear = impulses[at, 1] + goal[at, 1] - _along(rows, at, 1, motion)
+        shear = impulses[at, 1] + goal[at, 1] - _along(at, 1, rows, i, j, velocity)
+        normal = impulses[at, 0] + goal[at, 0] - _along(at, 0, rows, i, j, velocity)
+        normal = max(0.0, normal)
         pushed, bound = normal - impulses[at, 0], friction[at] * normal
         shear = min(max(shear - coupling[at] * pushed, -bound), bound)
         rubbed = shear - impulses[at, 1]
@@ -103,11 +101,9 @@ def renew(first, last, linear, course, velocity):
         made[at, 0], made[at, 1] = pushed, rubbed
         if pushed == 0.0 and rubbed == 0.0:
             continue
-        motion = plus_scaled(motion, pushed, line(effects, at, 0))
-        motion = plus_scaled(motion, rubbed, line(effects, at, 1))
-        u, v, r, x, y, s = numbers(motion)
-        velocity[i, 0], velocity[i, 1], velocity[i, 2] = u, v, r
-        velocity[j, 0], velocity[j, 1], velocity[j, 2] = x, y, s
+        for a in range(3):
+            velocity[i, a] += pushed * effects[at, 0, a] + rubbed * effects[at, 1, a]
+            velocity[j, a] += pushed * effects[at, 0, 3 + a] + rubbed * effects[at, 1, 3 + a]
         pushed, rubbed = abs(pushed), abs(rubbed)
         one, other = pushed * ease[at, 0], rubbed * ease[at, 1]
         most, size = max(most, one, other), size + (one * pushed + other * rubbed)
