@@ -6,11 +6,11 @@
     python benchmarks/peers.py                                 all of it: hours
     python benchmarks/peers.py --page               write docs/performance.md from what is kept
 
-Measured are wall time per simulated second, the largest horizontal movement of a brick that should
-stand still, and how deep blocks overlap at the end.  Whole scenes are those of `clast bench whole`,
-from beginning to end: a heap to rest, a wall that collapses, dominoes, a slide.  A program that is
-not installed is left out.  Figures are kept in build/peers.json; they belong to one machine, and
-another one starts anew.
+Measured are the time of the processor for a simulated second, the largest horizontal movement of a
+brick that should stand still, and how deep blocks overlap at the end.  Whole scenes are those of
+`clast bench whole`, from beginning to end: a heap to rest, a wall that collapses, dominoes, a
+slide.  A program that is not installed is left out.  Figures are kept in build/peers.json; they
+belong to one machine, and another one starts anew.
 """
 
 from __future__ import annotations
@@ -56,9 +56,9 @@ class Figures:
     """Program with its settings."""
     simulated: float
     """Simulated time, s."""
-    wall_seconds: float
-    """Wall time of the steps, s."""
-    wall_per_simulated_second: float
+    seconds: float
+    """Time of the processor for the steps, s."""
+    per_simulated_second: float
     """The same for one simulated second."""
     drift: float | None
     """Largest horizontal movement of a vertex, m; None for heaps."""
@@ -118,8 +118,8 @@ def figures(setting: Setting, program: Program, outcome: Outcome) -> Figures:
         blocks=len(setting.free),
         program=program.name,
         simulated=outcome.time,
-        wall_seconds=outcome.wall,
-        wall_per_simulated_second=outcome.wall / outcome.time if outcome.time else np.inf,
+        seconds=outcome.seconds,
+        per_simulated_second=outcome.seconds / outcome.time if outcome.time else np.inf,
         drift=float(shift) if setting.name == "wall" else None,
         overlap=deepest_overlap(np.concatenate([outcome.free, setting.fixed])),
         remark=outcome.remark,
@@ -179,7 +179,7 @@ def line(row: Figures) -> str:
     """Return the figures of a run as a line for the terminal."""
     drift = "" if row.drift is None else f"drift {1e3 * row.drift:.3g} mm, "
     return (
-        f"{row.program:<55}{row.wall_per_simulated_second:>9.3g} s per s, {drift}"
+        f"{row.program:<55}{row.per_simulated_second:>9.3g} s per s, {drift}"
         f"overlap {1e3 * row.overlap:.3g} mm {row.remark}"
     )
 

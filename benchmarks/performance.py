@@ -140,7 +140,7 @@ Before the rough first minimum (docs/solver-performance.md), on an AMD EPYC with
   7.6. That is 12 to 20 and 20 to 25 GB/s, 75 to 85 % and 76 to 84 % of the triad in main memory
   by as many threads, measured in turns with it.
 """
-PEER_HEADINGS = ("program", "wall time per simulated second", "drift", "overlap", "remark")
+PEER_HEADINGS = ("program", "processor per simulated second", "drift", "overlap", "remark")
 BENCH_HEADINGS = (
     "scene",
     "blocks",
@@ -196,7 +196,7 @@ def peer_cells(row: Mapping[str, Any]) -> Sequence[str]:
     """Return the texts of a row of the first tables."""
     return (
         row["program"],
-        f"{row['wall_per_simulated_second']:.3g} s",
+        f"{row['per_simulated_second']:.3g} s",
         _millimetres(row["drift"]),
         _millimetres(row["overlap"]),
         row["remark"],

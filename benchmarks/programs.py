@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any, Protocol
 
 import numpy as np
 
+from clast.compute.compilation import COMPILATION
 from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.run.schedule import Progress, Schedule
@@ -47,8 +48,8 @@ class Outcome:
 
     time: float
     """Simulated time, s: shorter than wanted where the limit of wall time was met."""
-    wall: float
-    """Wall time of the steps, s; building and warming up are not counted."""
+    seconds: float
+    """Time of the processor for the steps, s; building and compilation are not counted."""
     free: Floats
     """Outlines at the end, m, shape (n, 4, 2)."""
     remark: str = ""
@@ -105,11 +106,13 @@ class Clast:
             if perf_counter() - begun > limit:
                 raise KeyboardInterrupt
 
+        compiled, used = COMPILATION.over_by_processor, process_time()
         run = simulate(model, method, Schedule(step=self.step, end=end, every=end), watch=watch)
+        used = process_time() - used - (COMPILATION.over_by_processor - compiled)
         free = run.state.vertices[~model.fixed[model.vertex_block]]
         return Outcome(
             time=run.state.time,
-            wall=run.report.wall_seconds,
+            seconds=used,
             free=free.reshape(-1, 4, 2),
             remark="" if run.report.finished else f"stopped after {limit:g} s",
         )
@@ -166,10 +169,12 @@ class Chipmunk:
         for outline in setting.fixed:
             corners = [tuple(corner) for corner in outline.tolist()]
             space.add(_with_friction(pymunk.Poly(space.static_body, corners)))
-        time, wall, remark = stepped(lambda: space.step(self.step), self.step, end, limit)
+        time, used, remark = stepped(lambda: space.step(self.step), self.step, end, limit)
         place = np.array([tuple(body.position) for body in bodies])
         angle = np.array([body.angle for body in bodies])
-        return Outcome(time=time, wall=wall, free=moved(setting.free, place, angle), remark=remark)
+        return Outcome(
+            time=time, seconds=used, free=moved(setting.free, place, angle), remark=remark
+        )
 
 
 @dataclass(frozen=True)
@@ -214,27 +219,28 @@ class Box2D:
             centre = outline.mean(axis=0)
             body = world.create_static_body(position=tuple(centre.tolist()))
             body.create_shape(shape, pyb2d3.polygon(outline - centre))
-        time, wall, remark = stepped(
+        time, used, remark = stepped(
             lambda: world.step(self.step, self.substeps), self.step, end, limit
         )
         place = np.array([(body.position.x, body.position.y) for body in bodies])
         angle = np.array([body.angle for body in bodies])
         world.destroy()
-        return Outcome(time=time, wall=wall, free=moved(setting.free, place, angle), remark=remark)
+        return Outcome(
+            time=time, seconds=used, free=moved(setting.free, place, angle), remark=remark
+        )
 
 
 def stepped(
     step: Callable[[], object], length: float, end: float, limit: float
 ) -> tuple[float, float, str]:
-    """Call ``step`` until ``end``; return simulated time, wall time, s, and how it ended."""
+    """Call ``step`` until ``end``; return simulated time, time of the processor, s, and the end."""
     wanted = round(end / length)
-    begun = perf_counter()
+    begun, used = perf_counter(), process_time()
     for number in range(wanted):
         step()
-        wall = perf_counter() - begun
-        if wall > limit and number + 1 < wanted:
-            return (number + 1) * length, wall, f"stopped after {limit:g} s"
-    return end, perf_counter() - begun, ""
+        if perf_counter() - begun > limit and number + 1 < wanted:
+            return (number + 1) * length, process_time() - used, f"stopped after {limit:g} s"
+    return end, process_time() - used, ""
 
 
 def moved(outlines: Floats, place: Floats, angle: Floats) -> Floats:

@@ -37,7 +37,7 @@ def test_a_wall_stands_in_every_program(small_wall, program):
     assert (found.simulated, found.remark) == (pytest.approx(0.05), "")
     assert found.drift is not None
     assert found.drift < 1e-2 and found.overlap < 1e-2
-    assert found.wall_seconds > 0.0
+    assert found.seconds > 0.0
 
 
 def test_runs_that_take_too_long_end_early(small_wall):
