@@ -213,6 +213,7 @@ def main() -> None:
     parser.add_argument("--programs", nargs="+", help="clast, chipmunk, box2d: only these")
     parser.add_argument("--limit", type=float, default=600.0, help="wall time of a run, s")
     parser.add_argument("--page", action="store_true", help="write docs/performance.md instead")
+    parser.add_argument("--note", default="", help="what else the machine had to do, for the page")
     arguments = parser.parse_args()
     if not arguments.page:
         run_all(arguments)
@@ -220,7 +221,9 @@ def main() -> None:
     if not KEPT.exists():
         parser.error(f"there are no figures in {KEPT.relative_to(ROOT)}: run without --page first")
     bench = json.loads(BENCH.read_text(encoding="utf-8")) if BENCH.exists() else None
-    PAGE.write_text(page(json.loads(KEPT.read_text(encoding="utf-8")), bench), encoding="utf-8")
+    PAGE.write_text(
+        page(json.loads(KEPT.read_text(encoding="utf-8")), bench, arguments.note), encoding="utf-8"
+    )
     say(f"Wrote {PAGE.relative_to(ROOT)}")
 
 

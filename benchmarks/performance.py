@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import groupby
+from textwrap import fill
 from typing import Any
 
 from clast.studies.comparison_pages import markdown_table
@@ -11,8 +12,7 @@ from clast.studies.comparison_pages import markdown_table
 INTRODUCTION = """\
 # Performance
 
-Written by `make performance`, which takes hours, from figures of one machine that had nothing else
-to do: {machine}.
+Written by `make performance`, which takes hours, from figures of one machine: {machine}.{note}
 It times scenes by stage (`clast bench`, with *whole* scenes from beginning to end), then other
 programs beside clast (`python benchmarks/peers.py`), and writes this page from what both keep in
 `build` (`python benchmarks/peers.py --page`).
@@ -24,7 +24,7 @@ Made by `python benchmarks/peers.py`, one program after the other. The same outl
 rigid and their steps explicit; clast's blocks deform (E 5 GPa, nu 0, so that no drift is real)
 and its steps are implicit, so they may be longer. *Drift* is the largest horizontal movement of a
 corner of a wall that should stand still, *overlap* the thickness of the thickest overlap of two
-blocks, both at the end. What counts is wall time at a stated accuracy.
+blocks, both at the end. What counts is the time of the processor at a stated accuracy.
 
 Walls at rest are where implicit steps pay: fifty to a hundred times as long as those of the
 others, with less drift. In heaps of falling blocks everywhere contacts open, close, stick and
@@ -108,7 +108,7 @@ Areas sum up to the domain's to the last bit or two. Half of the time goes where
 LARGE = """\
 ## A million blocks, height, order, and threads
 
-Apart from the runs above, on the machine named:
+Apart from the runs above, on an Intel Xeon with 2 cores and 23.5 GiB, before impacts became events:
 
 - Of one height cost per block hardly grows with the number of blocks: in their first steps walls
   of 50 courses with 1,026, 10,026 and 100,026 bricks take 33, 22 and 27 µs per block and step at
@@ -161,9 +161,13 @@ BENCH_HEADINGS = (
 )
 
 
-def page(peers: Mapping[str, Any], bench: Mapping[str, Any] | None) -> str:
-    """Return the page from the content of build/peers.json and, if there is one, bench.json."""
-    lines = [INTRODUCTION.format(machine=machine_text(peers["machine"]))]
+def page(peers: Mapping[str, Any], bench: Mapping[str, Any] | None, note: str = "") -> str:
+    """Return the page from the content of build/peers.json and, if there is one, bench.json.
+
+    ``note`` says what else the machine had to do.
+    """
+    beside = f"\n{fill(note, 100)}" if note else ""
+    lines = [INTRODUCTION.format(machine=machine_text(peers["machine"]), note=beside)]
 
     def title(row: Mapping[str, Any]) -> str:
         return f"{TITLES[row['scene']]}, {row['blocks']:,} blocks"
