@@ -5,9 +5,10 @@
     python tools/mutations.py --only coulomb laws those of some files
 
 A copy of the tree gets one changed sign or factor after the other; its core tests are run until one
-fails.  First come the test files that import the changed module, then the rest of its chapter, then
-the chapters above.  What no core test finds is listed in the end: each needs a test.  Kernels are
-compiled anew for every change, which takes most of the time.
+fails.  First come the test files that import the changed module, those of its own chapter before
+those of the chapters above, then the rest of its chapter, then the chapters above.  What no core
+test finds is listed in the end: each needs a test.  Kernels are compiled anew for every change,
+which takes most of the time.
 """
 
 from __future__ import annotations
@@ -138,15 +139,19 @@ def order_of_tests(mutation: Mutation, tests: Path) -> list[list[str]]:
     dotted = ".".join(Path(mutation.file).with_suffix("").parts)
     package = ".".join(Path(mutation.file).parts[:-1])
     named = re.compile(rf"clast\.{dotted}\b|from clast\.{package} import .*\b{stem}\b")
+    above = ABOVE[ABOVE.index(chapter) + 1 :] if chapter in ABOVE else ABOVE
+    order = (chapter, *above)
+
+    def rank(path: Path) -> tuple[int, Path]:
+        of = path.relative_to(tests).parts[0]
+        return order.index(of) if of in order else len(order), path
+
     near = [
         path
-        for path in sorted(
-            tests.rglob("test_*.py"), key=lambda one: (chapter not in one.parts, one)
-        )
+        for path in sorted(tests.rglob("test_*.py"), key=rank)
         if path.relative_to(tests).parts[0] not in ("system", "long")
         and named.search(path.read_text("utf-8"))
     ]
-    above = ABOVE[ABOVE.index(chapter) + 1 :] if chapter in ABOVE else ABOVE
     groups = [[str(path) for path in near], [str(tests / chapter)]]
     groups += [[str(tests / one)] for one in above]
     return [group for group in groups if group]
