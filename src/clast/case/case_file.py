@@ -32,7 +32,7 @@ from clast.inputs.in_situ import InSituTable
 from clast.inputs.joint_sets import JointSetTable
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
 from clast.inputs.materials import Joint, Rock
-from clast.inputs.measurements import MeasuredPoint, Reference, point_faults
+from clast.inputs.measurements import MeasuredContact, MeasuredPoint, Reference, point_faults
 from clast.inputs.method import MethodTable
 from clast.inputs.placing import plausibility
 from clast.inputs.placing.place_rock_mass import CutCase, RockMass
@@ -129,6 +129,7 @@ class Case(BaseModel):
     ground_motion: GroundMotionTable | None = None
     """Earthquake or shaking table."""
     measured_point: list[MeasuredPoint] = []
+    measured_contact: list[MeasuredContact] = []
     """Points recorded every step."""
     reference: list[Reference] = []
     """Displacements known from elsewhere; clast run and clast compare print the error."""

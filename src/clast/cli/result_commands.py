@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,10 +20,14 @@ from clast.cli.options import (
     Zoom,
     frame_asked,
     numbers,
+    words,
 )
 from clast.cli.terminal import print_json, print_table, tell
 from clast.cli.terminal_tables import print_points, print_stages, two_columns
 from clast.errors import CaseError, shortened
+
+if TYPE_CHECKING:
+    from clast.results import Results
 
 
 def info(file: ResultFile, as_json: AsJson = False) -> None:
@@ -87,6 +92,24 @@ def plot(
         str, typer.Option(metavar="W[,H]", help="Width and height of the picture, cm.")
     ] = "",
     dpi: Annotated[int | None, typer.Option(metavar="N", help="Dots per inch.")] = None,
+    layers: Annotated[
+        str,
+        typer.Option(
+            metavar="A,B", help="Draw as well: chains, crosses, vectors, levels, scale, gravity."
+        ),
+    ] = "",
+    compare_frames: Annotated[
+        str, typer.Option(metavar="A,B", help="Draw two frames side by side, in one scale.")
+    ] = "",
+    history: Annotated[
+        str,
+        typer.Option(
+            metavar="A,B", help="Draw these over time: points, bolts, contacts, energy, steps."
+        ),
+    ] = "",
+    against: Annotated[
+        str, typer.Option(metavar="NAME", help="What histories are drawn against: time, or A:x.")
+    ] = "time",
     point: Annotated[
         str, typer.Option(metavar="NAME", help="Draw how this measured point moved over time.")
     ] = "",
@@ -95,7 +118,9 @@ def plot(
     ] = "",
 ) -> None:
     """Draw a frame of a result file, or over time the motion of a point or the force of a bolt."""
+    from clast.pictures.histories import plot_histories
     from clast.pictures.plot import Look, plot_bolt_history, plot_history, plot_results
+    from clast.pictures.side_by_side.compared_frames import plot_two_frames
     from clast.results import read_results
 
     look = Look(
@@ -103,10 +128,32 @@ def plot(
         zoom=numbers("--zoom", zoom, 4),
         size=numbers("--size", size, 1, 2),
         dpi=dpi,
+        layers=tuple(words(layers)),
     )
     target = output or file.with_suffix(".png")
     results = read_results(file)
-    curves = {"--point": (point, plot_history), "--bolt": (bolt, plot_bolt_history)}
+
+    def several(results: Results, target: Path, names: str) -> object:
+        return plot_histories(results, target, words(names), against)
+
+    def two(results: Results, target: Path, pair: str) -> object:
+        first, second = numbers("--compare-frames", pair, 2)
+        for number in (first, second):
+            if number != int(number):
+                raise CaseError(
+                    f"{number:g} is no number of a frame",
+                    where="--compare-frames",
+                    remedy="give two whole numbers, e.g. 0,-1",
+                )
+        frames = int(first), int(second)
+        return plot_two_frames(results, target, frames, field=field, look=look)
+
+    curves: dict[str, tuple[str, Callable[[Results, Path, str], object]]] = {
+        "--point": (point, plot_history),
+        "--bolt": (bolt, plot_bolt_history),
+        "--history": (history, several),
+        "--compare-frames": (compare_frames, two),
+    }
     asked = {option: one for option, one in curves.items() if one[0]}
     if len(asked) > 1:
         raise CaseError(

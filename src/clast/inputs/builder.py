@@ -41,9 +41,10 @@ from clast.inputs.declaring.values import (
 from clast.inputs.ground_motion import GroundMotionTable, check_ground_motion
 from clast.inputs.in_situ import InSituTable, stress_in_situ
 from clast.inputs.loads import FactorOverTime, FixedPoint, LineLoad, PointLoad, Pressure
-from clast.inputs.measurements import MeasuredPoint
+from clast.inputs.measurements import MeasuredContact, MeasuredPoint
 from clast.inputs.placing.bolt_lines import Ground
 from clast.inputs.placing.bolt_springs import placed_bolts
+from clast.inputs.placing.contact_places import contacts_measured
 from clast.inputs.placing.dashpots import check_incoming, viscous_edges
 from clast.inputs.placing.place_blocks import (
     Entry,
@@ -158,6 +159,8 @@ class InputBuilder(Inputs):
     """Press on the edges along a line: ``[[pressure]]``."""
     measured_point = gives("measured_point", MeasuredPoint, "name", "at", "block")
     """Record displacement, velocity and rotation of a point, every step: ``[[measured_point]]``."""
+    measured_contact = gives("measured_contact", MeasuredContact, "name", "at")
+    """Record forces, opening and slip at a place or of a joint: ``[[measured_contact]]``."""
     water = gives("water", Water, "level")
     """Let water press on all edges below a level or a phreatic line:  ``[[water]]``."""
 
@@ -314,6 +317,7 @@ class InputBuilder(Inputs):
                 at=measured.at,
                 name=tuple(one.name for one in self.all(MeasuredPoint)),
             ),
+            measured_contacts=contacts_measured(self.all(MeasuredContact), table, outlines.origin),
             ground_motion=self.ground_motion,
             actions=(*self.actions, *self.acting(ground)),
             openings=openings_of(self.all(OpeningTable), block_number, edge_joint),

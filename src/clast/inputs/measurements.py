@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Self
 
-from pydantic import StrictStr
+from pydantic import StrictStr, model_validator
 
 from clast import spelling
 from clast.errors import shortened
 from clast.inputs.declaring.table import Point, Positive, Table
-from clast.inputs.declaring.validation_messages import Fault
+from clast.inputs.declaring.validation_messages import Fault, refusal
 
 
 class MeasuredPoint(Table):
@@ -21,6 +22,30 @@ class MeasuredPoint(Table):
     """Coordinates [x, y], m."""
     block: StrictStr | None = None
     """Block; needed only where blocks touch."""
+
+
+class MeasuredContact(Table):
+    """Forces, opening and slip of contacts, recorded every step: at a place, or of a joint."""
+
+    name: StrictStr
+    """Name."""
+    at: Point | None = None
+    """Place [x, y], m: the contact nearest to it at each step."""
+    joint: StrictStr | None = None
+    """Joint: the mean of its contacts, each by its length, with extremes."""
+
+    @model_validator(mode="after")
+    def _is_somewhere(self) -> Self:
+        if (self.at is None) == (self.joint is None):
+            what = "neither" if self.at is None else "both"
+            raise refusal(
+                Fault(
+                    place=("at",),
+                    what=f"{what} of at and joint is given",
+                    remedy="give one of them: a place [x, y] in m, or the name of a joint",
+                )
+            )
+        return self
 
 
 class Reference(Table):

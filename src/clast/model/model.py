@@ -162,6 +162,18 @@ class MeasuredPoints(MaterialPoints):
 
 
 @dataclass(frozen=True, kw_only=True)
+class MeasuredContacts:
+    """Places and joints whose contacts are recorded every step; k of them."""
+
+    name: tuple[str, ...] = ()
+    """Name of each."""
+    at: Floats = field(default_factory=lambda: np.zeros((0, 2)))
+    """Place whose nearest contact is recorded, m, relative to the origin; nan: a joint, (k, 2)."""
+    joint: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    """Joint whose contacts are recorded together: index into those of the model; -1, (k,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class PointSlices:
     """Rows of ``Model.material_points``, and of ``State.points``, by kind."""
 
@@ -225,6 +237,8 @@ class Model:
     """Tractions along lines."""
     measured_points: MeasuredPoints
     """Points recorded every step."""
+    measured_contacts: MeasuredContacts = field(default_factory=MeasuredContacts)
+    """Contacts recorded every step."""
     pressures: EdgePressures = field(default_factory=EdgePressures)
     """Pressures on edges."""
     bolts: Bolts = field(default_factory=Bolts)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from clast import spelling
 from clast.errors import CaseError
 
 CM = 1.0 / 2.54
@@ -15,6 +16,10 @@ COARSEST, FINEST = 20, 2400
 """Dots per inch of a picture."""
 MOST_DOTS = 25_000
 """Dots in the width or the height of a picture, at most."""
+
+LAYERS = ("chains", "crosses", "vectors", "levels", "scale", "gravity")
+"""Force chains, crosses of principal stress, displacements as arrows and as lines of equal ones, a
+scale bar, the direction of gravity."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +34,8 @@ class Look:
     """Dots per inch."""
     zoom: tuple[float, float, float, float] | None = None
     """Part that is shown: xmin, ymin, xmax, ymax, m."""
+    layers: tuple[str, ...] = ()
+    """What is drawn above the blocks as well, some of LAYERS."""
 
     def __post_init__(self) -> None:
         for name in ("limits", "size", "zoom"):
@@ -49,6 +56,10 @@ class Look:
                     where="zoom",
                     remedy="give the lower left corner, then the upper right one: x0,y0,x1,y1",
                 )
+        for name in self.layers:
+            if name not in LAYERS:
+                remedy = spelling.advice(name, LAYERS, kind="layer")
+                raise CaseError(f"there is no layer '{name}'", where="layers", remedy=remedy)
         self._check_size()
 
     def _check_size(self) -> None:

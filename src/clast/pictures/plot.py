@@ -26,6 +26,8 @@ from clast.pictures.forces import HEAD, arrows_of, draw_arrows
 from clast.pictures.history import plot_bolt_history, plot_history
 from clast.pictures.joints.joint_edges import edges_by_joint
 from clast.pictures.joints.joint_values import JOINT_FIELDS, Faces, draw_faces, scale_of_faces
+from clast.pictures.layers.frame_marks import draw_gravity, draw_scale_bar
+from clast.pictures.layers.still_layers import LAYERS, draw_layers, layer_handles
 from clast.pictures.strokes import GROUND, EdgeGroup, draw_edges, handles_of
 from clast.results import Recording
 from clast.results.frames import gone_in_frame
@@ -84,11 +86,13 @@ def draw_results(
     edges = _edges(results, field, here, start, part, gone)
     water = pressures_of(results, waters, number, here)
     bolted = results.bolts(number)
+    above = tuple(name for name in look.layers if name in LAYERS)
     handles = [
         *legend_handles(results, field, gone),
         *handles_of(edges, part),
         *handles_of_water(waters, water),
         *draw_bolts.handles_of(bolted),
+        *layer_handles(above, results, number),
     ]
     size, keys, narrowest = canvas.sizes(part, look, title, handles, bars, 1)
     arrows = None
@@ -117,12 +121,18 @@ def draw_results(
     draw_water(axes, results, waters, water, whole)
     draw_edges(axes, edges, whole, size[0], int(shown.sum()))
     draw_bolts.draw_bolts(axes, bolted)
+    draw_layers(above, axes, results, number)
     if arrows is not None:
         draw_arrows(figure, sheet, axes, arrows)
     if field == "block":
         draw_blocks.draw_names(axes, results, here, gone)
     draw_points(axes, results.point_name, places_of_points(results, [number])[0])
     keys.draw(figure, sheet)
+    if "scale" in look.layers:
+        # on the line of the arrows' key, where there are none
+        draw_scale_bar(figure, sheet, whole, 0.2 if arrows is None else sheet.axes[1] - 0.42)
+    if "gravity" in look.layers:
+        draw_gravity(figure, sheet, results)
     return figure
 
 

@@ -17,8 +17,9 @@ from clast.block import polygon
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.model.model import Floats, Ints, Model
 from clast.model.stages.reference import ReferenceState
-from clast.model.state import LEDGER_ENTRIES, ContactMemory, State, contact_keys
+from clast.model.state import LEDGER_ENTRIES, ContactMemory, State
 from clast.results.frames import VERTICES
+from clast.results.samples.contact_samples import contact_rows, opening_and_slip, places_of
 from clast.results.schema import BLOCK_FIELDS, CONTACTS, KIND_FIELDS, PLANE_VECTORS
 from clast.step.method import StepResult
 
@@ -64,7 +65,7 @@ class FrameFields:
         """Return a row for every contact that carries a force."""
         loaded = np.flatnonzero((response.normal_force != 0.0) | (response.shear_force != 0.0))
         rows = np.zeros(len(loaded), CONTACTS.row)
-        rows["position"] = self._places(state, contacts, loaded) + self._model.origin
+        rows["position"] = places_of(self._model, state, contacts, loaded) + self._model.origin
         rows["normal"] = contacts.normal[loaded]
         rows["normal_force"] = response.normal_force[loaded]
         rows["shear_force"] = response.shear_force[loaded]
@@ -72,29 +73,8 @@ class FrameFields:
         rows["edge"] = contacts.edge[loaded]
         rows["mode"] = response.mode[loaded]
         rows["joint"] = contacts.joint[loaded]
-        rows["opening"], rows["slip"] = self._ways(state, contacts, loaded)
+        rows["opening"], rows["slip"] = opening_and_slip(self._model, state, contacts, loaded)
         return rows
-
-    def _ways(self, state: State, contacts: Contacts, rows: Ints) -> tuple[Floats, Floats]:
-        """Return gap and slip of some contacts at the end of the step, m, (k,) each.
-
-        The memory has them; contacts that it does not know have those of the start of the step.
-        """
-        memory, count = state.memory, len(self._model.vertices)
-        own = contacts.vertex[rows], contacts.edge[rows], contacts.point[rows]
-        key, known = contact_keys(*own, count), memory.keys(count)
-        at = np.minimum(np.searchsorted(known, key), max(0, len(known) - 1))
-        found = known[at] == key if len(known) else np.zeros(len(key), np.bool_)
-        ways = []
-        for kept, begun in ((memory.gap, contacts.gap), (memory.slip, contacts.slip)):
-            ways.append(np.where(found, kept[at] if len(known) else 0.0, begun[rows]))
-        return ways[0], ways[1]
-
-    def _places(self, state: State, contacts: Contacts, rows: Ints) -> Floats:
-        """Return where the points P of some contacts are, m, (k, 2)."""
-        vertex, along = contacts.vertex[rows], contacts.along[rows, None]
-        here = state.vertices
-        return here[vertex] + along * (here[self._model.vertex_after[vertex]] - here[vertex])
 
 
 def counted(rotation: Floats, reference: Floats | None) -> Floats:
@@ -213,7 +193,10 @@ def step_row(result: StepResult, step: float) -> tuple[float, ...]:
     )
 
 
-STEP_ROWS: dict[str, Callable[[StepResult, float], tuple[float, ...]]] = {"steps": step_row}
+STEP_ROWS: dict[str, Callable[[Model], Callable[[StepResult, float], tuple[Any, ...]]]] = {
+    "steps": lambda model: step_row,
+    "measured_contacts": contact_rows,
+}
 """Tables with a row per step -> the function that gives their rows."""
 
 

@@ -104,7 +104,9 @@ class RunRecorder:
         self._trackers = {
             name: made(self._model, reference) for name, made in ROWS.items() if name in names
         }
-        self._step_rows = {name: row for name, row in STEP_ROWS.items() if name in names}
+        self._step_rows = {
+            name: row(self._model) for name, row in STEP_ROWS.items() if name in names
+        }
 
     @property
     def state(self) -> State:

@@ -34,13 +34,22 @@ from clast.results.result_tables import (
     BlockHistory,
     BoltHistory,
     Columns,
+    ContactHistory,
     FrameBolts,
     FrameContacts,
     PointHistory,
     no_joints,
 )
 from clast.results.run_report import Report
-from clast.results.schema import BOLT_TABLE, ENERGY, HISTORY, OVER_TIME, STEPS, TableSchema
+from clast.results.schema import (
+    BOLT_TABLE,
+    CONTACT_TABLE,
+    ENERGY,
+    HISTORY,
+    OVER_TIME,
+    STEPS,
+    TableSchema,
+)
 
 NOTEBOOK = "clast.pictures.notebook"
 """Makes the view for a notebook; it is in a layer above and only imported when it is wanted."""
@@ -94,10 +103,14 @@ class Recording:
     """Where each measured point was at the start, m, shape (k, 2)."""
     joints: EdgeJoints | None = field(default=None, repr=False)
     """The joints; None for files of older versions."""
+    measured_contact_name: tuple[str, ...] = ()
+    """Name of each measured contact."""
     bolt_lines: BoltLines = field(default_factory=BoltLines, repr=False)
     """The bolts."""
     origin: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
     """Point that coordinates of the model are relative to, m, shape (2,)."""
+    gravity: Floats = field(default_factory=lambda: np.zeros(2), repr=False)
+    """Acceleration of gravity, m/s2, shape (2,)."""
     water: tuple[Water, ...] = field(default=(), repr=False)
     """Water on outer faces and in joints."""
     report: Report | None
@@ -244,6 +257,13 @@ class Recording:
         """
         return BoltHistory(self._rows_called(BOLT_TABLE, name))
 
+    def measured_contact(self, name: str) -> ContactHistory:
+        """Return what the measured contact ``name`` bore and did, a row per step, as a table.
+
+        Raises CaseError for one that does not exist.
+        """
+        return ContactHistory(self._rows_called(CONTACT_TABLE, name))
+
     def bolts(self, frame: int = -1) -> FrameBolts:
         """Return the bolts of a frame: where they are, their forces and states."""
         lines = self.bolt_lines
@@ -327,8 +347,10 @@ def parts_of(model: Model) -> dict[str, Any]:
         "point_name": points.name,
         "point_start": points.at + model.origin,
         "joints": EdgeJoints(name=tuple(one.name for one in joints), edge=model.edge_joint),
+        "measured_contact_name": model.measured_contacts.name,
         "bolt_lines": BoltLines(name=model.bolts.name, point=model.bolts.bolt),
         "origin": model.origin,
+        "gravity": np.asarray(model.gravity),
         "water": model.water,
     }
 

@@ -25,6 +25,7 @@ from clast.results.schema import (
     CONTACTS,
     FORMAT,
     KIND_FIELDS,
+    MEASURED_CONTACTS,
     PLANE_VECTORS,
     POINTS,
     TableSchema,
@@ -179,7 +180,9 @@ def _results(path: Path, file: Any) -> Results:
     validate.check_arrays(file, frames, blocks)
     validate.check_grid(file, frames, blocks)
     points, bolts = validate.points_of(file), validate.bolts_of(file, frames)
-    validate.check_tables(file, frames, {POINTS: points[0], BOLTS: bolts.name}, layout)
+    measured = validate.measured_contacts_of(file)
+    things = {POINTS: points[0], BOLTS: bolts.name, MEASURED_CONTACTS: measured}
+    validate.check_tables(file, frames, things, layout)
     about, prefix = file["model"].attrs, "version of "
     made = validate.about_of(file)
     return Results(
@@ -202,7 +205,9 @@ def _results(path: Path, file: Any) -> Results:
         rock_name=blocks.rock_name,
         joints=validate.joints_of(file, blocks),
         bolt_lines=bolts,
+        measured_contact_name=measured,
         origin=np.asarray(about["origin"]),
+        gravity=np.asarray(about["gravity"]),
         water=validate.water_of(file, blocks),
         point_name=points[0],
         point_start=points[1],

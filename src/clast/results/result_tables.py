@@ -216,6 +216,21 @@ class BoltHistory(Columns):
         return BOLT_STATES[int(self.state[-1])]
 
 
+class ContactHistory(Columns):
+    """What a measured contact bore and did, a row after every step; t rows.
+
+    Columns: time, normal, shear (Pa), opening, opening_least, opening_most, slip, slip_least,
+    slip_most (m; NaN while there is no contact), sliding (share of the length).
+    """
+
+    drawn = ("normal", "shear")
+
+    @property
+    def time(self) -> Floats:
+        """Time, s, shape (t,)."""
+        return self.rows["time"]
+
+
 BOLT_OF_FRAME = np.dtype([("name", "O"), *BOLT_TABLE.row.descr[1:]])
 """One bolt of one frame."""
 

@@ -117,6 +117,13 @@ BOLTS = Things(
     name="bolt", meaning="bolt", since="rock bolts", names=lambda model: model.bolts.name
 )
 
+MEASURED_CONTACTS = Things(
+    name="measured_contact",
+    meaning="measured contact",
+    since="measured contacts",
+    names=lambda model: model.measured_contacts.name,
+)
+
 TIME = Column(name="time", unit="s", meaning="time")
 
 
@@ -286,7 +293,32 @@ CONTACTS = TableSchema(
     ),
 )
 
-TABLES = (CONTACTS, ENERGY, STEPS, BOLT_TABLE, HISTORY)
+CONTACT_TABLE = TableSchema(
+    name="measured_contacts",
+    meaning="Measured contacts; those of a joint with the mean over its length.",
+    per=Per.STEP,
+    of=MEASURED_CONTACTS,
+    since="measured contacts",
+    without="no contacts are measured",
+    columns=(
+        Column(name="normal", unit="Pa", meaning="normal force per length, compression positive"),
+        Column(name="shear", unit="Pa", meaning="shear force per length, signed as the slip"),
+        *(
+            Column(name=name, unit="m", meaning=meaning, may_be_nan=True)
+            for name, meaning in (
+                ("opening", "gap, negative where pressed; NaN without a contact"),
+                ("opening_least", "smallest gap"),
+                ("opening_most", "largest gap"),
+                ("slip", "slip since the contact was made; NaN without a contact"),
+                ("slip_least", "smallest slip"),
+                ("slip_most", "largest slip"),
+            )
+        ),
+        Column(name="sliding", meaning="share of the length that slides, 0 to 1"),
+    ),
+)
+
+TABLES = (CONTACTS, ENERGY, STEPS, BOLT_TABLE, CONTACT_TABLE, HISTORY)
 """All tables, in the order in which a file is begun and written."""
 OVER_TIME = tuple(one for one in TABLES if one.per is not Per.FRAME)
 """Those with a row for each instant or step."""
@@ -457,6 +489,14 @@ MODEL = (
         value=lambda m: m.edge_joint,
         meaning="joint of the edge from each vertex to the next; -1: none of its own",
         since="the joints of edges and contacts",
+    ),
+    OfModel(
+        name="measured_contact_name",
+        of=MEASURED_CONTACTS,
+        texts=True,
+        value=lambda m: m.measured_contacts.name,
+        meaning="name of each measured contact",
+        since="measured contacts",
     ),
     OfModel(
         name="bolt_name",

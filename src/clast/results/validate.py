@@ -140,6 +140,13 @@ def bolts_of(file: Any, frames: NDArray[Any]) -> BoltLines:
     return BoltLines(name=name, point=point)
 
 
+def measured_contacts_of(file: Any) -> tuple[str, ...]:
+    """Return the names of the measured contacts of a file."""
+    if "measured_contact_name" not in file["model"]:
+        return ()
+    return names(file, "model/measured_contact_name")
+
+
 def check_arrays(file: Any, frames: NDArray[Any], blocks: StoredBlocks) -> None:
     """Raise MalformedError unless there are arrays of vertices and blocks for all frames."""
     count = len(blocks.rock)

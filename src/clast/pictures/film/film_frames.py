@@ -18,10 +18,11 @@ from clast.pictures.draw_water import (
     waters_of,
     with_levels,
 )
-from clast.pictures.fields import SCALARS, check_field, prefixed, round_below
+from clast.pictures.fields import SCALARS, check_field
 from clast.pictures.figure_options import CM, Look
 from clast.pictures.joints.joint_edges import edges_by_joint
 from clast.pictures.joints.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces, together
+from clast.pictures.layers.frame_marks import draw_scale_bar
 from clast.pictures.plot import TOGETHER, draw_points, legend_handles, places_of_points
 from clast.pictures.scale import ColourScale, scale_of
 from clast.pictures.strokes import GROUND, draw_edges, handles_of
@@ -39,8 +40,6 @@ LOOKED_AT = 60
 """Frames at most from which the ends of the colours follow."""
 LEAST, MOST = 320, 3840
 """Width and height of a film, pixels."""
-BAR = 0.2
-"""Length of the scale bar at most, as a share of the width of the axes."""
 
 Pixels: TypeAlias = np.ndarray[Any, np.dtype[np.uint8]]
 """A picture: rows from above, pixels, red green blue alpha, shape (height, width, 4)."""
@@ -106,7 +105,7 @@ class FrameDrawer:
         self._scale = _scale(results, some, self._seen, look) if bars else None
         if self._scale is not None:
             _explain(self._figure, sheet, self._scale, look.field)
-        _draw_scale_bar(self._figure, sheet, self._seen)
+        draw_scale_bar(self._figure, sheet, self._seen)
         self._clock = _clock(self._figure, sheet)
         self._canvas.draw()
         self._ground = self._canvas.copy_from_bbox(self._figure.bbox)
@@ -249,32 +248,6 @@ def _explain(figure: Figure, sheet: canvas.Sheet, scale: ColourScale, field: str
     sample = PolyCollection([])
     unit = draw_blocks.paint(sample, np.zeros(0), scale, quantity.unit)
     draw_blocks.draw_colour_bar(figure, sheet, sample, f"{quantity.label} ({unit})", scale.extend)
-
-
-def _draw_scale_bar(figure: Figure, sheet: canvas.Sheet, seen: canvas.Part) -> None:
-    """Draw a bar of a round length below the legend, with the length beside it."""
-    from matplotlib.lines import Line2D
-
-    per_inch = float(seen[1][0] - seen[0][0]) / sheet.axes[2]
-    length = round_below(BAR * sheet.axes[2] * per_inch)
-    factor, unit = prefixed(length, "m")
-    width, height = sheet.size
-    left, right, up = sheet.axes[0], sheet.axes[0] + length / per_inch, 0.2
-    for x, y in (
-        ((left, right), (up, up)),
-        ((left, left), (up - 0.04, up + 0.04)),
-        ((right, right), (up - 0.04, up + 0.04)),
-    ):
-        place = np.array(x) / width, np.array(y) / height
-        figure.add_artist(Line2D(*place, color=canvas.INK, lw=1.2, solid_capstyle="butt"))
-    figure.text(
-        (right + 0.08) / width,
-        up / height,
-        f"{factor * length:g} {unit}",
-        fontsize=canvas.SMALL_SIZE,
-        color=canvas.INK,
-        va="center",
-    )
 
 
 def _clock(figure: Figure, sheet: canvas.Sheet) -> Any:

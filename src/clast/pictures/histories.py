@@ -1,0 +1,168 @@
+"""Several histories in one picture: points, bolts, measured contacts, energy and steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from clast import spelling
+from clast.errors import CaseError
+from clast.model.model import Floats
+from clast.pictures import canvas
+from clast.pictures.canvas import INK, SMALL_SIZE, TEXT_SIZE
+from clast.pictures.fields import prefixed
+from clast.results import Recording
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#7a6a00", "#56b4e9", "#444444", "#e69f00")
+"""Colours of lines, told apart by most eyes (after Okabe and Ito)."""
+DASHES = ("-", "--", ":")
+WIDTH, PANEL = 6.4, 1.75
+"""Width of the picture and height of a panel, inches."""
+MOST_LINES = 24
+"""Lines of a panel at most."""
+COMPONENTS = {"x": 0, "y": 1}
+
+
+@dataclass(frozen=True)
+class _Line:
+    """A quantity over time."""
+
+    quantity: str
+    """What the panel is called."""
+    unit: str
+    label: str
+    time: Floats
+    value: Floats
+
+
+def plot_histories(
+    results: Recording, path: Path | str, names: Sequence[str], against: str = "time"
+) -> Path:
+    """Draw histories over the same abscissa, a panel for each quantity; return the path.
+
+    ``names`` are measured points, bolts, measured contacts, "energy" or "steps"; ``against`` is
+    "time", or a displacement of a measured point: "crown:y".  Raises CaseError for names that do
+    not exist.
+    """
+    lines = [line for name in names for line in _lines(results, name)]
+    panels: dict[tuple[str, str], list[_Line]] = {}
+    for line in lines:
+        panels.setdefault((line.quantity, line.unit), []).append(line)
+    label, abscissa = _abscissa(results, against)
+    title = canvas.wrapped(results.title or results.name, 6.0, canvas.TITLE_SIZE)
+    high = canvas.BELOW + (PANEL + 0.2) * len(panels) + 0.3 + canvas.LINE * (len(title) + 0.5)
+    figure = canvas.new_figure((WIDTH, high), 160)
+    canvas.head(figure, 0.85, title, "")
+    for place, ((quantity, unit), own) in enumerate(panels.items()):
+        up = canvas.BELOW + (PANEL + 0.2) * (len(panels) - 1 - place)
+        axes = figure.add_axes((0.85 / WIDTH, up / high, 4.1 / WIDTH, PANEL / high))
+        largest = max(float(np.nanmax(np.abs(line.value), initial=0.0)) for line in own)
+        factor, unit_drawn = prefixed(largest, unit) if unit else (1.0, "")
+        for number, line in enumerate(own[:MOST_LINES]):
+            axes.plot(
+                abscissa(line.time),
+                factor * line.value,
+                DASHES[number // len(COLOURS) % len(DASHES)],
+                color=COLOURS[number % len(COLOURS)],
+                lw=1.2,
+                label=canvas.literal(line.label),
+            )
+        axes.set_ylabel(
+            f"{quantity} ({unit_drawn})" if unit_drawn else quantity, fontsize=TEXT_SIZE, color=INK
+        )
+        axes.grid(color="#e4e4e4", lw=0.6)
+        axes.margins(x=0.01)
+        # beside the lines, not on them
+        axes.legend(
+            loc="upper left",
+            bbox_to_anchor=(1.01, 1.02),
+            frameon=False,
+            fontsize=SMALL_SIZE,
+            labelcolor=INK,
+        )
+        canvas.style(axes)
+        if place == len(panels) - 1:
+            axes.set_xlabel(label, fontsize=TEXT_SIZE, color=INK)
+        else:
+            axes.tick_params(labelbottom=False)
+    return canvas.save(figure, Path(path))
+
+
+def _abscissa(results: Recording, against: str) -> tuple[str, Callable[[Floats], Floats]]:
+    """Return the label of the abscissa, and what gives its values at some times."""
+    if against == "time":
+        return "Time (s)", lambda time: time
+    name, _, part = against.rpartition(":")
+    if part not in COMPONENTS or name not in results.point_name:
+        known = [f"{point}:{end}" for point in results.point_name for end in COMPONENTS]
+        raise CaseError(
+            f"nothing can be drawn against '{against}'",
+            where="against",
+            remedy=spelling.advice(against, ["time", *known], kind="abscissa"),
+        )
+    history = results.history(name)
+    moved = history.displacement[:, COMPONENTS[part]]
+    factor, unit = prefixed(float(np.abs(moved).max()), "m")
+    label = f"Displacement of {canvas.literal(name)} in {part} ({unit})"
+    return label, lambda time: np.asarray(factor * np.interp(time, history.time, moved))
+
+
+def _lines(results: Recording, name: str) -> list[_Line]:
+    """Return the lines that belong to a name; raises CaseError where nothing is called so."""
+    kinds = {
+        **dict.fromkeys(results.point_name, _of_point),
+        **dict.fromkeys(results.bolt_name, _of_bolt),
+        **dict.fromkeys(results.measured_contact_name, _of_contact),
+    }
+    kinds.setdefault("energy", _of_energy)
+    kinds.setdefault("steps", _of_steps)
+    if name not in kinds:
+        raise CaseError(
+            f"there is no history '{name}'",
+            where="history",
+            remedy=spelling.advice(name, list(kinds), kind="history"),
+        )
+    return kinds[name](results, name)
+
+
+def _of_point(results: Recording, name: str) -> list[_Line]:
+    history = results.history(name)
+    return [
+        _Line("Displacement", "m", f"{name}, {part}", history.time, history.displacement[:, k])
+        for part, k in COMPONENTS.items()
+    ]
+
+
+def _of_bolt(results: Recording, name: str) -> list[_Line]:
+    history = results.bolt_history(name)
+    return [_Line("Force", "N/m", name, history.time, history.force)]
+
+
+def _of_contact(results: Recording, name: str) -> list[_Line]:
+    history = results.measured_contact(name)
+    return [
+        _Line("Stress on joints", "Pa", f"{name}, normal", history.time, history["normal"]),
+        _Line("Stress on joints", "Pa", f"{name}, shear", history.time, history["shear"]),
+        _Line("Slip of joints", "m", name, history.time, history["slip"]),
+        _Line("Opening of joints", "m", name, history.time, history["opening"]),
+    ]
+
+
+def _of_energy(results: Recording, name: str) -> list[_Line]:
+    energy = results.energy
+    return [
+        _Line("Energy", "J/m", key.replace("_", " "), energy["time"], values)
+        for key, values in energy.items()
+        if key != "time" and np.any(values)
+    ]
+
+
+def _of_steps(results: Recording, name: str) -> list[_Line]:
+    steps = results.steps
+    return [
+        _Line("Step", "s", "step", steps["time"], steps["step"]),
+        _Line("Penetration", "m", "largest", steps["time"], steps["penetration"]),
+    ]

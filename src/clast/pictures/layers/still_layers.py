@@ -1,0 +1,244 @@
+"""Layers above blocks: force chains, principal stresses, displacements as arrows and levels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from clast.model.model import Floats
+from clast.pictures.canvas import INK, SMALL_SIZE
+from clast.pictures.draw_blocks import areas_of, outlines_of
+from clast.pictures.fields import prefixed
+from clast.results import Recording
+from clast.results.frames import gone_in_frame
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+CHAIN, PRESSED, PULLED, MOVED = "#5b2a86", "#2166ac", "#b2182b", "#0b5345"
+THIN, THICK = 0.4, 5.0
+"""Widths of the lines of the smallest and the largest force, points."""
+FAINTEST = 0.005
+"""Forces below this share of the largest are not drawn."""
+LEVELS = 8
+"""Levels of displacement at most."""
+LONGEST = 0.12
+"""Longest arrow of a displacement, as a share of the picture's smaller side."""
+
+
+@dataclass(frozen=True)
+class StillLayer:
+    """A layer: what its legend says, and how it is drawn."""
+
+    handles: Callable[[Recording, int], list[Any]]
+    """Returns what the legend explains, nothing where there is nothing to draw."""
+    draw: Callable[[Axes, Recording, int], None]
+    """Draws it on axes that show their part already."""
+
+
+def layer_handles(names: tuple[str, ...], results: Recording, frame: int) -> list[Any]:
+    """Return what the legend explains of some layers."""
+    return [handle for name in names for handle in LAYERS[name].handles(results, frame)]
+
+
+def draw_layers(names: tuple[str, ...], axes: Axes, results: Recording, frame: int) -> None:
+    """Draw some layers."""
+    for name in names:
+        LAYERS[name].draw(axes, results, frame)
+
+
+def _centres(results: Recording, frame: int) -> Floats:
+    """Return the middle of the vertices of each block, m, (n, 2)."""
+    start = results.block_start
+    return np.asarray(
+        np.add.reduceat(results.vertices(frame), start[:-1]) / np.diff(start)[:, None]
+    )
+
+
+def _line(colour: str, label: str, width: float = 1.4) -> Any:
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], color=colour, lw=width, label=label)
+
+
+def _up_to(what: str, largest: float, unit: str) -> str:
+    factor, unit = prefixed(largest, unit)
+    return f"{what}, up to {factor * largest:.3g} {unit}"
+
+
+# Force chains ------------------------------------------------------------------------------------
+
+
+def _chain_handles(results: Recording, frame: int) -> list[Any]:
+    size = np.hypot(*results.contacts(frame).force.T)
+    if not size.max(initial=0.0) > 0.0:
+        return []
+    return [_line(CHAIN, _up_to("contact force as width", float(size.max()), "N/m"), 3.0)]
+
+
+def _draw_chains(axes: Axes, results: Recording, frame: int) -> None:
+    """Draw each force from block to block through its contact, as wide as it is large."""
+    from matplotlib.collections import LineCollection
+
+    contacts, centres = results.contacts(frame), _centres(results, frame)
+    size = np.hypot(*contacts.force.T)
+    largest = float(size.max(initial=0.0))
+    if largest == 0.0:
+        return
+    ends = []
+    for block in (contacts.vertex_block, contacts.edge_block):
+        # a fixed block may reach far: its chain begins at the contact
+        held = results.fixed[block][:, None]
+        ends.append(np.where(held, contacts.position, centres[block]))
+    lines = np.stack([ends[0], contacts.position, ends[1]], axis=1)
+    kept = np.flatnonzero(size > FAINTEST * largest)
+    kept = kept[np.argsort(size[kept], kind="stable")]
+    widths = THIN + (THICK - THIN) * size[kept] / largest
+    axes.add_collection(
+        LineCollection(
+            list(lines[kept]),
+            colors=CHAIN,
+            linewidths=widths,
+            capstyle="round",
+            joinstyle="round",
+            zorder=4.6,
+        )
+    )
+
+
+# Principal stresses ------------------------------------------------------------------------------
+
+
+def _principal(results: Recording, frame: int) -> tuple[Floats, Floats]:
+    """Return principal stresses, Pa, (n, 2), and their directions, rad, (n, 2)."""
+    xx, yy, xy = results.field("stress", frame).T
+    mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
+    radius, turn = np.hypot(half, xy), 0.5 * np.arctan2(xy, half)
+    sizes = np.stack([mean + radius, mean - radius], axis=1)
+    there = ~(results.fixed | gone_in_frame(results, frame))
+    return sizes * there[:, None], np.stack([turn, turn + 0.5 * np.pi], axis=1)
+
+
+def _cross_handles(results: Recording, frame: int) -> list[Any]:
+    sizes, _ = _principal(results, frame)
+    found = []
+    for colour, what, most in (
+        (PRESSED, "compression", -float(sizes.min(initial=0.0))),
+        (PULLED, "tension", float(sizes.max(initial=0.0))),
+    ):
+        if most > 0.0:
+            found.append(_line(colour, _up_to(f"principal stress, {what}", most, "Pa")))
+    return found
+
+
+def _draw_crosses(axes: Axes, results: Recording, frame: int) -> None:
+    """Draw a cross in each free block: as long as its principal stresses are large."""
+    from matplotlib.collections import LineCollection
+
+    sizes, turns = _principal(results, frame)
+    largest = float(np.abs(sizes).max(initial=0.0))
+    if largest == 0.0:
+        return
+    reach = 0.45 * np.sqrt(areas_of(results, results.vertices(frame)))
+    arm = (reach[:, None] * np.abs(sizes) / largest)[..., None]
+    arm = arm * np.stack([np.cos(turns), np.sin(turns)], axis=-1)
+    middle = _centres(results, frame)[:, None]
+    lines = np.stack([middle - arm, middle + arm], axis=2)
+    for colour, own in ((PRESSED, sizes < 0.0), (PULLED, sizes > 0.0)):
+        axes.add_collection(
+            LineCollection(list(lines[own]), colors=colour, linewidths=1.1, zorder=4.7)
+        )
+
+
+# Displacements -----------------------------------------------------------------------------------
+
+
+def _vector_handles(results: Recording, frame: int) -> list[Any]:
+    largest = float(np.hypot(*results.field("displacement", frame).T).max(initial=0.0))
+    return [_line(MOVED, _up_to("displacement", largest, "m"))] if largest > 0.0 else []
+
+
+def _draw_vectors(axes: Axes, results: Recording, frame: int) -> None:
+    """Draw the displacement of each block as an arrow that ends where the block is."""
+    moved = results.field("displacement", frame)
+    there = ~gone_in_frame(results, frame)
+    largest = float(np.hypot(*moved[there].T).max(initial=0.0))
+    if largest == 0.0:
+        return
+    shown = min(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
+    # as they are where they can be seen, else enlarged
+    scale = max(1.0, LONGEST * float(shown) / largest)
+    arrow = scale * moved[there]
+    at = _centres(results, frame)[there] - 0.5 * arrow
+    axes.quiver(
+        *at.T,
+        *arrow.T,
+        color=MOVED,
+        angles="xy",
+        scale_units="xy",
+        scale=1.0,
+        units="inches",
+        width=0.014,
+        minlength=0.0,
+        zorder=4.8,
+    )
+
+
+def _level_handles(results: Recording, frame: int) -> list[Any]:
+    moved = results.vertices(frame) - results.vertices(0)
+    largest = float(np.hypot(*moved.T).max(initial=0.0))
+    return [_line(INK, _up_to("lines of equal displacement", largest, "m"), 0.8)] if largest else []
+
+
+def _draw_levels(axes: Axes, results: Recording, frame: int) -> None:
+    """Draw lines of equal displacement within blocks, with their values."""
+    from matplotlib.ticker import MaxNLocator
+    from matplotlib.tri import Triangulation
+
+    here = results.vertices(frame)
+    size = np.hypot(*(here - results.vertices(0)).T)
+    largest = float(size.max(initial=0.0))
+    corners = _triangles(results, here, frame)
+    if largest == 0.0 or not len(corners):
+        return
+    factor, unit = prefixed(largest, "m")
+    levels = MaxNLocator(LEVELS).tick_values(0.0, factor * largest)
+    levels = levels[(levels > 0.0) & (levels < factor * largest)]
+    if not len(levels):
+        return
+    drawn = axes.tricontour(
+        Triangulation(*here.T, corners), factor * size, levels, colors=INK, linewidths=0.7, zorder=4
+    )
+    axes.clabel(drawn, fontsize=0.8 * SMALL_SIZE, fmt=lambda level: f"{level:g} {unit}")
+
+
+def _triangles(results: Recording, here: Floats, frame: int) -> Any:
+    """Return triangles (k, 3) of the vertices of the blocks that are there."""
+    import shapely
+
+    gone = gone_in_frame(results, frame)
+    found = []
+    for block, outline in enumerate(outlines_of(results, here)):
+        if gone[block]:
+            continue
+        first = int(results.block_start[block])
+        parts = shapely.delaunay_triangles(shapely.MultiPoint(outline))
+        inside = shapely.Polygon(outline).buffer(0.0)
+        place = {tuple(point): first + k for k, point in enumerate(outline.tolist())}
+        for part in shapely.get_parts(parts):
+            if inside.covers(part.centroid):
+                ring = shapely.get_coordinates(part)[:3].tolist()
+                found.append([place[tuple(point)] for point in ring])
+    return np.array(found, np.int64).reshape(-1, 3)
+
+
+LAYERS = {
+    "chains": StillLayer(_chain_handles, _draw_chains),
+    "crosses": StillLayer(_cross_handles, _draw_crosses),
+    "vectors": StillLayer(_vector_handles, _draw_vectors),
+    "levels": StillLayer(_level_handles, _draw_levels),
+}
+"""Name of a layer, as ``Look.layers`` has it -> the layer."""

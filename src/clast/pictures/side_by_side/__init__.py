@@ -1,0 +1,1 @@
+"""Frames of a run beside each other."""

@@ -1,0 +1,139 @@
+"""Two frames beside each other, with one part, one scale and one legend."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from clast.model.model import Floats
+from clast.pictures import canvas, draw_blocks, draw_bolts
+from clast.pictures.canvas import BAR, BAR_LABELS, INK, LEFT, RIGHT, TEXT_SIZE
+from clast.pictures.fields import SCALARS, check_field
+from clast.pictures.figure_options import CM, DEFAULT, Look
+from clast.pictures.joints.joint_values import JOINT_FIELDS, draw_faces, scale_of_faces, together
+from clast.pictures.layers.still_layers import LAYERS, draw_layers, layer_handles
+from clast.pictures.plot import draw_points, legend_handles, places_of_points
+from clast.pictures.scale import ColourScale, scale_of
+from clast.pictures.strokes import GROUND
+from clast.results import Recording
+from clast.results.frames import gone_in_frame
+
+BETWEEN = 0.55
+"""Space between the two, inches."""
+
+
+def plot_two_frames(
+    results: Recording,
+    path: Path | str,
+    frames: tuple[int, int],
+    *,
+    field: str = "displacement",
+    look: Look = DEFAULT,
+) -> Path:
+    """Draw two frames side by side with one colour scale, that of both; return the path.
+
+    ``look.size`` is that of the whole picture.  Raises CaseError as ``plot_results`` does.
+    """
+    check_field(field, JOINT_FIELDS)
+    numbers = [results.frame(frame).number for frame in frames]
+    part = _part(results, numbers, look)
+    title = results.title or results.name
+    above = tuple(name for name in look.layers if name in LAYERS)
+    last = numbers[-1]
+    handles = [
+        *legend_handles(results, field, gone_in_frame(results, last)),
+        *draw_bolts.handles_of(results.bolts(last)),
+        *layer_handles(above, results, last),
+    ]
+    bars = int(field in SCALARS or field in JOINT_FIELDS)
+    size, keys, narrowest = canvas.sizes(part, _half(look, bars), title, handles, bars, 0)
+    sheet = canvas.sheet_for(size, title, keys.lines, bars, narrowest)
+    shift = size[0] + BETWEEN
+    wide = replace(
+        sheet,
+        size=(sheet.size[0] + shift, sheet.size[1]),
+        bar=(sheet.bar[0] + (shift if sheet.upright else 0.5 * shift), *sheet.bar[1:]),
+    )
+    figure = canvas.new_figure(wide.size, look.dpi or 160)
+    canvas.head(figure, wide.axes[0], wide.title, "")
+    seen = canvas.seen(*part, size)
+    scale = _scale(results, numbers, field, seen, look)
+    for place, number in enumerate(numbers):
+        box = (wide.axes[0] + place * shift, *wide.axes[1:])
+        axes = figure.add_axes(wide.share(box))
+        canvas.view(axes, *seen, size)
+        if place:
+            axes.set_ylabel("")
+        stage = results.frame(number).stage
+        said = f"$t$ = {results.times[number]:.4g} s" + (
+            f", {canvas.literal(stage)}" if stage else ""
+        )
+        axes.set_title(said, fontsize=TEXT_SIZE, color=INK, loc="left")
+        here, gone = results.vertices(number), gone_in_frame(results, number)
+        draw_blocks.draw_start(axes, results, results.vertices(0), gone)
+        free = draw_blocks.draw_blocks(axes, results, here, 1.0, gone)
+        drawn, coloured, unit = ~(results.fixed | gone), free, ""
+        if scale is None:
+            draw_blocks.paint_kinds(free, results, field, number, drawn)
+        elif field in JOINT_FIELDS:
+            free.set_facecolor(GROUND)
+            faces = JOINT_FIELDS[field].faces(results, number)
+            coloured, unit = draw_faces(axes, faces, scale, field)  # type: ignore[assignment]
+        else:
+            values = SCALARS[field].values(results, number)[drawn]
+            unit = draw_blocks.paint(free, values, scale, SCALARS[field].unit)
+        draw_bolts.draw_bolts(axes, results.bolts(number))
+        draw_layers(above, axes, results, number)
+        draw_points(axes, results.point_name, places_of_points(results, [number])[0])
+        if place and scale is not None:
+            own = JOINT_FIELDS[field] if field in JOINT_FIELDS else SCALARS[field]
+            label = f"{own.label} ({unit})"
+            draw_blocks.draw_colour_bar(figure, wide, coloured, label, scale.extend)
+    keys.draw(figure, wide)
+    return canvas.save(figure, Path(path))
+
+
+def _half(look: Look, bars: int) -> Look:
+    """Return the look of one of two, which together are as wide as asked for."""
+    if look.size is None:
+        return look
+    beside = LEFT + RIGHT + (BAR + BAR_LABELS) * bars
+    width = 0.5 * (look.size[0] * CM + beside - BETWEEN)
+    return replace(look, size=(width / CM, *look.size[1:]))
+
+
+def _part(results: Recording, numbers: list[int], look: Look) -> canvas.Part:
+    """Return the part that both show: all blocks in both and at the start, or the given part."""
+    every = np.concatenate([results.vertices(number) for number in (0, *numbers)])
+    low, high = every.min(axis=0), every.max(axis=0)
+    if look.zoom is None:
+        return low, high
+    part = np.array(look.zoom[:2]), np.array(look.zoom[2:])
+    if not any(
+        draw_blocks.within(results, results.vertices(number), *part).any() for number in numbers
+    ):
+        raise canvas.empty_part(low, high)
+    return part
+
+
+def _scale(
+    results: Recording, numbers: list[int], field: str, seen: canvas.Part, look: Look
+) -> ColourScale | None:
+    """Return one scale for what is seen in both."""
+    if field in JOINT_FIELDS:
+        faces = together([JOINT_FIELDS[field].faces(results, number) for number in numbers])
+        return scale_of_faces(faces, faces.within(*seen), look.limits)
+    if field not in SCALARS:
+        return None
+    values: list[Floats] = []
+    areas: list[Floats] = []
+    for number in numbers:
+        here = results.vertices(number)
+        free = ~(results.fixed | gone_in_frame(results, number))
+        inside = free & draw_blocks.within(results, here, *seen)
+        counted = inside if inside.any() else free
+        values.append(SCALARS[field].values(results, number)[counted])
+        areas.append(draw_blocks.areas_of(results, here)[counted])
+    return scale_of(np.concatenate(values), np.concatenate(areas), look.limits)
