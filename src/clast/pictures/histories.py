@@ -21,6 +21,8 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#7a6a00", "#56b4e9", "#4
 DASHES = ("-", "--", ":")
 WIDTH, PANEL = 6.4, 1.75
 """Width of the picture and height of a panel, inches."""
+LEGEND_LINE = 0.172
+"""Height of a line of the legend, inches."""
 MOST_LINES = 24
 """Lines of a panel at most."""
 COMPONENTS = {"x": 0, "y": 1}
@@ -53,12 +55,13 @@ def plot_histories(
         panels.setdefault((line.quantity, line.unit), []).append(line)
     label, abscissa = _abscissa(results, against)
     title = canvas.wrapped(results.title or results.name, 6.0, canvas.TITLE_SIZE)
-    high = canvas.BELOW + (PANEL + 0.2) * len(panels) + 0.3 + canvas.LINE * (len(title) + 0.5)
+    tall = [max(PANEL, 0.25 + LEGEND_LINE * min(len(own), MOST_LINES)) for own in panels.values()]
+    high = canvas.BELOW + sum(tall) + 0.2 * len(tall) + 0.1 + canvas.LINE * (len(title) + 0.5)
     figure = canvas.new_figure((WIDTH, high), 160)
     canvas.head(figure, 0.85, title, "")
     for place, ((quantity, unit), own) in enumerate(panels.items()):
-        up = canvas.BELOW + (PANEL + 0.2) * (len(panels) - 1 - place)
-        axes = figure.add_axes((0.85 / WIDTH, up / high, 4.1 / WIDTH, PANEL / high))
+        up = canvas.BELOW + sum(tall[place + 1 :]) + 0.2 * (len(tall) - 1 - place)
+        axes = figure.add_axes((0.85 / WIDTH, up / high, 4.1 / WIDTH, tall[place] / high))
         largest = max(float(np.nanmax(np.abs(line.value), initial=0.0)) for line in own)
         factor, unit_drawn = prefixed(largest, unit) if unit else (1.0, "")
         for number, line in enumerate(own[:MOST_LINES]):

@@ -136,6 +136,12 @@ stage = "later"
 name = "A"
 at = [1.0, 2.0]
 block = "wall"
+[[measured_contact]]
+name = "C"
+at = [0.0, 0.0]
+[[measured_contact]]
+name = "J"
+joint = "default"
 [[reference]]
 point = "A"
 displacement = [0.0, 0.0]
@@ -317,6 +323,14 @@ SETTINGS: dict[str, list[str]] = {
     "measured in the air": ["measured_point.1.at=[9, 9]"],
     "measured of no block": ["measured_point.1.block=wal"],
     "measured by a path": ["measured_point.1.name='a/b'"],
+    "contact nowhere": ["measured_contact.1={name='C'}"],
+    "contact at both": ["measured_contact.1.joint=default"],
+    "contact of no joint": ["measured_contact.2.joint=defualt"],
+    "contact named twice": ["measured_contact.2.name=C"],
+    "contact without a name": ["measured_contact.1.name=' '"],
+    "contact at infinity": ["measured_contact.1.at=[0, inf]"],
+    "contact on a line": ["measured_contact.1.at=[0]"],
+    "contact with a block": ["measured_contact.1.block=wall"],
     "measured by a dot": ["measured_point.1.name='.'", "reference.1.point='.'"],
     "table falls": ["table.ramp.time=[1, 0]"],
     "table of one": ["table.ramp={time=[0], value=[1]}"],
@@ -411,6 +425,7 @@ CALLS: dict[str, dict[str, Any]] = {
         "name": "p",
     },
     "measured_point": {"name": "A", "at": (1, 2), "block": "wall"},
+    "measured_contact": {"name": "C", "at": (0, 0)},
     "add_bolt_kind": {
         "name": "k",
         "stiffness": 1e7,

@@ -187,8 +187,18 @@ def _draw_vectors(axes: Axes, results: Recording, frame: int) -> None:
     )
 
 
+def _reference(results: Recording, frame: int) -> Floats:
+    """Return the vertices that displacements of a frame count from, m, (nv, 2)."""
+    since = 0
+    for event in results.events:
+        if event.kind == "displacements reset":
+            last = results.frame(-1, stage=event.stage).number
+            since = last if last < frame else since
+    return results.vertices(since)
+
+
 def _level_handles(results: Recording, frame: int) -> list[Any]:
-    moved = results.vertices(frame) - results.vertices(0)
+    moved = results.vertices(frame) - _reference(results, frame)
     largest = float(np.hypot(*moved.T).max(initial=0.0))
     return [_line(INK, _up_to("lines of equal displacement", largest, "m"), 0.8)] if largest else []
 
@@ -199,7 +209,7 @@ def _draw_levels(axes: Axes, results: Recording, frame: int) -> None:
     from matplotlib.tri import Triangulation
 
     here = results.vertices(frame)
-    size = np.hypot(*(here - results.vertices(0)).T)
+    size = np.hypot(*(here - _reference(results, frame)).T)
     largest = float(size.max(initial=0.0))
     corners = _triangles(results, here, frame)
     if largest == 0.0 or not len(corners):

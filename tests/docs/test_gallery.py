@@ -1,0 +1,27 @@
+"""The gallery has every template, with a picture and a page that is a run of it."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import clast
+from clast.case.templates import TEMPLATES
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_a_template_is_in_the_gallery(name):
+    text = (DOCS / "gallery.md").read_text("utf-8")
+    assert f"](gallery/{name}.html)" in text and f"images/template-{name}.png" in text
+    assert (DOCS / "images" / f"template-{name}.png").exists()
+    page = (DOCS / "gallery" / f"{name}.html").read_text("utf-8")
+    data = re.search(r'<script type="application/json" id="scene">(.*?)</script>', page, re.DOTALL)
+    scene = json.loads(data[1])
+    case = clast.Case.from_text(TEMPLATES[name](), f"{name}.toml")
+    assert scene["title"] == case.title
+    assert len(scene["blocks"]) == case.model().block_count
+    assert scene["faces"]["slip"]["of"] > 0
+    assert len(page) < 1.5e6

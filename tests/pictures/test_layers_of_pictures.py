@@ -1,0 +1,101 @@
+"""Layers above blocks, two frames side by side, several histories in one picture."""
+
+import re
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import clast
+from clast.errors import CaseError
+from clast.pictures.figure_options import LAYERS, Look
+from clast.pictures.histories import plot_histories
+from clast.pictures.layers.still_layers import _draw_chains, _draw_crosses, _triangles
+from clast.pictures.side_by_side.compared_frames import plot_two_frames
+
+
+def drawn(draw, run):
+    """Return the collections that a layer draws of the last frame."""
+    axes = Figure().add_subplot()
+    draw(axes, run, len(run.times) - 1)
+    return axes.collections
+
+
+def test_chains_are_as_wide_as_forces(parted):
+    contacts = parted.contacts(-1)
+    size = np.sort(np.hypot(*contacts.force.T))
+    (lines,) = drawn(_draw_chains, parted)
+    widths = np.sort(lines.get_linewidths())
+    kept = size[size > 0.005 * size.max()]
+    assert len(widths) == len(kept)
+    assert (widths - 0.4) / 4.6 == pytest.approx(kept / size.max())
+
+
+def test_crosses_have_length_and_direction_of_principal_stresses(parted):
+    pressed, pulled = drawn(_draw_crosses, parted)
+    arms = np.array([*pressed.get_segments(), *pulled.get_segments()])
+    length = np.hypot(*(arms[:, 1] - arms[:, 0]).T)
+    sizes = np.abs(np.r_[parted.field("sigma_1", -1)[1:], parted.field("sigma_3", -1)[1:]])
+    assert np.sort(length) == pytest.approx(0.9 * np.sort(sizes) / sizes.max(), rel=1e-3, abs=1e-9)
+
+
+def test_triangles_cover_blocks_without_the_notch_of_a_table(parted):
+    here = parted.vertices(-1)
+    corners = here[_triangles(parted, here, len(parted.times) - 1)]
+    a, b = (corners[:, k] - corners[:, 0] for k in (1, 2))
+    area = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()
+    assert area == pytest.approx(parted.model.area.sum(), rel=1e-5)
+
+
+@pytest.mark.parametrize("ending", ["png", "svg"])
+def test_all_layers_are_drawn_and_explained(parted, tmp_path, ending):
+    path = tmp_path / f"all.{ending}"
+    clast.plot_results(parted, path, look=Look(layers=LAYERS, size=(16.0,)))
+    if ending == "svg":
+        text = path.read_text("utf-8")
+        for word in ("contact force as width", "compression", "lines of equal", "displacement, up"):
+            assert word in text
+
+
+@pytest.mark.parametrize("field", ["displacement", "sigma_1", "slip", "opening", "rock"])
+def test_two_frames_have_one_scale(parted, tmp_path, field):
+    path = tmp_path / "two.svg"
+    plot_two_frames(parted, path, (0, -1), field=field, look=Look(size=(17.0,)))
+    text = path.read_text("utf-8")
+    assert text.count("t$ = ") == 2 and "t$ = 0.04 s" in text
+    points = 72.0 / 2.54 * 17.0
+    assert float(re.search(r'width="([0-9.]+)pt"', text)[1]) == pytest.approx(points, rel=0.02)
+
+
+def test_histories_share_their_abscissa(parted, tmp_path):
+    for against in ("time", "A:x"):
+        path = tmp_path / "h.svg"
+        plot_histories(parted, path, ["A", "energy", "steps"], against)
+        text = path.read_text("utf-8")
+        for word in ("A, x", "kinetic", "Penetration"):
+            assert word in text
+
+
+@pytest.mark.parametrize(
+    ("names", "against", "message"),
+    [
+        (["B"], "time", "no history 'B'"),
+        (["A"], "B:x", "drawn against 'B:x'"),
+        (["A"], "A", "drawn against 'A'"),
+        (["A"], "A:z", "drawn against 'A:z'"),
+        (["energie"], "time", "energy"),
+    ],
+)
+def test_histories_that_are_not_there(parted, tmp_path, names, against, message):
+    with pytest.raises(CaseError, match=f"(?s){message}"):
+        plot_histories(parted, tmp_path / "h.png", names, against)
+    assert not (tmp_path / "h.png").exists()
+
+
+def test_what_is_no_layer_and_no_frame(parted, tmp_path):
+    with pytest.raises(CaseError, match=r"(?s)no layer 'chain'.*chains"):
+        Look(layers=("chain",))
+    with pytest.raises(CaseError, match="frame"):
+        plot_two_frames(parted, tmp_path / "a.png", (0, 99))
+    with pytest.raises(CaseError, match="no block in this part"):
+        plot_two_frames(parted, tmp_path / "a.png", (0, -1), look=Look(zoom=(50, 50, 60, 60)))
