@@ -50,7 +50,7 @@ Chosen = tuple[Ints, Ints, Ints, Floats]
 def with_crossings(
     chosen: Chosen,
     pairs: Ints,
-    outlines: tuple[Floats, Floats, Ints, Floats],
+    polygons: tuple[Floats, Floats, Ints, Floats],
     of_vertices: tuple[Ints, Ints],
     memory: ContactMemory,
     front: Floats,
@@ -58,7 +58,7 @@ def with_crossings(
 ) -> Chosen:
     """Return the contacts, and with them those that crossings ask for which they do not explain.
 
-    ``outlines`` are vertices (nv, 2), directions of edges, the first vertex and the box of each
+    ``polygons`` are vertices (nv, 2), directions of edges, the first vertex and the box of each
     block, ``of_vertices`` the block of each vertex (nv,) and its first row in the memory (nv + 1,),
     ``front`` (n,) how far the vertices of each block may have moved in a step, m.  A contact that
     was closed at the end of the last step goes on where it explains a crossing, however shallow
@@ -66,7 +66,7 @@ def with_crossings(
     a step's motion or the memory of the pair explains it.
     """
     vertex, edge, pair, gap = chosen
-    outlines, box = outlines[:3], outlines[3]
+    outlines, box = polygons[:3], polygons[3]
     vertex_block, rows = of_vertices
     contacts = (vertex, edge, gap, vertex_block)
     lost = lost_contacts(memory, rows, vertex, vertex_block.take(edge))
