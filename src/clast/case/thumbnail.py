@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from clast import thumbnails
 from clast.errors import ClastError
 
-if TYPE_CHECKING:
-    from clast.case.case_file import Case
 
-
-def thumbnail_of(case: Case) -> str:
+def thumbnail_of(case: Any) -> str:
     """Return a case as HTML; one with faults lists them."""
     chosen = case.method_.chosen
     rows: list[tuple[str, object]] = [

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from clast.results.libraries.asked_for import library
 from clast.results.schema import BLOCK_FIELDS, OVER_TIME, PLANE, TENSOR, Per
-
-if TYPE_CHECKING:
-    from clast.results.recording import Recording
 
 COMPONENTS = {PLANE: "component", TENSOR: "stress_component"}
 """Dimension of vectors and of stresses."""
@@ -18,7 +15,7 @@ ROWS = {Per.INSTANT: "instant", Per.STEP: "step_number"}
 """Dimension of the rows of a table."""
 
 
-def to_xarray(recording: Recording) -> Any:
+def to_xarray(recording: Any) -> Any:
     """Return fields and histories of a recording; see ``Recording.to_xarray``."""
     xarray = library("xarray")
     coordinates: dict[str, Any] = {
@@ -50,14 +47,14 @@ def to_xarray(recording: Recording) -> Any:
     return xarray.Dataset(variables, coordinates, about)
 
 
-def _owners(recording: Recording) -> list[str]:
+def _owners(recording: Any) -> list[str]:
     """Return the name of the block of each vertex."""
     names = np.asarray(recording.block_name, object)
     return list(np.repeat(names, np.diff(recording.block_start)))
 
 
 def _add_table(
-    recording: Recording, table: Any, variables: dict[str, Any], coordinates: dict[str, Any]
+    recording: Any, table: Any, variables: dict[str, Any], coordinates: dict[str, Any]
 ) -> None:
     """Add the columns of a table; those of points and bolts have a dimension of their names."""
     names = recording.names_of(table)

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from clast.results.libraries.asked_for import library
 from clast.results.schema import BLOCK_FIELDS, OVER_TIME
 
-if TYPE_CHECKING:
-    from clast.results.recording import Recording
 
-
-def to_pandas(recording: Recording) -> dict[str, Any]:
+def to_pandas(recording: Any) -> dict[str, Any]:
     """Return the tables of a recording by their names; see ``Recording.to_pandas``."""
     pandas = library("pandas")
     found = {"blocks": _blocks(recording, pandas), "contacts": _contacts(recording, pandas)}
@@ -33,7 +30,7 @@ def to_pandas(recording: Recording) -> dict[str, Any]:
     return found
 
 
-def _blocks(recording: Recording, pandas: Any) -> Any:
+def _blocks(recording: Any, pandas: Any) -> Any:
     """Return a row per frame and block, indexed by frame number and name of the block."""
     frames, blocks = len(recording.times), len(recording.block_name)
     index = pandas.MultiIndex.from_product(
@@ -51,7 +48,7 @@ def _blocks(recording: Recording, pandas: Any) -> Any:
     return pandas.DataFrame({**columns, "rock": np.tile(rock, frames)}, index=index)
 
 
-def _contacts(recording: Recording, pandas: Any) -> Any:
+def _contacts(recording: Any, pandas: Any) -> Any:
     """Return a row per frame and contact, with names of blocks."""
     parts = []
     names = np.asarray(recording.block_name, object)
