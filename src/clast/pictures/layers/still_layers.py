@@ -215,7 +215,7 @@ def _draw_levels(axes: Axes, results: Recording, frame: int) -> None:
     if largest == 0.0 or not len(corners):
         return
     factor, unit = prefixed(largest, "m")
-    levels = MaxNLocator(LEVELS).tick_values(0.0, factor * largest)
+    levels = np.asarray(MaxNLocator(LEVELS).tick_values(0.0, factor * largest))
     levels = levels[(levels > 0.0) & (levels < factor * largest)]
     if not len(levels):
         return
