@@ -71,6 +71,7 @@ def describe(at, c, rates, target, velocity, mobility, contacts, linear):
     coupling[at] = 0.0
     for a in range(6):
         coupling[at] += rows[at, 1, a] * effects[at, 0, a]
+    give = 0.0
     for k in range(2):
         give = 1.0 / ease[at, k] if ease[at, k] > 0.0 else 0.0
         goal[at, k] *= give
