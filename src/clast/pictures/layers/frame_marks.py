@@ -12,8 +12,8 @@ from clast.pictures.fields import prefixed, round_below
 from clast.results import Recording
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.figure import Figure
-    from matplotlib.patches import FancyArrowPatch
 
 BAR = 0.2
 """Length of the scale bar at most, as a share of the width of the axes."""
@@ -66,7 +66,7 @@ def draw_gravity(figure: Figure, sheet: Sheet, results: Recording) -> None:
     )
 
 
-def _arrow(tail: np.ndarray, head: np.ndarray) -> FancyArrowPatch:
+def _arrow(tail: np.ndarray, head: np.ndarray) -> Artist:
     from matplotlib.patches import FancyArrowPatch
 
     return FancyArrowPatch(

@@ -220,7 +220,12 @@ def _draw_levels(axes: Axes, results: Recording, frame: int) -> None:
     if not len(levels):
         return
     drawn = axes.tricontour(
-        Triangulation(here[:, 0], here[:, 1], corners), factor * size, levels, colors=INK, linewidths=0.7, zorder=4
+        Triangulation(here[:, 0], here[:, 1], corners),
+        factor * size,
+        levels,
+        colors=INK,
+        linewidths=0.7,
+        zorder=4,
     )
     axes.clabel(drawn, fontsize=0.8 * SMALL_SIZE, fmt=lambda level: f"{level:g} {unit}")
 
