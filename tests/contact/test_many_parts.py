@@ -9,6 +9,7 @@ from clast.block import polygon
 from clast.compute.parallel import CONTACTS
 from clast.contact.contacts import ContactResponse
 from clast.contact.detection import find_tunnelled
+from clast.contact.joints.wear import at_rest
 from clast.contact.memory import renew
 from clast.contact.verlet_list import VerletList
 from clast.model.state import ContactMemory
@@ -84,7 +85,7 @@ def test_copies_of_a_system_remember_the_same(later):
     for copies in (1, COPIES):
         contacts = shaken(copies, 1)
         answer = response_of(contacts, copies, contacts.gap)
-        memory = renew(contacts, answer, contacts.gap, 0.0 * contacts.gap, 1e-3)
+        memory = renew(contacts, answer, contacts.gap, 0.0 * contacts.gap, 1e-3, at_rest(contacts))
         gaps.append(len(memory.gap))
         found.append(shaken(copies, later, memory))
     one, all_of_them = found

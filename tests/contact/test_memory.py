@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from clast.contact.contacts import ContactResponse
+from clast.contact.joints.wear import at_rest
 from clast.contact.memory import first_rows, recall, renew
 from clast.model.state import ContactMemory
 from scenes.systems import at_start, box, contacts_of, march, method, system
@@ -31,6 +32,9 @@ def memory_of(rows):
         rest_force=zero,
         slip=zero,
         slide_length=zero,
+        slide=zero,
+        slide_speed=zero,
+        dilation=zero,
         mode=zero.astype(np.int64),
         bonded=zero.astype(np.bool_),
         cohesive=zero.astype(np.bool_),
@@ -85,7 +89,7 @@ def test_renewed_memory_is_sorted_and_forgets_what_has_opened():
     gap = rng.uniform(-0.01, 0.01, count)
     mode = np.where(gap < 0.0, 2, 0)
     answer = response_for(contacts, gap, np.arange(count) + 1.0, mode)
-    memory = renew(contacts, answer, gap, 1e-3 * gap, 0.005)
+    memory = renew(contacts, answer, gap, 1e-3 * gap, 0.005, at_rest(contacts))
     keys = list(zip(memory.vertex, memory.block, memory.edge, strict=True))
     assert keys == sorted(keys)
     assert len(set(keys)) == count
@@ -106,7 +110,9 @@ def test_detection_hands_the_memory_to_the_same_contacts_whatever_their_order():
     force = 10.0 * (1.0 + np.arange(len(contacts)))
     response = response_for(contacts, gap, force, np.full(len(contacts), 1))
     state = replace(
-        at_start(model), memory=renew(contacts, response, gap, 0.0 * gap, 0.005), time=1.0
+        at_start(model),
+        memory=renew(contacts, response, gap, 0.0 * gap, 0.005, at_rest(contacts)),
+        time=1.0,
     )
     again = contacts_of(model, state)
     assert again.known.all()

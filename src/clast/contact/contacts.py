@@ -32,13 +32,19 @@ class Contacts:
     pairs: Ints
     """Pairs of blocks (lower, higher) that share contacts, sorted, shape (q, 2)."""
     gap: Floats
-    """Signed distance of P to the edge's line, m, negative in penetration, shape (m,)."""
+    """Signed distance of P to the edge's line less ``rest_gap``, m, negative where the spring is
+    pressed, shape (m,)."""
+    rest_gap: Floats
+    """Opening at which the normal spring bears nothing, m: 0 but for joints that open as they slide
+    and rough ones, shape (m,)."""
     normal: Floats
     """Outward unit normal of the edge, shape (m, 2)."""
     foot: Floats
     """Foot Q of P on the edge's line, m, shape (m, 2)."""
     length: Floats
     """Length of joint that the contact stands for (cohesion, tensile strength), m, shape (m,)."""
+    spring_length: Floats
+    """Length that its springs stand for, m, above 0 where a tip touches, shape (m,)."""
     point: Ints
     """0 where P is a vertex, 1 to 13 inside a face (contact/joints/faces.py), shape (m,)."""
     along: Floats
@@ -79,6 +85,14 @@ class Contacts:
     """Remembered slip since the contact was made, m, along t, shape (m,)."""
     slide_length: Floats
     """Length of the way that the contact has slid, m; inf where it must have, shape (m,)."""
+    slide: Floats
+    """How far from its place it has slid, m, along t, shape (m,)."""
+    slide_speed: Floats
+    """Speed at which it slid in the last step, m/s, shape (m,)."""
+    dilation: Floats
+    """Opening that sliding has brought about, m, shape (m,)."""
+    mobilises: Bools
+    """True where the shear spring is the rising branch of a roughness, shape (m,)."""
     mode: Ints
     """Remembered mode: 0 open, 1 slide, 2 lock, shape (m,)."""
     friction_base: Floats

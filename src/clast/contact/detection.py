@@ -19,10 +19,12 @@ from clast.block.positions import displacements_of
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.contact.candidates import SearchDistance, find_candidates
+from clast.contact.carried import carried_by, taken_along
 from clast.contact.contacts import Contacts
 from clast.contact.corner_rules import CornerRule
 from clast.contact.crossings import Chosen, with_crossings
 from clast.contact.joints.along_joint import contact_lengths, joints_of, springs_of_joints
+from clast.contact.joints.barton_bandis import with_roughness
 from clast.contact.joints.bonds import Bonds, bonds_of
 from clast.contact.joints.faces import Places, with_faces
 from clast.contact.memory import first_rows, pair_penetration, recall
@@ -47,6 +49,10 @@ def detect(
     ``drift`` (n, 6) is the displacement that the velocities would bring in the step: with it, a
     tip that would cross an edge beside which it stands now is a contact already.
     """
+    if model.joint_table.opens:
+        # what has opened as it slid still bears
+        front = reach.front + float(state.memory.dilation.max(initial=0.0))
+        reach = changed(reach, front=front)
     sought = _sought(model, state)
     around = reach.front + max(reach.critdis, reach.tip)
     travel = reach.travel_of(model.block_count)
@@ -228,11 +234,25 @@ def _contacts(
     places = with_faces(corners, model, state, centroid, edges)
     # bonds exist only along joints that are closed at the start of the run
     bond_reach = critdis if state.time == 0.0 else -1.0
-    carried = _carried(places.row, places.gap, bond_reach, state.memory, (places.edge, direction))
-    bonds = Bonds(bonded=carried["bonded"], cohesive=carried["cohesive"])
-    slid = carried["slide_length"]
-    carried |= bonds_of(bonds, slid, places, state.memory, direction, model)
+    joints = model.joint_table
+    carried = carried_by(places.row, places.gap, bond_reach, state.memory, (places.edge, direction))
+    bonds = Bonds(bonded=carried.pop("bonded"), cohesive=carried.pop("cohesive"))
+    slid, speed = carried.pop("slide_length"), carried.pop("slide_speed")
+    if joints.opens or joints.has_kinetic_friction:
+        carried, speed = taken_along(carried, speed, places, state.memory, direction, model)
+    strengths = bonds_of(bonds, slid, speed, places, state.memory, direction, model)
     springs = springs_of_joints(model, places.joint, places.of_springs)
+    found = {
+        "rest_gap": carried["dilation"],
+        "slide_speed": speed,
+        "normal_stiffness": springs[0],
+        "shear_stiffness": springs[1],
+        "mobilises": np.zeros(len(places.joint), np.bool_),
+        **carried,
+        **strengths,
+    }
+    if joints.opens:
+        found = with_roughness(joints, places, strengths["slide_length"], found)
     return Contacts(
         joint=places.joint,
         vertex=places.vertex,
@@ -241,17 +261,16 @@ def _contacts(
         edge_block=places.edge_block,
         pair=places.pair,
         pairs=touching,
-        gap=places.gap,
+        gap=places.gap - found["rest_gap"] if joints.opens else places.gap,
         normal=places.levers[:, :2],
         foot=places.foot,
         length=places.length,
-        normal_stiffness=springs[0],
-        shear_stiffness=springs[1],
+        spring_length=places.of_springs,
         spring_share=springs[2],
         point=places.point,
         along=places.along,
         levers=places.levers,
-        **carried,
+        **found,
     )
 
 
@@ -326,89 +345,6 @@ def _geometry(first, last, ends, gap, outlines, centroid, foot, levers):
             foot[c, x] = vertices[p, x] - gap[c] * levers[c, x]
             levers[c, 2 + x] = vertices[p, x] - centroid[i[c], x]
             levers[c, 4 + x] = foot[c, x] - centroid[j[c], x]
-
-
-# memory and strength ---------------------------------------------------------------------------
-
-
-def _carried(
-    row: Ints,
-    gap: Floats,
-    bond_reach: float,
-    memory: ContactMemory,
-    ways: tuple[Ints, Floats],
-) -> dict[str, Any]:
-    """Return the memory of contacts, (m,) each by its name.
-
-    ``row`` (m,) is the row of a contact in the memory or -1: then it carries nothing, and it is
-    bonded where the gap is within ``bond_reach``, m.  ``ways`` are the edge of each contact (m,)
-    and the directions of all edges (nv, 2).
-    """
-    count = len(row)
-    known, bonded, cohesive = np.empty((3, count), np.bool_)
-    mode = np.empty(count, np.int64)
-    shear, normal, multiplier, rest, slip, slid, friction_base = np.empty((7, count))
-    friction_base.fill(np.nan)
-    forces = memory.shear_force, memory.normal_force, memory.multiplier, memory.rest_force
-    carried = known, bonded, cohesive, mode, shear, normal, multiplier, rest, slip, slid
-    ways_gone = memory.slip, memory.slide_length
-    before = memory.bonded, memory.cohesive, memory.mode, *forces, *ways_gone
-    _carry(count, row, gap, bond_reach, before, carried)
-    _turn_rest_forces(count, row, memory.edge, ways, (shear, normal, rest))
-    return {
-        "known": known,
-        "bonded": bonded,
-        "cohesive": cohesive,
-        "shear_force": shear,
-        "normal_force": normal,
-        "multiplier": multiplier,
-        "rest_force": rest,
-        "slip": slip,
-        "slide_length": slid,
-        "mode": mode,
-        "friction_base": friction_base,
-    }
-
-
-@shared(CONTACTS)
-def _carry(first, last, row, gap, bond_reach, memory, carried):
-    """Write the memory of contacts ``first`` to ``last`` - 1."""
-    bonded, cohesive, mode, shear_force, normal_force, multiplier, rest_force, slip, way = memory
-    known, intact, holding, modes, shear, normal, multipliers, rests, slips, ways = carried
-    for c in range(first, last):
-        r = row[c]
-        known[c] = r >= 0
-        if known[c]:
-            intact[c], holding[c], modes[c] = bonded[r], cohesive[r], mode[r]
-            shear[c], normal[c], multipliers[c] = shear_force[r], normal_force[r], multiplier[r]
-            rests[c], slips[c], ways[c] = rest_force[r], slip[r], way[r]
-        else:
-            intact[c], modes[c] = abs(gap[c]) <= bond_reach, 0
-            holding[c] = intact[c]
-            shear[c], normal[c], multipliers[c], rests[c] = 0.0, 0.0, 0.0, 0.0
-            slips[c], ways[c] = 0.0, 0.0
-
-
-@shared(CONTACTS)
-def _turn_rest_forces(first, last, row, before, ways, forces):
-    """Keep the direction of rest forces of contacts ``first`` to ``last`` - 1, whatever the edge.
-
-    A rest force belongs to the face that carried it before the run.  Where its vertex has passed to
-    the next edge of the block, the same force has other shares along normal and edge.  ``before``
-    are the edges in the memory.
-    """
-    edge, direction = ways
-    shear, normal, rest = forces
-    for c in range(first, last):
-        if row[c] < 0 or rest[c] <= 0.0 or before[row[c]] == edge[c]:
-            continue
-        old, new = before[row[c]], edge[c]
-        cosine = direction[old, 0] * direction[new, 0] + direction[old, 1] * direction[new, 1]
-        sine = direction[old, 0] * direction[new, 1] - direction[old, 1] * direction[new, 0]
-        along = shear[c]
-        shear[c] = along * cosine - rest[c] * sine
-        rest[c] = max(0.0, rest[c] * cosine + along * sine)
-        normal[c] = max(0.0, normal[c] * cosine + along * sine)
 
 
 # jumps past all contacts -----------------------------------------------------------------------

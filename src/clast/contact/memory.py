@@ -11,8 +11,9 @@ import numpy as np
 from clast.compute.jit import kernel
 from clast.compute.parallel import CONTACTS, shared
 from clast.compute.reductions import is_any
-from clast.contact.contacts import OPEN, SLIDE, ContactResponse, Contacts
+from clast.contact.contacts import OPEN, ContactResponse, Contacts
 from clast.contact.joints.bonds import torn
+from clast.contact.joints.wear import Wear
 from clast.model.model import Bools, Floats, Ints
 from clast.model.state import ContactMemory
 
@@ -219,8 +220,11 @@ def renew(
     gap: Floats,
     slip: Floats,
     critdis: float,
+    wear: Wear,
 ) -> ContactMemory:
     """Return the memory after a step; ``gap`` (m,) at its end and ``slip`` (m,) in it, m.
+
+    ``wear`` is what sliding in the step leaves.
 
     Slip adds up from the step on in which a contact is made, also while it is open for a while; the
     length of sliding only while it slides, without the elastic part of its shear spring.  A contact
@@ -242,20 +246,20 @@ def renew(
     numbers, bonds_left, values = (
         np.empty((4, count), np.int64),
         np.empty((2, count), np.bool_),
-        np.empty((7, count)),
+        np.empty((8, count)),
     )
     # nobody writes into a state; kernels fill what they are given
     for one in (numbers, bonds_left, values):
         one.flags.writeable = False
     vertex, block, edge, mode = numbers
     bonded, holding = bonds_left
-    new_gap, normal, shear, multiplier, rest, slips, slides = values
+    new_gap, normal, shear, multiplier, rest, slips, ways, slides = values
     new_keys = vertex, block, edge, mode, bonded, holding
     new_forces = new_gap, normal, shear, multiplier, rest
     _renew(count, order, keys, forces, critdis, new_keys, new_forces)
-    before = contacts.slip, contacts.slide_length, contacts.mode, contacts.bonded
-    step = slip, response.mode, response.shear_force, response.dissipation
-    _add_ways(count, order, before, step, slips, slides)
+    before = contacts.slip, contacts.slide_length, contacts.slide, contacts.mode, contacts.bonded
+    step = slip, response.mode, wear.way, wear.slid
+    _add_ways(count, order, before, step, (slips, ways, slides))
     return ContactMemory(
         vertex=vertex,
         block=block,
@@ -264,30 +268,31 @@ def renew(
         mode=mode,
         bonded=bonded,
         cohesive=holding,
-        gap=new_gap,
+        gap=new_gap + contacts.rest_gap.take(order),
         normal_force=normal,
         shear_force=shear,
         multiplier=multiplier,
         rest_force=rest,
         slip=slips,
-        slide_length=slides,
+        slide_length=ways,
+        slide=slides,
+        slide_speed=wear.speed.take(order),
+        dilation=wear.dilation.take(order),
     )
 
 
 @shared(CONTACTS)
-def _add_ways(first, last, order, before, step, slips, slides):
-    """Write slip and length of sliding of rows ``first`` to ``last`` - 1 of the new memory, m."""
-    slip_before, slide_before, mode_before, bonded = before
-    slip, mode, shear, loss = step
+def _add_ways(first, last, order, before, step, ways):
+    """Write slip, length of sliding and slide of rows ``first`` to ``last`` - 1, m."""
+    slip_before, length_before, slide_before, mode_before, bonded = before
+    slip, mode, way, slid = step
+    slips, lengths, slides = ways
     for row in range(first, last):
         c = order[row]
         made = mode[c] != OPEN or mode_before[c] != OPEN or bonded[c] or slip_before[c] != 0.0
         slips[row] = slip_before[c] + slip[c] if made else 0.0
-        slides[row] = slide_before[c]
-        if mode[c] == SLIDE:
-            # of the slip, what the shear force has worked on
-            force = abs(shear[c])
-            slides[row] += loss[c] / force if force > 0.0 else abs(slip[c])
+        lengths[row] = length_before[c] + way[c]
+        slides[row] = slide_before[c] + slid[c]
 
 
 def _order_of(contacts: Contacts) -> Ints:

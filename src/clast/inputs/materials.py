@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Self
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, StrictBool, StrictStr, model_validator
 
 from clast.errors import ModelError, shortened
 from clast.inputs.declaring.alternatives import Number, within
-from clast.inputs.declaring.table import Positive, Strength, Stresses, Table
+from clast.inputs.declaring.table import Length, Positive, Strength, Stresses, Table
 from clast.inputs.declaring.validation_messages import Fault, refusal
 from clast.model import joints, model, ranges
 from clast.model.stages.strengths import contradiction
@@ -50,6 +51,31 @@ class Joint(Table):
     """Residual friction angle, degrees; if absent, friction does not weaken."""
     slip_weakening: Annotated[Number, Field(ge=0.0), within(ranges.LENGTH)] = 0.0
     """Way of sliding over which strengths fall from peak to residual, m; 0: at once."""
+    kinetic_friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
+    """Friction angle while the joint slides, degrees; else that of a joint that stands."""
+    critical_speed: Annotated[Number, Field(ge=0.0), within(ranges.SPEED)] = 0.0
+    """Speed of sliding from which friction is the kinetic one, m/s; 0: at once."""
+    dilation_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] = 0.0
+    """Angle at which the joint opens as it slides, and closes as it slides back, degrees."""
+    dilation_until: Length | None = None
+    """Slide to either side from which on the joint no longer opens, m; else it goes on."""
+    law: Literal["coulomb", "barton-bandis"] = "coulomb"
+    """Strength and closure of the joint: Coulomb's, or those of a rough joint."""
+    jrc: Annotated[Number, Field(gt=0.0, le=20.0)] | None = None
+    """Joint roughness coefficient of a sample, up to 20; of law "barton-bandis"."""
+    jcs: Annotated[Positive, within(ranges.STRESS)] | None = None
+    """Compressive strength of the walls of a sample, Pa; of law "barton-bandis"."""
+    sample_length: Length | None = None
+    """Length of the sample that jrc and jcs belong to, m; 0.1 if absent."""
+    field_length: Length | None = None
+    """Length of the joint between cross joints, m, for which jrc and jcs are scaled; else that of
+    the sample: they are taken as they are."""
+    initial_aperture: Length | None = None
+    """Opening of a rough joint under no stress, m; jrc/50 mm if absent."""
+    maximum_closure: Length | None = None
+    """Closure of a rough joint under any stress, m; else from jrc, jcs and initial_aperture."""
+    strength_reduction: Annotated[Positive, within(ranges.FACTOR)] | None = None
+    """Factor that the tangent of the mobilised friction angle of a rough joint is divided by."""
     restitution: Annotated[Number, Field(ge=0.0, le=1.0)] | None = None
     """Share of the closing velocity with which impacts rebound, 0 to 1; else the process' own."""
     normal_stiffness: Annotated[Positive, within(ranges.JOINT_STIFFNESS)] | None = None
@@ -65,18 +91,155 @@ class Joint(Table):
 
     @model_validator(mode="after")
     def _does_not_contradict_itself(self) -> Self:
-        found = contradiction(self, is_small_meant=self.allow_small_friction_angle)
+        faults = tuple(_faults_of_law(self))
+        if faults:
+            raise refusal(*faults)
+        found = contradiction(self.joint("default"), is_small_meant=self.allow_small_friction_angle)
         if found is not None:
             raise refusal(Fault(place=(found.key,), what=found.what, remedy=found.remedy))
         return self
 
     def joint(self, name: str) -> joints.Joint:
         """Return it as a joint of the model."""
-        return joints.Joint(name=name, **self.model_dump(exclude=PLACES))
+        given = self.model_dump(exclude=PLACES | ROUGHNESS)
+        if self.law == "coulomb":
+            return joints.Joint(name=name, **given)
+        given["normal_stiffness"] = None
+        factor = self.strength_reduction or 1.0
+        return joints.Joint(
+            name=name, roughness=self._roughness(), strength_reduction=factor, **given
+        )
+
+    def _roughness(self) -> joints.BartonBandis:
+        """Return the roughness of a rough joint."""
+        return joints.BartonBandis(
+            jrc=self.jrc or 0.0,
+            jcs=self.jcs or 0.0,
+            sample_length=self.sample_length or SAMPLE,
+            field_length=self.field_length,
+            initial_aperture=self.initial_aperture,
+            initial_stiffness=self.normal_stiffness,
+            maximum_closure=self.maximum_closure,
+        )
 
 
 PLACES = {"between", "between_rocks", "allow_small_friction_angle"}
 """Keys of a joint for its place, not for its strength."""
+
+
+ROUGHNESS = {
+    "law",
+    "jrc",
+    "jcs",
+    "sample_length",
+    "field_length",
+    "initial_aperture",
+    "maximum_closure",
+    "strength_reduction",
+}
+"""Keys of a rough joint."""
+NEEDED = {
+    "jrc": "give the joint roughness coefficient of a sample, 0 to 20",
+    "jcs": "give the compressive strength of its walls, Pa, e.g. 100e6",
+    "residual_friction_angle": "give the friction angle that is left without roughness, degrees",
+}
+"""What a rough joint needs, and what to do where it is missing."""
+OF_COULOMB = {
+    "friction_angle": "friction follows from jrc, jcs and residual_friction_angle",
+    "cohesion": "what looks like cohesion is the curved strength of the roughness",
+    "tensile_strength": "a rough joint bears no tension",
+    "residual_cohesion": "sliding leaves residual_friction_angle",
+    "slip_weakening": "sliding wears the roughness off as jrc and the length say",
+    "kinetic_friction_angle": "its friction does not depend on the speed",
+    "critical_speed": "its friction does not depend on the speed",
+    "dilation_angle": "it opens by half of the mobilised roughness angle",
+    "dilation_until": "it opens until its roughness is worn off",
+}
+"""Keys that a rough joint has no use for, and why."""
+SAMPLE = 0.1
+"""Length of a sample, m (Barton & Choubey 1977)."""
+WEAKEST_WALL, WIDEST, LONGEST = 1e5, 5e-3, 10.0
+"""Compressive strength, Pa, opening and length of samples, m, that look like other units."""
+
+
+def _faults_of_law(joint: Joint) -> Iterator[Fault]:
+    """Give what is wrong with the keys of a joint for its law."""
+    given = joint.model_fields_set
+    if joint.law == "coulomb":
+        for key in sorted((ROUGHNESS - {"law"}) & given):
+            yield Fault(
+                place=(key,),
+                what='belongs to a joint with law = "barton-bandis"',
+                remedy='add law = "barton-bandis", or leave it out',
+            )
+        return
+    for key, reason in OF_COULOMB.items():
+        if key in given:
+            yield Fault(
+                place=(key,),
+                what='does not belong to law = "barton-bandis"',
+                remedy=f"leave it out: {reason}",
+            )
+    missing = [key for key in NEEDED if getattr(joint, key) is None]
+    for key in missing:
+        what = 'is missing: law = "barton-bandis" needs it'
+        yield Fault(place=(key,), what=what, remedy=NEEDED[key])
+    if not missing:
+        yield from _faults_of_units(joint)
+        yield from _faults_of_closure(joint)
+
+
+def _faults_of_units(joint: Joint) -> Iterator[Fault]:
+    """Give which numbers of a rough joint look as if they were in other units."""
+    if joint.jcs is not None and joint.jcs < WEAKEST_WALL:
+        meant = f"{joint.jcs:g} looks like MPa, but strengths are in Pa"
+        yield Fault(place=("jcs",), what=meant, remedy=f"write {1e6 * joint.jcs:g}")
+    limits = {
+        "initial_aperture": WIDEST,
+        "maximum_closure": WIDEST,
+        "sample_length": LONGEST,
+    }
+    for key, most in limits.items():
+        value = getattr(joint, key)
+        if value is not None and value > most:
+            what = f"{value:g} looks like millimetres, but lengths are in m"
+            yield Fault(place=(key,), what=what, remedy=f"write {1e-3 * value:g}")
+    if joint.field_length is not None and joint.field_length < (joint.sample_length or SAMPLE):
+        yield Fault(
+            place=("field_length",),
+            what=f"{joint.field_length:g} m is less than the length of the sample, "
+            f"{joint.sample_length or SAMPLE:g} m",
+            remedy="give the length of the joint between cross joints, or leave it out",
+        )
+    angle = joint.residual_friction_angle
+    if angle is not None and angle >= STEEPEST:
+        yield Fault(
+            place=("residual_friction_angle",),
+            what=f"{angle:g} degrees leave no room for roughness: friction ends at {STEEPEST:g}",
+            remedy="give the friction angle of a smooth joint of this rock, 20 to 35 degrees",
+        )
+
+
+STEEPEST = 70.0
+"""Largest friction angle of rough joints, degrees."""
+
+
+def _faults_of_closure(joint: Joint) -> Iterator[Fault]:
+    """Give where the formulas of closure give none for the numbers of a rough joint."""
+    rough = joint._roughness()
+    if not rough.stiffness > 0.0:
+        yield Fault(
+            place=("jcs",),
+            what=f"the formula of Bandis gives an initial normal stiffness of "
+            f"{1e-9 * rough.stiffness:.3g} MPa/mm",
+            remedy="give a smaller initial_aperture, m, or normal_stiffness, Pa/m, itself",
+        )
+    if not rough.closure > 0.0:
+        yield Fault(
+            place=("initial_aperture",),
+            what=f"the formula of Bandis gives a maximum closure of {1e3 * rough.closure:.3g} mm",
+            remedy="give a larger initial_aperture, m, or maximum_closure, m, itself",
+        )
 
 
 def check_rock(rock: model.Rock, plane: model.Plane) -> None:

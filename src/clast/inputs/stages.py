@@ -32,6 +32,12 @@ class StrengthTable(Table):
     """Cohesion of bonds that have slipped, Pa."""
     residual_friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
     """Friction angle after sliding, degrees."""
+    kinetic_friction_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
+    """Friction angle of what slides, degrees."""
+    dilation_angle: Annotated[Number, Field(ge=0.0, lt=90.0)] | None = None
+    """Angle at which the joint opens from then on, degrees."""
+    strength_reduction: Annotated[Positive, within(ranges.FACTOR)] | None = None
+    """Factor that the tangent of the friction angle of a rough joint is divided by."""
 
     @model_validator(mode="after")
     def _changes_something(self) -> Self:

@@ -20,6 +20,83 @@ A finite number, for a contact may stand for no length of joint, and infinity ti
 """
 
 
+LEAST_SLIP = 1e-12
+"""Way of sliding, m, after which a joint that weakens at once has its residual strength."""
+SMOOTH_AT = 100.0
+"""Slip after which nothing of a roughness is left, in units of that at peak strength."""
+MOBILISED: Floats = np.array(
+    [[0.3, 0.6, 1.0, 2.0, 4.0, 10.0, 25.0, SMOOTH_AT], [0.0, 0.75, 1.0, 0.85, 0.7, 0.5, 0.4, 0.0]]
+)
+"""Slip over that at peak strength, and JRC mobilised over JRC (Barton, Bandis & Bakhtar 1985).
+
+Before the first of them friction rises from none to the residual one.
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BartonBandis:
+    """Roughness of a joint and strength of its walls (Barton & Choubey 1977)."""
+
+    jrc: float
+    """Joint roughness coefficient of a sample, 0 to 20."""
+    jcs: float
+    """Compressive strength of the joint's walls, of a sample, Pa."""
+    sample_length: float = 0.1
+    """Length L_0 of the sample that they belong to, m."""
+    field_length: float | None = None
+    """Length L_n between cross joints for which they are scaled, m; None: that of the sample."""
+    initial_aperture: float | None = None
+    """Opening of the joint under no stress, m; None: JRC/50 mm, of walls that are not weathered."""
+    initial_stiffness: float | None = None
+    """Normal stiffness under no stress k_ni, Pa/m; None: from JRC, JCS and aperture."""
+    maximum_closure: float | None = None
+    """Closure V_m under any stress, m; None: from JRC, JCS and aperture."""
+
+    @property
+    def length(self) -> float:
+        """L_n, m."""
+        return self.sample_length if self.field_length is None else self.field_length
+
+    @property
+    def scaled_jrc(self) -> float:
+        """JRC_n = JRC_0 (L_n/L_0)^(-0.02 JRC_0) (Bandis et al. 1981)."""
+        return self.jrc * (self.length / self.sample_length) ** (-0.02 * self.jrc)
+
+    @property
+    def scaled_jcs(self) -> float:
+        """JCS_n = JCS_0 (L_n/L_0)^(-0.03 JRC_0), Pa (Bandis et al. 1981)."""
+        return self.jcs * (self.length / self.sample_length) ** (-0.03 * self.jrc)
+
+    @property
+    def peak_slip(self) -> float:
+        """Slip at peak strength (L_n/500) (JRC_n/L_n)^0.33, m (Barton & Bandis 1982)."""
+        return self.length / 500.0 * (self.scaled_jrc / self.length) ** 0.33
+
+    @property
+    def _walls(self) -> float:
+        """JCS_n over the initial aperture, MPa/mm."""
+        aperture = self.initial_aperture
+        millimetres = self.jrc / 50.0 if aperture is None else 1e3 * aperture
+        return 1e-6 * self.scaled_jcs / millimetres
+
+    @property
+    def stiffness(self) -> float:
+        """k_ni = -7.15 + 1.75 JRC + 0.02 JCS/a_j, MPa/mm (Bandis et al. 1983), or given; Pa/m."""
+        if self.initial_stiffness is not None:
+            return self.initial_stiffness
+        return 1e9 * (-7.15 + 1.75 * self.scaled_jrc + 0.02 * self._walls)
+
+    @property
+    def closure(self) -> float:
+        """V_m, m: -0.296 - 0.0056 JRC + 2.241 (JCS/a_j)^-0.245, mm, or what is given.
+
+        Of the first cycle of loading (Bandis et al. 1983).
+        """
+        if self.maximum_closure is not None:
+            return self.maximum_closure
+        return 1e-3 * (-0.296 - 0.0056 * self.scaled_jrc + 2.241 * self._walls**-0.245)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Joint:
     """Strength and stiffness of the contacts along a joint."""
@@ -41,12 +118,45 @@ class Joint:
     """Residual friction angle, degrees; None: friction does not weaken."""
     slip_weakening: float = 0.0
     """Way of sliding over which peak strengths fall to the residual ones, m; 0: at once."""
+    kinetic_friction_angle: float | None = None
+    """Friction angle of a contact that slides, degrees; None: the same as of one that stands."""
+    critical_speed: float = 0.0
+    """Speed of sliding from which friction is the kinetic one, m/s; 0: at once."""
+    dilation_angle: float = 0.0
+    """Angle at which a joint opens as it slides, degrees."""
+    dilation_until: float | None = None
+    """Slide to either side at which it no longer opens, m; None: it goes on."""
+    roughness: BartonBandis | None = None
+    """Roughness of a joint after Barton and Bandis, whose friction angle is then the residual one;
+    None: the joint has Coulomb's strength."""
+    strength_reduction: float = 1.0
+    """What the tangent of the mobilised friction angle of a rough joint is divided by."""
     restitution: float | None = None
     """Share of the closing velocity with which impacts rebound, 0 to 1; None: the process' own."""
     normal_stiffness: float | None = None
     """k_n, normal stress by closure, Pa/m; None: contacts have the springs of the contact law."""
     shear_stiffness: float | None = None
     """k_s, shear stress by slip, Pa/m; None: that of the contact law."""
+
+
+@dataclass(frozen=True)
+class RoughnessTable:
+    """Roughness and walls of joints, shape (joints,) each."""
+
+    jrc: Floats
+    """JRC_n."""
+    jcs: Floats
+    """JCS_n, Pa."""
+    residual: Floats
+    """Residual friction angle, rad."""
+    peak_slip: Floats
+    """Slip at peak strength, m."""
+    stiffness: Floats
+    """k_ni, Pa/m."""
+    closure: Floats
+    """V_m, m."""
+    reduction: Floats
+    """What tan(phi) is divided by."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,8 +214,8 @@ class JointTable:
     @kept_property
     def residual_friction(self) -> Floats:
         """tan(phi) left after slip, nan where slip leaves friction as it is, shape (joints,)."""
-        angles = np.array([one.residual_friction_angle for one in self.joints], float)
-        return np.tan(np.radians(angles))
+        angles = [None if one.roughness else one.residual_friction_angle for one in self.joints]
+        return np.tan(np.radians(np.array(angles, float)))
 
     @kept_property
     def slip_weakening(self) -> Floats:
@@ -113,15 +223,94 @@ class JointTable:
         return np.array([one.slip_weakening for one in self.joints], float)
 
     @kept_property
+    def worn_after(self) -> Floats:
+        """Way of sliding after which nothing but residual strength is left, m, shape (joints,)."""
+        smooth = [
+            one.roughness.peak_slip * SMOOTH_AT if one.roughness else one.slip_weakening
+            for one in self.joints
+        ]
+        return np.maximum(smooth, LEAST_SLIP)
+
+    @kept_property
     def weakens(self) -> bool:
         """Whether any joint loses friction, or little by little cohesion, as it slides."""
-        return bool((~np.isnan(self.residual_friction) | (self.slip_weakening > 0.0)).any())
+        weak = ~np.isnan(self.residual_friction) | (self.slip_weakening > 0.0)
+        return bool((weak | self.rough).any())
+
+    @kept_property
+    def kinetic_friction(self) -> Floats:
+        """tan(phi) of what slides, nan where it is that of what stands, shape (joints,)."""
+        angles = np.array([one.kinetic_friction_angle for one in self.joints], float)
+        return np.tan(np.radians(angles))
+
+    @kept_property
+    def critical_speed(self) -> Floats:
+        """Speed of sliding from which friction is the kinetic one, m/s, shape (joints,)."""
+        return np.array([one.critical_speed for one in self.joints], float)
+
+    @kept_property
+    def has_kinetic_friction(self) -> bool:
+        """Whether the friction of any joint depends on the speed of sliding."""
+        return not bool(np.isnan(self.kinetic_friction).all())
+
+    @kept_property
+    def dilation(self) -> tuple[Floats, Floats]:
+        """tan(psi), and the slide until which joints open, m, inf for no limit, (joints,) each."""
+        until = [
+            np.inf if one.dilation_until is None else one.dilation_until for one in self.joints
+        ]
+        return (
+            np.tan(np.radians([one.dilation_angle for one in self.joints])),
+            np.array(until, float),
+        )
+
+    @kept_property
+    def rough(self) -> Bools:
+        """True for joints with a roughness, shape (joints,)."""
+        return np.array([one.roughness is not None for one in self.joints], np.bool_)
+
+    @kept_property
+    def roughness(self) -> RoughnessTable:
+        """Roughness and walls of all joints, nan for those that have none."""
+        nothing = (np.nan,) * 7
+        rows = [
+            (
+                one.roughness.scaled_jrc,
+                one.roughness.scaled_jcs,
+                np.radians(one.residual_friction_angle or 0.0),
+                one.roughness.peak_slip,
+                one.roughness.stiffness,
+                one.roughness.closure,
+                one.strength_reduction,
+            )
+            if one.roughness
+            else nothing
+            for one in self.joints
+        ]
+        return RoughnessTable(*np.array(rows, float).T.copy())
+
+    @kept_property
+    def opens(self) -> bool:
+        """Whether any joint is rough, or opens as it slides."""
+        return bool(self.rough.any() or self.dilation[0].any())
+
+    @kept_property
+    def dilates(self) -> Bools:
+        """True for joints that open as they slide, shape (joints,)."""
+        return np.asarray(self.rough | (self.dilation[0] > 0.0))
 
     @kept_property
     def stiffnesses(self) -> tuple[Floats, Floats]:
-        """k_n and k_s of all joints, Pa/m, nan where the contact law has it, (joints,) each."""
+        """k_n and k_s of all joints, Pa/m, nan where the contact law has it, (joints,) each.
+
+        k_n of a rough joint is that under no stress.
+        """
+        normal = [
+            one.roughness.stiffness if one.roughness else one.normal_stiffness
+            for one in self.joints
+        ]
         return (
-            np.array([one.normal_stiffness for one in self.joints], float),
+            np.array(normal, float),
             np.array([one.shear_stiffness for one in self.joints], float),
         )
 

@@ -63,8 +63,14 @@ class ContactMemory:
     """Way of the vertex along the edges since the contact was made, m, to the left as seen from
     the block of the edge; it has the same sign seen from the other block, shape (k,)."""
     slide_length: Floats = field(default_factory=_no_floats)
-    """Length that the contact has slid to and fro, without the elastic part of its shear spring, m,
-    >= 0, shape (k,)."""
+    """Length of the way that the contact has slid to and fro, without what its shear spring gives
+    back, m, >= 0, shape (k,)."""
+    slide: Floats = field(default_factory=_no_floats)
+    """The same with the sign of ``slip``: what has been slid back does not count, shape (k,)."""
+    slide_speed: Floats = field(default_factory=_no_floats)
+    """Speed of sliding in the last step, m/s, >= 0, 0 in statics, shape (k,)."""
+    dilation: Floats = field(default_factory=_no_floats)
+    """Opening that sliding has brought about, m, >= 0, shape (k,)."""
     mode: Ints = field(default_factory=_no_ints)
     """0 open, 1 slide, 2 lock, shape (k,)."""
     bonded: Bools = field(default_factory=_no_bools)

@@ -59,6 +59,24 @@ def _reporter(action: Any) -> Reporter | None:
     return None
 
 
+def joints_wear(model: Model, stage: str, result: StepResult) -> Iterator[Event]:
+    """Give which joints have come down to residual strength in a step, and where first."""
+    contacts, names = result.contacts, model.block_name
+    _, first = np.unique(contacts.joint[result.worn], return_index=True)
+    for row in result.worn[np.sort(first)].tolist():
+        joint = model.joint_table.joints[contacts.joint[row]].name
+        own, other = names[contacts.vertex_block[row]], names[contacts.edge_block[row]]
+        x, y = contacts.foot[row] + model.origin
+        yield Event(
+            time=result.state.time,
+            stage=stage,
+            kind="joint at residual",
+            what=joint,
+            text=f"sliding has brought joint '{joint}' down to its residual strength, first "
+            f"between '{own}' and '{other}' at ({x:.5g}, {y:.5g})",
+        )
+
+
 def bonds_break(model: Model, stage: str, result: StepResult, load: float) -> Event:
     """Return how many bonds have broken in a step of a static stage, of which joints, and where.
 

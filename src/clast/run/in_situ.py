@@ -35,6 +35,7 @@ from clast.contact.candidates import SearchDistance
 from clast.contact.clipped_spring import springs_of
 from clast.contact.contacts import ContactResponse, Contacts, chosen
 from clast.contact.coulomb import largest_forces
+from clast.contact.joints.wear import borne_already
 from clast.contact.laws import Penalty, has_limits
 from clast.contact.memory import renew
 from clast.errors import ModelError
@@ -127,7 +128,7 @@ def in_equilibrium(
         balance = found
     force = _unbalanced(model, _equations(model, method, balance, step))
     said = _said(float(before), float(force.max(initial=0.0)), balance.capped)
-    return _begun(method, balance), (*said, *_loose(model, balance, force))
+    return _begun(model, method, balance), (*said, *_loose(model, balance, force))
 
 
 def _settled(model: Model, method: Method, balance: Balance, step: float) -> Balance:
@@ -196,7 +197,7 @@ def _at_first(model: Model, method: Method, state: State, share: float, step: fl
     bearing = _of_stress(model, method, state, share, step)
     for _ in range(LOOKS):
         before = bearing.contacts
-        known = replace(state, memory=_begun(method, bearing).memory)
+        known = replace(state, memory=_begun(model, method, bearing).memory)
         bearing = replace(_of_stress(model, method, known, share, step), state=state)
         if _same(before, bearing.contacts):
             break
@@ -230,8 +231,8 @@ def _at_corners(model: Model, contacts: Contacts, state: State, critdis: float) 
 
 
 def _looked_for_again(model: Model, method: Method, balance: Balance, step: float) -> Balance:
-    """Return the forces on the contacts that are found with the forces known now."""
-    known = replace(balance.state, memory=_begun(method, balance).memory)
+    """Return the forces on the contacts that there are with what bears now."""
+    known = replace(balance.state, memory=_begun(model, method, balance).memory)
     return replace(balance, contacts=_contacts_of(model, method, known, step))
 
 
@@ -367,14 +368,16 @@ def _centroids(model: Model, state: State) -> Floats:
     return polygon.moments(state.vertices, model.block_start)[1]
 
 
-def _begun(method: Method, balance: Balance) -> State:
-    """Return the state with the contacts in its memory, and in its ledger their energy."""
+def _begun(model: Model, method: Method, balance: Balance) -> State:
+    """Return the state with the contacts in its memory, and in its ledger what they hold."""
     state, law = balance.state, method.contact_law
     springs = Penalty(law.normal_stiffness, getattr(law, "shear_stiffness", None))
     contacts, response = _bearing(springs, balance.contacts)
+    none = np.zeros(len(contacts))
+    wear = borne_already(model.joint_table, contacts, response)
     return replace(
         state,
-        memory=renew(contacts, response, contacts.gap, np.zeros(len(contacts)), method.critdis),
+        memory=renew(contacts, response, contacts.gap, none, method.critdis, wear),
         ledger=replace(state.ledger, contact=float(response.energy.sum())),
     )
 

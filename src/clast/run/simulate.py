@@ -7,7 +7,7 @@ that of any step goes on as the run did, to the bit: ``simulate(..., begin=...)`
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,14 +16,14 @@ from clast.compute.threads import threads_worth
 from clast.contact.contacts import Contacts
 from clast.errors import ActionFault, ResultsLost, RunStopped, StepRejected
 from clast.model.model import Model
-from clast.model.stages.records import StageRecord
+from clast.model.stages.records import Event, StageRecord
 from clast.model.stages.stage import Stage
 from clast.model.state import initial_state
 from clast.read_only import changed
 from clast.results import Report, Run, RunRecorder
 from clast.results.provenance import about_method
 from clast.run import law_check
-from clast.run.events import Listener, bonds_break
+from clast.run.events import Listener, bonds_break, joints_wear
 from clast.run.in_situ import in_equilibrium
 from clast.run.interrupts import held_back
 from clast.run.method_warnings import check_overlaps
@@ -153,7 +153,7 @@ class Stepping:
             first=first,
             tally=tally,
             seen=self.watch.with_step(now.seen, result),
-            events=(*now.events, *self.listener.heard(now.state, result.state)),
+            events=(*now.events, *self._happened(now, result)),
             position=position,
         )
         if self.statics is not None:
@@ -161,6 +161,12 @@ class Stepping:
         if position is not None and self.is_over(after):
             after = replace(after, position=replace(position, over=True))
         return after, result
+
+    def _happened(self, now: RunState, result: StepResult) -> Iterator[Event]:
+        """Give what has happened in a step, to what acts on blocks and to joints."""
+        yield from self.listener.heard(now.state, result.state)
+        if len(result.worn):
+            yield from joints_wear(self.model, self.listener.stage, result)
 
     def _along(
         self, now: RunState, after: RunState, result: StepResult, taken: tuple[float, int]

@@ -11,7 +11,10 @@ from clast.block import elasticity, polygon
 from clast.block.positions import moved_to
 from clast.compute.reductions import largest_size, least
 from clast.contact.detection import find_tunnelled
+from clast.contact.joints.wear import Wear, reaches_residual, wear_of, with_work_of_joints
+from clast.contact.laws import normal_stiffness_of
 from clast.contact.memory import renew
+from clast.contact.multipliers import has_multipliers
 from clast.contact.verlet_list import VerletList, near_pairs
 from clast.errors import StepOutcome, StepRejected
 from clast.linear.system import contact_motions
@@ -33,10 +36,11 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
     stages("advance")
     end = end_of(context, solution)
     motion = moved(context, solution.unknowns, end)
+    solution, wear = _after_sliding(context, solution, end)
     kept = solution.response
     if solution.bearing is not kept.normal_force:
         kept = changed(kept, normal_force=solution.bearing)
-    memory = renew(solution.contacts, kept, end.gap, end.slip, context.method.critdis)
+    memory = renew(solution.contacts, kept, end.gap, end.slip, context.method.critdis, wear)
     # no vertex has got deeper into a block than it has moved
     if motion.travel > depth:
         stages("tunnelling")
@@ -62,9 +66,29 @@ def finish(context: StepContext, solution: StepSolution, depth: float) -> StepRe
         travel=motion.travel,
         approach=motion.approach,
         broken=broken_in(solution),
+        worn=reaches_residual(model.joint_table, solution.contacts, wear.way),
         penetration=abs(least(end.gap, 0.0)),
         seconds=stages.ended(),
     )
+
+
+def _after_sliding(
+    context: StepContext, solution: StepSolution, end: StepEnd
+) -> tuple[StepSolution, Wear]:
+    """Return the solution with the energies of joints that open, and what sliding leaves of all."""
+    table, law = context.model.joint_table, context.method.contact_law
+    contacts, response = solution.contacts, solution.response
+    rate = context.method.dynamic_ratio / context.step
+    wear = wear_of(table, contacts, response, end.slip, rate)
+    if not table.opens:
+        return solution, wear
+    stiffness = normal_stiffness_of(contacts, law)
+    if has_multipliers(law):
+        stiffness = np.nan_to_num(contacts.normal_stiffness)
+    sheared = solution.applied[1], end.slip
+    opened = wear.dilation - contacts.dilation
+    with_work = with_work_of_joints(table, contacts, response, stiffness, sheared, opened)
+    return changed(solution, response=with_work), wear
 
 
 def broken_in(solution: StepSolution) -> Ints:

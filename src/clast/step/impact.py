@@ -33,7 +33,7 @@ from clast.compute.jit import kernel
 from clast.compute.reductions import is_any, least
 from clast.contact.contacts import Contacts
 from clast.contact.joints.along_joint import range_of_springs
-from clast.contact.laws import ContactLaw
+from clast.contact.laws import ContactLaw, normal_stiffness_of
 from clast.contact.multipliers import has_multipliers
 from clast.linear.system import Graph, contact_motions, gap_rate, with_contact_forces
 from clast.model.model import Floats, Model
@@ -225,10 +225,14 @@ def scheme_of(
     """
     model, scheme = context.model, context.scheme
     threshold = slowest_of(context.method.contact_law) * model.size_of_gravity * context.step
-    if scheme.theta == 1.0 or not impacts.fastest > threshold:
+    rate, fastest = impacts.rate, impacts.fastest
+    if model.joint_table.opens:
+        rate = rate - opening_rate(context, contacts)
+        fastest = float(-rate.min(initial=0.0))
+    if scheme.theta == 1.0 or not fastest > threshold:
         return scheme
     moved, _ = contact_motions(contacts, impacts.drift)
-    closes = closing(contacts.gap, moved, impacts.rate, threshold)
+    closes = closing(contacts.gap, moved, rate, threshold)
     if taken is not None:
         closes &= ~taken.bearing(contacts)
     if not is_any(closes):
@@ -242,6 +246,20 @@ def scheme_of(
         (closes, bears, bears & (contacts.friction > 0.0)),
     )
     return changed(scheme, stopped=stopped)
+
+
+def opening_rate(context: StepContext, contacts: Contacts) -> Floats:
+    """Return how fast joints open as they slide, m/s, shape (m,), of contacts that bear.
+
+    By how much more their springs are pressed than when the last step ended.
+    """
+    law, table = context.method.contact_law, context.model.joint_table
+    opens = table.dilates.take(contacts.joint) & (contacts.normal_force > 0.0)
+    if has_multipliers(law):
+        opens &= ~np.isnan(contacts.normal_stiffness)
+    pressed = contacts.rest_force - normal_stiffness_of(contacts, law) * contacts.gap
+    opened = (pressed - contacts.normal_force) / normal_stiffness_of(contacts, law)
+    return np.where(opens, np.maximum(0.0, opened), 0.0) / context.step
 
 
 def bearing(contacts: Contacts, impacts: ImpactResult, normal_force: Floats) -> Floats:

@@ -83,6 +83,8 @@ class StepResult:
     """Largest movement of a vertex against a block that it might touch in the step, m."""
     broken: Ints = field(default_factory=_no_contacts)
     """Which of the contacts have lost their bonds in the step, shape (b,)."""
+    worn: Ints = field(default_factory=_no_contacts)
+    """First contacts of a joint that slide down to residual strength in the step, shape (r,)."""
 
     @property
     def passes(self) -> int:

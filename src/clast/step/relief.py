@@ -46,6 +46,9 @@ def relieved(model: Model, method: Method, state: State, contacts: Contacts) -> 
     held, before = np.maximum(contacts.normal_force, 0.0), contacts.multiplier
     rest = held + stiffness * contacts.gap - contacts.rest_force
     sunk = rest < before - slack
+    if model.joint_table.opens:
+        # what opens as it slides, and rough closure, begin a step with other forces
+        sunk &= ~model.joint_table.dilates.take(contacts.joint)
     if is_any(sunk):
         taken_over = _left_over(model, state, contacts, sunk)
         more = np.hypot(held, taken_over) - held

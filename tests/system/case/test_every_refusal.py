@@ -265,6 +265,8 @@ WRONG: dict[str, Any] = {
     "true": True,
 }
 
+ROUGH = "law='barton-bandis', "
+
 SETTINGS: dict[str, list[str]] = {
     "two surfaces": ["water.1.line=[[0, 1], [4, 1]]"],
     "water below": ["water.1.level=-5"],
@@ -337,6 +339,50 @@ SETTINGS: dict[str, list[str]] = {
     "table uneven": ["table.ramp.value=[1]"],
     "joint in radians": ["joint.default.friction_angle=0.5"],
     "joint of more left": ["joint.default.residual_cohesion=9"],
+    "joint kinetic above static": ["joint.default.kinetic_friction_angle=40"],
+    "joint kinetic in radians": ["joint.default.kinetic_friction_angle=0.5"],
+    "joint critical of nothing": ["joint.default.critical_speed=0.001"],
+    "joint dilates too much": ["joint.default.dilation_angle=31"],
+    "joint dilates at right angles": ["joint.default.dilation_angle=90"],
+    "joint dilates in radians": ["joint.default.dilation_angle=0.2"],
+    "joint dilates more than it slides": [
+        "joint.default.dilation_angle=15",
+        "joint.default.kinetic_friction_angle=10",
+    ],
+    "joint dilates until nothing": ["joint.default.dilation_until=0.01"],
+    "joint rough by Coulomb": ["joint.default.jrc=10"],
+    "joint rough with friction": ["joint.default.law='barton-bandis'"],
+    "joint of no law": ["joint.default.law='barton'"],
+    **{
+        f"joint rough: {name}": [f"joint.default={{{ROUGH}{keys}}}"]
+        for name, keys in {
+            "beyond 20": "jrc=21, jcs=1e8, residual_friction_angle=28",
+            "no jcs": "jrc=10, residual_friction_angle=28",
+            "no residual": "jrc=10, jcs=1e8",
+            "MPa": "jrc=10, jcs=100, residual_friction_angle=28",
+            "mm": "jrc=10, jcs=1e8, residual_friction_angle=28, initial_aperture=0.2",
+            "sample in mm": "jrc=10, jcs=1e8, residual_friction_angle=28, sample_length=100",
+            "field below sample": "jrc=10, jcs=1e8, residual_friction_angle=28, field_length=0.01",
+            "steep": "jrc=10, jcs=1e8, residual_friction_angle=75",
+            "radians": "jrc=10, jcs=1e8, residual_friction_angle=0.5",
+            "cohesion": "jrc=10, jcs=1e8, residual_friction_angle=28, cohesion=1e5",
+            "dilation": "jrc=10, jcs=1e8, residual_friction_angle=28, dilation_angle=5",
+            "soft": "jrc=2, jcs=1e6, residual_friction_angle=28, initial_aperture=1e-3",
+            "tight": "jrc=10, jcs=1e8, residual_friction_angle=28, initial_aperture=1e-6",
+        }.items()
+    },
+    "stage of a rough joint": [
+        f"joint.default={{{ROUGH}jrc=10, jcs=1e8, residual_friction_angle=28}}",
+        "stage.2.time=0.005",
+    ],
+    "stage reduces Coulomb": [
+        "stage.2.joint={default={strength_reduction=1.5}}",
+        "stage.2.time=0.005",
+    ],
+    "stage dilates too much": [
+        "stage.2.joint={default={dilation_angle=35}}",
+        "stage.2.time=0.005",
+    ],
     "joint of no block": ["joint.default.between=[['base', 'wal']]"],
     "joint of one block": ["joint.default.between=[['wall', 'wall']]"],
     "joint of no rock": ["joint.default.between_rocks=[['stone', 'ston']]"],

@@ -23,7 +23,7 @@ import numpy as np
 from clast.contact.contacts import ContactResponse, Contacts
 from clast.contact.joints.faces import Places
 from clast.contact.joints.flush import flush_edges
-from clast.contact.joints.weakening import share_lost, slide_lengths, weakened_friction
+from clast.contact.joints.weakening import friction_of, share_lost, slide_lengths
 from clast.model.model import Bools, Floats, Ints, Model
 from clast.model.state import ContactMemory
 
@@ -65,6 +65,7 @@ def without_bonds(contacts: Contacts, response: ContactResponse) -> Contacts:
 def bonds_of(
     bonds: Bonds,
     slid: Floats,
+    speed: Floats,
     places: Places,
     memory: ContactMemory,
     direction: Floats,
@@ -73,7 +74,8 @@ def bonds_of(
     """Return friction, bonds and the strengths that they have left, (m,) each by its name.
 
     ``bonds`` are those that the contacts at ``places`` have of themselves, ``slid`` (m,) is how far
-    they remember to have slid, m; ``direction`` (nv, 2) are the unit vectors of edges.
+    they remember to have slid, m, ``speed`` (m,) how fast in the last step, m/s;
+    ``direction`` (nv, 2) are the unit vectors of edges.
     """
     table, joint = model.joint_table, places.joint
     _, cohesion, tensile_strength = table.strengths
@@ -86,7 +88,7 @@ def bonds_of(
             "bonded": bonds.bonded,
             "cohesive": bonds.cohesive,
             "slide_length": slid,
-            "friction": weakened_friction(table, places, slid),
+            "friction": friction_of(table, places, slid, speed),
             "cohesion": none,
             "residual_cohesion": residual.take(joint),
             "tensile_strength": none,
@@ -108,7 +110,7 @@ def bonds_of(
         "bonded": bonded,
         "cohesive": bonds.cohesive,
         "slide_length": slid,
-        "friction": weakened_friction(table, places, slid),
+        "friction": friction_of(table, places, slid, speed),
         "cohesion": np.where(bonded, whole, np.where(bonds.cohesive, ended, 0.0)),
         "residual_cohesion": slips,
         "tensile_strength": np.where(bonded, tension, 0.0),

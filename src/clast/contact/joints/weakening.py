@@ -1,10 +1,16 @@
-"""Peak and residual strength: the strength after sliding.
+"""Peak and residual strength, static and kinetic friction: what sliding leaves of strength.
 
     tan(phi) = tan(phi_p) + s (tan(phi_r) - tan(phi_p))        s = min(1, slid / slip_weakening)
 
 and likewise cohesion, from all of it to the residual one, and tensile strength, to nothing.
 ``slid`` is how far a contact has slid, to and fro, by the start of the step: within a step
 strengths are constant, so that the equations of a step stay those of Coulomb's law.
+
+Friction of a contact that slid in the last step, at a speed v, falls further, to the kinetic one:
+
+    tan(phi) = tan(phi_s) + min(1, v/v_c) (tan(phi_k) - tan(phi_s))
+
+with v_c = 0 at once.  In statics nothing has a speed.
 
 Contacts that are closed at the start of the run have their peak strength.  How far they have slid
 belongs to their faces, as bonds do (contact/joints/bonds.py): a contact that comes up where a face
@@ -17,13 +23,10 @@ from __future__ import annotations
 import numpy as np
 
 from clast.contact.joints.faces import Places
-from clast.contact.joints.flush import flush_edges
+from clast.contact.joints.flush import had_by_faces
 from clast.model.joints import JointTable
 from clast.model.model import Bools, Floats, Model
 from clast.model.state import ContactMemory
-
-LEAST = 1e-12
-"""Way of sliding, m, after which a joint that weakens at once has its residual strength."""
 
 
 def slide_lengths(
@@ -42,24 +45,29 @@ def slide_lengths(
     new = np.flatnonzero((places.row < 0) & ~bonded)
     if not len(new):
         return carried
-    # of every edge, and of -1, which is none; negative where nothing is known of it
-    way = np.full(len(direction) + 1, -1.0)
-    for own in flush_edges(memory.vertex, memory.edge, direction, model.block_start):
-        flush = own >= 0
-        np.maximum.at(way, own[flush], memory.slide_length[flush])
-        np.maximum.at(way, memory.edge[flush], memory.slide_length[flush])
-    vertex, edge = places.vertex[new], places.edge[new]
-    known = np.full(len(new), -1.0)
-    for own in flush_edges(vertex, edge, direction, model.block_start):
-        known = np.maximum(known, np.where(own >= 0, np.maximum(way[own], way[edge]), -1.0))
-    worn = np.maximum(model.joint_table.slip_weakening, LEAST).take(places.joint[new])
+    ends = places.vertex[new], places.edge[new]
+    (known,) = had_by_faces((memory.slide_length,), memory, ends, direction, model.block_start)
+    worn = model.joint_table.worn_after.take(places.joint[new])
     slid = carried.copy()
     slid[new] = np.where(known >= 0.0, known, worn)
     return slid
 
 
-def weakened_friction(table: JointTable, places: Places, slid: Floats) -> Floats:
-    """Return tan(phi) of contacts that have slid so far, m, shape (m,)."""
+def friction_of(table: JointTable, places: Places, slid: Floats, speed: Floats) -> Floats:
+    """Return tan(phi) of contacts that have slid so far, m, and slide at a speed, m/s, (m,)."""
+    static = _weakened(table, places, slid)
+    if not table.has_kinetic_friction:
+        return static
+    kinetic = table.kinetic_friction.take(places.joint)
+    critical = table.critical_speed.take(places.joint)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(speed > 0.0, np.minimum(1.0, speed / critical), 0.0)
+    slower = static + share * (np.minimum(kinetic, static) - static)
+    return np.where(np.isnan(kinetic), static, slower)
+
+
+def _weakened(table: JointTable, places: Places, slid: Floats) -> Floats:
+    """Return tan(phi) of contacts that have slid so far, m, and stand, shape (m,)."""
     peak = table.strengths[0].take(places.joint)
     if not table.weakens:
         return peak
@@ -69,5 +77,4 @@ def weakened_friction(table: JointTable, places: Places, slid: Floats) -> Floats
 
 def share_lost(table: JointTable, places: Places, slid: Floats) -> Floats:
     """Return which share of the way from peak to residual strength contacts have gone, (m,)."""
-    over = np.maximum(table.slip_weakening, LEAST).take(places.joint)
-    return np.asarray(np.minimum(1.0, slid / over))
+    return np.asarray(np.minimum(1.0, slid / table.worn_after.take(places.joint)))

@@ -16,6 +16,9 @@ STRENGTHS = (
     "tensile_strength",
     "residual_cohesion",
     "residual_friction_angle",
+    "kinetic_friction_angle",
+    "dilation_angle",
+    "strength_reduction",
 )
 """Numbers of a joint that a stage may change."""
 

@@ -30,12 +30,12 @@ class Contradiction:
     """The remedy."""
 
 
-def contradiction(joint: Any, *, is_small_meant: bool) -> Contradiction | None:
-    """Return the contradiction in the strengths of a joint, given or of a model, or None.
+def contradiction(joint: Joint, *, is_small_meant: bool) -> Contradiction | None:
+    """Return what the strengths of a joint cannot be; None: all is well.
 
     ``is_small_meant`` says that a friction angle of less than SMALL_ANGLE is one in degrees.
     """
-    for key in ("friction_angle", "residual_friction_angle"):
+    for key in ("friction_angle", "residual_friction_angle", "kinetic_friction_angle"):
         angle = getattr(joint, key)
         if angle is not None and 0.0 < angle < SMALL_ANGLE and not is_small_meant:
             return Contradiction(
@@ -44,11 +44,88 @@ def contradiction(joint: Any, *, is_small_meant: bool) -> Contradiction | None:
                 remedy=f"write {math.degrees(angle):.6g}, or 0 for no friction; if {angle:g} "
                 "degrees is meant, add allow_small_friction_angle = true to the joint",
             )
-    return _of_residual(joint)
+    if joint.roughness is not None:
+        return _of_roughness(joint)
+    return _of_residual(joint) or _of_sliding(joint) or _of_dilation(joint)
 
 
-def _of_residual(joint: Any) -> Contradiction | None:
-    """Return the fault in residual strengths: above the peak, or without a peak to fall from."""
+def _of_roughness(joint: Joint) -> Contradiction | None:
+    """Return what a stage has made of a rough joint that it cannot be."""
+    for key in ("friction_angle", "cohesion", "tensile_strength", "dilation_angle"):
+        if getattr(joint, key) != 0.0:
+            return Contradiction(
+                key=key,
+                what='does not belong to law = "barton-bandis"',
+                remedy="change residual_friction_angle or strength_reduction",
+            )
+    for key in ("residual_cohesion", "kinetic_friction_angle"):
+        if getattr(joint, key) is not None:
+            return Contradiction(
+                key=key,
+                what='does not belong to law = "barton-bandis"',
+                remedy="change residual_friction_angle or strength_reduction",
+            )
+    return None
+
+
+def _of_sliding(joint: Joint) -> Contradiction | None:
+    """Return what is wrong with kinetic friction, and with what a rough joint alone has."""
+    kinetic = joint.kinetic_friction_angle
+    if kinetic is not None and kinetic > joint.friction_angle:
+        return Contradiction(
+            key="kinetic_friction_angle",
+            what=f"{kinetic:g} degrees are more than the friction angle, {joint.friction_angle:g}",
+            remedy="give the angle of what slides, or leave it out: then it is the same",
+        )
+    if joint.critical_speed > 0.0 and kinetic is None:
+        return Contradiction(
+            key="critical_speed",
+            what="there is no kinetic friction for friction to fall to",
+            remedy="give kinetic_friction_angle, or leave this out",
+        )
+    if joint.strength_reduction != 1.0:
+        return Contradiction(
+            key="strength_reduction",
+            what='belongs to a joint with law = "barton-bandis"',
+            remedy="change friction_angle, cohesion and tensile_strength themselves",
+        )
+    return None
+
+
+SMALL_DILATION = 0.35
+"""Dilation angles up to this many degrees look like radians (20 degrees are 0.35)."""
+
+
+def _of_dilation(joint: Joint) -> Contradiction | None:
+    """Return what is wrong with dilation: more than what friction can lift."""
+    angle = joint.dilation_angle
+    if 0.0 < angle < SMALL_DILATION:
+        return Contradiction(
+            key="dilation_angle",
+            what=f"{angle:g} looks like radians, but angles are in degrees",
+            remedy=f"write {math.degrees(angle):.6g}, or leave it out",
+        )
+    if joint.dilation_until is not None and angle == 0.0:
+        return Contradiction(
+            key="dilation_until",
+            what="the joint does not open as it slides",
+            remedy="give dilation_angle, or leave this out",
+        )
+    angles = joint.friction_angle, joint.residual_friction_angle, joint.kinetic_friction_angle
+    least = min(one for one in angles if one is not None)
+    if angle > least:
+        return Contradiction(
+            key="dilation_angle",
+            what=f"{angle:g} degrees are more than the least friction angle, {least:g}: sliding "
+            "would lift more than it takes to slide",
+            remedy="give an angle up to that; the friction angle is that of a test, roughness "
+            "included",
+        )
+    return None
+
+
+def _of_residual(joint: Joint) -> Contradiction | None:
+    """Return what is wrong with residual strengths: above the peak, or not there to fall to."""
     cohesion, angle = joint.residual_cohesion, joint.residual_friction_angle
     if cohesion is not None and cohesion > joint.cohesion:
         return Contradiction(

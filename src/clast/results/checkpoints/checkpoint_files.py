@@ -35,9 +35,9 @@ from clast.results.checkpoints.stored_arrays import arrays_of, put_array
 from clast.results.open_file import is_result_file
 from clast.results.output import fresh, hidden
 
-LAYOUT = 3
+LAYOUT = 4
 """Version of the layout of checkpoint files: 1 did not say which run each belongs to, 2 did not
-have the slip of contacts."""
+have the slip of contacts, 3 not how fast they slide and how far that opens them."""
 LARGEST = 2**31
 """Checkpoints above this size are not read, bytes."""
 SUMS = struct.Struct("<Q32s8s")
@@ -162,7 +162,8 @@ def _check_layout(attributes: Mapping[str, Any], path: Path) -> str:
             remedy="update clast",
         )
     if layout < LAYOUT:
-        lack = "which run they belong to" if layout < 2 else "how far contacts have slipped"
+        lacks = "which run they belong to", "how far contacts have slipped", "how fast they slide"
+        lack = lacks[max(0, layout - 1)]
         raise CaseError(
             f"was written by an older clast ({shortened(version)}), whose checkpoints do not say "
             f"{lack}",

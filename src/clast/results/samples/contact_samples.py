@@ -84,7 +84,8 @@ def opening_and_slip(
     at = np.minimum(np.searchsorted(known, key), max(0, len(known) - 1))
     found = known[at] == key if len(known) else np.zeros(len(key), np.bool_)
     ways = []
-    for kept, begun in ((memory.gap, contacts.gap), (memory.slip, contacts.slip)):
+    gap = contacts.gap + contacts.rest_gap
+    for kept, begun in ((memory.gap, gap), (memory.slip, contacts.slip)):
         ways.append(np.where(found, kept[at] if len(known) else 0.0, begun[rows]))
     return ways[0], ways[1]
 

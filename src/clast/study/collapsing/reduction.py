@@ -19,8 +19,12 @@ SETTLE, TRIAL = "settle", "trial"
 """Stages that a study adds to those of a case."""
 STRENGTHS = ("cohesion", "tensile_strength", "residual_cohesion")
 """Strengths of a joint beside its friction angles."""
-ANGLES = ("friction_angle", "residual_friction_angle")
+ANGLES = ("friction_angle", "residual_friction_angle", "kinetic_friction_angle")
 """Friction angles of a joint, whose tangents are divided."""
+DILATION = "dilation_angle"
+"""Angle at which a joint opens as it slides."""
+ROUGH = "strength_reduction"
+"""Key of a rough joint: what the tangent of its mobilised friction angle is divided by."""
 LOADS = {"point_load": "force", "line_load": "traction", "pressure": "value"}
 """Tables of loads, and the keys of their values."""
 STATIC_STEPS = 300
@@ -61,7 +65,9 @@ class Strengths:
         if factor == 1.0:
             return content
         joints = {
-            name: {**table, **divided(table, factor)} if self._is_meant(name) else table
+            name: {**table, **divided(_with_factor(table), factor)}
+            if self._is_meant(name)
+            else table
             for name, table in content.get("joint", {}).items()
         }
         stages = [
@@ -82,11 +88,12 @@ class Strengths:
 
     def _last(self, content: Content) -> dict[str, dict[str, float]]:
         """Return the strengths of the joints that are meant after the stages of the case."""
-        keys = (*ANGLES, *STRENGTHS)
+        keys = (*ANGLES, *STRENGTHS, DILATION, ROUGH)
         found: dict[str, dict[str, float]] = {}
         for name, table in content.get("joint", {}).items():
             if self._is_meant(name):
-                found[name] = {"friction_angle": 0.0, **{k: table[k] for k in keys if k in table}}
+                usual = {ROUGH: 1.0} if _is_rough(table) else {"friction_angle": 0.0}
+                found[name] = {**usual, **{k: table[k] for k in keys if k in table}}
         for stage in content.get("stage", []):
             for name, table in stage.get("joint", {}).items():
                 if name in found:
@@ -280,17 +287,37 @@ def _free(name: str, taken: set[Any]) -> str:
 
 
 def divided(table: Mapping[str, float], factor: float) -> dict[str, float]:
-    """Return the strengths of a joint divided by a factor."""
+    """Return the strengths of a joint divided by a factor.
+
+    Of a rough joint it is the mobilised friction angle whose tangent is divided, and nothing else;
+    a dilation angle stays what it is, up to the friction angle.
+    """
+    if ROUGH in table:
+        kept = {key: table[key] for key in ANGLES if key in table}
+        return {**kept, ROUGH: table[ROUGH] * factor}
     found = {key: table[key] / factor for key in STRENGTHS if key in table}
     for key in ANGLES:
         if key in table:
             tangent = math.tan(math.radians(table[key]))
             found[key] = math.degrees(math.atan(tangent / factor))
+    if table.get(DILATION, 0.0) > 0.0:
+        found[DILATION] = min(table[DILATION], *(found[key] for key in ANGLES if key in found))
     return found
 
 
+def _is_rough(table: Mapping[str, Any]) -> bool:
+    return table.get("law") == "barton-bandis"
+
+
+def _with_factor(table: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the table of a joint with the factor that a rough one has, unless it says so."""
+    return {ROUGH: 1.0, **table} if _is_rough(table) else table
+
+
 def _has_strength(table: Mapping[str, float]) -> bool:
-    return any(table.get(key, 0.0) > 0.0 for key in ("friction_angle", *STRENGTHS))
+    return ROUGH in table or any(
+        table.get(key, 0.0) > 0.0 for key in ("friction_angle", *STRENGTHS)
+    )
 
 
 def _weight(content: Content) -> None:

@@ -1,0 +1,133 @@
+"""Stick-slip of a slider that a spring draws over a floor.
+
+A spring of stiffness k draws a block with the normal force N, its far end at a speed V.  Friction
+is mu_s while the block stands and mu_k while it slides.  It stands until the spring bears mu_s N,
+slides as half a swing about mu_k N, and stands again: whatever V, the force of the spring falls by
+
+    2 (mu_s - mu_k) N,
+
+its stretch by that over k, and from there it rises by k V to the next slip.  The far end is a load
+k V t here, and the spring is anchored in a fixed block: the block feels k (V t - x) either way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from clast.inputs.builder import ModelBuilder
+from clast.model.model import Floats, Model
+from clast.pictures.verification import Chart, curve, exact_curve
+from clast.run.schedule import Schedule
+from clast.run.simulate import simulate
+from clast.verification.problem import Outcome, Problem, relative
+from clast.verification.variants import (
+    CONVEX,
+    CONVEX_MULTIPLIERS,
+    IMPLICIT,
+    LAGGED,
+    OPEN_CLOSE,
+    Variant,
+)
+
+GRAVITY, DENSITY = 9.8, 2500.0
+LENGTH, HEIGHT = 1.0, 0.1
+"""Size of the block, m."""
+STATIC, KINETIC = 35.0, 20.0
+"""Friction angles, degrees."""
+SPRING, SPEED = 2e5, 0.01
+"""Stiffness of the spring, N/m per m, and speed of its far end, m/s."""
+NORMAL = DENSITY * GRAVITY * LENGTH * HEIGHT
+MU_S, MU_K = (float(np.tan(np.radians(one))) for one in (STATIC, KINETIC))
+STEP, SOON, END = 3e-4, 0.1, 0.45
+"""Step, time in which the spring is drawn to START, and end, s."""
+START = 0.8
+"""Force of the spring at first, in units of mu_s N; from there on its far end moves steadily."""
+FIRST = "the stretch goes on until the block is as fast as V: (V/w)^2/2 a = 15 um of 8.6 mm"
+SWING = "forces of the end of a step take 1.6 w h = 1.4 % of the way back of a half swing"
+
+
+def far_end(time: Sequence[float] | Floats) -> Floats:
+    """Return where the far end of the spring is, m, (t,), from where it bears nothing on."""
+    at = START * MU_S * NORMAL / SPRING
+    return np.interp(time, [0.0, SOON, END], [0.0, at, at + SPEED * (END - SOON)])
+
+
+def slider() -> Model:
+    """Return a flat block on a fixed one, anchored by a spring and drawn by a load that grows."""
+    builder = ModelBuilder(title="Stick-slip", gravity=(0.0, -GRAVITY))
+    builder.add_rock("rock", young=50e9, poisson=0.0, density=DENSITY)
+    builder.add_joint(friction_angle=STATIC, kinetic_friction_angle=KINETIC)
+    builder.block(name="floor", vertices=[(-3, -0.2), (4, -0.2), (4, 0), (-3, 0)], fixed=True)
+    corners = [(-3.6, -0.2), (-3.1, -0.2), (-3.1, 0.2), (-3.6, 0.2)]
+    builder.block(name="anchor", vertices=corners, fixed=True)
+    corners = [(0, 0), (LENGTH, 0), (LENGTH, HEIGHT), (0, HEIGHT)]
+    builder.block(name="block", vertices=corners)
+    builder.add_bolt_kind("spring", stiffness=SPRING, compression=True)
+    middle = 0.5 * LENGTH
+    builder.bolt((middle, 1e-3), (-3.5, 1e-3), kind="spring", name="spring")
+    pull = builder.add_table("pull", [0.0, SOON, END], far_end([0.0, SOON, END]).tolist())
+    builder.point_load((middle, 0.0), (SPRING, 0.0), block="block", factor=pull)
+    builder.measured_point("foot", (middle, 0.0), block="block")
+    return builder.build()
+
+
+def drawn(variant: Variant) -> tuple[Floats, Floats]:
+    """Return time, s, and the force of the spring, N/m, (t,) each."""
+    model = slider()
+    method = variant.method(model, normal_stiffness=1e9, max_displacement=0.01)
+    run = simulate(model, method, Schedule(step=STEP, end=END, every=END))
+    history = run.history("foot")
+    return history.time, SPRING * (far_end(history.time) - history.displacement[:, 0])
+
+
+def turns(force: Floats) -> tuple[Floats, Floats]:
+    """Return the largest forces before slips and the least ones after them, N/m."""
+    high, falls = [float(force[0])], False
+    low: list[float] = []
+    for one in map(float, force):
+        if falls and one > low[-1] + 0.2 * MU_K * NORMAL:
+            high, falls = [*high, one], False
+        elif not falls and one < high[-1] - 0.2 * MU_K * NORMAL:
+            low, falls = [*low, one], True
+        elif falls:
+            low[-1] = min(low[-1], one)
+        else:
+            high[-1] = max(high[-1], one)
+    return np.array(high), np.array(low)
+
+
+def examine(variant: Variant) -> Outcome:
+    """Compare where slips begin and by how much the force falls."""
+    time, force = drawn(variant)
+    high, low = turns(force)
+    fall = 2.0 * (MU_S - MU_K) * NORMAL
+    first = MU_S * NORMAL
+    rows = [relative("force at the first slip", "N/m", high[0], first, 0.01, FIRST)]
+    rows.append(relative("fall", "N/m", float(high[0] - low[0]), fall, 0.01, SWING))
+    chart = Chart(
+        title="force of the spring",
+        x_label="time, s",
+        y_label="force, N/m",
+        curves=(
+            exact_curve("mu_s N", (0.0, END), (first, first)),
+            exact_curve("(2 mu_k - mu_s) N", (0.0, END), (first - fall,) * 2),
+            curve(variant.name, time[::4], force[::4]),
+        ),
+    )
+    return Outcome(tuple(rows), (chart,))
+
+
+PROBLEM = Problem(
+    name="stick-slip",
+    title="Stick-slip of a slider on a spring",
+    text="A block of 1 m x 0.1 m is drawn by a spring of 0.2 MN/m per m at 10 mm/s; friction "
+    "angles are 35 degrees at rest and 20 degrees in motion. p = 1 GPa, h = 0.3 ms.",
+    formula="the spring's force falls from mu_s N by 2 (mu_s - mu_k) N",
+    source="half a swing about mu_k N; Bowden & Leben 1939",
+    set_up=slider,
+    examine=examine,
+    variants=(LAGGED, IMPLICIT, OPEN_CLOSE, CONVEX, CONVEX_MULTIPLIERS),
+    quick=(CONVEX,),
+)
