@@ -17,7 +17,7 @@ from functools import partial
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -75,7 +75,7 @@ def frame(stress: float) -> float:
 
 def shear_box(stress: float = STRESSES[1], pull: float = 0.0) -> Model:
     """Return a block on a rough joint, pressed, Pa, and drawn at its foot with a force, N/m."""
-    builder = ModelBuilder(title="Direct shear of a rough joint", gravity=(0.0, 0.0))
+    builder = InputBuilder(title="Direct shear of a rough joint", gravity=(0.0, 0.0))
     builder.add_rock("rock", young=5e13, poisson=0.0, density=2500.0)
     builder.add_joint(
         law="barton-bandis",

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from clast.inputs.builder import ModelBuilder
+from clast.inputs.builder import InputBuilder
 from clast.model.model import Floats, Model
 from clast.pictures.verification import Chart, curve, exact_curve
 from clast.run.schedule import Schedule
@@ -56,7 +56,7 @@ def far_end(time: Sequence[float] | Floats) -> Floats:
 
 def slider() -> Model:
     """Return a flat block on a fixed one, anchored by a spring and drawn by a load that grows."""
-    builder = ModelBuilder(title="Stick-slip", gravity=(0.0, -GRAVITY))
+    builder = InputBuilder(title="Stick-slip", gravity=(0.0, -GRAVITY))
     builder.add_rock("rock", young=50e9, poisson=0.0, density=DENSITY)
     builder.add_joint(friction_angle=STATIC, kinetic_friction_angle=KINETIC)
     builder.block(name="floor", vertices=[(-3, -0.2), (4, -0.2), (4, 0), (-3, 0)], fixed=True)
