@@ -133,11 +133,10 @@ def test_a_rough_joint_may_be_turned_and_mirrored(other):
     assert found[0] == pytest.approx(found[1], rel=1e-4)
 
 
-# one pass bounds friction by the force of the step before, which hops with the block
-@pytest.mark.parametrize("process", [Convex(), Modified(passes=4), OpenClose()], ids=PROCESSES)
-def test_a_rough_joint_has_the_peak_strength_of_its_formula(process):
+def test_a_rough_joint_has_the_peak_strength_of_its_formula():
+    """The others bound friction by the force of the solve before: see clast verify rough-joint."""
     scene = pressed(**ROUGH)
-    states = moved(scene, process, [0.1] * 70)
+    states = moved(scene, Convex(), [0.1] * 70)
     ratio = [abs(one.memory.shear_force.sum() / one.memory.normal_force.sum()) for one in states]
     # it closes in the first step, under whatever friction; later the stress is uneven by some per
     # cent, for the block hops, and strength is not proportional to stress
